@@ -110,7 +110,7 @@ def test_a_planner_in_python_flies_while_other_threads_run(tmp_path):
     assert told == sorted(told) and 10 <= len(told) <= 15
     assert flight.end_s == 900
     with sqlite3.connect(tmp_path / "f.apex") as connection:
-        assert any('"solver":"rounds"' in plan for (plan,) in connection.execute("SELECT plan FROM problem"))
+        assert any('"solver":"rounds"' in plan for (plan,) in connection.execute("SELECT plan FROM answer"))
     assert replay(tmp_path / "f.apex").equal
 
 

@@ -140,7 +140,7 @@ def test_misconduct_is_named_in_the_record_and_the_flight_goes_on(tmp_path, name
     assert flight.end_s == 120
     assert "(without-a-plan)" in said(record)
     with sqlite3.connect(record) as connection:
-        answers = connection.execute("SELECT detail FROM problem").fetchall()
+        answers = connection.execute("SELECT detail FROM answer").fetchall()
         told = "\n".join(str(detail) for (detail,) in answers)
     assert named in told or named in said(record)
 

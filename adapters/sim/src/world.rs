@@ -447,4 +447,8 @@ impl Vehicle for SimulatedWorld {
     fn withdraw(&mut self, command: CommandId, at: Time) {
         self.receive(at, Received::Withdrawal(command));
     }
+
+    fn acts_outside(&self) -> bool {
+        false
+    }
 }

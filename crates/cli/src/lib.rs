@@ -11,12 +11,14 @@
 mod commands;
 mod console;
 mod error;
+mod escaping;
 mod external_simulator;
 mod monitor;
 mod options;
 mod output;
 mod recording;
 mod sources;
+mod stopping;
 mod text;
 
 pub use apex_planning::Registry;
@@ -52,6 +54,7 @@ fn run(options: Options, planners: &Arc<Registry>) -> ExitCode {
         Command::Fly(options) => commands::fly::run(&options, planners),
         Command::Replay(options) => commands::replay::run(&options),
         Command::Verify(options) => commands::verify::run(&options),
+        Command::Recover(options) => commands::recover::run(&options),
         Command::Score(options) => commands::score::run(&options),
         Command::Fork(options) => commands::fork::run(&options, planners),
         Command::Why(options) => commands::why::run(&options),

@@ -44,8 +44,10 @@ pub enum Command {
     Fly(FlyOptions),
     /// Re-execute a flight record and compare every decision byte for byte.
     Replay(ReplayOptions),
-    /// Hold the positions of a flight record against the airspace, the landing distance and the ground of its mission.
+    /// Check that a flight record is as it was written, then its positions against the requirements of its mission.
     Verify(VerifyOptions),
+    /// Save what can be trusted of a damaged or cut-off flight record into a new one.
+    Recover(RecoverOptions),
     /// Print what a recorded flight achieved, computed again from its record alone.
     Score(ScoreOptions),
     /// Continue a recorded flight from an instant on with other inputs, wind, seed or plan, and compare both reports.
@@ -144,6 +146,9 @@ pub struct RunOptions {
     /// Also write a flight record.
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
+    /// Wait for the disk with each commit of the record, so that a power cut loses nothing that has left.
+    #[arg(long, requires = "record")]
+    pub power_safe: bool,
 }
 
 /// `apex fly`
@@ -204,6 +209,16 @@ pub struct VerifyOptions {
     /// Print the result as JSON.
     #[arg(long)]
     pub json: bool,
+}
+
+/// `apex recover`
+#[derive(Args)]
+pub struct RecoverOptions {
+    /// The flight record; it stays as it is.
+    pub record: PathBuf,
+    /// The new record; default is the old name with `-recovered`.
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
 }
 
 /// `apex score`

@@ -2,9 +2,10 @@
 //! disk is one, and never a panic.
 
 use crate::error::{CliError, CliResult};
+use crate::escaping::Escaped;
 use std::cell::Cell;
 use std::fmt;
-use std::io::{self, BufWriter, ErrorKind, Write};
+use std::io::{self, BufWriter, ErrorKind, IsTerminal, Write};
 use std::path::Path;
 use std::rc::Rc;
 
@@ -13,7 +14,7 @@ use std::rc::Rc;
 /// # Errors
 /// The output cannot be written. A reader that went away is no error.
 pub fn print(text: impl fmt::Display) -> CliResult {
-    let mut out = io::stdout().lock();
+    let mut out = standard();
     match write!(out, "{text}").and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(unwritable(error)),
         Ok(()) | Err(_) => Ok(()),
@@ -47,10 +48,34 @@ pub fn put(out: Option<&Path>, text: &str) -> CliResult {
     })
 }
 
-/// Prints one line to standard error. A failure to write it is ignored: the exit code still reports the error.
+/// Prints text that holds colours of our own, as diagnostics do; the renderer has escaped what comes from outside.
+///
+/// # Errors
+/// As [`print`].
+pub fn print_rendered(text: impl fmt::Display) -> CliResult {
+    let mut out = io::stdout().lock();
+    match write!(out, "{text}").and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(unwritable(error)),
+        Ok(()) | Err(_) => Ok(()),
+    }
+}
+
+/// Prints one line to standard error. A failure to write it is ignored: the exit code still reports the error. Control
+/// characters of names and messages are escaped: they must not move a terminal's cursor or change its title.
 pub fn print_error(text: impl fmt::Display) {
     // Nothing can be done about it, and the exit code still says what happened.
+    let _ = writeln!(Escaped::new(io::stderr().lock()), "{text}");
+}
+
+/// As [`print_error`], for text that holds colours of our own.
+pub fn print_error_rendered(text: impl fmt::Display) {
     let _ = writeln!(io::stderr().lock(), "{text}");
+}
+
+/// Standard output; on a terminal, control characters are escaped.
+fn standard() -> Box<dyn Write> {
+    let out = io::stdout();
+    if out.is_terminal() { Box::new(Escaped::new(out)) } else { Box::new(out) }
 }
 
 /// What to say when standard output cannot be written.
@@ -69,7 +94,7 @@ pub struct Listened {
 impl Listened {
     /// Standard output.
     pub fn standard() -> Listened {
-        Listened::new(Box::new(io::stdout()))
+        Listened::new(standard())
     }
 
     /// Any other output.

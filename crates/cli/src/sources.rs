@@ -57,7 +57,7 @@ pub fn print_warnings_and_errors(checked: &Checked) {
         checked.diagnostics.iter().filter(|each| each.severity != apex_pdl::Severity::Note).cloned().collect();
     if !serious.is_empty() {
         let rendered = apex_pdl::render(&serious, &checked.library.sources, std::io::stderr().is_terminal());
-        output::print_error(rendered.trim_end_matches('\n'));
+        output::print_error_rendered(rendered.trim_end_matches('\n'));
     }
 }
 

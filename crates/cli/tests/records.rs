@@ -71,24 +71,73 @@ fn a_record_cut_in_half_is_damaged_and_no_panic() {
 }
 
 #[test]
-fn a_tampered_record_is_shown_with_its_first_difference() {
+fn a_tampered_record_is_refused_by_every_command_and_verify_says_where() {
     let desk = Desk::with_flight();
+    desk.apex(&["verify", "flight.apex"])
+        .told(&["Integrity: ", "are as they were written; the file is as it was closed"]);
+    let intact = desk.apex(&["verify", "flight.apex", "--json"]).json_lines();
+    assert_eq!((&intact[0]["integrity"]["intact"], &intact[0]["integrity"]["file"]), (&true.into(), &"intact".into()));
     let path = desk.path("flight.apex");
     let bytes = fs::read(&path).unwrap();
     let program = replaced(&bytes, b"(priority 5))", b"(priority 0))");
     assert_ne!(program, bytes, "the program is in the record");
     fs::write(&path, program).unwrap();
-    let said = desk.apex(&["replay", "flight.apex"]);
-    assert_eq!(said.code, Some(1), "{said:?}");
-    let said = said.told(&["ecorded", "eplayed"]);
-    assert!(!said.out.contains("confirmed"), "{}", said.out);
-    let json = desk.apex(&["replay", "flight.apex", "--json"]);
-    assert_eq!(json.code, Some(1));
-    let json = json.json_lines();
-    assert_eq!(json[0]["equal"], false);
-    let difference = &json[0]["difference"];
-    assert_eq!(difference["t"], 40.0, "where the calibration no longer outranks the picture: {difference}");
-    assert_ne!(difference["recorded"], difference["replayed"]);
+    for command in [
+        &["replay", "flight.apex"][..],
+        &["trace", "flight.apex"],
+        &["why", "flight.apex", "T2"],
+        &["why-not", "flight.apex", "T2"],
+        &["score", "flight.apex"],
+        &["export", "flight.apex"],
+        &["serve", "flight.apex"],
+    ] {
+        let said = desk.apex(command);
+        assert!(said.out.is_empty(), "{command:?}: {}", said.out);
+        said.complained(2, &["flight.apex is damaged: group ", "is not as it was written", "`apex recover`"]);
+    }
+    let said = desk.apex(&["verify", "flight.apex"]);
+    said.complained(1, &["cannot be trusted as a whole"]).told(&["Integrity: damaged; group "]);
+    let json = desk.apex(&["verify", "flight.apex", "--json"]).json_lines();
+    assert_eq!(json[0]["integrity"]["intact"], false);
+    assert!(json[0]["integrity"]["damage"]["group"].as_i64().unwrap() > 0, "{}", json[0]);
+}
+
+#[test]
+fn what_can_be_trusted_is_recovered_into_a_new_record() {
+    let desk = Desk::with_flight();
+    let path = desk.path("flight.apex");
+    let bytes = fs::read(&path).unwrap();
+    // The last group holds the report; what comes before is the flight.
+    let forged = replaced(&bytes, b"\"reason\"", b"\"wish!!\"");
+    assert_ne!(forged, bytes, "the report is in the record");
+    fs::write(&path, &forged).unwrap();
+    let said = desk.apex(&["recover", "flight.apex"]);
+    said.complained(0, &["warning: flight.apex: group "]).told(&["steps up to", "are saved in flight-recovered.apex"]);
+    assert_eq!(fs::read(&path).unwrap(), forged, "the old record stays as it is");
+    let said = desk.apex(&["replay", "flight-recovered.apex"]);
+    said.complained(0, &["flight-recovered.apex is incomplete"]).told(&["The record is confirmed"]);
+    desk.apex(&["recover", "flight.apex"]).complained(2, &["flight-recovered.apex is there already", "`--out`"]);
+}
+
+#[test]
+fn names_that_are_no_files_are_refused() {
+    let desk = Desk::new();
+    let mission = mission("first-picture");
+    for name in [":memory:", "file:flight.apex", "file::memory:?cache=shared"] {
+        let said = desk.apex(&["fly", &mission, "--no-progress", "--record", name]);
+        said.complained(2, &["the flight record cannot be", "SQLite takes this name", "./flight.apex"]);
+    }
+}
+
+#[test]
+fn a_record_of_another_version_says_so() {
+    let desk = Desk::with_flight();
+    let path = desk.path("flight.apex");
+    let bytes = fs::read(&path).unwrap();
+    let mut newer = bytes;
+    newer[60..64].copy_from_slice(&99_u32.to_be_bytes());
+    fs::write(&path, newer).unwrap();
+    desk.apex(&["replay", "flight.apex"]).complained(2, &["version 99 of the record format", "Use a newer Apex"]);
 }
 
 /// `bytes` with every `from` replaced by `to` of the same length.

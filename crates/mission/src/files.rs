@@ -1,6 +1,7 @@
 //! Reading files, and what to say when they cannot be read.
 
 use crate::error::{MissionError, MissionResult};
+use std::io::Read;
 
 /// Reads a text file.
 ///
@@ -10,9 +11,18 @@ pub fn read_text(path: &std::path::Path) -> MissionResult<String> {
     text_of(&path.display().to_string(), read_bytes(path)?)
 }
 
-/// The bytes of the file `place` as text.
+/// Largest file that is read as a whole: a matrix of 5,000 x 5,000 travel times is half of it.
+const FILE_BYTES_MAX: u64 = 512 << 20;
+/// Largest amount that is read from a device or pipe, whose length is not known before.
+const STREAM_BYTES_MAX: u64 = 64 << 20;
+/// Some editors begin a file with this mark; it is not part of the text.
+const BYTE_ORDER_MARK: char = '\u{feff}';
+
+/// The bytes of the file `place` as text, without a byte order mark.
 pub(crate) fn text_of(place: &str, bytes: Vec<u8>) -> MissionResult<String> {
-    String::from_utf8(bytes).map_err(|error| {
+    let text = String::from_utf8(bytes);
+    let text = text.map(|text| text.strip_prefix(BYTE_ORDER_MARK).map(str::to_string).unwrap_or(text));
+    text.map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
         MissionError::data(format!("{place} is not text"))
             .because(format!("byte {valid} is not UTF-8"))
@@ -28,7 +38,20 @@ pub fn read_bytes(path: &std::path::Path) -> MissionResult<Vec<u8>> {
     if path.is_dir() {
         return Err(MissionError::data(format!("{} is a folder", path.display())).help("name a file in it"));
     }
-    std::fs::read(path).map_err(|error| unreadable(path, &error))
+    let unreadable = |error: std::io::Error| unreadable(path, &error);
+    let file = std::fs::File::open(path).map_err(unreadable)?;
+    let found = file.metadata().map_err(unreadable)?;
+    let limit = if found.is_file() { FILE_BYTES_MAX } else { STREAM_BYTES_MAX };
+    let mut bytes = Vec::new();
+    if found.len() <= limit {
+        file.take(limit + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+    }
+    if found.len() > limit || bytes.len() as u64 > limit {
+        return Err(MissionError::data(format!("{} is too large to be read", path.display()))
+            .because(format!("it holds more than {} MiB", limit >> 20))
+            .help("name a text file; logs are read by `apex monitor` and `apex export`"));
+    }
+    Ok(bytes)
 }
 
 /// A file that cannot be read: looked for in vain, or not for us.

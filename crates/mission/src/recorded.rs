@@ -13,7 +13,7 @@ use apex_model::source::SourceFile;
 use apex_model::time::Time;
 use apex_runtime::program::NoDeliberator;
 use apex_runtime::record::{Program, RecordReader};
-use apex_runtime::replay::{ReplayReport, replay_with};
+use apex_runtime::replay::{Difference, Differing, ReplayReport, replay_with};
 use std::sync::Arc;
 
 /// The mission that a record holds; `None` if its program is not a mission.
@@ -40,7 +40,7 @@ pub fn load_program(reader: &RecordReader, sources: &[SourceFile]) -> Result<Pro
     }
 }
 
-/// Replays a record: decisions byte for byte, and every planning problem posed again.
+/// Replays a record: decisions byte for byte, every planning problem posed again, every derived row and the report made again.
 ///
 /// # Errors
 /// A record that cannot be read or whose mission cannot be loaded.
@@ -51,11 +51,31 @@ pub fn replay(reader: &RecordReader) -> MissionResult<ReplayReport> {
             let mission = Arc::new(mission);
             let mut deliberator = MissionDeliberator::new(Arc::clone(&mission), means);
             let load = |sources: &[SourceFile]| crew::load_recorded_mission(&mission, sources);
-            replay_with(reader, &load, &mut deliberator)
+            let mut report = replay_with(reader, &load, &mut deliberator).map_err(read)?;
+            if report.difference.is_none() {
+                report.difference = report_difference(reader, &mission)?;
+            }
+            return Ok(report);
         }
         None => replay_with(reader, &program::load_recorded, &mut NoDeliberator),
     };
     report.map_err(read)
+}
+
+/// The first section of the stored report that does not follow from the steps; none before the flight has ended.
+fn report_difference(reader: &RecordReader, mission: &Mission) -> MissionResult<Option<Difference>> {
+    let stored = reader.report_sections().map_err(read)?;
+    if stored.is_empty() {
+        return Ok(None);
+    }
+    let made = report_of(reader, mission)?.sections();
+    let made: Vec<(String, String)> = made.iter().map(|(name, body)| ((*name).to_string(), body.to_string())).collect();
+    let longest = stored.len().max(made.len());
+    let Some(index) = (0..longest).find(|index| stored.get(*index) != made.get(*index)) else { return Ok(None) };
+    let at = reader.span().map_err(read)?.map_or(Time::ZERO, |(_, end)| end);
+    let shown = |sections: &[(String, String)]| sections.get(index).map(|(name, body)| format!("{name}: {body}"));
+    let what = Differing::Row(format!("report {}", index + 1), "body");
+    Ok(Some(Difference { at, batch: 0, what, recorded: shown(&stored), replayed: shown(&made) }))
 }
 
 /// The situation after the last step not later than `at`.

@@ -6,7 +6,7 @@ use crate::{Mission, flight};
 use apex_model::library::Library;
 use apex_runtime::RecordError;
 use apex_runtime::ports::Observer;
-use apex_runtime::record::{RecordOptions, RecordReader, Recorder};
+use apex_runtime::record::{Durability, RecordOptions, RecordReader, Recorder};
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -48,9 +48,9 @@ pub fn create(
 ///
 /// # Errors
 /// As [`create`].
-pub fn of_mission(path: &Path, mission: &Mission) -> MissionResult<Recorder> {
+pub fn of_mission(path: &Path, mission: &Mission, durability: Durability) -> MissionResult<Recorder> {
     let vehicle = mission.agent.name.printed().to_string();
-    let options = RecordOptions { vehicle: Some(vehicle), ..RecordOptions::default() };
+    let options = RecordOptions { vehicle: Some(vehicle), durability, ..RecordOptions::default() };
     create(path, &mission.library, options, |recorder| flight::describe(mission, recorder))
 }
 
@@ -64,6 +64,16 @@ fn hold(path: &Path) {
     if cfg!(unix)
         && let Ok(file) = File::open(path)
         && file.try_lock().is_ok()
+    {
+        HELD.lock().unwrap_or_else(PoisonError::into_inner).push((path.to_path_buf(), file));
+    }
+}
+
+/// Keeps other runs from replacing the record at `path` while this program shows it, if no flight of this program does so already.
+pub fn protect(path: &Path) {
+    if cfg!(unix)
+        && let Ok(file) = File::open(path)
+        && file.try_lock_shared().is_ok()
     {
         HELD.lock().unwrap_or_else(PoisonError::into_inner).push((path.to_path_buf(), file));
     }
@@ -105,6 +115,13 @@ fn remove_beginning(path: &Path) {
 
 /// Can a record be made here at all?
 fn check_place(path: &Path) -> MissionResult {
+    // To SQLite these names are not files: the record would be lost with the program, or options would be read out of it.
+    let name = path.to_string_lossy();
+    if name.is_empty() || name == ":memory:" || name.get(..5).is_some_and(|start| start.eq_ignore_ascii_case("file:")) {
+        return Err(MissionError::record_file(format!("the flight record cannot be `{}`", name.escape_debug()))
+            .because("SQLite takes this name for something else than a file")
+            .help("name a file with `--record`, for example `./flight.apex`"));
+    }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."));
     let refused = |reason: String, help: &str| {
         let place = format!("the flight record {} cannot be written", path.display());

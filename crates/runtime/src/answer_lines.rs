@@ -5,6 +5,7 @@
 use crate::input_lines::{InputErrors, ReadValue, value_of};
 use crate::limits::INPUT_MESSAGES_MAX;
 use crate::terms::ScriptedAnswer;
+use crate::unique_json;
 use apex_model::symbol::Symbol;
 use apex_model::time::Duration;
 use serde_json::Value as Json;
@@ -27,7 +28,7 @@ pub fn read_answers(name: &str, text: &str, read_value: ReadValue<'_>) -> Result
 }
 
 fn read_line(line: &str, read_value: ReadValue<'_>) -> Result<ScriptedAnswer, String> {
-    let json: Json = serde_json::from_str(line).map_err(|error| format!("this is no JSON: {error}"))?;
+    let json = unique_json::parse(line).map_err(|error| format!("this is no JSON: {error}"))?;
     let Json::Object(fields) = json else {
         return Err(r#"expected an object like {"question": "go on", "value": "yes"}"#.into());
     };

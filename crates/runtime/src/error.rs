@@ -77,8 +77,8 @@ pub enum RecordError {
         /// Ours.
         known: i64,
     },
-    /// The file was written by an earlier Apex, which told causes differently.
-    #[error("{} was written in version {found} of the record format; this Apex reads version {known}, in which causes are told differently. Use the Apex that wrote it, or fly again.", path.display())]
+    /// The file was written by an earlier Apex, in another layout.
+    #[error("{} was written in version {found} of the record format; this Apex reads version {known}, whose rows are sealed. Use the Apex that wrote it, or fly again.", path.display())]
     Older {
         /// The file.
         path: PathBuf,
@@ -112,7 +112,7 @@ pub enum RecordError {
         doing: String,
     },
     /// The file is a record, but parts of it cannot be understood.
-    #[error("The flight record {} is damaged: {what}. Use a copy from a backup; `apex trace` can still show what stands before the damage.", path.display())]
+    #[error("The flight record {} is damaged: {what}. `apex recover` saves what stands before the damage into a new record.", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,

@@ -165,6 +165,11 @@ impl<'a, 'o> Flight<'a, 'o> {
         self.crew.check(input)
     }
 
+    /// Lets the observers keep everything up to now safe.
+    pub(crate) fn flush(&mut self, now: Time) -> Result<(), RunError> {
+        self.each_observer(now, |observer| observer.flush())
+    }
+
     /// Cuts everything in good order, from outside.
     pub(crate) fn stop(&mut self) -> Result<(), RunError> {
         self.stop_all(None, &EndReason::Stopped.text())
@@ -201,6 +206,10 @@ impl<'a, 'o> Flight<'a, 'o> {
     /// Fetches what solvers have answered; true when that was something. Without a pace they are waited for.
     fn fetch_answers(&mut self, instant: Time) -> Result<bool, RunError> {
         let now = self.pacer.now(self.now, instant);
+        if self.pool.is_waiting() && !self.pacer.is_paced() {
+            // A solver may take minutes: nothing waits for it uncommitted.
+            self.flush(now)?;
+        }
         let Some(notes) = self.pool.collect(now, !self.pacer.is_paced()) else { return Ok(false) };
         self.show_answers(now)?;
         for text in notes {
@@ -368,7 +377,12 @@ impl<'a, 'o> Flight<'a, 'o> {
         self.end.steps += 1;
         self.end.events += batch.events.len() as u64;
         self.end.effects += effects.len() as u64;
-        self.each_observer(now, |observer| observer.observe(batch, &effects))?;
+        // One after the other: a trace that a vehicle reads goes out after the recorder has committed.
+        let leaves = self.vehicle.acts_outside() && effects.iter().any(outbox::leaves);
+        self.each_observer(now, |observer| {
+            observer.observe(batch, &effects)?;
+            if leaves { observer.flush() } else { Ok(()) }
+        })?;
         self.deliberator.observe(index, batch, &effects);
         self.deliberator.derive().into_iter().try_for_each(|input| self.crew.deliver(input))?;
         let numbering = Numbering::new(index, self.crew.len());
@@ -394,6 +408,10 @@ impl<'a, 'o> Flight<'a, 'o> {
     fn pose(&mut self, request: &SolveRequest, now: Time) -> Result<(), RunError> {
         let posed = self.deliberator.pose(request, now);
         self.each_observer(now, |observer| observer.posed(request, now, &posed.problem))?;
+        if !self.pacer.is_paced() {
+            // Without a pace the flight waits here for the solver.
+            self.flush(now)?;
+        }
         self.pool.request(request, now, posed.job, !self.pacer.is_paced());
         self.show_answers(now)
     }

@@ -12,6 +12,7 @@ use crate::ports::{Deliberator, Input, Observer, Vehicle};
 use crate::solver_thread::SolverThread;
 use crate::terms::{EndReason, FlyOptions, RunEnd};
 use crate::trace::seconds_text;
+use crate::unique_json;
 use apex_executive::{Agent, step};
 use apex_model::effect::{CommandId, Effect};
 use apex_model::event::Batch;
@@ -101,6 +102,7 @@ pub fn run(
             Request::Stop | Request::Reset => {
                 reset = request_is_reset;
                 flight.stop()?;
+                flight.flush(now)?;
                 answer(link, &said, now, None, Some(&EndReason::Stopped), false)?;
                 break EndReason::Stopped;
             }
@@ -115,6 +117,8 @@ pub fn run(
         if ended.is_none() && now >= until {
             ended = Some(EndReason::Until);
         }
+        // The simulator obeys the answer: what it holds is committed first, and nothing waits uncommitted for the next line.
+        flight.flush(now)?;
         answer(link, &said, now, flight.next_wake(), ended.as_ref(), first)?;
         first = false;
         if let Some(reason) = ended {
@@ -155,7 +159,7 @@ fn understand(line: &str, now: Time, read_value: ReadValue<'_>) -> Result<Reques
     if line.len() > INPUT_LINE_BYTES_MAX {
         return Err(format!("the line is longer than {INPUT_LINE_BYTES_MAX} bytes"));
     }
-    let request: Json = serde_json::from_str(line).map_err(|error| format!("this is no JSON: {error}"))?;
+    let request = unique_json::parse(line).map_err(|error| format!("this is no JSON: {error}"))?;
     let Json::Object(fields) = request else { return Err("a request is an object".into()) };
     if let Some(stranger) = fields.keys().find(|key| !["advance", "inputs", "stop", "reset"].contains(&key.as_str())) {
         return Err(format!(
@@ -259,6 +263,10 @@ impl Vehicle for Remote {
 
     fn withdraw(&mut self, command: CommandId, at: Time) {
         self.0.borrow_mut().push(json!({"t": seconds(at), "withdraw": command.0}));
+    }
+
+    fn acts_outside(&self) -> bool {
+        false
     }
 }
 

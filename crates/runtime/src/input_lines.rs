@@ -7,6 +7,7 @@
 
 use crate::limits::{INPUT_LINE_BYTES_MAX, INPUT_MESSAGES_MAX};
 use crate::ports::Input;
+use crate::unique_json;
 use apex_model::effect::{CommandId, QuestionId};
 use apex_model::event::{EventKind, StateVariable};
 use apex_model::symbol::Symbol;
@@ -68,7 +69,7 @@ pub fn read_live(line: &str, now: Time, read_value: ReadValue<'_>) -> Result<Inp
     if line.len() > INPUT_LINE_BYTES_MAX {
         return Err(format!("the line is longer than {INPUT_LINE_BYTES_MAX} bytes"));
     }
-    let json: Json = serde_json::from_str(line).map_err(|error| format!("this is no JSON: {error}"))?;
+    let json = unique_json::parse(line).map_err(|error| format!("this is no JSON: {error}"))?;
     let Json::Object(fields) = json else { return Err(r#"expected an object like {"event": "(stop)"}"#.into()) };
     read_fields(&fields, now, read_value)
 }
@@ -86,7 +87,7 @@ fn read_line(line: &str, read_value: ReadValue<'_>) -> Result<Input, String> {
     if line.len() > INPUT_LINE_BYTES_MAX {
         return Err(format!(": the line is longer than {INPUT_LINE_BYTES_MAX} bytes"));
     }
-    let json: Json = serde_json::from_str(line).map_err(|error| json_fault(&error))?;
+    let json = unique_json::parse(line).map_err(|error| json_fault(&error))?;
     let Json::Object(fields) = json else {
         return Err(r#": expected an object like {"t": 1.5, "event": "(stop)"}"#.into());
     };

@@ -33,6 +33,8 @@ pub mod terms;
 pub mod trace;
 #[cfg(test)]
 mod typescript;
+mod unique_json;
 
 pub use error::{RecordError, RunError};
 pub use mission_loop::{Control, EndReason, FlyOptions, RunEnd, ScriptedAnswer, fly, fly_all};
+pub use unique_json::parse as parse_unique_json;

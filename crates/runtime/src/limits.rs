@@ -34,6 +34,8 @@ pub const INPUT_LINE_BYTES_MAX: usize = 1 << 20;
 pub const GROUP_BATCHES_MAX: u32 = 256;
 /// Milliseconds of wall time after which a group is committed even when it is small, so that live readers see it.
 pub const GROUP_MILLISECONDS_MAX: u128 = 200;
+/// How often committed groups go from the write-ahead log into the main file: a plain copy of it lacks no more.
+pub const CHECKPOINT_INTERVAL: std::time::Duration = std::time::Duration::from_secs(1);
 /// Batches between snapshots, at least.
 pub const SNAPSHOT_BATCHES_MIN: u64 = 500;
 /// Batches after which a snapshot is taken even when it is bigger than the input since the last one.

@@ -55,6 +55,24 @@ pub fn send(
     sent
 }
 
+/// True for an effect that a vehicle or an operator acts upon.
+pub fn leaves(effect: &Effect) -> bool {
+    match effect {
+        Effect::Command { .. }
+        | Effect::WithdrawCommand { .. }
+        | Effect::Ask { .. }
+        | Effect::WithdrawQuestion { .. } => true,
+        Effect::Solve(_)
+        | Effect::CancelSolve(_)
+        | Effect::Inform { .. }
+        | Effect::Print { .. }
+        | Effect::Tell { .. }
+        | Effect::Decided(_)
+        | Effect::AgentEnded { .. }
+        | Effect::EndApplication { .. } => false,
+    }
+}
+
 /// The requests to solvers among the effects of one step, in order, numbered as outside of the agents. A request that
 /// the same step cancels is never posed.
 pub fn requests(effects: &[Effect], numbering: Numbering) -> Vec<SolveRequest> {

@@ -48,6 +48,13 @@ pub trait Vehicle {
 
     /// Withdraws a command that is still being carried out.
     fn withdraw(&mut self, command: CommandId, at: Time);
+
+    /// True if a command has effects outside of this program at once. The observers then keep the step safe first
+    /// ([`Observer::flush`]): what a vehicle obeys is in the record, whatever happens next. False for simulated vehicles and
+    /// for links that keep commands until they are flushed themselves.
+    fn acts_outside(&self) -> bool {
+        true
+    }
 }
 
 /// A solver's answer to one request.

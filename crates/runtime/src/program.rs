@@ -89,6 +89,11 @@ impl Vehicle for NoVehicle {
         self.acknowledgements
             .retain(|input| !matches!(input.kind, EventKind::CommandAcknowledged(pending, _) if pending == command));
     }
+
+    /// A vehicle that acknowledges by inputs reads commands in the trace.
+    fn acts_outside(&self) -> bool {
+        self.silent
+    }
 }
 
 /// Stands in for planners: every request fails with a reason.

@@ -1,16 +1,20 @@
-//! Replay: executes the recorded inputs again and compares every effect byte for byte. With the mission's deliberator it also
-//! poses every planning problem again. Solvers never run again; their answers are inputs.
+//! Replay: executes the recorded inputs again and compares every effect byte for byte, and every row that is derived from
+//! inputs and effects. With the mission's deliberator it also poses every planning problem again. Solvers never run again; their
+//! answers are inputs.
 
 use crate::crew::Numbering;
 use crate::effect_describer::{EffectDescriber, EffectRow};
 use crate::error::RecordError;
 use crate::outbox;
-use crate::ports::{Deliberator, Input};
-use crate::record::{LoadProgram, ProblemRow, RecordReader, RecordedStep};
+use crate::ports::{Deliberator, Input, Observer, SolverAnswer};
+use crate::program::NoDeliberator;
+use crate::record::{
+    Derivable, LoadProgram, ProblemRow, RecordReader, RecordedStep, Recorder, RowDifference, twin_recorder,
+};
 use apex_executive::step;
 use apex_model::effect::{Effect, SolveRequestId};
-use apex_model::event::Batch;
-use apex_model::time::Time;
+use apex_model::event::{Batch, SolverReport};
+use apex_model::time::{Duration, Time};
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -45,7 +49,7 @@ pub struct Difference {
 }
 
 /// What a replay compares.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Differing {
     /// The effect at this position among the step's effects, from 1.
     Effect(usize),
@@ -53,6 +57,8 @@ pub enum Differing {
     Problem(SolveRequestId),
     /// The mission's situation after the step.
     Situation,
+    /// A row that is derived from inputs and effects: its table and number, and the column that differs (empty: the whole row).
+    Row(String, &'static str),
     /// An input that the mission derives from the step before: the batch does not hold it.
     Derived,
 }
@@ -63,6 +69,8 @@ impl fmt::Display for Differing {
             Differing::Effect(position) => write!(f, "effect {position}"),
             Differing::Problem(request) => write!(f, "planning problem of request {}", request.0),
             Differing::Situation => f.write_str("situation of the mission"),
+            Differing::Row(row, "") => write!(f, "row {row}"),
+            Differing::Row(row, column) => write!(f, "column `{column}` of row {row}"),
             Differing::Derived => f.write_str("input that the mission derives"),
         }
     }
@@ -126,6 +134,8 @@ fn replay_steps(
         agents.push((reader.fresh_agent_number(&program, agent)?, EffectDescriber::new(&program.0)));
     }
     let count = agents.len();
+    let ours = reader.meta("apex_version")?.as_deref() == Some(env!("CARGO_PKG_VERSION"));
+    let mut twin = twin_recorder(reader, &program.0, Derivable { mission: witness.is_some(), snapshots: ours })?;
     let mut report = ReplayReport { batches: 0, effects: 0, problems: 0, end: Time::ZERO, difference: None };
     for recorded in reader.steps_of_all(Time::END)? {
         let recorded = recorded?;
@@ -134,20 +144,48 @@ fn replay_steps(
         };
         let effects = step(agent, &recorded.batch);
         describer.hear(&recorded.batch);
+        let seen = twin.turn(recorded.agent).and_then(|()| twin.observe(&recorded.batch, &effects));
+        seen.map_err(|message| reader.garbled(message))?;
         report.batches += 1;
         report.effects += effects.len() as u64;
         report.end = recorded.batch.now;
         report.difference = compare(&recorded, &effects, describer);
         if let (None, Some(witness)) = (&report.difference, &mut witness) {
-            report.difference = witness.check(&recorded, &effects, Numbering::new(recorded.agent, count));
+            report.difference = witness.check(&recorded, &effects, Numbering::new(recorded.agent, count), &mut twin);
             report.problems = witness.posed;
+        }
+        if report.difference.is_none() {
+            let deliberator: &dyn Deliberator =
+                witness.as_ref().map_or(&NoDeliberator as _, |witness| &*witness.deliberator as _);
+            let (now, batch) = (recorded.batch.now, recorded.batch_number);
+            let seen = twin.inspect(agent, deliberator, now);
+            seen.map_err(|message| reader.garbled(message))?;
+            report.difference = twin.difference().map(|row| of_row(row, now, batch));
         }
         if report.difference.is_some() {
             return Ok(report);
         }
     }
     report.difference = witness.and_then(Witness::left_over);
+    if report.difference.is_none() {
+        for (request, due, answer) in reader.answers()? {
+            let result = match answer {
+                SolverReport::Plan(plan) => Ok(plan),
+                SolverReport::Failed(reason) => Err(reason),
+            };
+            let answered = twin.answered(request, due, &SolverAnswer { result, charged: Duration::ZERO });
+            answered.map_err(|message| reader.garbled(message))?;
+        }
+        twin.finish(report.end, "")?;
+        report.difference = twin.difference().map(|row| of_row(row, report.end, 0));
+    }
     Ok(report)
+}
+
+/// A row that differs, found after a step.
+fn of_row(row: &RowDifference, at: Time, batch: i64) -> Difference {
+    let RowDifference { row, column, recorded, replayed } = row.clone();
+    Difference { at, batch, what: Differing::Row(row, column), recorded, replayed }
 }
 
 /// Poses recorded problems again.
@@ -170,7 +208,13 @@ impl<'a> Witness<'a> {
         Ok(Witness { deliberator, problems, situations, derived: Vec::new(), posed: 0 })
     }
 
-    fn check(&mut self, recorded: &RecordedStep, effects: &[Effect], numbering: Numbering) -> Option<Difference> {
+    fn check(
+        &mut self,
+        recorded: &RecordedStep,
+        effects: &[Effect],
+        numbering: Numbering,
+        twin: &mut Recorder,
+    ) -> Option<Difference> {
         let (now, batch) = (recorded.batch.now, recorded.batch_number);
         let difference = |what, recorded: Option<String>, replayed: Option<String>| {
             Some(Difference { at: now, batch, what, recorded, replayed })
@@ -185,6 +229,8 @@ impl<'a> Witness<'a> {
         self.derived.extend(self.deliberator.derive());
         for request in outbox::requests(effects, numbering) {
             let posed = self.deliberator.pose(&request, now).problem;
+            // Its trouble shows as a difference.
+            let _ = twin.posed(&request, now, &posed);
             let what = Differing::Problem(request.request);
             match self.problems.remove(&request.request) {
                 Some(row) if row.problem == posed && row.at == now => self.posed += 1,

@@ -8,7 +8,7 @@ use apex_mission::flight::{FlightOutcome, MissionFlight};
 use apex_mission::recording;
 use apex_runtime::FlyOptions;
 use apex_runtime::ports::Observer;
-use apex_runtime::record::Recorder;
+use apex_runtime::record::{Durability, Recorder};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ pub(crate) const BUILT_IN: &str = "built-in simulator";
 /// # Errors
 /// As [`recording::of_mission`].
 pub fn create_record(path: &Path, mission: &Mission, seed: Option<u64>) -> MissionResult<Recorder> {
-    let mut recorder = recording::of_mission(path, mission)?;
+    let mut recorder = recording::of_mission(path, mission, Durability::Program)?;
     let seed = seed.unwrap_or(mission.settings.seed).to_string();
     let described = recorder.meta("vehicle_type", BUILT_IN).and_then(|()| recorder.meta("seed", &seed));
     described.map_err(recording::written)?;

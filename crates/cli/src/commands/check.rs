@@ -37,7 +37,7 @@ pub fn print(checked: &Checked, json: bool) -> CliResult {
         return print_json(checked);
     }
     let color = std::io::stdout().is_terminal();
-    output::print(apex_pdl::render(&checked.diagnostics, &checked.library.sources, color))
+    output::print_rendered(apex_pdl::render(&checked.diagnostics, &checked.library.sources, color))
 }
 
 /// What is kept, and because of which clauses.

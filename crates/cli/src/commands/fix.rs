@@ -65,7 +65,7 @@ fn fix_standard_input(options: &CheckOptions) -> CliResult<bool> {
     let Some(text) = program.texts.get(&name) else { return Ok(checked.has_errors()) };
     output::print(if options.dry_run { difference(STANDARD_INPUT, text) } else { text.now.clone() })?;
     let rendered = apex_pdl::render(&checked.diagnostics, &checked.library.sources, std::io::stderr().is_terminal());
-    output::print_error(rendered.trim_end_matches('\n'));
+    output::print_error_rendered(rendered.trim_end_matches('\n'));
     output::print_error(summary(&program, "standard input", &checked, options.dry_run));
     Ok(checked.has_errors())
 }

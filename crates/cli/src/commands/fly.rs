@@ -3,7 +3,7 @@
 use crate::error::{CliError, CliResult};
 use crate::options::FlyOptions;
 use crate::text::{plain_duration, shell_word};
-use crate::{commands, output, sources};
+use crate::{commands, output, sources, stopping};
 use apex_mission::Mission;
 use apex_mission::deliberation::PlanningResources;
 use apex_mission::flight::{FlightOutcome, MissionFlight};
@@ -39,8 +39,11 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult {
     let mut recorder = apex_simulation::create_record(&path, &mission, options.seed)?;
     let sherpa = options.serve.then(|| serve_beside(&path, options.port));
     let started = std::time::Instant::now();
-    let (sherpa, controls) = sherpa.map_or((None, None), |(thread, controls)| (Some(thread), Some(controls)));
-    let terms = apex_runtime::FlyOptions { pace, controls, ..MissionFlight::terms(&mission, until) };
+    let (sherpa, controls) = match sherpa {
+        Some((thread, controls)) => (Some(thread), controls),
+        None => (None, stopped_by_signal()),
+    };
+    let terms = apex_runtime::FlyOptions { pace, controls: Some(controls), ..MissionFlight::terms(&mission, until) };
     let means = means(options, planners)?;
     let mut progress = Progress::new(terms.until, options.no_progress || options.json);
     let flown = apex_simulation::fly(mission, means, options.seed, terms, &mut recorder, &mut [&mut progress]);
@@ -142,6 +145,19 @@ fn serve_beside(path: &Path, port: u16) -> (JoinHandle<()>, Receiver<Control>) {
         }
     });
     (thread, controls)
+}
+
+/// Ctrl-C and SIGTERM end the flight in good order; nothing else is said from outside.
+fn stopped_by_signal() -> Receiver<Control> {
+    let (say, controls) = mpsc::channel();
+    // The receiver is alive: it is returned.
+    say.send(Control::Quiet).unwrap_or_default();
+    stopping::at_signal(move || {
+        if say.send(Control::Stop).is_err() {
+            std::process::exit(stopping::INTERRUPTED);
+        }
+    });
+    controls
 }
 
 /// A bar over mission time.

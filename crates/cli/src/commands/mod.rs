@@ -9,6 +9,7 @@ pub mod format;
 pub mod monitor;
 pub mod plan;
 pub mod profile;
+pub mod recover;
 pub mod replay;
 pub mod run;
 pub mod score;

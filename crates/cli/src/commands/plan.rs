@@ -3,7 +3,7 @@
 use crate::error::{CliError, CliResult};
 use crate::options::{PlanFormat, PlanOptions};
 use crate::sources::{parse_length_m, parse_time};
-use crate::{output, sources};
+use crate::{output, sources, stopping};
 use apex_metrics::survival;
 use apex_mission::deliberation::{Deliberation, PlanningResources, SolveOptions, name_obstacles, solve, translate};
 use apex_mission::export::chart::{Chart, chart};
@@ -152,7 +152,11 @@ fn planned(options: &PlanOptions, question: &PlanInput, planners: &Arc<Registry>
     }
     means.table = options.table.as_deref().map(super::profile::table).transpose()?;
     let wish = SolveOptions { means: &means, solver, budget, seed, previous: None };
-    solve(question.problem.clone(), wish, &mut Invocations::new(), &CancelToken::new())
+    // The best plan so far is an answer, too.
+    let cancel = CancelToken::new();
+    let token = cancel.clone();
+    stopping::at_signal(move || token.cancel());
+    solve(question.problem.clone(), wish, &mut Invocations::new(), &cancel)
         .map_err(|reason| CliError::user("no plan was found").because(reason).help(no_plan_help))
 }
 

@@ -22,9 +22,9 @@ pub fn run(options: &ReplayOptions) -> CliResult {
             serde_json::json!({
                 "t": difference.at.seconds(),
                 "batch": difference.batch,
-                "effect": match difference.what {
-                    Differing::Effect(position) => Some(position),
-                    Differing::Problem(_) | Differing::Situation | Differing::Derived => None,
+                "effect": match &difference.what {
+                    Differing::Effect(position) => Some(*position),
+                    Differing::Problem(_) | Differing::Situation | Differing::Derived | Differing::Row(..) => None,
                 },
                 "what": difference.what.to_string(),
                 "recorded": difference.recorded,

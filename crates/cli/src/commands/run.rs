@@ -18,7 +18,7 @@ use apex_runtime::foreign::{self, ForeignEnd};
 use apex_runtime::live_lines::OpenQuestions;
 use apex_runtime::ports::Observer;
 use apex_runtime::program::{NoDeliberator, NoVehicle};
-use apex_runtime::record::{RecordOptions, Recorder};
+use apex_runtime::record::{Durability, RecordOptions, Recorder};
 use apex_runtime::terms::Lateness;
 use apex_runtime::trace::{TraceFilter, TraceFormat, Tracer};
 use apex_runtime::{EndReason, FlyOptions, RunEnd, ScriptedAnswer, program};
@@ -43,8 +43,11 @@ pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> CliResult {
         FlyOptions { answers: answers.clone(), ..terms }
     };
     refuse_to_overwrite_inputs(options)?;
-    let mut recorder =
-        options.record.as_deref().map(|path| recorder(path, &library, mission.as_deref())).transpose()?;
+    let mut recorder = options
+        .record
+        .as_deref()
+        .map(|path| recorder(path, &library, mission.as_deref(), options.power_safe))
+        .transpose()?;
     let out = trace_output(options.trace.as_deref(), clock.owns_output(options))?;
     let gone = out.gone();
     let format = if options.text { TraceFormat::Text } else { TraceFormat::JsonLines };
@@ -235,11 +238,13 @@ fn refuse_to_overwrite_inputs(options: &RunOptions) -> CliResult {
 }
 
 /// A record with the program's sources inside, and of a mission all that belongs to it.
-fn recorder(path: &Path, library: &Library, mission: Option<&Mission>) -> CliResult<Recorder> {
+fn recorder(path: &Path, library: &Library, mission: Option<&Mission>, power_safe: bool) -> CliResult<Recorder> {
+    let durability = if power_safe { Durability::Power } else { Durability::Program };
     if let Some(mission) = mission {
-        return Ok(recording::of_mission(path, mission)?);
+        return Ok(recording::of_mission(path, mission, durability)?);
     }
-    Ok(recording::create(path, library, RecordOptions::default(), |recorder| {
+    let options = RecordOptions { durability, ..RecordOptions::default() };
+    Ok(recording::create(path, library, options, |recorder| {
         recorder.meta("agent", sources::agent_of(library).name.printed())
     })?)
 }

@@ -37,6 +37,7 @@ pub fn run(options: &ServeOptions, planners: &Arc<Registry>) -> CliResult {
 /// The number of the agent to show. Opens the record so that a wrong file is told before a port is taken.
 fn agent_of(record: &Path, options: &ServeOptions) -> CliResult<usize> {
     let reader = recording::open(record)?;
+    apex_mission::recording::protect(record);
     let called = |name: &String| reader.agent_called(name).map_err(|error| CliError::user(error.to_string()));
     Ok(options.agent.as_ref().map(called).transpose()?.unwrap_or(0))
 }

@@ -3,6 +3,7 @@
 use super::placed::PlacedFeature;
 use crate::error::{MissionError, MissionResult};
 use crate::sources::DataFile;
+use apex_runtime::parse_unique_json;
 use geojson::{FeatureCollection, GeoJson};
 
 /// Reads a FeatureCollection.
@@ -11,11 +12,15 @@ use geojson::{FeatureCollection, GeoJson};
 /// Text that is not GeoJSON, or another GeoJSON object.
 pub(super) fn read(file: &DataFile) -> MissionResult<Vec<PlacedFeature>> {
     let place = &file.place;
-    let parsed: GeoJson = file.text()?.parse().map_err(|error| {
+    let text = file.text()?;
+    let unfit = |error: String| {
         MissionError::data(format!("{place} is not GeoJSON")).because(error).help(
             "export it as a GeoJSON FeatureCollection with WGS84 longitude and latitude, or as .kml, .kmz or .csv",
         )
-    })?;
+    };
+    // A key that is given twice would silently lose one of its values.
+    parse_unique_json(&text).map_err(|error| unfit(error.to_string()))?;
+    let parsed: GeoJson = text.parse().map_err(|error: geojson::Error| unfit(error.to_string()))?;
     let GeoJson::FeatureCollection(FeatureCollection { features, .. }) = parsed else {
         return Err(MissionError::data(format!("{place} is not a FeatureCollection"))
             .help("put the feature into {\"type\": \"FeatureCollection\", \"features\": [..]}"));

@@ -3,6 +3,7 @@
 //! Each reader makes features with properties, as GeoJSON has them, so that one set of rules holds for all formats. Every
 //! error names file, feature and property.
 
+mod crossing;
 mod detections;
 mod geojson_file;
 mod kml;
@@ -293,6 +294,11 @@ impl NamedFeature {
         let corners = open.iter().map(|corner| self.checked(corner.as_slice())).collect::<MissionResult<Vec<_>>>()?;
         if corners.len() < 3 {
             return Err(self.trouble(format!("a ring has {} corners", corners.len())).help("give three or more"));
+        }
+        if let Some((first, second)) = crossing::crossing(&corners) {
+            return Err(self
+                .trouble(format!("a ring crosses itself: the edges after its positions {first} and {second} cross"))
+                .help("give the positions in order around the area, or split it into polygons that do not cross"));
         }
         Ok(corners)
     }

@@ -1,24 +1,39 @@
 //! The flight record: one SQLite file per flight. Schema, writer, reader, restoring, and the
 //! view that answers questions (`docs/reference/flight-record.md`).
 
+mod check;
+mod checkpoints;
+mod closing;
 mod codec;
+mod file_seal;
+mod open;
 mod problems;
 mod reader;
+mod recover;
 mod restore;
 mod rows;
 mod schema;
+mod seal;
 mod steps;
 mod store;
+mod tables;
 #[cfg(test)]
 mod tests;
 mod track;
+mod twin;
 pub mod view;
 mod writer;
 
+pub use check::{Damage, seal_rows};
+pub use file_seal::FileSeal;
+pub use open::{Integrity, check_integrity};
 pub use problems::{ProblemRow, SituationRow};
 pub use reader::{RecordReader, Sample, StoredSource, TaskRow};
+pub use recover::{Recovered, recover};
 pub use restore::{LoadProgram, Program};
 pub use rows::TargetRow;
 pub use schema::{APPLICATION_ID, SCHEMA_VERSION, agents, look_at_agent};
 pub use steps::{RecordedEffect, RecordedStep, Steps};
+pub use store::Durability;
+pub(crate) use twin::{Derivable, RowDifference, recorder as twin_recorder};
 pub use writer::{RecordOptions, Recorder};

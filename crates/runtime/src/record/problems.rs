@@ -44,8 +44,10 @@ impl RecordReader {
     /// [`RecordError::Damaged`].
     pub fn problems(&self) -> Result<Vec<ProblemRow>, RecordError> {
         let broken = |error| self.damaged("the planning problems", error);
-        let sql =
-            "SELECT request, t_ns, goal, solver, body, due_ns, report, plan FROM problem ORDER BY t_ns, batch, request";
+        // Of several answers to one request the last counts.
+        let sql = "SELECT p.request, p.t_ns, p.goal, p.solver, p.body, a.due_ns, a.report, a.plan FROM problem p \
+                   LEFT JOIN answer a ON a.position = (SELECT max(position) FROM answer WHERE request = p.request) \
+                   ORDER BY p.t_ns, p.batch, p.request";
         let mut statement = self.connection.prepare(sql).map_err(broken)?;
         let mut rows = statement.query([]).map_err(broken)?;
         let mut problems = Vec::new();
@@ -66,6 +68,26 @@ impl RecordReader {
             });
         }
         Ok(problems)
+    }
+
+    /// All answers of solvers in the order in which they arrived: request, when it takes effect, answer.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub(crate) fn answers(&self) -> Result<Vec<(SolveRequestId, Time, SolverReport)>, RecordError> {
+        let broken = |error| self.damaged("the answers of solvers", error);
+        let mut statement =
+            self.connection.prepare("SELECT request, due_ns, report FROM answer ORDER BY position").map_err(broken)?;
+        let mut rows = statement.query([]).map_err(broken)?;
+        let mut answers = Vec::new();
+        while let Some(row) = rows.next().map_err(broken)? {
+            let request = SolveRequestId(row.get::<_, i64>(0).map_err(broken)? as u64);
+            let body = row.get_ref(2).and_then(|cell| Ok(cell.as_blob()?)).map_err(broken)?;
+            let report = postcard::from_bytes(body)
+                .map_err(|error| self.garbled(format!("the answer to request {} is garbled ({error})", request.0)))?;
+            answers.push((request, Time(row.get(1).map_err(broken)?), report));
+        }
+        Ok(answers)
     }
 
     /// The last stored situation of the mission that is not later than `to`.

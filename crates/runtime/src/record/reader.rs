@@ -1,6 +1,8 @@
 //! Reading a flight record: facts, sources, tasks, samples. Steps are in `steps.rs`, restored agents in `restore.rs`.
 
 use super::codec::{Variable, Variables};
+use super::file_seal::FileSeal;
+use super::open::{self, Copied, Opened, Trust};
 use super::schema::{self, read_error};
 use super::steps::Steps;
 use crate::error::RecordError;
@@ -8,10 +10,12 @@ use apex_model::event::{EventKind, StateVariable};
 use apex_model::library::AgentDeclaration;
 use apex_model::source::SourceFile;
 use apex_model::symbol::Symbol;
-use apex_model::task::TaskId;
+use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;
 use apex_model::value::Value;
 use rusqlite::{Connection, OptionalExtension, Row, params};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -23,6 +27,10 @@ pub struct RecordReader {
     agents: Vec<String>,
     /// The agent that is looked at.
     pub(super) agent: usize,
+    /// Why the rows are believed; moves on with a record that grows.
+    trust: RefCell<Trust>,
+    /// The copy that is read in place of the record.
+    copy: Option<Arc<Copied>>,
 }
 
 /// A file that the mission was made from.
@@ -83,17 +91,37 @@ impl RecordReader {
     /// # Errors
     /// As [`RecordReader::open`].
     pub fn of_agent(&self, agent: usize) -> Result<RecordReader, RecordError> {
-        RecordReader::open_at(&self.path, agent)
+        let opened = open::open_again(&self.path, (&self.trust.borrow(), self.copy.as_ref()))?;
+        RecordReader::of_opened(&self.path, opened, agent)
     }
 
     pub(super) fn open_at(path: &Path, agent: usize) -> Result<RecordReader, RecordError> {
-        let connection = schema::open(path)?;
+        RecordReader::of_opened(path, open::open(path)?, agent)
+    }
+
+    fn of_opened(path: &Path, opened: Opened, agent: usize) -> Result<RecordReader, RecordError> {
+        let Opened { connection, trust, copy } = opened;
         let fail = |error| read_error(path, "the agents", error);
         let agents = schema::agents(&connection).map_err(fail)?;
         if agents.len() > 1 {
             schema::look_at_agent(&connection, agent).map_err(fail)?;
         }
-        Ok(RecordReader { path: path.to_path_buf(), connection, agents, agent })
+        Ok(RecordReader { path: path.to_path_buf(), connection, agents, agent, trust: RefCell::new(trust), copy })
+    }
+
+    /// Checks what has been added since the last check; a record that is complete must not have changed at all. Long readers
+    /// call it before they read on.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub(super) fn check_growth(&self) -> Result<(), RecordError> {
+        match &mut *self.trust.borrow_mut() {
+            Trust::File(stamp) if *stamp == open::stamp(&self.path) => Ok(()),
+            Trust::File(_) => Err(self.garbled("its file was changed while it was read".into())),
+            Trust::Groups(position, _) => {
+                open::follow(&self.connection, position).map_err(|damage| self.garbled(damage.to_string()))
+            }
+        }
     }
 
     /// The names of the agents that ran, in the order of their declarations.
@@ -133,7 +161,7 @@ impl RecordReader {
     /// [`RecordError::Damaged`].
     pub fn meta(&self, key: &str) -> Result<Option<String>, RecordError> {
         self.connection
-            .query_row("SELECT value FROM meta WHERE key = ?1", [key], |row| row.get(0))
+            .query_row("SELECT value FROM meta WHERE key = ?1 ORDER BY position DESC LIMIT 1", [key], |row| row.get(0))
             .optional()
             .map_err(|error| self.damaged("the facts", error))
     }
@@ -146,19 +174,32 @@ impl RecordReader {
         Ok(self.meta("complete")?.as_deref() == Some("1"))
     }
 
-    /// What to tell people before anything else: that the record is incomplete, if it is.
+    /// Warnings to print before anything else: the record is incomplete, was changed, or is of another version of Apex.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
     pub fn warning(&self) -> Result<Option<String>, RecordError> {
-        if self.is_complete()? {
-            return Ok(None);
+        let mut warnings = Vec::new();
+        let name = self.path.display();
+        if !self.is_complete()? {
+            let end = self.span()?.map_or_else(|| "nothing".to_owned(), |(_, end)| format!("everything up to {end}"));
+            warnings.push(format!(
+                "The flight record {name} is incomplete: its flight still goes on, or was cut off. It holds {end}."
+            ));
         }
-        let end = self.span()?.map_or_else(|| "nothing".to_owned(), |(_, end)| format!("everything up to {end}"));
-        Ok(Some(format!(
-            "The flight record {} is incomplete: its flight still goes on, or was cut off. It holds {end}.",
-            self.path.display()
-        )))
+        if let Trust::Groups(_, FileSeal::Broken) = &*self.trust.borrow() {
+            warnings.push(format!(
+                "The file {name} was changed after it was closed, but not what was recorded: all groups of rows fit their seals."
+            ));
+        }
+        let (version, ours) = (self.meta("apex_version")?.unwrap_or_default(), env!("CARGO_PKG_VERSION"));
+        if version != ours {
+            let version = version.escape_debug();
+            warnings.push(format!(
+                "The flight record {name} was written by Apex {version}, this is Apex {ours}: it may read some of it otherwise."
+            ));
+        }
+        Ok((!warnings.is_empty()).then(|| warnings.join("\nwarning: ")))
     }
 
     /// First and last recorded instant; none when no step is recorded.
@@ -202,20 +243,38 @@ impl RecordReader {
     /// # Errors
     /// [`RecordError::Damaged`].
     pub fn tasks(&self) -> Result<Vec<TaskRow>, RecordError> {
-        let sql = "SELECT id, parent, tag, goal, created_ns, ended_ns, outcome, method, place FROM task ORDER BY id";
+        let sql = "SELECT id, parent, tag, goal, created_ns, place FROM task ORDER BY id";
+        let mut tasks: BTreeMap<u64, TaskRow> = BTreeMap::new();
         self.rows("the tasks", sql, |row| {
-            Ok(TaskRow {
-                id: TaskId(row.get::<_, i64>(0)? as u64),
+            let id = row.get::<_, i64>(0)? as u64;
+            let task = TaskRow {
+                id: TaskId(id),
                 parent: row.get::<_, Option<i64>>(1)?.map(|id| TaskId(id as u64)),
                 tag: row.get::<_, Option<String>>(2)?.unwrap_or_default(),
                 goal: row.get::<_, Option<String>>(3)?.unwrap_or_default(),
                 created: Time(row.get(4)?),
-                ended: row.get::<_, Option<i64>>(5)?.map(Time),
-                outcome: row.get(6)?,
-                method: row.get(7)?,
-                place: row.get(8)?,
-            })
-        })
+                ended: None,
+                outcome: None,
+                method: None,
+                place: row.get(5)?,
+            };
+            tasks.insert(id, task);
+            Ok(())
+        })?;
+        let sql = "SELECT task, t_ns, kind = 'selected', to_state, outcome, subject, method FROM effect \
+                   WHERE task IS NOT NULL AND kind IN ('transition', 'selected') ORDER BY id";
+        self.rows("the tasks", sql, |row| {
+            let Some(task) = tasks.get_mut(&(row.get::<_, i64>(0)? as u64)) else { return Ok(()) };
+            if row.get(2)? {
+                (task.goal, task.method) = (row.get(5)?, row.get(6)?);
+            } else {
+                let ended = row.get_ref(3)?.as_str_or_null()? == Some(TaskState::Terminated.word());
+                task.ended = if ended { Some(Time(row.get(1)?)) } else { None };
+                task.outcome = row.get(4)?;
+            }
+            Ok(())
+        })?;
+        Ok(tasks.into_values().collect())
     }
 
     /// What the shell itself decided, with times: dropped solver answers and the like.
@@ -223,8 +282,17 @@ impl RecordReader {
     /// # Errors
     /// [`RecordError::Damaged`].
     pub fn notes(&self) -> Result<Vec<(Time, String)>, RecordError> {
-        let sql = "SELECT t_ns, text FROM note ORDER BY id";
+        let sql = "SELECT t_ns, text FROM note ORDER BY position";
         self.rows("the notes", sql, |row| Ok((Time(row.get(0)?), row.get(1)?)))
+    }
+
+    /// The sections of the final report, as name and JSON text, in order; none before the flight has ended.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub fn report_sections(&self) -> Result<Vec<(String, String)>, RecordError> {
+        let sql = "SELECT section, body FROM report ORDER BY position";
+        self.rows("the report", sql, |row| Ok((row.get(0)?, row.get(1)?)))
     }
 
     /// The state variables that were measured, in order of first appearance.

@@ -1,9 +1,10 @@
 //! Rows that a mission adds to its record: targets, their states, sections of the final report, sources, facts.
 
+use super::store::{Cell, text};
+use super::tables::Table;
 use super::writer::Recorder;
 use crate::error::RecordError;
 use crate::target_state::TargetChange;
-use rusqlite::params;
 
 /// An observation target of the mission.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -23,16 +24,12 @@ pub struct TargetRow {
 }
 
 impl Recorder {
-    /// Stores a fact about the flight: `mission`, `agent`, `vehicle`, `epoch_utc`, ..; a later value replaces.
+    /// Stores a fact about the flight: `mission`, `agent`, `vehicle`, `epoch_utc`, ..; the latest value counts.
     ///
     /// # Errors
     /// [`RecordError`] when the file cannot be written.
     pub fn meta(&mut self, key: &str, value: &str) -> Result<(), RecordError> {
-        self.store.write(
-            "storing a fact about the flight",
-            "INSERT OR REPLACE INTO meta VALUES (?1, ?2)",
-            params![key, value],
-        )
+        self.store.insert("storing a fact about the flight", Table::Meta, &[text(Some(key)), text(Some(value))])
     }
 
     /// Stores a file that the mission was made from, after those stored before. Role `pdl` is for PDL in load order,
@@ -41,21 +38,22 @@ impl Recorder {
     /// # Errors
     /// [`RecordError`] when the file cannot be written.
     pub fn source(&mut self, name: &str, role: &str, body: &[u8]) -> Result<(), RecordError> {
-        self.store.write(
+        self.store.insert(
             "storing a source file",
-            "INSERT INTO source (name, role, body) VALUES (?1, ?2, ?3)",
-            params![name, role, body],
+            Table::Source,
+            &[text(Some(name)), text(Some(role)), Cell::Blob(body)],
         )
     }
 
-    /// Adds or replaces a target.
+    /// Adds a target; of two with one name the later counts.
     ///
     /// # Errors
     /// [`RecordError`] when the file cannot be written.
     pub fn target(&mut self, target: &TargetRow) -> Result<(), RecordError> {
         let TargetRow { id, name, latitude_deg, longitude_deg, value, geometry } = target;
-        let sql = "INSERT OR REPLACE INTO target VALUES (?1, ?2, ?3, ?4, ?5, ?6)";
-        self.store.write("storing a target", sql, params![id, name, latitude_deg, longitude_deg, value, geometry])
+        let [latitude, longitude, value] = [*latitude_deg, *longitude_deg, *value].map(Cell::Real);
+        let row = [text(Some(id)), text(Some(name)), latitude, longitude, value, text(Some(geometry))];
+        self.store.insert("storing a target", Table::Target, &row)
     }
 
     /// Stores the changes of targets' states after those that are stored already.
@@ -64,8 +62,8 @@ impl Recorder {
     /// [`RecordError`] when the file cannot be written.
     pub(super) fn target_changes(&mut self, changes: &[TargetChange]) -> Result<(), RecordError> {
         for TargetChange { target, at, state, detail } in changes.iter().skip(self.stored_changes) {
-            let sql = "INSERT INTO target_state VALUES (?1, ?2, ?3, ?4)";
-            self.store.write("storing a target's state", sql, params![target, at.0, state.word(), detail])?;
+            let row = [text(Some(target)), Cell::Integer(at.0), text(Some(state.word())), text(Some(detail))];
+            self.store.insert("storing a target's state", Table::TargetState, &row)?;
         }
         self.stored_changes = changes.len();
         Ok(())
@@ -76,10 +74,6 @@ impl Recorder {
     /// # Errors
     /// [`RecordError`] when the file cannot be written.
     pub fn report(&mut self, section: &str, json: &str) -> Result<(), RecordError> {
-        self.store.write(
-            "storing the report",
-            "INSERT INTO report (section, body) VALUES (?1, ?2)",
-            params![section, json],
-        )
+        self.store.insert("storing the report", Table::Report, &[text(Some(section)), text(Some(json))])
     }
 }

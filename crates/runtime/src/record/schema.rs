@@ -1,8 +1,9 @@
-//! The record's tables, in one place. The server and the command line read the same tables with queries of their own;
-//! a change here is a change of `docs/reference/flight-record.md` and, where old readers would err, of the version.
+//! Making a record's file, and what else may stand at its path. A change of the tables (`tables.rs`) is a change of
+//! `docs/reference/flight-record.md` and, where old readers would err, of the version.
 
+use super::tables::SCHEMA;
 use crate::error::RecordError;
-use rusqlite::{Connection, ErrorCode, OpenFlags};
+use rusqlite::{Connection, ErrorCode};
 use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -10,40 +11,14 @@ use std::time::Duration;
 
 /// `APEX` in ASCII: the mark of a flight record in SQLite's header.
 pub const APPLICATION_ID: i64 = 0x4150_4558;
-/// The version of the format that this program writes, and the latest that it reads.
-pub const SCHEMA_VERSION: i64 = 5;
+/// The version of the format that this program writes, and the only one that it reads.
+pub const SCHEMA_VERSION: i64 = 6;
 
 /// How long to wait for another program that holds the file.
-const BUSY_PATIENCE: Duration = Duration::from_secs(2);
+pub(super) const BUSY_PATIENCE: Duration = Duration::from_secs(2);
 /// Where SQLite's header keeps the application id, big-endian.
 const APPLICATION_ID_OFFSET: usize = 68;
 const SQLITE_MARK: &[u8] = b"SQLite format 3\0";
-
-const TABLES: &str = "
-CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT) WITHOUT ROWID;
-CREATE TABLE source (position INTEGER PRIMARY KEY, name TEXT, role TEXT, body BLOB);
-CREATE TABLE variable (id INTEGER PRIMARY KEY, name TEXT, body BLOB);
-CREATE TABLE agent (id INTEGER PRIMARY KEY, name TEXT);
-CREATE TABLE batch (id INTEGER PRIMARY KEY, t_ns INTEGER, events BLOB, agent INTEGER);
-CREATE TABLE effect (id INTEGER PRIMARY KEY, batch INTEGER, t_ns INTEGER, kind TEXT, task INTEGER,
-    from_state TEXT, to_state TEXT, outcome TEXT, subject TEXT, text TEXT, place TEXT, body BLOB, agent INTEGER);
-CREATE TABLE task (id INTEGER, parent INTEGER, tag TEXT, goal TEXT, created_ns INTEGER,
-    ended_ns INTEGER, outcome TEXT, method TEXT, place TEXT, agent INTEGER, PRIMARY KEY (id, agent)) WITHOUT ROWID;
-CREATE TABLE note (id INTEGER PRIMARY KEY, batch INTEGER, t_ns INTEGER, text TEXT);
-CREATE TABLE snapshot (batch INTEGER PRIMARY KEY, t_ns INTEGER, body BLOB, agent INTEGER);
-CREATE TABLE problem (request INTEGER PRIMARY KEY, batch INTEGER, t_ns INTEGER, goal TEXT, solver TEXT, body TEXT,
-    due_ns INTEGER, detail TEXT, plan TEXT, report BLOB);
-CREATE TABLE situation (batch INTEGER PRIMARY KEY, t_ns INTEGER, body BLOB);
-CREATE TABLE track (t_ns INTEGER PRIMARY KEY, latitude_deg REAL, longitude_deg REAL, altitude_m REAL,
-    heading_deg REAL, roll_deg REAL, ground_speed_mps REAL, fuel_kg REAL);
-CREATE TABLE target (id TEXT PRIMARY KEY, name TEXT, latitude_deg REAL, longitude_deg REAL, value REAL,
-    geometry TEXT);
-CREATE TABLE target_state (target TEXT, t_ns INTEGER, state TEXT, detail TEXT);
-CREATE TABLE report (position INTEGER PRIMARY KEY, section TEXT, body TEXT);
-CREATE INDEX batch_time ON batch (t_ns);
-CREATE INDEX effect_batch ON effect (batch);
-CREATE INDEX effect_task ON effect (task, id);
-";
 
 /// Makes an empty record at `path`, in place of an older record if there is one.
 pub(super) fn create(path: &Path) -> Result<Connection, RecordError> {
@@ -51,12 +26,16 @@ pub(super) fn create(path: &Path) -> Result<Connection, RecordError> {
     let fail = |error| write_error(path, "making its tables", error);
     let connection = Connection::open(path).map_err(fail)?;
     connection.busy_timeout(BUSY_PATIENCE).map_err(fail)?;
-    // The marks go into the main file before the write-ahead log exists: readers that look at the header only see them.
+    let tables: Vec<&str> = SCHEMA.iter().map(|(_, _, sql)| *sql).collect();
+    // The marks go into the main file before the write-ahead log exists: readers that look at the header only see them. No
+    // rollback journal is left if the program is killed here; nothing is recorded yet.
     connection
         .execute_batch(&format!(
-            "PRAGMA application_id = {APPLICATION_ID}; PRAGMA user_version = {SCHEMA_VERSION};
-             BEGIN; {TABLES} COMMIT;
-             PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL;"
+            "PRAGMA journal_mode = MEMORY;
+             PRAGMA application_id = {APPLICATION_ID}; PRAGMA user_version = {SCHEMA_VERSION};
+             BEGIN; {}; COMMIT;
+             PRAGMA journal_mode = WAL;",
+            tables.join("; ")
         ))
         .map_err(fail)?;
     Ok(connection)
@@ -82,7 +61,8 @@ fn make_room(path: &Path) -> Result<(), RecordError> {
     Ok(())
 }
 
-fn sibling(path: &Path, suffix: &str) -> PathBuf {
+/// The name of a file that SQLite keeps next to the record.
+pub(super) fn sibling(path: &Path, suffix: &str) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(suffix);
     PathBuf::from(name)
@@ -102,13 +82,14 @@ fn refuse_when_written(path: &Path) -> Result<(), RecordError> {
 }
 
 /// What stands at a path.
-enum Found {
+pub(super) enum Found {
     Nothing,
     Record,
     Other(String),
 }
 
-fn look(path: &Path) -> Result<Found, RecordError> {
+/// Looks at the header of the file at `path`.
+pub(super) fn look(path: &Path) -> Result<Found, RecordError> {
     let unreadable = |error: std::io::Error| RecordError::Unwritable {
         path: path.to_path_buf(),
         doing: "looking at what stands there".into(),
@@ -132,31 +113,6 @@ fn look(path: &Path) -> Result<Found, RecordError> {
         false if header.is_empty() => Found::Record,
         false => Found::Other("it does not begin like one".into()),
     })
-}
-
-/// Opens the record at `path` for reading, after checking that it is one.
-pub(super) fn open(path: &Path) -> Result<Connection, RecordError> {
-    match look(path)? {
-        Found::Nothing => return Err(RecordError::Missing { path: path.to_path_buf() }),
-        Found::Record => {}
-        Found::Other(found) => return Err(RecordError::NotARecord { path: path.to_path_buf(), found }),
-    }
-    let fail = |error| read_error(path, "its header", error);
-    let connection =
-        Connection::open_with_flags(path, OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX)
-            .map_err(fail)?;
-    connection.busy_timeout(BUSY_PATIENCE).map_err(fail)?;
-    let found: i64 = connection.query_row("PRAGMA user_version", [], |row| row.get(0)).map_err(fail)?;
-    if found > SCHEMA_VERSION {
-        return Err(RecordError::Newer { path: path.to_path_buf(), found, known: SCHEMA_VERSION });
-    }
-    if found < 1 {
-        return Err(RecordError::NotARecord { path: path.to_path_buf(), found: "it is empty".into() });
-    }
-    if found < SCHEMA_VERSION {
-        return Err(RecordError::Older { path: path.to_path_buf(), found, known: SCHEMA_VERSION });
-    }
-    Ok(connection)
 }
 
 /// The names of the agents in the record, in the order of their numbers.

@@ -20,7 +20,7 @@ fn place_for_record() -> (TempDir, PathBuf) {
 }
 
 fn recorder(path: &Path) -> Recorder {
-    let options = RecordOptions { vehicle: Some("aircraft-1".into()), bytes_max: None };
+    let options = RecordOptions { vehicle: Some("aircraft-1".into()), ..RecordOptions::default() };
     Recorder::create(path, &samples::library(), options).unwrap()
 }
 
@@ -194,6 +194,11 @@ fn damage_is_told_after_what_stands_before_it() {
     record_samples(&path).finish(Time::ZERO, "stopped").unwrap();
     let connection = Connection::open(&path).unwrap();
     connection.execute("UPDATE batch SET events = substr(events, 1, 9) WHERE id = 2", []).unwrap();
+    let refused = RecordReader::open(&path).err().unwrap().to_string();
+    assert!(refused.contains("group 2") && refused.contains("apex recover"), "{refused}");
+    // Sealed again it is honest, but no batch.
+    connection.execute("DELETE FROM seal", []).unwrap();
+    seal_rows(&connection).unwrap();
     let reader = RecordReader::open(&path).unwrap();
     let steps: Vec<Result<RecordedStep, RecordError>> = reader.steps().unwrap().collect();
     assert_eq!(steps.len(), 2);
@@ -227,7 +232,7 @@ fn a_file_with_a_hole_is_an_error_and_no_panic() {
 #[test]
 fn a_full_disk_ends_the_record_with_a_sentence_and_whole_steps() {
     let (_folder, path) = place_for_record();
-    let options = RecordOptions { vehicle: None, bytes_max: Some(200_000) };
+    let options = RecordOptions { bytes_max: Some(200_000), ..RecordOptions::default() };
     let mut recorder = Recorder::create(&path, &samples::library(), options).unwrap();
     let mut failure = None;
     for number in 0..100_000_u64 {

@@ -2,9 +2,11 @@
 //! sent; steps are committed in groups, so a crash loses at most the last group and never the order.
 
 use super::codec::{self, Variables};
-use super::store::Store;
+use super::store::{Cell, Durability, RowStore, Store, real, text, whole};
+use super::tables::Table;
 use super::track::{Track, TrackRow};
-use crate::effect_describer::{EffectDescriber, EffectRow, outcome_word};
+use super::twin::RowDifference;
+use crate::effect_describer::{EffectDescriber, EffectRow};
 use crate::error::RecordError;
 use crate::limits::{SNAPSHOT_BATCHES_MAX, SNAPSHOT_BATCHES_MIN, SNAPSHOT_BYTES_MAX};
 use crate::ports::{Deliberator, Observer, SolverAnswer};
@@ -14,8 +16,10 @@ use apex_model::event::{Batch, SolverReport};
 use apex_model::library::Library;
 use apex_model::task::TaskState;
 use apex_model::time::Time;
-use rusqlite::params;
 use std::path::Path;
+
+/// The fact that names the vehicle whose measurements make the track.
+pub(super) const TRACK_OF: &str = "track_of";
 
 /// What to record, beyond inputs and effects.
 #[derive(Clone, Debug, Default)]
@@ -24,11 +28,13 @@ pub struct RecordOptions {
     pub vehicle: Option<String>,
     /// Largest size of the file in bytes; none is as much as the disk holds.
     pub bytes_max: Option<u64>,
+    /// How safe a committed group is.
+    pub durability: Durability,
 }
 
 /// Writes a flight record while the flight goes on. Put it first among the observers of a run.
 pub struct Recorder {
-    pub(super) store: Store,
+    pub(super) store: Box<dyn RowStore>,
     agents: Vec<RecordedAgent>,
     /// Whose steps are stored.
     turn: usize,
@@ -72,12 +78,30 @@ impl Recorder {
     /// # Errors
     /// [`RecordError`] with what, where, why and what to do.
     pub fn create(path: &Path, library: &Library, options: RecordOptions) -> Result<Recorder, RecordError> {
+        let store = Store::create(path, options.bytes_max, options.durability)?;
+        let mut recorder = Recorder::with_store(Box::new(store), library, options.vehicle.as_deref())?;
+        recorder.meta("apex_version", env!("CARGO_PKG_VERSION"))?;
+        recorder.meta("complete", "0")?;
+        if let Some(vehicle) = &options.vehicle {
+            recorder.meta("vehicle", vehicle)?;
+            recorder.meta(TRACK_OF, vehicle)?;
+        }
+        recorder.store.commit()?;
+        Ok(recorder)
+    }
+
+    /// A recorder whose rows go into `store`, with the agents of `library` in it.
+    pub(super) fn with_store(
+        store: Box<dyn RowStore>,
+        library: &Library,
+        vehicle: Option<&str>,
+    ) -> Result<Recorder, RecordError> {
         let mut recorder = Recorder {
-            store: Store::create(path, options.bytes_max)?,
+            store,
             agents: Vec::new(),
             turn: 0,
             variables: Variables::default(),
-            track: options.vehicle.as_deref().map(Track::new),
+            track: vehicle.map(Track::new),
             bytes: Vec::new(),
             batch: 0,
             effect: 0,
@@ -88,15 +112,9 @@ impl Recorder {
             recorder
                 .agents
                 .push(RecordedAgent { describer: EffectDescriber::new(library), snapshots: Snapshots::default() });
-            let sql = "INSERT INTO agent VALUES (?1, ?2)";
-            recorder.store.write("storing the agents", sql, params![number, agent.name.printed()])?;
+            let row = [Cell::Integer(number), text(Some(agent.name.printed()))];
+            recorder.store.insert("storing the agents", Table::Agent, &row)?;
         }
-        recorder.meta("apex_version", env!("CARGO_PKG_VERSION"))?;
-        recorder.meta("complete", "0")?;
-        if let Some(vehicle) = &options.vehicle {
-            recorder.meta("vehicle", vehicle)?;
-        }
-        recorder.store.commit()?;
         Ok(recorder)
     }
 
@@ -106,6 +124,11 @@ impl Recorder {
     /// [`RecordError`] when the file cannot be written.
     pub fn program(&mut self, library: &Library) -> Result<(), RecordError> {
         library.sources.iter().try_for_each(|source| self.source(&source.name, "pdl", source.text.as_bytes()))
+    }
+
+    /// The first row that a replay makes otherwise than it is stored; for recorders of a replay.
+    pub(crate) fn difference(&self) -> Option<&RowDifference> {
+        self.store.difference()
     }
 
     /// The record's file.
@@ -121,23 +144,26 @@ impl Recorder {
         self.meta("end_ns", &end.0.to_string())?;
         self.meta("end_reason", reason)?;
         self.meta("complete", "1")?;
-        self.store.commit()?;
-        self.store.fold();
-        Ok(())
+        self.store.close()
     }
 
     fn store_batch(&mut self, batch: &Batch) -> Result<(), RecordError> {
-        self.store.now = batch.now;
+        self.store.set_now(batch.now);
         self.batch += 1;
         let known = self.variables.len();
         let mut bytes = std::mem::take(&mut self.bytes);
         codec::encode(batch, &mut self.variables, &mut bytes)
-            .map_err(|error| self.store.unstorable("an input", error))?;
+            .map_err(|error| self.store.unstorable("an input", error.to_string()))?;
         for number in known..self.variables.len() {
             self.store_variable(number as u64 + 1)?;
         }
-        let sql = "INSERT INTO batch VALUES (?1, ?2, ?3, ?4)";
-        self.store.write("storing the inputs", sql, params![self.batch, batch.now.0, bytes, self.turn as i64])?;
+        let row = [
+            Cell::Integer(self.batch),
+            Cell::Integer(batch.now.0),
+            Cell::Blob(&bytes),
+            Cell::Integer(self.turn as i64),
+        ];
+        self.store.insert("storing the inputs", Table::Batch, &row)?;
         if let Some(agent) = self.agents.get_mut(self.turn) {
             agent.snapshots.batches_since += 1;
             agent.snapshots.input_bytes_since += bytes.len();
@@ -153,106 +179,99 @@ impl Recorder {
     fn store_variable(&mut self, number: u64) -> Result<(), RecordError> {
         let Some(variable) = self.variables.get(number) else { return Ok(()) };
         let name = variable.variable.to_string();
-        let body = postcard::to_stdvec(variable).map_err(|error| self.store.unstorable(&name, error))?;
-        let sql = "INSERT INTO variable VALUES (?1, ?2, ?3)";
-        self.store.write("storing a state variable", sql, params![number as i64, name, body])
+        let encoded = postcard::to_stdvec(variable);
+        let body = encoded.map_err(|error| self.store.unstorable(&name, error.to_string()))?;
+        let row = [Cell::Integer(number as i64), text(Some(&name)), Cell::Blob(&body)];
+        self.store.insert("storing a state variable", Table::Variable, &row)
     }
 
     fn store_track(&mut self, row: &TrackRow) -> Result<(), RecordError> {
         let TrackRow { at, latitude_deg, longitude_deg, altitude_m, heading_deg, roll_deg, ground_speed_mps, fuel_kg } =
-            row;
-        self.store.write(
-            "storing the track",
-            "INSERT OR REPLACE INTO track VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)",
-            params![at.0, latitude_deg, longitude_deg, altitude_m, heading_deg, roll_deg, ground_speed_mps, fuel_kg],
-        )
+            *row;
+        let row = [
+            Cell::Integer(at.0),
+            Cell::Real(latitude_deg),
+            Cell::Real(longitude_deg),
+            real(altitude_m),
+            real(heading_deg),
+            real(roll_deg),
+            real(ground_speed_mps),
+            real(fuel_kg),
+        ];
+        self.store.insert("storing the track", Table::Track, &row)
     }
 
-    fn store_effect(&mut self, effect: &Effect) -> Result<(), RecordError> {
+    fn store_effect(&mut self, now: Time, effect: &Effect) -> Result<(), RecordError> {
         let Some(agent) = self.agents.get_mut(self.turn) else { return Ok(()) };
         let told = agent.describer.tell(effect);
-        let body = postcard::to_stdvec(effect).map_err(|error| self.store.unstorable(told.kind, error))?;
+        let method = match effect {
+            Effect::Decided(Decision { kind: DecisionKind::Selected { method, .. }, .. }) => {
+                Some(agent.describer.method(method))
+            }
+            _ => None,
+        };
+        let encoded = postcard::to_stdvec(effect);
+        let body = encoded.map_err(|error| self.store.unstorable(told.kind, error.to_string()))?;
         self.effect += 1;
-        let states = (told.from.map(TaskState::word), told.to.map(TaskState::word));
-        let now = self.store.now.0;
-        self.store.write(
-            "storing the effects",
-            "INSERT INTO effect VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13)",
-            params![
-                self.effect,
-                self.batch,
-                now,
-                told.kind,
-                told.task.map(|task| task.0 as i64),
-                states.0,
-                states.1,
-                told.outcome,
-                told.subject,
-                told.text,
-                told.place,
-                body,
-                self.turn as i64
-            ],
-        )?;
+        let row = [
+            Cell::Integer(self.effect),
+            Cell::Integer(self.batch),
+            Cell::Integer(now.0),
+            text(Some(told.kind)),
+            whole(told.task.map(|task| task.0 as i64)),
+            text(told.from.map(TaskState::word)),
+            text(told.to.map(TaskState::word)),
+            text(told.outcome),
+            text(Some(&told.subject)),
+            text(Some(&told.text)),
+            text(told.place.as_deref()),
+            Cell::Blob(&body),
+            Cell::Integer(self.turn as i64),
+            text(method.as_deref()),
+        ];
+        self.store.insert("storing the effects", Table::Effect, &row)?;
         match effect {
-            Effect::Decided(decision) => self.keep_task(decision, &told),
+            Effect::Decided(decision) => self.store_task(now, decision, &told),
             _ => Ok(()),
         }
     }
 
-    /// Brings the row of the decision's task up to date.
-    fn keep_task(&mut self, decision: &Decision, told: &EffectRow) -> Result<(), RecordError> {
-        let Some(task) = decision.task.map(|task| task.0 as i64) else { return Ok(()) };
-        let doing = "keeping the tasks";
-        let (now, agent) = (self.store.now.0, self.turn as i64);
-        match &decision.kind {
-            DecisionKind::Created { parent, .. } => self.store.write(
-                doing,
-                "INSERT OR REPLACE INTO task VALUES (?1, ?2, ?3, ?4, ?5, NULL, NULL, NULL, ?6, ?7)",
-                params![task, parent.map(|parent| parent.0 as i64), told.tag, told.subject, now, told.place, agent],
-            ),
-            DecisionKind::Selected { method, .. } => {
-                let method = self.agents.get(self.turn).map(|agent| agent.describer.method(method));
-                self.store.write(
-                    doing,
-                    "UPDATE task SET goal = ?2, method = ?3 WHERE id = ?1 AND agent = ?4",
-                    params![task, told.subject, method, agent],
-                )
-            }
-            DecisionKind::Transition { to: TaskState::Terminated, outcome, .. } => self.store.write(
-                doing,
-                "UPDATE task SET ended_ns = ?2, outcome = ?3 WHERE id = ?1 AND agent = ?4",
-                params![task, now, outcome.as_ref().map(outcome_word), agent],
-            ),
-            // A repeating step lives again.
-            DecisionKind::Transition { from: TaskState::Terminated, .. } => {
-                let sql = "UPDATE task SET ended_ns = NULL, outcome = NULL WHERE id = ?1 AND agent = ?2";
-                self.store.write(doing, sql, params![task, agent])
-            }
-            _ => Ok(()),
-        }
+    /// Stores the decision's task if it is new; the effects tell what becomes of it.
+    fn store_task(&mut self, now: Time, decision: &Decision, told: &EffectRow) -> Result<(), RecordError> {
+        let (Some(task), DecisionKind::Created { parent, .. }) = (decision.task, &decision.kind) else { return Ok(()) };
+        let row = [
+            Cell::Integer(task.0 as i64),
+            whole(parent.map(|parent| parent.0 as i64)),
+            text(told.tag.as_deref()),
+            text(Some(&told.subject)),
+            Cell::Integer(now.0),
+            text(told.place.as_deref()),
+            Cell::Integer(self.turn as i64),
+        ];
+        self.store.insert("storing the tasks", Table::Task, &row)
     }
 
     fn store_step(&mut self, batch: &Batch, effects: &[Effect]) -> Result<(), RecordError> {
         if !std::mem::take(&mut self.begun) {
             self.store_batch(batch)?;
         }
-        effects.iter().try_for_each(|effect| self.store_effect(effect))
+        effects.iter().try_for_each(|effect| self.store_effect(batch.now, effect))
     }
 
     /// Stores the agent and the mission's situation when a snapshot is due.
     fn store_snapshot(&mut self, agent: &Agent, deliberator: &dyn Deliberator, now: Time) -> Result<(), RecordError> {
         let Some(recorded) = self.agents.get_mut(self.turn) else { return Ok(()) };
         if recorded.snapshots.is_due() {
-            let body = postcard::to_stdvec(agent).map_err(|error| self.store.unstorable("the agent", error))?;
+            let encoded = postcard::to_stdvec(agent);
+            let body = encoded.map_err(|error| self.store.unstorable("the agent", error.to_string()))?;
             recorded.snapshots = Snapshots { last_bytes: body.len(), ..Snapshots::default() };
             recorded.snapshots.impossible = body.len() > SNAPSHOT_BYTES_MAX;
             if !recorded.snapshots.impossible {
-                let sql = "INSERT OR REPLACE INTO snapshot VALUES (?1, ?2, ?3, ?4)";
-                self.store.write("storing a snapshot", sql, params![self.batch, now.0, body, self.turn as i64])?;
+                let (batch, now) = (Cell::Integer(self.batch), Cell::Integer(now.0));
+                let row = [batch, now, Cell::Blob(&body), Cell::Integer(self.turn as i64)];
+                self.store.insert("storing a snapshot", Table::Snapshot, &row)?;
                 if let Some(body) = deliberator.snapshot() {
-                    let sql = "INSERT OR REPLACE INTO situation VALUES (?1, ?2, ?3)";
-                    self.store.write("storing a snapshot", sql, params![self.batch, now.0, body])?;
+                    self.store.insert("storing a snapshot", Table::Situation, &[batch, now, Cell::Blob(&body)])?;
                 }
             }
         }
@@ -261,31 +280,37 @@ impl Recorder {
 
     fn store_problem(&mut self, request: &SolveRequest, at: Time, problem: &str) -> Result<(), RecordError> {
         let SolveRequest { request, goal, solver, .. } = request;
-        self.store.write(
-            "storing a planning problem",
-            "INSERT OR REPLACE INTO problem VALUES (?1, ?2, ?3, ?4, ?5, ?6, NULL, NULL, NULL, NULL)",
-            params![request.0 as i64, self.batch, at.0, goal.to_string(), solver.printed(), problem],
-        )
+        let goal = goal.to_string();
+        let row = [
+            Cell::Integer(request.0 as i64),
+            Cell::Integer(self.batch),
+            Cell::Integer(at.0),
+            text(Some(&goal)),
+            text(Some(solver.printed())),
+            text(Some(problem)),
+        ];
+        self.store.insert("storing a planning problem", Table::Problem, &row)
     }
 
     fn store_answer(&mut self, request: SolveRequestId, due: Time, answer: &SolverAnswer) -> Result<(), RecordError> {
-        let doing = "storing a solver's answer";
         let (detail, plan, report) = match &answer.result {
             Ok(procedure) => {
                 let plan = procedure.plan.as_ref().map(serde_json::to_string).transpose();
-                let plan = plan.map_err(|error| self.store.unstorable("a plan", error))?;
+                let plan = plan.map_err(|error| self.store.unstorable("a plan", error.to_string()))?;
                 (&procedure.summary, plan, SolverReport::Plan(procedure.clone()))
             }
             Err(reason) => (reason, None, SolverReport::Failed(reason.clone())),
         };
-        let report = postcard::to_stdvec(&report).map_err(|error| self.store.unstorable("a solver's answer", error))?;
-        let sql = "UPDATE problem SET due_ns = ?2, detail = ?3, plan = ?4, report = ?5 WHERE request = ?1";
-        self.store.write(doing, sql, params![request.0 as i64, due.0, detail, plan, report])
+        let encoded = postcard::to_stdvec(&report);
+        let report = encoded.map_err(|error| self.store.unstorable("a solver's answer", error.to_string()))?;
+        let (request, due) = (Cell::Integer(request.0 as i64), Cell::Integer(due.0));
+        let row = [request, due, text(Some(detail)), text(plan.as_deref()), Cell::Blob(&report)];
+        self.store.insert("storing a solver's answer", Table::Answer, &row)
     }
 
-    fn store_note(&mut self, at: Time, text: &str) -> Result<(), RecordError> {
-        let sql = "INSERT INTO note (batch, t_ns, text) VALUES (?1, ?2, ?3)";
-        self.store.write("storing a note", sql, params![self.batch, at.0, text])
+    fn store_note(&mut self, at: Time, note: &str) -> Result<(), RecordError> {
+        let row = [Cell::Integer(self.batch), Cell::Integer(at.0), text(Some(note))];
+        self.store.insert("storing a note", Table::Note, &row)
     }
 }
 

@@ -7,8 +7,9 @@
 pub mod story;
 
 use apex_model::library::Library;
-use apex_runtime::record::{RecordOptions, Recorder};
+use apex_runtime::record::{RecordOptions, Recorder, seal_rows};
 use rusqlite::{Connection, params};
+use std::collections::BTreeMap;
 use std::path::Path;
 use story::{Entry, Sample, Story};
 
@@ -17,6 +18,7 @@ pub struct Writer {
     connection: Connection,
     effects: i64,
     batches: i64,
+    goals: BTreeMap<u64, String>,
 }
 
 impl Writer {
@@ -32,7 +34,7 @@ impl Writer {
             ("epoch_utc", "2007-09-08T01:00:00Z"),
         ];
         for (key, value) in meta {
-            connection.execute("INSERT OR REPLACE INTO meta VALUES (?1, ?2)", [key, value]).unwrap();
+            connection.execute("INSERT INTO meta (key, value) VALUES (?1, ?2)", [key, value]).unwrap();
         }
         let pdl = story::PDL.as_bytes();
         connection
@@ -43,9 +45,16 @@ impl Writer {
             .unwrap();
         for target in &story.targets {
             let row = params![target.id, target.name, target.latitude_deg, target.longitude_deg, target.value, ""];
-            connection.execute("INSERT INTO target VALUES (?1, ?2, ?3, ?4, ?5, ?6)", row).unwrap();
+            connection
+                .execute(
+                    "INSERT INTO target (id, name, latitude_deg, longitude_deg, value, geometry) \
+                     VALUES (?1, ?2, ?3, ?4, ?5, ?6)",
+                    row,
+                )
+                .unwrap();
         }
-        Writer { connection, effects: 0, batches: 0 }
+        seal_rows(&connection).unwrap();
+        Writer { connection, effects: 0, batches: 0, goals: BTreeMap::new() }
     }
 
     /// Writes everything of the story in `from_ns..to_ns`.
@@ -58,14 +67,16 @@ impl Writer {
         for sample in story.samples.iter().filter(|sample| window.contains(&sample.t_ns)) {
             self.sample(sample);
         }
+        seal_rows(&self.connection).unwrap();
         self.connection.execute_batch("COMMIT").unwrap();
     }
 
     /// Closes the record properly.
     pub fn complete(self, story: &Story) {
+        self.connection.execute_batch("BEGIN").unwrap();
         let end = story.end_ns().to_string();
         for (key, value) in [("end_ns", end.as_str()), ("end_reason", "the root task ended"), ("complete", "1")] {
-            self.connection.execute("INSERT OR REPLACE INTO meta VALUES (?1, ?2)", [key, value]).unwrap();
+            self.connection.execute("INSERT INTO meta (key, value) VALUES (?1, ?2)", [key, value]).unwrap();
         }
         let sections = [
             ("score", r#"{"score": 0.87, "value_observed": 38.5, "value_possible": 44.2}"#),
@@ -73,10 +84,11 @@ impl Writer {
         ];
         for (position, (section, body)) in sections.into_iter().enumerate() {
             self.connection
-                .execute("INSERT INTO report VALUES (?1, ?2, ?3)", params![position as i64, section, body])
+                .execute("INSERT INTO report VALUES (?1, ?2, ?3)", params![position as i64 + 1, section, body])
                 .unwrap();
         }
-        self.connection.execute_batch("PRAGMA wal_checkpoint(TRUNCATE)").unwrap();
+        seal_rows(&self.connection).unwrap();
+        self.connection.execute_batch("COMMIT; PRAGMA wal_checkpoint(TRUNCATE)").unwrap();
     }
 
     fn entry(&mut self, t_ns: i64, entry: &Entry) {
@@ -88,21 +100,22 @@ impl Writer {
             Entry::Created { task, parent, tag, goal, place, text } => {
                 let row = params![*task as i64, parent.map(|id| id as i64), tag, goal, t_ns, place];
                 self.connection
-                    .execute("INSERT INTO task VALUES (?1, ?2, ?3, ?4, ?5, NULL, NULL, NULL, ?6, 0)", row)
+                    .execute(
+                        "INSERT INTO task (id, parent, tag, goal, created_ns, place, agent) \
+                         VALUES (?1, ?2, ?3, ?4, ?5, ?6, 0)",
+                        row,
+                    )
                     .unwrap();
+                self.goals.insert(*task, (*goal).to_string());
                 self.effect(t_ns, "created", Some(*task), [None, None, None], goal, text, place);
             }
             Entry::Selected { task, method, text } => {
-                self.connection
-                    .execute("UPDATE task SET method = ?2 WHERE id = ?1", params![*task as i64, method])
-                    .unwrap();
-                self.effect(t_ns, "selected", Some(*task), [None, None, None], method, text, "");
+                let goal = self.goals.get(task).cloned().unwrap_or_default();
+                self.effect(t_ns, "selected", Some(*task), [None, None, None], &goal, text, "");
+                let sql = "UPDATE effect SET method = ?2 WHERE id = ?1";
+                self.connection.execute(sql, params![self.effects, method]).unwrap();
             }
             Entry::Transition { task, from, to, outcome, text, place } => {
-                if *to == "terminated" {
-                    let row = params![*task as i64, t_ns, outcome];
-                    self.connection.execute("UPDATE task SET ended_ns = ?2, outcome = ?3 WHERE id = ?1", row).unwrap();
-                }
                 self.effect(t_ns, "transition", Some(*task), [Some(from), Some(to), *outcome], "", text, place);
             }
             Entry::Other { kind, task, subject, text } => {
@@ -110,7 +123,9 @@ impl Writer {
             }
             Entry::Target { target, state, detail } => {
                 let row = params![target, t_ns, state, detail];
-                self.connection.execute("INSERT INTO target_state VALUES (?1, ?2, ?3, ?4)", row).unwrap();
+                self.connection
+                    .execute("INSERT INTO target_state (target, t_ns, state, detail) VALUES (?1, ?2, ?3, ?4)", row)
+                    .unwrap();
             }
         }
     }
@@ -130,7 +145,7 @@ impl Writer {
         let task = task.map(|id| id as i64);
         let row = params![self.effects, self.batches, t_ns, kind, task, from, to, outcome, subject, text, place];
         self.connection
-            .execute("INSERT INTO effect VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, x'', 0)", row)
+            .execute("INSERT INTO effect VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, x'', 0, NULL)", row)
             .unwrap();
     }
 

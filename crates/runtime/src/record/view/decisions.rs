@@ -162,7 +162,8 @@ impl Decisions<'_> {
 
     /// The identifier of the target with this identifier or name, in any case.
     pub(crate) fn target_called(&self, name: &str) -> Result<Option<String>, RecordError> {
-        let sql = "SELECT id FROM target WHERE id = ?1 COLLATE NOCASE OR name = ?1 COLLATE NOCASE LIMIT 1";
+        let sql =
+            "SELECT id FROM target WHERE id = ?1 COLLATE NOCASE OR name = ?1 COLLATE NOCASE ORDER BY position LIMIT 1";
         let found = self.reader.connection.query_row(sql, [name], |row| row.get(0)).optional();
         found.map_err(|error| self.reader.damaged("the targets", error))
     }
@@ -178,7 +179,7 @@ impl Decisions<'_> {
 
     /// The recorded states of the target, in the order of recording.
     pub(crate) fn target_changes(&self, id: &str) -> Result<Vec<TargetChange>, RecordError> {
-        let sql = "SELECT t_ns, state, detail FROM target_state WHERE target = ?1 AND t_ns <= ?2 ORDER BY rowid";
+        let sql = "SELECT t_ns, state, detail FROM target_state WHERE target = ?1 AND t_ns <= ?2 ORDER BY position";
         let read = || {
             let mut statement = self.reader.connection.prepare(sql)?;
             let rows = statement.query_map(params![id, self.until.0], |row| {

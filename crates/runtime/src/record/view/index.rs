@@ -5,7 +5,7 @@
 use super::state::StateWord;
 use apex_model::task::TaskState;
 use rusqlite::{Connection, Row};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// A task and the changes of its state, oldest first.
 #[derive(Clone, Debug, Default)]
@@ -32,6 +32,7 @@ pub(super) struct Change {
 #[derive(Default)]
 pub(super) struct TaskIndex {
     seen_effect: i64,
+    seen_task: i64,
     tasks: BTreeMap<u64, IndexedTask>,
 }
 
@@ -61,10 +62,10 @@ impl TaskIndex {
 
     /// Reads the rows that were written since the last call.
     pub(super) fn refresh(&mut self, connection: &Connection) -> Result<(), rusqlite::Error> {
-        let mut touched = BTreeSet::new();
+        self.read_tasks(connection)?;
         let mut statement = connection.prepare_cached(
-            "SELECT id, t_ns, kind, task, to_state, outcome FROM effect WHERE id > ?1 AND task IS NOT NULL \
-             AND kind IN ('created', 'transition', 'selected', 'bound') ORDER BY id",
+            "SELECT id, t_ns, kind, task, to_state, outcome, subject, method FROM effect WHERE id > ?1 \
+             AND task IS NOT NULL AND kind IN ('created', 'transition', 'selected') ORDER BY id",
         )?;
         let mut rows = statement.query([self.seen_effect])?;
         while let Some(row) = rows.next()? {
@@ -80,27 +81,29 @@ impl TaskIndex {
                     let outcome = row.get::<_, Option<Box<str>>>(5)?.filter(|word| !word.is_empty());
                     task.changes.push(Change { at_ns, state: row.get(4)?, outcome });
                 }
-                _ => {}
+                _ => {
+                    task.goal = row.get::<_, Option<String>>(6)?.unwrap_or_default();
+                    task.method = row.get::<_, Option<String>>(7)?.filter(|method| !method.is_empty());
+                }
             }
-            touched.insert(id);
             self.seen_effect = row.get(0)?;
-        }
-        for id in touched {
-            self.reread(connection, id)?;
         }
         Ok(())
     }
 
-    fn reread(&mut self, connection: &Connection, id: u64) -> Result<(), rusqlite::Error> {
-        let mut statement =
-            connection.prepare_cached("SELECT parent, tag, goal, method, place FROM task WHERE id = ?1")?;
-        let mut rows = statement.query([id.cast_signed()])?;
-        if let (Some(row), Some(task)) = (rows.next()?, self.tasks.get_mut(&id)) {
-            task.parent = task_number(row, 0)?;
-            task.tag = row.get::<_, Option<String>>(1)?.unwrap_or_default();
-            task.goal = row.get::<_, Option<String>>(2)?.unwrap_or_default();
-            task.method = row.get::<_, Option<String>>(3)?.filter(|method| !method.is_empty());
-            task.place = row.get::<_, Option<String>>(4)?.filter(|place| !place.is_empty());
+    /// Reads what new tasks were created with; what they select later is among the effects.
+    fn read_tasks(&mut self, connection: &Connection) -> Result<(), rusqlite::Error> {
+        let sql = "SELECT position, id, parent, tag, goal, place FROM task WHERE position > ?1 ORDER BY position";
+        let mut statement = connection.prepare_cached(sql)?;
+        let mut rows = statement.query([self.seen_task])?;
+        while let Some(row) = rows.next()? {
+            let Some(id) = task_number(row, 1)? else { continue };
+            let task = self.tasks.entry(id).or_default();
+            task.parent = task_number(row, 2)?;
+            task.tag = row.get::<_, Option<String>>(3)?.unwrap_or_default();
+            task.goal = row.get::<_, Option<String>>(4)?.unwrap_or_default();
+            task.place = row.get::<_, Option<String>>(5)?.filter(|place| !place.is_empty());
+            self.seen_task = row.get(0)?;
         }
         Ok(())
     }

@@ -94,7 +94,7 @@ impl RecordView {
             end_reason: meta("end_reason")?,
             growth: self.growth()?,
             tasks,
-            targets: self.number("the targets", "SELECT count(*) FROM target")?.unwrap_or(0),
+            targets: self.number("the targets", "SELECT count(DISTINCT id) FROM target")?.unwrap_or(0),
             score: self.report()?.score(),
         })
     }

@@ -56,6 +56,7 @@ impl RecordView {
 
     /// The task index, up to date with the record.
     fn tasks_index(&mut self) -> Result<&TaskIndex, RecordError> {
+        self.reader.check_growth()?;
         let refreshed = self.index.refresh(&self.reader.connection);
         refreshed.map_err(|error| self.reader.damaged("the tasks", error))?;
         Ok(&self.index)
@@ -63,6 +64,7 @@ impl RecordView {
 
     /// Runs queries; `what` names in errors what they read.
     fn query<T>(&self, what: &str, read: impl FnOnce(&Connection) -> rusqlite::Result<T>) -> Result<T, RecordError> {
+        self.reader.check_growth()?;
         read(&self.reader.connection).map_err(|error| self.reader.damaged(what, error))
     }
 }

@@ -70,7 +70,8 @@ impl RecordView {
 
 fn read(connection: &Connection, at_ns: i64) -> rusqlite::Result<Targets> {
     let mut histories = histories(connection)?;
-    let sql = "SELECT id, name, latitude_deg, longitude_deg, value, geometry FROM target ORDER BY id";
+    let sql = "SELECT id, name, latitude_deg, longitude_deg, value, geometry FROM target \
+               WHERE position IN (SELECT max(position) FROM target GROUP BY id) ORDER BY id";
     let mut statement = connection.prepare_cached(sql)?;
     let rows = statement.query_map([], |row| {
         let id: String = row.get(0)?;
@@ -96,7 +97,7 @@ fn read(connection: &Connection, at_ns: i64) -> rusqlite::Result<Targets> {
 }
 
 fn histories(connection: &Connection) -> rusqlite::Result<BTreeMap<String, Vec<TargetChange>>> {
-    let sql = "SELECT target, t_ns, state, detail FROM target_state ORDER BY t_ns, rowid";
+    let sql = "SELECT target, t_ns, state, detail FROM target_state ORDER BY t_ns, position";
     let mut statement = connection.prepare_cached(sql)?;
     let mut rows = statement.query([])?;
     let mut histories: BTreeMap<String, Vec<TargetChange>> = BTreeMap::new();

@@ -1,0 +1,36 @@
+//! `apex recover`: saves what can be trusted of a damaged or cut-off record into a new one.
+
+use crate::error::{CliError, CliResult};
+use crate::options::RecoverOptions;
+use crate::{output, recording};
+use apex_runtime::record::recover;
+use std::path::{Path, PathBuf};
+
+/// Recovers a record.
+pub fn run(options: &RecoverOptions) -> CliResult {
+    if !options.record.is_file() {
+        // It says what stands there instead.
+        recording::open(&options.record)?;
+    }
+    let out = options.out.clone().unwrap_or_else(|| beside(&options.record));
+    if out.exists() {
+        return Err(CliError::user(format!("{} is there already", out.display()))
+            .help("name another file with `--out`; a recovery replaces nothing"));
+    }
+    let recovered = recover(&options.record, &out).map_err(apex_mission::recording::read)?;
+    if let Some(damage) = &recovered.damage {
+        output::print_error(format_args!("warning: {}: {damage}", options.record.display()));
+    }
+    output::print_line(format_args!(
+        "{} steps up to {} are saved in {}",
+        recovered.steps,
+        recovered.until,
+        out.display()
+    ))
+}
+
+/// `flight.apex` -> `flight-recovered.apex`
+fn beside(record: &Path) -> PathBuf {
+    let stem = record.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    record.with_file_name(format!("{stem}-recovered.apex"))
+}

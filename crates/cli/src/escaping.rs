@@ -1,0 +1,70 @@
+//! Control characters on their way to a terminal: shown as `\\u{1b}`, except line ends and tabs.
+
+use std::io::{self, Write};
+
+/// First byte of the second set of control characters (U+0080 to U+009F) in UTF-8.
+const SECOND_SET: u8 = 0xC2;
+
+/// A writer that escapes control characters of UTF-8 text.
+pub struct Escaped<W> {
+    out: W,
+    /// The last byte was [`SECOND_SET`], which is not written yet.
+    is_open: bool,
+}
+
+impl<W: Write> Escaped<W> {
+    /// Escapes what goes to `out`.
+    pub fn new(out: W) -> Escaped<W> {
+        Escaped { out, is_open: false }
+    }
+
+    fn put(&mut self, byte: u8, text: &mut Vec<u8>) {
+        let code = |text: &mut Vec<u8>| text.extend_from_slice(format!("\\u{{{byte:x}}}").as_bytes());
+        if std::mem::take(&mut self.is_open) {
+            match byte {
+                0x80..=0x9F => return code(text),
+                _ => text.push(SECOND_SET),
+            }
+        }
+        match byte {
+            b'\n' | b'\t' => text.push(byte),
+            0..=0x1F | 0x7F => code(text),
+            SECOND_SET => self.is_open = true,
+            _ => text.push(byte),
+        }
+    }
+}
+
+impl<W: Write> Write for Escaped<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let mut text = Vec::with_capacity(bytes.len());
+        bytes.iter().for_each(|byte| self.put(*byte, &mut text));
+        self.out.write_all(&text)?;
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn escaped(parts: &[&[u8]]) -> String {
+        let mut out = Vec::new();
+        let mut escaped = Escaped::new(&mut out);
+        parts.iter().for_each(|part| escaped.write_all(part).unwrap());
+        String::from_utf8(out).unwrap()
+    }
+
+    #[test]
+    fn only_control_characters_change() {
+        assert_eq!(escaped(&[b"a\tb\n"]), "a\tb\n");
+        assert_eq!(escaped(&["für 20 °C, Å".as_bytes()]), "für 20 °C, Å");
+        assert_eq!(escaped(&[b"\x1b]0;title\x07\r\x7f"]), "\\u{1b}]0;title\\u{7}\\u{d}\\u{7f}");
+        assert_eq!(escaped(&["\u{9b}2J \u{a0}".as_bytes()]), "\\u{9b}2J \u{a0}");
+        assert_eq!(escaped(&[b"\xC2", b"\x9B", b"\xC2", b"\xB0"]), "\\u{9b}°", "across writes");
+    }
+}

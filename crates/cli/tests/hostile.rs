@@ -1,0 +1,72 @@
+//! What comes from outside cannot hang a command, write to the terminal, or be lost without a word; signals end flights in good
+//! order.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot prepare its files has failed")]
+
+mod common;
+
+use common::{Desk, GREETINGS, mission};
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+#[test]
+fn devices_without_end_are_refused_with_a_reason() {
+    let desk = Desk::new();
+    for command in [&["check", "/dev/zero"][..], &["plan", "/dev/zero"], &["run", "/dev/zero"]] {
+        desk.apex(command).complained(2, &["/dev/zero is too large to be read", "64 MiB"]);
+    }
+}
+
+#[test]
+fn control_characters_of_names_are_escaped() {
+    let desk = Desk::new();
+    let said = desk.apex(&["check", "\u{1b}]0;title\u{7}.pdl"]);
+    assert!(!said.err.contains('\u{1b}') && !said.err.contains('\u{7}'), "{:?}", said.err);
+    said.complained(2, &["\\u{1b}]0;title\\u{7}.pdl"]);
+}
+
+#[test]
+fn keys_given_twice_are_refused() {
+    let desk = Desk::with_greetings();
+    desk.write("twice.jsonl", "{\"t\": 7, \"event\": \"(stop)\", \"event\": \"(go)\"}\n");
+    let said = desk.apex(&["run", "greetings.pdl", "--inputs", "twice.jsonl"]);
+    said.complained(2, &["twice.jsonl:1:", "the key `event` is given twice"]);
+}
+
+#[test]
+fn a_byte_order_mark_is_not_text() {
+    let desk = Desk::with_greetings();
+    desk.write("greetings.pdl", &format!("\u{feff}{GREETINGS}"));
+    desk.write("go.jsonl", "\u{feff}{\"t\": 7, \"event\": \"(go)\"}\n");
+    desk.apex(&["check", "greetings.pdl"]).complained(0, &[]);
+    desk.apex(&["run", "greetings.pdl", "--inputs", "go.jsonl", "--text"])
+        .complained(0, &[])
+        .told(&["prints hello moon"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn signals_end_a_flight_with_its_report_and_record() {
+    for signal in ["-INT", "-TERM"] {
+        let desk = Desk::new();
+        let child = desk
+            .command(&["fly", &mission("first-picture"), "--record", "cut.apex", "--no-progress", "--pace", "20"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let began = std::time::Instant::now();
+        while !desk.apex(&["trace", "cut.apex", "--type", "command"]).out.contains("take off") {
+            assert!(began.elapsed() < Duration::from_secs(60), "the flight does not begin");
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
+        let said = child.wait_with_output().unwrap();
+        let out = String::from_utf8_lossy(&said.stdout);
+        assert!(said.status.success(), "{signal}: {} {}", out, String::from_utf8_lossy(&said.stderr));
+        assert!(out.contains("Flight record: cut.apex"), "{signal}: {out}");
+        let trace = desk.apex(&["replay", "cut.apex"]);
+        assert!(!trace.err.contains("incomplete"), "{signal}: {}", trace.err);
+        trace.told(&["The record is confirmed"]);
+    }
+}

@@ -1,0 +1,117 @@
+//! Recovery: a new record with everything of an old one that can be trusted.
+//!
+//! What SQLite can finish (a write-ahead log, a half-written transaction) it finishes on a copy. Then the groups are checked in
+//! order, and those that fit their seals are written into the new file, which is sealed. The old file stays as it is.
+
+use super::check::{Damage, Position, Visitor, check_groups, check_schema};
+use super::closing;
+use super::open::connect;
+use super::schema::{self, write_error};
+use super::seal::Seal;
+use super::tables::{ALL, TABLES, Table};
+use crate::error::RecordError;
+use apex_model::time::Time;
+use rusqlite::types::ToSqlOutput;
+use rusqlite::{Connection, Row, params, params_from_iter};
+use std::path::Path;
+
+/// What was recovered.
+#[derive(Clone, Debug)]
+pub struct Recovered {
+    /// Groups that fit their seals.
+    pub groups: i64,
+    /// Steps in them.
+    pub steps: i64,
+    /// The instant of the last of these steps.
+    pub until: Time,
+    /// The first group that is lost.
+    pub damage: Option<Damage>,
+}
+
+/// Writes what can be trusted of the record at `from` into a new record at `to`.
+///
+/// # Errors
+/// [`RecordError`] if `from` is not a record of this version or has no trustworthy group, and if `to` cannot be written.
+pub fn recover(from: &Path, to: &Path) -> Result<Recovered, RecordError> {
+    let same =
+        std::fs::canonicalize(from).ok().zip(std::fs::canonicalize(to).ok()).is_some_and(|(from, to)| from == to);
+    if same {
+        return Err(RecordError::Question(format!("{} cannot be recovered into itself.", from.display())));
+    }
+    let (source, _, _copy) = connect(from)?;
+    let damaged = |what| RecordError::Damaged { path: from.to_path_buf(), what };
+    check_schema(&source).map_err(damaged)?;
+    let target = schema::create(to)?;
+    let fail = |error| write_error(to, "recovering", error);
+    let mut copier = Copier { target: &target, inserts: ALL.map(Table::insert), failure: None };
+    target.execute_batch("BEGIN").map_err(fail)?;
+    let mut position = Position::default();
+    let damage = check_groups(&source, &mut position, &mut copier).err();
+    let failure = copier.failure.take();
+    if !target.is_autocommit() {
+        target.execute_batch("ROLLBACK").map_err(fail)?;
+    }
+    if let Some(error) = failure {
+        drop(target);
+        remove(to);
+        return Err(fail(error));
+    }
+    if position.link.id == 0 {
+        drop(target);
+        remove(to);
+        let reason = damage.map_or_else(|| "it holds nothing".to_owned(), |damage| damage.to_string());
+        return Err(damaged(reason));
+    }
+    closing::close(target, to)?;
+    Ok(Recovered { groups: position.link.id, steps: position.batch, until: position.now, damage })
+}
+
+/// Removes a new record that holds no rows.
+fn remove(path: &Path) {
+    for suffix in ["", "-wal", "-shm"] {
+        let _ = std::fs::remove_file(schema::sibling(path, suffix));
+    }
+}
+
+/// Writes the rows of each group, and commits them when its seal fits.
+struct Copier<'c> {
+    target: &'c Connection,
+    inserts: [String; TABLES],
+    /// The new file cannot be written.
+    failure: Option<rusqlite::Error>,
+}
+
+impl Copier<'_> {
+    fn keep(&mut self, done: rusqlite::Result<()>) -> rusqlite::Result<()> {
+        done.map_err(|error| {
+            self.failure = Some(error);
+            rusqlite::Error::InvalidQuery
+        })
+    }
+
+    fn insert(&self, table: Table, row: &Row<'_>) -> rusqlite::Result<()> {
+        let Some(sql) = self.inserts.get(table.index()) else { return Ok(()) };
+        let columns = row.as_ref().column_count();
+        let cells = (0..columns).map(|column| row.get_ref(column).map(ToSqlOutput::Borrowed));
+        let cells: Vec<ToSqlOutput<'_>> = cells.collect::<rusqlite::Result<_>>()?;
+        self.target.prepare_cached(sql)?.execute(params_from_iter(cells)).map(|_| ())
+    }
+
+    fn seal(&self, seal: &Seal) -> rusqlite::Result<()> {
+        let row = params![seal.id, seal.t_ns, seal.batch, seal.count_bytes(), seal.chain];
+        self.target.prepare_cached("INSERT INTO seal VALUES (?1, ?2, ?3, ?4, ?5)")?.execute(row)?;
+        self.target.execute_batch("COMMIT; BEGIN")
+    }
+}
+
+impl Visitor for Copier<'_> {
+    fn row(&mut self, table: Table, row: &Row<'_>) -> rusqlite::Result<()> {
+        let done = self.insert(table, row);
+        self.keep(done)
+    }
+
+    fn sealed(&mut self, seal: &Seal) -> rusqlite::Result<()> {
+        let done = self.seal(seal);
+        self.keep(done)
+    }
+}

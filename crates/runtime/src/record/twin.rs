@@ -1,0 +1,210 @@
+//! A store that compares: what a replay records again must be, row by row, what the record holds.
+//!
+//! So every column of every derived table is confirmed, not only the effects themselves: texts, places, tasks, track, states of
+//! targets, variables, snapshots. Rows that no step derives (facts, sources, notes, the report) are left to the seals.
+
+use super::reader::RecordReader;
+use super::store::{Cell, RowStore};
+use super::tables::{ALL, TABLES, Table};
+use super::writer::{Recorder, TRACK_OF};
+use crate::error::RecordError;
+use apex_model::library::Library;
+use apex_model::time::Time;
+use rusqlite::types::Value;
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+
+/// Rows read at one time.
+const PAGE_ROWS: usize = 256;
+/// Characters of a cell that are shown.
+const SHOWN_MAX: usize = 300;
+
+/// The first row that a replay makes otherwise.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct RowDifference {
+    /// The table's name and the number of its row, from 1: `track 12`.
+    pub row: String,
+    /// The column; empty if a whole row is missing or added.
+    pub column: &'static str,
+    /// The recorded side as text; `None` if the record has no such row.
+    pub recorded: Option<String>,
+    /// The side of the replay as text; `None` if it makes no such row.
+    pub replayed: Option<String>,
+}
+
+/// What a replay can derive again.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Derivable {
+    /// Situations, states of targets and planning problems: only with the record's mission.
+    pub(crate) mission: bool,
+    /// Snapshots: only by the version of Apex that made them.
+    pub(crate) snapshots: bool,
+}
+
+impl Derivable {
+    fn has(self, table: Table) -> bool {
+        match table {
+            Table::Agent | Table::Variable | Table::Batch | Table::Effect | Table::Task | Table::Track => true,
+            Table::Answer => true,
+            Table::TargetState | Table::Problem => self.mission,
+            Table::Snapshot => self.snapshots,
+            Table::Situation => self.mission && self.snapshots,
+            Table::Meta | Table::Source | Table::Note | Table::Target | Table::Report => false,
+        }
+    }
+}
+
+/// A recorder that stores nothing and compares everything with the rows of `reader`.
+pub(crate) fn recorder(
+    reader: &RecordReader,
+    library: &Library,
+    derivable: Derivable,
+) -> Result<Recorder, RecordError> {
+    let vehicle = reader.meta(TRACK_OF)?;
+    let twin = Twin {
+        reader: reader.of_agent(reader.agent)?,
+        path: reader.path().to_path_buf(),
+        derivable,
+        pages: std::array::from_fn(|_| Page { next_key: i64::MIN, rows: VecDeque::new() }),
+        counts: [0; TABLES],
+        difference: None,
+    };
+    Recorder::with_store(Box::new(twin), library, vehicle.as_deref())
+}
+
+/// Compares the rows that it is given with stored ones.
+struct Twin {
+    reader: RecordReader,
+    path: PathBuf,
+    derivable: Derivable,
+    pages: [Page; TABLES],
+    counts: [u64; TABLES],
+    difference: Option<RowDifference>,
+}
+
+/// Stored rows of a table that are still to be compared.
+struct Page {
+    next_key: i64,
+    rows: VecDeque<Vec<Value>>,
+}
+
+impl Twin {
+    /// The next stored row of a table.
+    fn next(&mut self, table: Table) -> Result<Option<Vec<Value>>, RecordError> {
+        let Some(page) = self.pages.get_mut(table.index()) else { return Ok(None) };
+        if page.rows.is_empty() {
+            let broken = |error| self.reader.damaged(table.name(), error);
+            let sql = format!(
+                "SELECT * FROM main.{0} WHERE {1} > ?1 ORDER BY {1} LIMIT {PAGE_ROWS}",
+                table.name(),
+                table.column(0)
+            );
+            let mut statement = self.reader.connection.prepare_cached(&sql).map_err(broken)?;
+            let columns = statement.column_count();
+            let mut rows = statement.query([page.next_key]).map_err(broken)?;
+            while let Some(row) = rows.next().map_err(broken)? {
+                page.next_key = row.get(0).map_err(broken)?;
+                let cells = (0..columns).map(|column| row.get::<_, Value>(column)).collect::<Result<_, _>>();
+                page.rows.push_back(cells.map_err(broken)?);
+            }
+        }
+        Ok(page.rows.pop_front())
+    }
+
+    fn differ(&mut self, table: Table, column: &'static str, recorded: Option<String>, replayed: Option<String>) {
+        let number = self.counts.get(table.index()).copied().unwrap_or(0);
+        let row = format!("{} {number}", table.row_word());
+        self.difference.get_or_insert(RowDifference { row, column, recorded, replayed });
+    }
+}
+
+impl RowStore for Twin {
+    fn insert(&mut self, _: &str, table: Table, cells: &[Cell<'_>]) -> Result<(), RecordError> {
+        if !self.derivable.has(table) || self.difference.is_some() {
+            return Ok(());
+        }
+        if let Some(count) = self.counts.get_mut(table.index()) {
+            *count += 1;
+        }
+        let Some(stored) = self.next(table)? else {
+            let made: Vec<String> =
+                cells.iter().map(|cell| shown(&Value::try_from(*cell).unwrap_or(Value::Null))).collect();
+            self.differ(table, "", None, Some(made.join(", ")));
+            return Ok(());
+        };
+        let numbered = usize::from(table.is_numbered());
+        for (index, (stored, made)) in stored.iter().skip(numbered).zip(cells).enumerate() {
+            let made = as_stored(*made);
+            if *stored != made {
+                self.differ(table, table.column(index + numbered), Some(shown(stored)), Some(shown(&made)));
+                return Ok(());
+            }
+        }
+        Ok(())
+    }
+
+    fn set_now(&mut self, _: Time) {}
+
+    fn end_step(&mut self) -> Result<(), RecordError> {
+        Ok(())
+    }
+
+    fn commit(&mut self) -> Result<(), RecordError> {
+        Ok(())
+    }
+
+    /// Rows that the record has in addition are a difference, too.
+    fn close(&mut self) -> Result<(), RecordError> {
+        for table in ALL {
+            if self.difference.is_none()
+                && self.derivable.has(table)
+                && let Some(stored) = self.next(table)?
+            {
+                if let Some(count) = self.counts.get_mut(table.index()) {
+                    *count += 1;
+                }
+                let cells: Vec<String> = stored.iter().map(shown).collect();
+                self.differ(table, "", Some(cells.join(", ")), None);
+            }
+        }
+        Ok(())
+    }
+
+    fn unstorable(&mut self, what: &str, reason: String) -> RecordError {
+        RecordError::Unwritable { path: self.path.clone(), doing: format!("turning {what} into bytes"), reason }
+    }
+
+    fn path(&self) -> &Path {
+        &self.path
+    }
+
+    fn difference(&self) -> Option<&RowDifference> {
+        self.difference.as_ref()
+    }
+}
+
+/// A cell as SQLite gives it back.
+fn as_stored(cell: Cell<'_>) -> Value {
+    match Value::try_from(cell) {
+        Ok(Value::Real(real)) if real.is_nan() => Value::Null,
+        Ok(Value::Real(real)) if real == 0.0 => Value::Real(0.0),
+        Ok(value) => value,
+        Err(_) => Value::Null,
+    }
+}
+
+/// A cell as text of one line.
+fn shown(cell: &Value) -> String {
+    let text = match cell {
+        Value::Null => return "nothing".into(),
+        Value::Integer(number) => return number.to_string(),
+        Value::Real(real) => return real.to_string(),
+        Value::Blob(bytes) => return format!("{} bytes", bytes.len()),
+        Value::Text(text) => text,
+    };
+    let mut shown: String = text.chars().take(SHOWN_MAX).collect();
+    if shown.len() < text.len() {
+        shown.push_str("..");
+    }
+    shown
+}
