@@ -12,7 +12,7 @@ pub(crate) fn greatest_benefits(problem: &SingleVisitProblem, margin_s: f64) -> 
         .targets
         .iter()
         .map(|target| {
-            let quality = target.manoeuvres.iter().map(|one| quality(one)).fold(0.0, f64::max);
+            let quality = target.manoeuvres.iter().map(quality).fold(0.0, f64::max);
             let timing = target.timing.iter().map(|(_, factor)| *factor).fold(0.0, f64::max);
             target.value * quality * if target.timing.is_empty() { 1.0 } else { timing }
         })

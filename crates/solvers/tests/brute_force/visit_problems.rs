@@ -45,7 +45,7 @@ pub(crate) fn problem(chance: &mut Chance) -> SingleVisitProblem {
         vehicle,
         start_s,
         base: chance.percent(60).then(Position::default),
-        end_s: chance.percent(20).then(|| start_s + 0.75 * span_s),
+        end_s: chance.percent(20).then_some(start_s + 0.75 * span_s),
         crew: crew(chance),
         travel: Some(travel),
         ..SingleVisitProblem::default()
