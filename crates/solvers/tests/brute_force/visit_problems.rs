@@ -152,7 +152,7 @@ pub(crate) fn travel(chance: &mut Chance, count: usize) -> TravelTimes {
     travel
 }
 
-/// Times for two later departures, none of which lets who leaves later be there earlier.
+/// Times for two later departures; a later departure never arrives earlier.
 fn later(chance: &mut Chance, first: &TravelTimes) -> Vec<LaterTimes> {
     let mut all: Vec<LaterTimes> = Vec::new();
     let mut before = LaterTimes {
