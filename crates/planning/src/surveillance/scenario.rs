@@ -396,6 +396,8 @@ mod tests {
         let mut problem = examples::random(3, 1);
         problem.travel.from_start_s[0] = UNREACHABLE_S;
         problem.travel.from_start_s[1] = 5000.0;
+        assert_eq!(Scenario::new(&problem).unwrap().usable(), [0, 1, 2], "by way of the third one");
+        problem.travel.between_s.iter_mut().for_each(|row| (row[0], row[1]) = (UNREACHABLE_S, 5000.0));
         let scenario = Scenario::new(&problem).unwrap();
         let plan = scenario.cycle_plan("test", &[2]);
         assert_eq!(plan.left_out[0].reason, "cannot be reached from the start, nor in time by way of others");

@@ -24,7 +24,7 @@ pub(super) fn change(problem: &SurveillanceProblem) -> bool {
 
 fn steps(target: &SurveillanceTarget, horizon_s: f64) -> Vec<(f64, f64)> {
     let all = &target.rate.steps;
-    // Who is fresh at the start has no time before it.
+    // A target that is fresh at the start has no time before it.
     let holds = |(index, (from_s, _)): &(usize, &(f64, f64))| {
         let until_s = all.get(index + 1).map_or(f64::INFINITY, |(next_s, _)| *next_s);
         until_s > -target.initial_age_s && (*index == 0 || *from_s < horizon_s)

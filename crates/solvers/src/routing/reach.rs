@@ -1,6 +1,6 @@
 //! Targets that no flight visits, however it goes: by least times over any other targets.
 //!
-//! Who cannot fly to a target at once may still come there by way of another one, where given times or heights have it so. So
+//! A vehicle that cannot fly to a target at once may come there by way of another one, if given times or heights have it so. So
 //! times are least ones over all departures and over any targets, which count with their shortest observation, whatever order
 //! and worth say. What is out of reach in these times is out of reach in every plan.
 //! Bound: O(nodes^2); with more than [`NODES_MAX`] nodes nothing is said to be out of reach.

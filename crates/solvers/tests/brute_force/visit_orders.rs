@@ -12,7 +12,7 @@ pub(crate) fn greatest_benefits(problem: &SingleVisitProblem, margin_s: f64) -> 
         .targets
         .iter()
         .map(|target| {
-            let quality = target.manoeuvres.iter().map(|one| quality(one)).fold(0.0, f64::max);
+            let quality = target.manoeuvres.iter().map(quality).fold(0.0, f64::max);
             let timing = target.timing.iter().map(|(_, factor)| *factor).fold(0.0, f64::max);
             target.value * quality * if target.timing.is_empty() { 1.0 } else { timing }
         })
@@ -32,7 +32,7 @@ pub(crate) fn worth_of(problem: &SingleVisitProblem, visits: &[(String, usize, f
     visits.iter().map(worth).sum()
 }
 
-/// Time from one target (none: the start) to another one (none: the base) for who leaves at `depart_s`.
+/// Time from one target (none: the start) to another one (none: the base) for a departure at `depart_s`.
 pub(crate) fn leg_s(travel: &TravelTimes, from: Option<usize>, to: Option<usize>, depart_s: f64) -> f64 {
     let of = |start: &[f64], between: &[Vec<f64>], base: &[f64]| match (from, to) {
         (Some(from), Some(to)) => between[from][to],
@@ -132,8 +132,8 @@ impl Orders<'_> {
         }
     }
 
-    /// When an observation may begin after an arrival: as early as possible, since nobody who leaves later is there
-    /// earlier; of worths that change with time also at the corners of the timing and the ends of windows.
+    /// When an observation may begin after an arrival: as early as possible, because a later departure never
+    /// arrives earlier; of worths that change with time also at the corners of the timing and the ends of windows.
     fn begins_s(&self, target: usize, arrive_s: f64) -> Vec<f64> {
         let data = &self.problem.targets[target];
         let always = [(f64::NEG_INFINITY, f64::INFINITY)];

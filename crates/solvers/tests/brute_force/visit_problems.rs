@@ -45,7 +45,7 @@ pub(crate) fn problem(chance: &mut Chance) -> SingleVisitProblem {
         vehicle,
         start_s,
         base: chance.percent(60).then(Position::default),
-        end_s: chance.percent(20).then(|| start_s + 0.75 * span_s),
+        end_s: chance.percent(20).then_some(start_s + 0.75 * span_s),
         crew: crew(chance),
         travel: Some(travel),
         ..SingleVisitProblem::default()
@@ -152,7 +152,7 @@ pub(crate) fn travel(chance: &mut Chance, count: usize) -> TravelTimes {
     travel
 }
 
-/// Times for two later departures, none of which lets who leaves later be there earlier.
+/// Times for two later departures; a later departure never arrives earlier.
 fn later(chance: &mut Chance, first: &TravelTimes) -> Vec<LaterTimes> {
     let mut all: Vec<LaterTimes> = Vec::new();
     let mut before = LaterTimes {

@@ -88,7 +88,7 @@ fn value(problem: &SurveillanceProblem, grid: &Grid, time: &Time) -> Option<f64>
     let at_home: f64 =
         targets().map(|(target, of)| gathered(problem, target, of.initial_age_s, problem.horizon_s)).sum();
     let broken = time.least_per_s * (problem.horizon_s - time.ticks as f64 * time.tick_s).max(0.0);
-    // Who stays at home gathers the last, broken tick as well; it is counted already.
+    // The cost of staying at home includes the last, broken tick.
     let flights = (0..problem.targets.len()).filter_map(first).map(|cost| cost + broken);
     let value = before + flights.fold(at_home, f64::min);
     Some(value - ROUNDING * value.abs())
