@@ -70,7 +70,7 @@ impl<R: Read> CsvTable<R> {
             self.damages.add(|| format!("line 1: no column is called {wanted}; there are {shown}"));
             return Ok(false);
         }
-        self.topics.push(Topic { name: "csv".to_string(), fields });
+        self.topics.push(Topic { name: "csv".to_string(), fields, ..Topic::default() });
         Ok(true)
     }
 }
