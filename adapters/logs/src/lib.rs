@@ -20,9 +20,11 @@ mod mavlink_messages;
 mod mcap;
 mod open;
 mod ordered;
+mod time_column;
 mod ulog;
 mod ulog_format;
 
+pub use csv_table::TimeName;
 pub use field_list::field_list;
 pub use fields::{FieldSummary, Span, survey};
 pub use log_file::{LogError, LogFile};

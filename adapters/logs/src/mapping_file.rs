@@ -1,7 +1,7 @@
 //! Files that say which fields of a log are which state variables: `(map FIELD VARIABLE ..)`, `(time COLUMN ..)`, and
 //! declarations of the state variables.
 
-use crate::{Entry, Format, Mapping, Take, Topic};
+use crate::{Entry, Format, Mapping, Take, TimeName, Topic};
 use apex_model::event::StateVariable;
 use apex_model::library::Library;
 use apex_model::quantity::{Dimension, unit_named};
@@ -16,8 +16,8 @@ pub struct MappingFile {
     pub name: String,
     /// Fields, with the units that their numbers are in.
     pub entries: Vec<(Entry, Option<Symbol>)>,
-    /// The column of the time of a table, and the nanoseconds of its unit.
-    pub time: Option<(String, f64)>,
+    /// The column of the time of a table.
+    pub time: Option<TimeName>,
     /// Declarations of state variables by attribute, as text.
     pub declarations: Vec<(Symbol, String)>,
 }
@@ -161,20 +161,19 @@ fn declaration(form: &Value, items: &[Value]) -> Result<(Symbol, String), String
     Ok((attribute.clone(), form.to_string()))
 }
 
-fn time(items: &[Value]) -> Result<(String, f64), String> {
+fn time(items: &[Value]) -> Result<TimeName, String> {
     let column = items.get(1).map(word).ok_or("the column is missing")?;
-    let mut nanoseconds = 1e9;
+    let mut unit_ns = None;
     for (name, value) in options(items.get(2..).unwrap_or_default())? {
         match name.as_str() {
             ":unit" => {
-                nanoseconds =
-                    unit(value)?.filter(|unit| unit.dimension == Dimension::TIME).ok_or("the unit is no time")?.factor
-                        * 1e9
+                let unit = unit(value)?.filter(|unit| unit.dimension == Dimension::TIME);
+                unit_ns = Some(libm::rint(unit.ok_or("the unit is no time")?.factor * 1e9) as i64);
             }
             other => return Err(format!("`{other}` has no meaning here")),
         }
     }
-    Ok((column, nanoseconds))
+    Ok((column, unit_ns))
 }
 
 fn entry(items: &[Value]) -> Result<(Entry, Option<Symbol>), String> {
