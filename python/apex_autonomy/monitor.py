@@ -162,7 +162,8 @@ class Monitor:
         t : array_like, shape (n,)
             Instants: seconds as float64, or ``timedelta64`` / ``datetime64``.
         values : array_like, shape (n,)
-            Numbers, in the declared unit if one is declared; not-a-number is a missing measurement.
+            Numbers, in the declared unit if one is declared; not-a-number is a missing measurement. An array of booleans
+            hands over true and false, as :meth:`push` does.
         variable : str or Variable, optional
             As in :meth:`push`.
 
@@ -184,10 +185,17 @@ class Monitor:
         >>> monitor.finish().column("start_ns")
         array([1000000000])
         """
-        instants, numbers = _nanoseconds(np.asarray(t)), np.ascontiguousarray(values, dtype=np.float64)
-        if instants.ndim != 1 or numbers.ndim != 1:
-            raise InputError(f"instants have {instants.ndim} dimensions, values {numbers.ndim}; one each is expected")
-        self._session.samples(self._variable(variable), instants, numbers)
+        instants, given = _nanoseconds(np.asarray(t)), np.asarray(values)
+        if instants.ndim != 1 or given.ndim != 1:
+            raise InputError(f"instants have {instants.ndim} dimensions, values {given.ndim}; one each is expected")
+        known = self._variable(variable)
+        if given.dtype.kind != "b":
+            self._session.samples(known, instants, np.ascontiguousarray(given, dtype=np.float64))
+        elif len(instants) != len(given):
+            raise InputError(f"there are {len(instants)} instants for {len(given)} values")
+        else:
+            for at, value in zip(instants.astype("timedelta64[ns]"), given.tolist(), strict=True):
+                self._session.sample(known, value, at)
         return self._take()
 
     def event(self, t: Instant, form: str | Sequence[Any]) -> Results:

@@ -55,6 +55,22 @@ def test_arrays_samples_and_pieces_tell_the_same_as_the_definition(seed):
     assert [run for run in final if run[1] - run[0] >= 2 * 10**9] == expected
 
 
+def test_booleans_in_arrays_stay_booleans():
+    t, armed = [0.0, 1.0, 2.0, 3.0], np.array([False, True, True, False])
+    whole, single = Monitor("(armed uav = t)"), Monitor("(armed uav = t)")
+    told = [*whole.extend(t, armed), *whole.finish()]
+    for at, value in zip(t, armed.tolist(), strict=True):
+        single.push(at, value)
+    assert [result.start_s for result in told] == [1.0, 2.0]
+    assert whole.judgement().verdict == single.judgement().verdict == "satisfied"
+    # Numbers stay numbers.
+    numbers = Monitor("(armed uav = t)")
+    numbers.extend(t, armed.astype(float))
+    assert numbers.finish().column("start_ns").size == 0
+    with pytest.raises(InputError, match="4 instants for 1 values"):
+        Monitor("(armed uav = t)").extend(t, np.array([True]))
+
+
 def test_instants_with_units_are_exact():
     monitor = Monitor("(rssi modem < 20)")
     at = np.timedelta64(1_234_567_890_123_456_789, "ns")

@@ -1,100 +1,152 @@
-//! Tables, `.csv`: a row of column names, then rows of values; one column is the time.
+//! Tables, `.csv`: a row of column names, then rows of values; one column is the time. Columns are separated by commas,
+//! semicolons or tabs; with the latter two a comma in a number is the decimal point.
 
+use crate::bytes::Bytes;
+use crate::time_column::TimeColumn;
 use crate::{Cell, FIELDS_MAX, LogReader, Message, ReadErrors, Topic};
 use apex_model::time::Time;
 use csv::{ByteRecord, Reader, ReaderBuilder};
 use std::io::{self, Read};
 
-/// Names of columns that are a time, with the nanoseconds of their unit.
-const TIMES: &[(&str, f64)] = &[
-    ("t", 1e9),
-    ("time", 1e9),
-    ("timestamp", 1e9),
-    ("t_s", 1e9),
-    ("time_s", 1e9),
-    ("timestamp_s", 1e9),
-    ("t_ms", 1e6),
-    ("time_ms", 1e6),
-    ("timestamp_ms", 1e6),
-    ("t_us", 1e3),
-    ("time_us", 1e3),
-    ("timestamp_us", 1e3),
-    ("t_ns", 1.0),
-    ("time_ns", 1.0),
-    ("timestamp_ns", 1.0),
-];
+/// Bytes in which the row of names is looked for.
+const HEADER_BYTES_MAX: usize = 1 << 16;
+/// A line that some spreadsheets write before the names: `sep=;`.
+const SEPARATOR_LINE: &[u8] = b"sep=";
+
+/// Column of the time as a mapping names it, with the nanoseconds of its unit if the mapping states one.
+pub type TimeName = (String, Option<i64>);
 
 /// Reads a table.
 pub(crate) struct CsvTable<R> {
-    reader: Reader<R>,
+    /// The bytes, until the header is read.
+    input: Option<R>,
+    reader: Option<Reader<Bytes<R>>>,
     record: ByteRecord,
     topics: Vec<Topic>,
-    /// The column of the time and the nanoseconds of its unit.
-    time: Option<(String, f64)>,
-    column: Option<(usize, f64)>,
+    wanted: Option<TimeName>,
+    column: Option<TimeColumn>,
+    /// A comma in a number is the decimal point.
+    decimal_comma: bool,
+    /// Lines before the row of names that the parser does not see.
+    lines_before: u64,
+    newest: Option<Time>,
     damages: ReadErrors,
-    begun: bool,
 }
 
 impl<R: Read> CsvTable<R> {
-    /// `time` names the column of the time and the nanoseconds of its unit; without it a column is found by its name.
-    pub(crate) fn new(input: R, time: Option<(String, f64)>) -> CsvTable<R> {
+    /// `wanted` names the column of the time; without it a column is found by its name.
+    pub(crate) fn new(input: R, wanted: Option<TimeName>) -> CsvTable<R> {
         CsvTable {
-            reader: ReaderBuilder::new().has_headers(false).flexible(true).comment(Some(b'#')).from_reader(input),
+            input: Some(input),
+            reader: None,
             record: ByteRecord::new(),
             topics: Vec::new(),
-            time,
+            wanted,
             column: None,
+            decimal_comma: false,
+            lines_before: 0,
+            newest: None,
             damages: ReadErrors::default(),
-            begun: false,
         }
     }
 
-    fn header(&mut self) -> io::Result<bool> {
-        self.begun = true;
-        if !self.reader.read_byte_record(&mut self.record)? {
+    fn header(&mut self, input: R) -> io::Result<()> {
+        let mut bytes = Bytes::new(input);
+        let mut separator = separator(bytes.peek(HEADER_BYTES_MAX)?);
+        let first = bytes.peek(SEPARATOR_LINE.len() + 1)?;
+        if let Some(stated) = first.strip_prefix(SEPARATOR_LINE).and_then(<[u8]>::first) {
+            separator = *stated;
+            bytes.line(HEADER_BYTES_MAX)?;
+            self.lines_before = 1;
+        }
+        self.decimal_comma = separator != b',';
+        let mut options = ReaderBuilder::new();
+        options.has_headers(false).flexible(true).comment(Some(b'#')).delimiter(separator);
+        let mut reader = options.from_reader(bytes);
+        if !reader.read_byte_record(&mut self.record)? {
             self.damages.add(|| "line 1: the table is empty".to_string());
-            return Ok(false);
+            return Ok(());
         }
         let name = |bytes: &[u8]| String::from_utf8_lossy(bytes).trim().trim_start_matches('\u{feff}').to_string();
         let fields: Vec<String> = self.record.iter().take(FIELDS_MAX).map(name).collect();
-        let position = |wanted: &str| fields.iter().position(|field| field.eq_ignore_ascii_case(wanted));
-        self.column = match &self.time {
-            Some((wanted, unit)) => position(wanted).map(|column| (column, *unit)),
-            None => TIMES.iter().find_map(|(wanted, unit)| position(wanted).map(|column| (column, *unit))),
+        self.column = match &self.wanted {
+            Some((name, unit_ns)) => TimeColumn::named(&fields, name, *unit_ns),
+            None => TimeColumn::find(&fields),
         };
         if self.column.is_none() {
-            let wanted = self.time.as_ref().map_or("t, time, timestamp, time_ms or the like", |(name, _)| name);
-            let found = fields.join(", ");
-            let shown: String = found.chars().take(200).collect();
-            self.damages.add(|| format!("line 1: no column is called {wanted}; there are {shown}"));
-            return Ok(false);
+            let line = self.record.position().map_or(0, csv::Position::line) + self.lines_before;
+            let found: String = fields.join(", ").chars().take(200).collect();
+            self.damages.add(|| match &self.wanted {
+                Some((name, _)) => format!("line {line}: no column is called `{name}`; there are {found}"),
+                None => format!("line {line}: no column is a time; there are {found}. Expected `t`, `time (s)`, `timestamp_ms`, `datetime` or the like, or a mapping with (time \"COLUMN\" :unit U)"),
+            });
+            return Ok(());
         }
-        self.topics.push(Topic { name: "csv".to_string(), fields });
-        Ok(true)
+        self.topics.push(Topic { name: "csv".to_string(), fields, ..Topic::default() });
+        self.reader = Some(reader);
+        Ok(())
     }
+
+    /// The instant of the row that was read last; none if its text is not a time, which is noted.
+    fn instant(&mut self, line: u64) -> Option<Time> {
+        let column = self.column.as_mut()?;
+        let text = String::from_utf8_lossy(self.record.get(column.index).unwrap_or_default());
+        let text = text.trim();
+        if text.is_empty() {
+            self.damages.add(|| format!("line {line}: the row has no time"));
+            return None;
+        }
+        let at = if self.decimal_comma { column.instant(&text.replace(',', ".")) } else { column.instant(text) };
+        match at {
+            None => self.damages.add(|| format!("line {line}: `{}` is not a time", text.chars().take(40).collect::<String>())),
+            Some(_) if at == self.newest => self.damages.add(|| {
+                format!("line {line}: its time is that of the row before, `{text}`: of a state variable that both measure, the later value counts")
+            }),
+            Some(_) => {}
+        }
+        self.newest = at.or(self.newest);
+        at
+    }
+}
+
+/// What separates the columns of the first line that is no comment: a tab or semicolon if it has one outside of quotes.
+fn separator(bytes: &[u8]) -> u8 {
+    let mut lines =
+        bytes.split(|byte| *byte == b'\n').filter(|line| !line.starts_with(b"#") && !line.trim_ascii().is_empty());
+    let mut quoted = false;
+    let outside: Vec<u8> = lines
+        .next()
+        .unwrap_or_default()
+        .iter()
+        .copied()
+        .filter(|byte| {
+            quoted ^= *byte == b'"';
+            !quoted
+        })
+        .collect();
+    [b'\t', b';'].into_iter().find(|each| outside.contains(each)).unwrap_or(b',')
 }
 
 impl<R: Read> LogReader for CsvTable<R> {
     fn next(&mut self, message: &mut Message) -> io::Result<bool> {
-        if !self.begun && !self.header()? {
-            return Ok(false);
+        if let Some(input) = self.input.take() {
+            self.header(input)?;
         }
-        let Some((column, unit)) = self.column else { return Ok(false) };
-        while self.reader.read_byte_record(&mut self.record)? {
-            let line = self.record.position().map_or(0, csv::Position::line);
-            message.topic = 0;
-            message.values.clear();
-            message.values.extend(self.record.iter().map(cell));
-            match message.values.get(column) {
-                Some(Cell::Number(number)) if number.is_finite() => {
-                    message.at = Time((number * unit).round() as i64);
-                    return Ok(true);
-                }
-                _ => self.damages.add(|| format!("line {line}: the row has no time")),
+        loop {
+            let Some(reader) = &mut self.reader else { return Ok(false) };
+            if !reader.read_byte_record(&mut self.record)? {
+                return Ok(false);
+            }
+            let line = self.record.position().map_or(0, csv::Position::line) + self.lines_before;
+            if let Some(at) = self.instant(line) {
+                let decimal_comma = self.decimal_comma;
+                message.topic = 0;
+                message.at = at;
+                message.values.clear();
+                message.values.extend(self.record.iter().map(|bytes| cell(bytes, decimal_comma)));
+                return Ok(true);
             }
         }
-        Ok(false)
     }
 
     fn topics(&self) -> &[Topic] {
@@ -106,12 +158,16 @@ impl<R: Read> LogReader for CsvTable<R> {
     }
 }
 
-fn cell(bytes: &[u8]) -> Cell {
+fn cell(bytes: &[u8], decimal_comma: bool) -> Cell {
     let text = String::from_utf8_lossy(bytes);
     let text = text.trim();
-    match text.parse::<f64>() {
-        Ok(number) => Cell::Number(number),
-        Err(_) if text.is_empty() => Cell::Nothing,
-        Err(_) => Cell::Text(text.to_string()),
+    if text.is_empty() {
+        return Cell::Nothing;
     }
+    let number = text.parse::<f64>().ok();
+    let number = number.or_else(|| {
+        let one_comma = decimal_comma && text.bytes().filter(|byte| *byte == b',').count() == 1;
+        if one_comma { text.replace(',', ".").parse().ok() } else { None }
+    });
+    number.map_or_else(|| Cell::Text(text.to_string()), Cell::Number)
 }

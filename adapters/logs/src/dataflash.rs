@@ -40,7 +40,7 @@ impl Format {
             (None, None) => None,
         };
         let format = Format { topic, length, letters: letters.chars().collect(), clock };
-        (format, Topic { name: name.to_string(), fields: columns.to_vec() })
+        (format, Topic { name: name.to_string(), fields: columns.to_vec(), ..Topic::default() })
     }
 
     fn time_of(&self, values: &[Cell]) -> Option<(Time, bool)> {

@@ -2,9 +2,9 @@
 //! (ArduPilot developer documentation, "Logging").
 
 use crate::bytes::{Bytes, array, text, u16_at, u32_at};
-use crate::dataflash::{Format, TimestampInterpolator};
-use crate::{Cell, LogReader, Message, ReadErrors, TOPICS_MAX, Topic};
-use std::collections::BTreeMap;
+use crate::dataflash::TimestampInterpolator;
+use crate::dataflash_units::FormatTable;
+use crate::{Cell, LogReader, Message, ReadErrors, Topic};
 use std::io::{self, Read};
 
 /// What each message begins with.
@@ -17,8 +17,7 @@ const HEADER: usize = 3;
 /// Reads a binary DataFlash log.
 pub(crate) struct DataFlashBinary<R> {
     bytes: Bytes<R>,
-    formats: BTreeMap<u8, Format>,
-    topics: Vec<Topic>,
+    table: FormatTable,
     stamper: TimestampInterpolator,
     damages: ReadErrors,
     ended: bool,
@@ -28,8 +27,7 @@ impl<R: Read> DataFlashBinary<R> {
     pub(crate) fn new(input: R) -> DataFlashBinary<R> {
         DataFlashBinary {
             bytes: Bytes::new(input),
-            formats: BTreeMap::new(),
-            topics: Vec::new(),
+            table: FormatTable::default(),
             stamper: TimestampInterpolator::default(),
             damages: ReadErrors::default(),
             ended: false,
@@ -47,7 +45,7 @@ impl<R: Read> DataFlashBinary<R> {
             self.bytes.skip(1);
             return self.look_for_next(at);
         };
-        let known = self.formats.get(&kind).map(|format| format.length);
+        let known = self.table.of_kind(kind).map(|format| format.length);
         let length = known.unwrap_or(if kind == FORMAT_TYPE { FORMAT_LENGTH } else { 0 });
         if length < HEADER {
             self.damages.add(|| format!("byte {at}: no definition of messages of type {kind}"));
@@ -64,9 +62,13 @@ impl<R: Read> DataFlashBinary<R> {
         let payload = whole.get(HEADER..).unwrap_or_default();
         if kind == FORMAT_TYPE {
             self.define(payload, at);
-        } else if let Some(format) = self.formats.get(&kind) {
-            let row = Message { topic: format.topic, values: values(&format.letters, payload), ..Message::default() };
-            self.stamper.push(format, row);
+        } else if let Some(format) = self.table.of_kind(kind) {
+            let (values, whole) = (values(&format.letters, payload), format.topic);
+            self.table.note(whole, &values);
+            let row = Message { topic: self.table.topic_of(kind, &values), values, ..Message::default() };
+            if let Some(format) = self.table.of_kind(kind) {
+                self.stamper.push(format, row);
+            }
         }
         Ok(true)
     }
@@ -102,17 +104,7 @@ impl<R: Read> DataFlashBinary<R> {
         if sizes.is_none_or(|sizes| sizes + HEADER != usize::from(length)) {
             return self.damages.add(|| format!("byte {at}: the definition of `{name}` contradicts itself"));
         }
-        let known = self.formats.get(&kind).map(|format| format.topic);
-        if known.is_none() && self.topics.len() >= TOPICS_MAX {
-            return;
-        }
-        let number = known.unwrap_or(self.topics.len());
-        let (format, topic) = Format::new(number, &name, usize::from(length), &letters, &columns);
-        match known.and_then(|known| self.topics.get_mut(known)) {
-            Some(slot) => *slot = topic,
-            None => self.topics.push(topic),
-        }
-        self.formats.insert(kind, format);
+        self.table.define(kind, &name, usize::from(length), &letters, &columns);
     }
 }
 
@@ -197,7 +189,7 @@ impl<R: Read> LogReader for DataFlashBinary<R> {
     }
 
     fn topics(&self) -> &[Topic] {
-        &self.topics
+        &self.table.topics
     }
 
     fn damages(&self) -> &ReadErrors {

@@ -1,17 +1,16 @@
 //! DataFlash as text, `.log`: one row a line, `NAME, value, value, ..`; `FMT` rows tell the columns.
 
 use crate::bytes::Bytes;
-use crate::dataflash::{Format, TimestampInterpolator};
-use crate::{Cell, LogReader, MESSAGE_BYTES_MAX, Message, ReadErrors, TOPICS_MAX, Topic};
-use std::collections::BTreeMap;
+use crate::dataflash::TimestampInterpolator;
+use crate::dataflash_units::FormatTable;
+use crate::{Cell, LogReader, MESSAGE_BYTES_MAX, Message, ReadErrors, Topic};
 use std::io::{self, Read};
 
 /// Reads a DataFlash log in text.
 pub(crate) struct DataFlashText<R> {
     bytes: Bytes<R>,
     line: u64,
-    formats: BTreeMap<String, Format>,
-    topics: Vec<Topic>,
+    table: FormatTable,
     stamper: TimestampInterpolator,
     damages: ReadErrors,
     ended: bool,
@@ -22,8 +21,7 @@ impl<R: Read> DataFlashText<R> {
         DataFlashText {
             bytes: Bytes::new(input),
             line: 0,
-            formats: BTreeMap::new(),
-            topics: Vec::new(),
+            table: FormatTable::default(),
             stamper: TimestampInterpolator::default(),
             damages: ReadErrors::default(),
             ended: false,
@@ -44,37 +42,36 @@ impl<R: Read> DataFlashText<R> {
         if !line.contains(',') {
             return;
         }
-        let Some(format) = self.formats.get(name) else {
+        let Some((kind, format)) = self.table.of_name(name) else {
             self.damages.add(|| format!("line {number}: no FMT row defines `{}`", shortened(name)));
             return;
         };
-        let values: Vec<Cell> = parts.map(cell).collect();
-        let wanted = self.topics.get(format.topic).map_or(0, |topic| topic.fields.len());
+        // The letters of units and multipliers stay text, also where they look like numbers.
+        let of_units = name == "FMTU" || name == "UNIT";
+        let cells = parts.enumerate();
+        let cells =
+            cells.map(|(place, text)| if of_units && place >= 2 { Cell::Text(text.to_string()) } else { cell(text) });
+        let values: Vec<Cell> = cells.collect();
+        let whole = format.topic;
+        self.table.note(whole, &values);
+        let wanted = self.table.topics.get(whole).map_or(0, |topic| topic.fields.len());
         if values.len() < wanted {
             let found = values.len();
             self.damages.add(|| format!("line {number}: the row `{name}` has {found} of {wanted} values"));
         }
-        let row = Message { topic: format.topic, values, ..Message::default() };
-        self.stamper.push(format, row);
+        let row = Message { topic: self.table.topic_of(kind, &values), values, ..Message::default() };
+        if let Some(format) = self.table.of_kind(kind) {
+            self.stamper.push(format, row);
+        }
     }
 
     fn define<'a>(&mut self, parts: &mut impl Iterator<Item = &'a str>) -> Option<()> {
-        let _type = parts.next()?;
+        let kind: u8 = parts.next()?.parse().ok()?;
         let length = parts.next()?.parse().unwrap_or_default();
         let name = parts.next()?;
         let letters = parts.next()?;
         let columns: Vec<String> = parts.filter(|column| !column.is_empty()).map(str::to_string).collect();
-        let known = self.formats.get(name).map(|format| format.topic);
-        if known.is_none() && self.topics.len() >= TOPICS_MAX {
-            return None;
-        }
-        let (format, topic) = Format::new(known.unwrap_or(self.topics.len()), name, length, letters, &columns);
-        match known.and_then(|known| self.topics.get_mut(known)) {
-            Some(slot) => *slot = topic,
-            None => self.topics.push(topic),
-        }
-        self.formats.insert(name.to_string(), format);
-        Some(())
+        self.table.define(kind, name, length, letters, &columns).then_some(())
     }
 }
 
@@ -112,7 +109,7 @@ impl<R: Read> LogReader for DataFlashText<R> {
     }
 
     fn topics(&self) -> &[Topic] {
-        &self.topics
+        &self.table.topics
     }
 
     fn damages(&self) -> &ReadErrors {

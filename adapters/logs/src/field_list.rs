@@ -25,7 +25,7 @@ pub fn field_list(
             let line = serde_json::json!({
                 "field": field.name, "count": field.count, "rate_per_s": field.rate_per_s,
                 "least": field.range.map(|range| range.0), "most": field.range.map(|range| range.1),
-                "text": field.text, "variables": becomes,
+                "text": field.text, "unit": field.unit, "variables": becomes,
             });
             let _ = writeln!(text, "{line}");
             continue;
@@ -36,8 +36,9 @@ pub fn field_list(
             (None, Some(text)) => format!("\"{}\"", text.chars().take(30).collect::<String>()),
             (None, None) => "-".to_string(),
         };
+        let unit = field.unit.as_ref().map(|unit| format!(" {unit}")).unwrap_or_default();
         let arrow = if becomes.is_empty() { String::new() } else { format!("  -> {}", becomes.join(" ")) };
-        let _ = writeln!(text, "{:<52} {:>8} {rate:>8}  {values}{arrow}", field.name, field.count);
+        let _ = writeln!(text, "{:<52} {:>8} {rate:>8}  {values}{unit}{arrow}", field.name, field.count);
     }
     text
 }

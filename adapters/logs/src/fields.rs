@@ -1,6 +1,6 @@
 //! What a log holds: fields with counts, rates and ranges.
 
-use crate::{Cell, LogReader, Message};
+use crate::{Cell, FieldUnit, LogReader, Message};
 use apex_model::time::Time;
 use std::io;
 
@@ -17,6 +17,8 @@ pub struct FieldSummary {
     pub range: Option<(f64, f64)>,
     /// The first text, if it has texts.
     pub text: Option<String>,
+    /// The unit that the log states, with its multiplier unless that is one: `0.001 Gauss`.
+    pub unit: Option<String>,
 }
 
 /// First and last instant.
@@ -56,11 +58,18 @@ pub fn survey(reader: &mut dyn LogReader) -> io::Result<(Vec<FieldSummary>, Opti
         if topic.fields.is_empty() {
             summaries.push(whole.summary(topic.name.clone(), rate_per_s));
         }
-        for (name, seen) in topic.fields.iter().zip(fields) {
-            summaries.push(seen.summary(format!("{}.{name}", topic.name), rate_per_s));
+        for (index, (name, seen)) in topic.fields.iter().zip(fields).enumerate() {
+            let unit = topic.units.get(index).and_then(Option::as_ref).map(FieldUnit::text);
+            summaries.push(FieldSummary { unit, ..seen.summary(format!("{}.{name}", topic.name), rate_per_s) });
         }
     }
     Ok((summaries, span))
+}
+
+impl FieldUnit {
+    fn text(&self) -> String {
+        if self.multiplier == 1.0 { self.label.clone() } else { format!("{} {}", self.multiplier, self.label) }
+    }
 }
 
 #[derive(Clone, Debug, Default)]
@@ -89,6 +98,6 @@ impl Seen {
 
     fn summary(self, name: String, rate_per_s: Option<f64>) -> FieldSummary {
         let Seen { count, range, text } = self;
-        FieldSummary { name, count, rate_per_s, range, text }
+        FieldSummary { name, count, rate_per_s, range, text, unit: None }
     }
 }

@@ -8,6 +8,7 @@ mod csv_table;
 mod dataflash;
 mod dataflash_binary;
 mod dataflash_text;
+mod dataflash_units;
 mod field_list;
 mod fields;
 mod json_fields;
@@ -19,9 +20,11 @@ mod mavlink_messages;
 mod mcap;
 mod open;
 mod ordered;
+mod time_column;
 mod ulog;
 mod ulog_format;
 
+pub use csv_table::TimeName;
 pub use field_list::field_list;
 pub use fields::{FieldSummary, Span, survey};
 pub use log_file::{LogError, LogFile};
@@ -42,13 +45,26 @@ pub const MESSAGE_BYTES_MAX: usize = 1 << 24;
 /// Damaged places that are described; further ones are counted.
 pub const DAMAGES_MAX: usize = 20;
 
+/// The unit of a field as the log itself states it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FieldUnit {
+    /// The unit's name in the log, `m/s`.
+    pub label: String,
+    /// A number of the field times this is in that unit.
+    pub multiplier: f64,
+}
+
 /// A kind of message with its fields.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Topic {
     /// Its name in the log.
     pub name: String,
     /// The names of its fields; elements of arrays are fields of their own, `q[0]`.
     pub fields: Vec<String>,
+    /// The units of the fields, as far as the log states them; empty if it states none.
+    pub units: Vec<Option<FieldUnit>>,
+    /// Which fields are whole numbers that no format scales; empty if that is not known.
+    pub integers: Vec<bool>,
 }
 
 /// The value of one field.

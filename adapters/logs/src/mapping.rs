@@ -2,6 +2,7 @@
 
 use crate::{Cell, Message, Topic};
 use apex_model::event::StateVariable;
+use apex_model::quantity::{Dimension, Unit, unit_named};
 use apex_model::time::Time;
 use apex_model::value::Value;
 
@@ -16,12 +17,17 @@ pub struct Entry {
     pub take: Take,
     /// The number in the log is multiplied by this,
     pub scale: f64,
+    /// or by this, if the log writes the field as a whole number and states no unit of its own for it,
+    pub integer_scale: Option<f64>,
     /// and then this is added: the number in the unit in which the variable is declared.
     pub offset: f64,
     /// Words for numbers, such as the modes of an autopilot.
     pub words: Vec<(f64, Value)>,
     /// A number that means "not known".
     pub missing: Option<f64>,
+    /// Factor and dimension of the unit in which the variable is declared, where the mapping leaves the field's unit to the
+    /// log.
+    pub declared: Option<(f64, Dimension)>,
 }
 
 /// What is computed of a field.
@@ -55,12 +61,21 @@ pub struct Sampled {
     pub at: Time,
 }
 
+/// A field that serves an entry.
+#[derive(Clone, Copy, Debug)]
+struct Source {
+    entry: usize,
+    field: usize,
+    /// What its numbers are multiplied by.
+    scale: f64,
+}
+
 /// Makes samples of messages.
 #[derive(Debug)]
 pub struct Sampler {
     mapping: Mapping,
-    /// For each topic, entries and the indexes of their fields.
-    topics: Vec<(usize, Vec<(usize, usize)>)>,
+    /// For each topic, its number of fields and the entries that it serves.
+    topics: Vec<(usize, Vec<Source>)>,
     /// Samples made by each entry.
     counts: Vec<u64>,
     /// Which entry makes each variable: where several could, the first that the log has.
@@ -98,19 +113,20 @@ impl Sampler {
             }
         }
         let wanted = self.topics.get(message.topic).map(|(_, wanted)| wanted.as_slice()).unwrap_or_default();
-        for (number, field) in wanted {
-            let Some(entry) = self.mapping.entries.get(*number) else { continue };
-            if let Some(value) = entry.value(&message.values, *field) {
-                if let Some(count) = self.counts.get_mut(*number) {
+        for source in wanted {
+            let number = source.entry;
+            let Some(entry) = self.mapping.entries.get(number) else { continue };
+            if let Some(value) = entry.value(&message.values, source) {
+                if let Some(count) = self.counts.get_mut(number) {
                     *count += 1;
                 }
-                samples.push(Sampled { entry: *number, value, at: message.at });
+                samples.push(Sampled { entry: number, value, at: message.at });
             }
         }
     }
 
     /// The entries that this topic serves, unless another field serves their variables already.
-    fn fields_of(&mut self, topic: &Topic) -> Vec<(usize, usize)> {
+    fn fields_of(&mut self, topic: &Topic) -> Vec<Source> {
         let mut found = Vec::new();
         for (number, entry) in self.mapping.entries.iter().enumerate() {
             let Some(field) = entry.field_in(topic) else { continue };
@@ -118,7 +134,7 @@ impl Sampler {
             let first = self.mapping.entries.iter().position(same).unwrap_or(number);
             let Some(slot) = self.chosen.get_mut(first) else { continue };
             if *slot.get_or_insert(number) == number {
-                found.push((number, field));
+                found.push(Source { entry: number, field, scale: entry.scale_in(topic, field) });
             }
         }
         found
@@ -135,7 +151,20 @@ impl Entry {
         topic.fields.iter().position(|field| *field == wanted)
     }
 
-    fn value(&self, values: &[Cell], field: usize) -> Option<Value> {
+    /// What the numbers of a field are multiplied by.
+    fn scale_in(&self, topic: &Topic, field: usize) -> f64 {
+        let stated = topic.units.get(field).and_then(Option::as_ref);
+        if let (Some((factor, dimension)), Some(stated)) = (self.declared, stated)
+            && let Some(unit) = unit_of_label(&stated.label).filter(|unit| unit.dimension == dimension)
+        {
+            return self.scale * stated.multiplier * unit.factor / factor;
+        }
+        let whole = topic.integers.get(field).copied().unwrap_or(false) && stated.is_none();
+        self.integer_scale.filter(|_| whole).unwrap_or(self.scale)
+    }
+
+    fn value(&self, values: &[Cell], source: &Source) -> Option<Value> {
+        let field = source.field;
         let number = match (self.take, values.get(field)?) {
             (Take::Value, Cell::Text(text)) => return Some(self.word_for(text)),
             (Take::Value, Cell::Number(number)) => *number,
@@ -154,7 +183,7 @@ impl Entry {
         if let Some((_, word)) = self.words.iter().find(|(known, _)| *known == number) {
             return Some(word.clone());
         }
-        Some(Value::Real(number * self.scale + self.offset))
+        Some(Value::Real(number * source.scale + self.offset))
     }
 
     /// A text of the log: a symbol where it is one word, so that conditions can name it.
@@ -163,6 +192,16 @@ impl Entry {
             !text.is_empty() && text.chars().all(|letter| letter.is_ascii_alphanumeric() || "-_".contains(letter));
         if one_word { Value::symbol(&text.to_ascii_lowercase().replace('_', "-")) } else { Value::text(text) }
     }
+}
+
+/// The unit that a log means by a label of its own.
+fn unit_of_label(label: &str) -> Option<&'static Unit> {
+    unit_named(match label {
+        "deglatitude" | "deglongitude" | "degheading" => "deg",
+        "m/s/s" => "m/s2",
+        "Watt" => "W",
+        other => other,
+    })
 }
 
 fn angle(take: Take, [w, x, y, z]: [f64; 4]) -> f64 {

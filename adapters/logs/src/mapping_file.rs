@@ -1,7 +1,7 @@
 //! Files that say which fields of a log are which state variables: `(map FIELD VARIABLE ..)`, `(time COLUMN ..)`, and
 //! declarations of the state variables.
 
-use crate::{Entry, Format, Mapping, Take, Topic};
+use crate::{Entry, Format, Mapping, Take, TimeName, Topic};
 use apex_model::event::StateVariable;
 use apex_model::library::Library;
 use apex_model::quantity::{Dimension, unit_named};
@@ -16,8 +16,8 @@ pub struct MappingFile {
     pub name: String,
     /// Fields, with the units that their numbers are in.
     pub entries: Vec<(Entry, Option<Symbol>)>,
-    /// The column of the time of a table, and the nanoseconds of its unit.
-    pub time: Option<(String, f64)>,
+    /// The column of the time of a table.
+    pub time: Option<TimeName>,
     /// Declarations of state variables by attribute, as text.
     pub declarations: Vec<(Symbol, String)>,
 }
@@ -75,7 +75,8 @@ pub(crate) fn of_columns(topic: &Topic, time: Option<&str>) -> MappingFile {
 
 fn plain(field: &str, variable: StateVariable) -> Entry {
     let (take, words) = (Take::Value, Vec::new());
-    Entry { field: field.to_string(), variable, take, scale: 1.0, offset: 0.0, words, missing: None }
+    let field = field.to_string();
+    Entry { field, variable, take, scale: 1.0, integer_scale: None, offset: 0.0, words, missing: None, declared: None }
 }
 
 impl MappingFile {
@@ -86,7 +87,7 @@ impl MappingFile {
     pub fn parse(name: &str, text: &str, read_form: ReadForm<'_>) -> Result<MappingFile, MappingError> {
         let wrong = |form: &Value, why: String| {
             let message = format!("{name}: `{}` is no part of a mapping", shortened(form));
-            let help = "its forms are (map \"TOPIC.FIELD\" (ATTRIBUTE OBJECT) [:unit U] [:scale N] [:offset N] [:take roll|pitch|heading] [:missing N] [:words ((N WORD) ..)]), (time \"COLUMN\" [:unit U]) and (state-variable ..)";
+            let help = "its forms are (map \"TOPIC.FIELD\" (ATTRIBUTE OBJECT) [:unit U] [:scale N] [:integer-scale N] [:offset N] [:take roll|pitch|heading] [:missing N] [:words ((N WORD) ..)]), (time \"COLUMN\" [:unit U]) and (state-variable ..)";
             MappingError { message, reason: Some(why), help: Some(help.to_string()) }
         };
         // One list around all forms, in one line with the first, so that lines in messages are the file's.
@@ -126,7 +127,10 @@ impl MappingFile {
         let entries = self.entries.into_iter().map(|(mut entry, unit)| {
             let declared = library.state_variables.get(&entry.variable.attribute);
             let declared = declared.and_then(|declared| unit_named(declared.unit.as_ref()?.printed()));
-            let Some(unit) = unit.and_then(|unit| unit_named(unit.printed())) else { return Ok(entry) };
+            let Some(unit) = unit.and_then(|unit| unit_named(unit.printed())) else {
+                entry.declared = declared.map(|to| (to.factor, to.dimension));
+                return Ok(entry);
+            };
             let (scale, dimension) = declared.map_or((1.0, Dimension::NONE), |to| (to.factor, to.dimension));
             if dimension != unit.dimension {
                 let Entry { field, variable, .. } = &entry;
@@ -138,6 +142,7 @@ impl MappingFile {
                 });
             }
             entry.scale *= unit.factor / scale;
+            entry.integer_scale = entry.integer_scale.map(|own| own * unit.factor / scale);
             entry.offset *= unit.factor / scale;
             Ok(entry)
         });
@@ -156,20 +161,19 @@ fn declaration(form: &Value, items: &[Value]) -> Result<(Symbol, String), String
     Ok((attribute.clone(), form.to_string()))
 }
 
-fn time(items: &[Value]) -> Result<(String, f64), String> {
+fn time(items: &[Value]) -> Result<TimeName, String> {
     let column = items.get(1).map(word).ok_or("the column is missing")?;
-    let mut nanoseconds = 1e9;
+    let mut unit_ns = None;
     for (name, value) in options(items.get(2..).unwrap_or_default())? {
         match name.as_str() {
             ":unit" => {
-                nanoseconds =
-                    unit(value)?.filter(|unit| unit.dimension == Dimension::TIME).ok_or("the unit is no time")?.factor
-                        * 1e9
+                let unit = unit(value)?.filter(|unit| unit.dimension == Dimension::TIME);
+                unit_ns = Some(libm::rint(unit.ok_or("the unit is no time")?.factor * 1e9) as i64);
             }
             other => return Err(format!("`{other}` has no meaning here")),
         }
     }
-    Ok((column, nanoseconds))
+    Ok((column, unit_ns))
 }
 
 fn entry(items: &[Value]) -> Result<(Entry, Option<Symbol>), String> {
@@ -189,6 +193,7 @@ fn entry(items: &[Value]) -> Result<(Entry, Option<Symbol>), String> {
         match name.as_str() {
             ":unit" => own_unit = unit(value)?.map(|unit| Symbol::new(unit.name)),
             ":scale" => entry.scale = number(value)?,
+            ":integer-scale" => entry.integer_scale = Some(number(value)?),
             ":offset" => entry.offset = number(value)?,
             ":missing" => entry.missing = Some(number(value)?),
             ":take" => {

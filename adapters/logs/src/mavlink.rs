@@ -108,7 +108,7 @@ impl<R: Read> TelemetryLog<R> {
         let plain = definition.map_or_else(|| format!("message-{}", packet.id), |known| known.name.to_string());
         let own = packet.component == AUTOPILOT && self.vehicle == Some(packet.system);
         let name = if own { plain } else { format!("{plain}@{}.{}", packet.system, packet.component) };
-        self.topics.push(Topic { name, fields });
+        self.topics.push(Topic { name, fields, ..Topic::default() });
         self.known.insert(key, self.topics.len() - 1);
         Some(self.topics.len() - 1)
     }

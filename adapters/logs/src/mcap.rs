@@ -143,7 +143,7 @@ impl<R: Read> Mcap<R> {
             });
         }
         self.channels.insert(channel.id, Channel { topic: self.topics.len(), is_json });
-        self.topics.push(Topic { name, fields: Vec::new() });
+        self.topics.push(Topic { name, ..Topic::default() });
     }
 
     /// Fills `message`; false if it cannot be read.

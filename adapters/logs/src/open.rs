@@ -1,6 +1,6 @@
 //! Which format a log has, and its reader.
 
-use crate::csv_table::CsvTable;
+use crate::csv_table::{CsvTable, TimeName};
 use crate::dataflash_binary::{self, DataFlashBinary};
 use crate::dataflash_text::DataFlashText;
 use crate::mavlink::{self, TelemetryLog};
@@ -64,8 +64,8 @@ impl Format {
         }
     }
 
-    /// The reader of a log in this format. `time` names the time's column of a table and the nanoseconds of its unit.
-    pub fn reader<'a>(self, input: impl Read + 'a, time: Option<(String, f64)>) -> Box<dyn LogReader + 'a> {
+    /// The reader of a log in this format. `time` names the time's column of a table.
+    pub fn reader<'a>(self, input: impl Read + 'a, time: Option<TimeName>) -> Box<dyn LogReader + 'a> {
         match self {
             Format::ULog => Box::new(ULog::new(input)),
             Format::DataFlashBinary => Box::new(DataFlashBinary::new(input)),

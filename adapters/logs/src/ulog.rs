@@ -106,7 +106,7 @@ impl<R: Read> ULog<R> {
         let fields = leaves.iter().map(|leaf| leaf.name.clone()).collect();
         let timestamp = leaves.iter().position(|leaf| leaf.name == "timestamp");
         let topic = self.topics.len();
-        self.topics.push(Topic { name, fields });
+        self.topics.push(Topic { name, fields, ..Topic::default() });
         self.subscriptions.insert(number, Subscription { topic, leaves, timestamp, size });
     }
 
@@ -134,7 +134,8 @@ impl<R: Read> ULog<R> {
         let (Some(level), Some(microseconds)) = (payload.first(), u64_at(payload, stamp)) else { return false };
         let topics = &mut self.topics;
         let topic = *self.messages.get_or_insert_with(|| {
-            topics.push(Topic { name: "logged_message".into(), fields: vec!["level".into(), "text".into()] });
+            let fields = vec!["level".into(), "text".into()];
+            topics.push(Topic { name: "logged_message".into(), fields, ..Topic::default() });
             topics.len() - 1
         });
         let words = text(payload.get(stamp + 8..).unwrap_or_default());

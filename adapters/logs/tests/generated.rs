@@ -6,6 +6,7 @@ mod builders;
 
 use apex_logs::{Cell, Entry, Format, LogReader, Mapping, Message, Sampled, Sampler, Take, open, survey};
 use apex_model::event::StateVariable;
+use apex_model::quantity::unit_named;
 use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 use apex_model::value::Value;
@@ -100,6 +101,48 @@ fn dataflash_numbers_are_scaled_as_their_letters_say() {
 }
 
 #[test]
+fn instances_of_dataflash_messages_are_told_apart() {
+    for (log, extension) in
+        [(builders::dataflash_with_units(4, false), "bin"), (builders::dataflash_text_with_units(), "log")]
+    {
+        let below: Vec<f64> = values(&log, extension, "BARO", "Alt").iter().map(|(_, cell)| number(cell)).collect();
+        let above: Vec<f64> = values(&log, extension, "BARO#1", "Alt").iter().map(|(_, cell)| number(cell)).collect();
+        let expected: (&[f64], &[f64]) =
+            if extension == "bin" { (&[0.0, -2.0], &[0.0, 0.0]) } else { (&[-1.5], &[0.5]) };
+        assert_eq!((below.as_slice(), above.as_slice()), expected, "{extension}");
+    }
+}
+
+#[test]
+fn units_of_dataflash_fields_are_known_with_their_multipliers() {
+    for (log, extension) in
+        [(builders::dataflash_with_units(4, false), "bin"), (builders::dataflash_text_with_units(), "log")]
+    {
+        let (fields, _) = survey(&mut *reader(&log, extension)).unwrap();
+        let unit = |name: &str| fields.iter().find(|field| field.name == name).unwrap().unit.clone();
+        assert_eq!(unit("BARO#1.Alt").as_deref(), Some("m"), "{extension}");
+        assert_eq!(unit("BARO.Fld").as_deref(), Some("0.001 Gauss"), "{extension}");
+        assert_eq!(unit("BARO.I"), None, "{extension}");
+    }
+}
+
+/// A real log of an ArduSub; the figures are those of pymavlink 2.4.50.
+#[test]
+fn every_barometer_of_a_real_log_is_read() {
+    let path = "/work/shared/data/flight-logs/ap_sub_small.BIN";
+    let Ok(log) = std::fs::read(path) else {
+        eprintln!("skipped: {path} is not here");
+        return;
+    };
+    let heights =
+        |topic: &str| -> Vec<f64> { values(&log, "bin", topic, "Alt").iter().map(|(_, cell)| number(cell)).collect() };
+    let least = |heights: &[f64]| heights.iter().copied().fold(f64::INFINITY, f64::min);
+    let (first, second) = (heights("BARO"), heights("BARO#1"));
+    assert_eq!((first.len(), second.len()), (237, 237));
+    assert!((least(&first) + 10.3).abs() < 0.05 && least(&second) > -0.5, "{} {}", least(&first), least(&second));
+}
+
+#[test]
 fn rows_without_a_time_are_spread_between_those_of_the_gps() {
     let found = values(&builders::dataflash_text(2), "log", "ATT", "Roll");
     let found: Vec<(f64, f64)> = found.iter().map(|(at, value)| (*at, number(value))).collect();
@@ -138,7 +181,8 @@ fn a_survey_counts_fields_and_their_ranges() {
 
 fn entry(field: &str, attribute: &str, take: Take) -> Entry {
     let variable = StateVariable::new(Symbol::new(attribute), Value::symbol("uav"));
-    Entry { field: field.into(), variable, take, scale: 1.0, offset: 0.0, words: Vec::new(), missing: None }
+    let (field, words) = (field.into(), Vec::new());
+    Entry { field, variable, take, scale: 1.0, integer_scale: None, offset: 0.0, words, missing: None, declared: None }
 }
 
 fn sampled(log: &[u8], extension: &str, entries: Vec<Entry>) -> Vec<Sampled> {
@@ -149,6 +193,27 @@ fn sampled(log: &[u8], extension: &str, entries: Vec<Entry>) -> Vec<Sampled> {
         sampler.sample(reader.topics(), &message, &mut samples);
     }
     samples
+}
+
+#[test]
+fn whole_numbers_and_units_of_the_log_are_scaled() {
+    // Volts as a float, and whole hundredths of them in older logs.
+    let volts = Entry { integer_scale: Some(0.01), ..entry("CURR.Volt", "volts", Take::Value) };
+    let angle = unit_named("rad").map(|unit| (unit.factor, unit.dimension));
+    for integers in [false, true] {
+        let samples = sampled(&builders::dataflash_with_units(2, integers), "bin", vec![volts.clone()]);
+        let Value::Real(value) = samples[0].value else { panic!() };
+        assert!((value - 12.6).abs() < 1e-6, "{integers}: {value}");
+    }
+    // The log states metres; the variable is declared in feet. An angle cannot be had from metres.
+    let feet = unit_named("ft").map(|unit| (unit.factor, unit.dimension));
+    let wanted = vec![
+        Entry { declared: feet, ..entry("BARO.Alt", "height", Take::Value) },
+        Entry { declared: angle, ..entry("BARO.Alt", "angle", Take::Value) },
+    ];
+    let samples = sampled(&builders::dataflash_with_units(4, false), "bin", wanted);
+    let last = |number: usize| samples.iter().rfind(|each| each.entry == number).unwrap().value.clone();
+    assert_eq!((last(0).to_string(), last(1).to_string()), ((-2.0 / 0.3048_f64).to_string(), "-2.0".to_string()));
 }
 
 #[test]

@@ -28,6 +28,8 @@ pub enum Limit {
     SolveRequests,
     /// [`limits::MONITOR_OBJECTS_MAX`]
     MonitorObjects,
+    /// [`limits::MONITOR_RESULTS_MAX`]
+    MonitorResults,
     /// [`limits::MONITOR_COMBINATIONS_MAX`]
     MonitorCombinations,
     /// [`limits::CUSTOM_VALUES_MAX`]
@@ -38,7 +40,7 @@ pub enum Limit {
 
 impl Limit {
     /// All of them, in the order in which messages list them.
-    pub const ALL: [Limit; 12] = [
+    pub const ALL: [Limit; 13] = [
         Limit::Tasks,
         Limit::TaskDepth,
         Limit::ForallItems,
@@ -48,6 +50,7 @@ impl Limit {
         Limit::EventHistory,
         Limit::SolveRequests,
         Limit::MonitorObjects,
+        Limit::MonitorResults,
         Limit::MonitorCombinations,
         Limit::CustomValues,
         Limit::MedianNumbers,
@@ -76,6 +79,7 @@ impl Limit {
             Limit::EventHistory => ("EVENT_HISTORY_MAX", "event-history", 1, limits::EVENT_HISTORY_MAX as u64),
             Limit::SolveRequests => ("SOLVE_REQUESTS_MAX", "solve-requests", 1, limits::SOLVE_REQUESTS_MAX as u64),
             Limit::MonitorObjects => ("MONITOR_OBJECTS_MAX", "monitor-objects", 1, limits::MONITOR_OBJECTS_MAX as u64),
+            Limit::MonitorResults => ("MONITOR_RESULTS_MAX", "monitor-results", 4, limits::MONITOR_RESULTS_MAX as u64),
             Limit::MonitorCombinations => {
                 ("MONITOR_COMBINATIONS_MAX", "monitor-combinations", 1, limits::MONITOR_COMBINATIONS_MAX)
             }
@@ -105,20 +109,23 @@ impl Limit {
     }
 }
 
-/// The limits of one agent.
+/// Items of one kind that a log may hold: more than fit into memory.
+const LOG_ITEMS_MAX: u64 = 1 << 40;
+
+/// The limits of one agent, or of the monitors of a log.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Limits {
-    /// Those that are lower than the executive's, each once.
-    lowered: Vec<(Limit, u64)>,
+    /// Those that differ from the executive's, each once.
+    set: Vec<(Limit, u64)>,
 }
 
 /// The executive's own limits, for who has no agent.
-pub const UNLOWERED: &Limits = &Limits { lowered: Vec::new() };
+pub const UNLOWERED: &Limits = &Limits { set: Vec::new() };
 
 impl Limits {
     /// The value of `limit`.
     pub fn of(&self, limit: Limit) -> u64 {
-        self.lowered.iter().find(|(each, _)| *each == limit).map_or_else(|| limit.most(), |(_, value)| *value)
+        self.set.iter().find(|(each, _)| *each == limit).map_or_else(|| limit.most(), |(_, value)| *value)
     }
 
     /// The same as a number of things in memory.
@@ -128,10 +135,17 @@ impl Limits {
 
     /// Sets `limit` to `value`, within what it may be.
     pub fn lower(&mut self, limit: Limit, value: u64) {
-        self.lowered.retain(|(each, _)| *each != limit);
+        self.set.retain(|(each, _)| *each != limit);
         if value < limit.most() {
-            self.lowered.push((limit, value.max(limit.least())));
+            self.set.push((limit, value.max(limit.least())));
         }
+    }
+
+    /// Limits for monitors that read a finite log: samples, messages, objects and results are bounded by the log itself, so
+    /// none is forgotten. The limits of computation stay.
+    pub fn of_a_log() -> Limits {
+        let kept = [Limit::HistorySamples, Limit::EventHistory, Limit::MonitorObjects, Limit::MonitorResults];
+        Limits { set: kept.map(|limit| (limit, LOG_ITEMS_MAX)).to_vec() }
     }
 
     /// The cause of what happens because `limit` was reached.
@@ -158,6 +172,14 @@ mod tests {
             other.lower(Limit::HistorySamples, 2);
             other
         });
+    }
+
+    #[test]
+    fn a_log_bounds_what_is_kept_of_it() {
+        let limits = Limits::of_a_log();
+        let raised = |limit: &Limit| limits.of(*limit) > limit.most();
+        let kept: Vec<&str> = Limit::ALL.iter().filter(|limit| raised(limit)).map(|limit| limit.word()).collect();
+        assert_eq!(kept, ["history-samples", "event-history", "monitor-objects", "monitor-results"]);
     }
 
     #[test]

@@ -43,20 +43,26 @@ pub(crate) fn ulog(samples: u64) -> Vec<u8> {
     log
 }
 
+/// The definition of a kind of DataFlash messages.
+fn definition(kind: u8, length: u8, name: &str, letters: &str, columns: &str) -> Vec<u8> {
+    let mut row = vec![0xa3, 0x95, 128, kind, length];
+    for (text, size) in [(name, 4), (letters, 16), (columns, 64)] {
+        row.extend(padded(text, size));
+    }
+    row
+}
+
+fn padded(text: &str, size: usize) -> Vec<u8> {
+    let mut bytes = text.as_bytes().to_vec();
+    bytes.resize(size, 0);
+    bytes
+}
+
 /// DataFlash in bytes: `ATT` with hundredths of degrees and `POS` with coordinates, ten rows a second.
 pub(crate) fn dataflash_binary(samples: u64) -> Vec<u8> {
-    let mut log = Vec::new();
-    let mut define = |kind: u8, length: u8, name: &str, letters: &str, columns: &str| {
-        log.extend([0xa3, 0x95, 128, kind, length]);
-        for (text, size) in [(name, 4), (letters, 16), (columns, 64)] {
-            let mut bytes = text.as_bytes().to_vec();
-            bytes.resize(size, 0);
-            log.extend(bytes);
-        }
-    };
-    define(128, 89, "FMT", "BBnNZ", "Type,Length,Name,Format,Columns");
-    define(10, 3 + 8 + 2 + 4, "ATT", "Qcf", "TimeUS,Roll,Yaw");
-    define(11, 3 + 8 + 4 + 4, "POS", "QLe", "TimeUS,Lat,Alt");
+    let mut log = definition(128, 89, "FMT", "BBnNZ", "Type,Length,Name,Format,Columns");
+    log.extend(definition(10, 3 + 8 + 2 + 4, "ATT", "Qcf", "TimeUS,Roll,Yaw"));
+    log.extend(definition(11, 3 + 8 + 4 + 4, "POS", "QLe", "TimeUS,Lat,Alt"));
     for index in 0..samples {
         let stamp = (5_000_000 + index * 100_000).to_le_bytes();
         log.extend([0xa3, 0x95, 10]);
@@ -69,6 +75,57 @@ pub(crate) fn dataflash_binary(samples: u64) -> Vec<u8> {
         log.extend(58_412_i32.to_le_bytes());
     }
     log
+}
+
+/// DataFlash in bytes with units: barometers 0 and 1 in turn, and a battery monitor whose voltage is a float in volts, or
+/// with `integers` whole hundredths. The definitions of units come before the rows.
+pub(crate) fn dataflash_with_units(samples: u64, integers: bool) -> Vec<u8> {
+    let mut log = definition(128, 89, "FMT", "BBnNZ", "Type,Length,Name,Format,Columns");
+    log.extend(definition(20, 3 + 8 + 1 + 64, "UNIT", "QbZ", "TimeUS,Id,Label"));
+    log.extend(definition(21, 3 + 8 + 1 + 8, "MULT", "Qbd", "TimeUS,Id,Mult"));
+    log.extend(definition(22, 3 + 8 + 1 + 32, "FMTU", "QBNN", "TimeUS,FmtType,UnitIds,MultIds"));
+    log.extend(definition(30, 3 + 8 + 1 + 4 + 2, "BARO", "QBfh", "TimeUS,I,Alt,Fld"));
+    let letters = if integers { "Qhh" } else { "Qff" };
+    log.extend(definition(31, 3 + 8 + if integers { 4 } else { 8 }, "CURR", letters, "TimeUS,Volt,Curr"));
+    let row = |kind: u8, stamp: u64, rest: &[u8]| [&[0xa3, 0x95, kind][..], &stamp.to_le_bytes(), rest].concat();
+    for (id, label) in [(b's', "s"), (b'm', "m"), (b'G', "Gauss"), (b'#', "instance")] {
+        log.extend(row(20, 1, &[vec![id], padded(label, 64)].concat()));
+    }
+    for (id, multiplier) in [(b'F', 1e-6_f64), (b'0', 1.0), (b'C', 1e-3)] {
+        log.extend(row(21, 1, &[&[id][..], &multiplier.to_le_bytes()].concat()));
+    }
+    log.extend(row(22, 1, &[vec![30], padded("s#mG", 16), padded("F-0C", 16)].concat()));
+    for index in 0..samples {
+        let stamp = 5_000_000 + index * 100_000;
+        let instance = (index % 2) as u8;
+        let height = if instance == 0 { -(index as f32) } else { 0.0 };
+        log.extend(row(30, stamp, &[&[instance][..], &height.to_le_bytes(), &250_i16.to_le_bytes()].concat()));
+        let battery = if integers {
+            [1_260_i16.to_le_bytes(), 450_i16.to_le_bytes()].concat()
+        } else {
+            [12.6_f32.to_le_bytes(), 4.5_f32.to_le_bytes()].concat()
+        };
+        log.extend(row(31, stamp, &battery));
+    }
+    log
+}
+
+/// The same units as text.
+pub(crate) fn dataflash_text_with_units() -> Vec<u8> {
+    let lines = [
+        "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns",
+        "FMT, 30, 18, BARO, QBfh, TimeUS,I,Alt,Fld",
+        "FMT, 20, 76, UNIT, QbZ, TimeUS,Id,Label",
+        "FMT, 21, 20, MULT, Qbd, TimeUS,Id,Mult",
+        "FMT, 22, 44, FMTU, QBNN, TimeUS,FmtType,UnitIds,MultIds",
+        "UNIT, 1, 109, m",
+        "UNIT, 1, 71, Gauss",
+        "MULT, 1, 67, 0.001",
+        "FMTU, 1, 30, s#mG, F-0C",
+        "BARO, 5000000, 0, -1.5, 250",
+        "BARO, 5100000, 1, 0.5, 250",
+    ];
+    lines.join("\n").into_bytes()
 }
 
 /// DataFlash as text of the old kind: only GPS rows have a time; two ATT rows between each two of them.

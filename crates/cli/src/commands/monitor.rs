@@ -33,6 +33,7 @@ pub fn run(options: &MonitorOptions) -> CliResult {
     let library = Arc::new(checked.library);
     let session = MonitorSession::new(Arc::clone(&library), sources::host_functions())
         .map(MonitorSession::with_gaps)
+        .map(|session| if style.live { session } else { session.over_a_log() })
         .map_err(|reason| CliError::user("the library cannot be used").because(reason))?;
     let mut watching = Watching { session, conditions, created, style, out: Listened::standard(), heard: false };
     let gone = watching.out.gone();

@@ -10,7 +10,6 @@
 use crate::expression::{EvalContext, EvaluationError};
 use crate::state::monitors::monitor::{ConditionFault, Keep, Monitor, Part, Satisfaction, Window};
 use apex_model::agent_limits::Limit;
-use apex_model::limits::MONITOR_RESULTS_MAX;
 use apex_model::source::Place;
 
 /// Kleene's three values, in order: conjunction is the least, disjunction the greatest.
@@ -54,15 +53,36 @@ pub(crate) fn site(part: &Part) -> PartContext {
     PartContext { window: part.window, keep: part.keep, place: part.place }
 }
 
-/// Errors met while judging, each once.
-#[derive(Default)]
-pub(crate) struct ConditionFaults(pub(crate) Vec<ConditionFault>);
+/// Errors met while judging, each once, and whether anything was left out because of a limit.
+pub(crate) struct ConditionFaults {
+    pub(crate) list: Vec<ConditionFault>,
+    /// How often a limit was reached, so that a result may be missing.
+    pub(crate) limits_reached: u64,
+    /// Results that a part may keep.
+    pub(crate) results_max: usize,
+}
 
 impl ConditionFaults {
+    /// None yet, for conditions that are judged in `context`.
+    pub(crate) fn none(context: &dyn EvalContext) -> ConditionFaults {
+        let results_max = context.limits().count(Limit::MonitorResults);
+        ConditionFaults { list: Vec::new(), limits_reached: 0, results_max }
+    }
+
+    /// Adds what another query of the same monitor has met.
+    pub(crate) fn append(&mut self, other: ConditionFaults) {
+        self.limits_reached += other.limits_reached;
+        for trouble in other.list {
+            if !self.list.contains(&trouble) {
+                self.list.push(trouble);
+            }
+        }
+    }
+
     pub(crate) fn add(&mut self, error: EvaluationError) {
         let trouble = ConditionFault { message: error.message, place: error.place };
-        if !self.0.contains(&trouble) {
-            self.0.push(trouble);
+        if !self.list.contains(&trouble) {
+            self.list.push(trouble);
         }
     }
 
@@ -71,16 +91,18 @@ impl ConditionFaults {
     }
 
     pub(crate) fn limit(&mut self, name: &str, value: usize, place: Place) {
+        self.limits_reached += 1;
         self.add(EvaluationError { message: format!("the limit {name} = {value} of a condition was reached"), place });
     }
 
     pub(crate) fn too_many_results(&mut self, place: Place) {
-        self.limit("MONITOR_RESULTS_MAX", MONITOR_RESULTS_MAX, place);
+        self.limit(Limit::MonitorResults.constant(), self.results_max, place);
     }
 
     /// Moves what is new into the monitor.
     pub(crate) fn tell(self, monitor: &mut Monitor) {
-        for trouble in self.0 {
+        monitor.root.forgotten |= self.limits_reached > 0;
+        for trouble in self.list {
             let notes = monitor.notes.get_or_insert_default();
             if !notes.told.contains(&trouble) {
                 notes.told.push(trouble.clone());
@@ -90,6 +112,17 @@ impl ConditionFaults {
     }
 }
 
+/// Runs `act` on the part. Where it reached a limit, the part may lack a result: it has forgotten something.
+pub(crate) fn noting_limits(
+    part: &mut Part,
+    troubles: &mut ConditionFaults,
+    act: impl FnOnce(&mut Part, &mut ConditionFaults),
+) {
+    let before = troubles.limits_reached;
+    act(part, troubles);
+    part.forgotten |= troubles.limits_reached > before;
+}
+
 /// Keeps a result, dropping the oldest when there are too many.
 pub(crate) fn remember(
     settled: &mut Vec<Satisfaction>,
@@ -97,9 +130,9 @@ pub(crate) fn remember(
     site: PartContext,
     troubles: &mut ConditionFaults,
 ) {
-    if settled.len() >= MONITOR_RESULTS_MAX {
+    if settled.len() >= troubles.results_max {
         troubles.too_many_results(site.place);
-        settled.drain(..MONITOR_RESULTS_MAX / 4);
+        settled.drain(..troubles.results_max / 4);
     }
     settled.push(result);
 }

@@ -24,7 +24,7 @@ pub(crate) struct VerdictQuery<'a> {
 
 impl<'a> VerdictQuery<'a> {
     pub(crate) fn new(context: &'a dyn EvalContext) -> VerdictQuery<'a> {
-        VerdictQuery { context, now: context.now(), troubles: ConditionFaults::default(), wake: None, used: None }
+        VerdictQuery { context, now: context.now(), troubles: ConditionFaults::none(context), wake: None, used: None }
     }
 
     /// What `ask` says when everything counts.

@@ -15,9 +15,8 @@ use crate::state::histories::history::Sample;
 use crate::state::monitor_set::Found;
 use crate::state::monitors::monitor::Monitor;
 use crate::state::wake::WakeKey;
-use apex_model::agent_limits::UNLOWERED;
+use apex_model::agent_limits::Limit;
 use apex_model::event::StateVariable;
-use apex_model::limits::HISTORY_SAMPLES_MAX;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
@@ -123,7 +122,7 @@ impl MonitorSession {
             self.refresh(variable);
         }
         if let Some(monitor) = &mut watched.monitor {
-            threshold_formula::stand_up(monitor, &mut leaves, seen);
+            threshold_formula::stand_up(monitor, &mut leaves, seen, &self.world);
         }
     }
 
@@ -136,7 +135,7 @@ impl MonitorSession {
             let Some(watched) = self.watches.get_mut(id.0) else { continue };
             let Watched { monitor: Some(monitor), leaves, .. } = watched else { continue };
             if let Some(leaves) = leaves {
-                if threshold_formula::told(monitor, leaves, told.leaf.leaf, &told) {
+                if threshold_formula::told(monitor, leaves, told.leaf.leaf, &told, &self.world) {
                     self.touched.push(id);
                 }
                 continue;
@@ -163,7 +162,7 @@ impl MonitorSession {
             return false;
         };
         let seen = self.seen_by_banks(id, leaves);
-        threshold_formula::stand_up(monitor, leaves, seen);
+        threshold_formula::stand_up(monitor, leaves, seen, &self.world);
         true
     }
 
@@ -256,7 +255,7 @@ impl MonitorSession {
         let mut monitor = watched.monitor.clone()?;
         if let Some(mut leaves) = watched.leaves.clone() {
             let seen = self.seen_by_banks(id, &leaves);
-            threshold_formula::stand_up(&mut monitor, &mut leaves, seen);
+            threshold_formula::stand_up(&mut monitor, &mut leaves, seen, &self.world);
             return Some(monitor);
         }
         let bank = threshold_episode::variable(&monitor).and_then(|variable| self.interests.episodes(variable));
@@ -273,6 +272,7 @@ impl MonitorSession {
         if !self.stimuli.is_empty() || !self.touched.is_empty() {
             return 0;
         }
+        let samples_max = self.world.limits.count(Limit::HistorySamples);
         let SessionState { library, histories, now, .. } = &mut self.world;
         let declaration = library.state_variables.get(&variable.attribute);
         let unit = unit_of(&variable.attribute, library);
@@ -300,7 +300,7 @@ impl MonitorSession {
             }
             self.arrivals += 1;
             let before = history.has_overflowed();
-            history.record(Sample { at: *at, sequence: self.arrivals, value }, HISTORY_SAMPLES_MAX);
+            history.record(Sample { at: *at, sequence: self.arrivals, value }, samples_max);
             *now = *at;
             count += 1;
             overflowed = overflowed.or((history.has_overflowed() && !before).then_some(*at));
@@ -312,7 +312,7 @@ impl MonitorSession {
             }
         }
         if let Some(at) = overflowed {
-            let message = histories::overflow_of_samples(variable, UNLOWERED);
+            let message = histories::overflow_of_samples(variable, &self.world.limits);
             self.trouble(SessionError { watch: None, at, message, place: None });
         }
         self.refresh(variable);

@@ -25,7 +25,7 @@ use crate::state::monitor_set::Found;
 use crate::state::monitors::monitor::{Interest, Satisfaction, Verdict};
 use crate::state::recorded::Recorded;
 use crate::state::table::Table;
-use apex_model::agent_limits::UNLOWERED;
+use apex_model::agent_limits::Limits;
 use apex_model::condition::Condition;
 use apex_model::event::StateVariable;
 use apex_model::host::HostFunctions;
@@ -113,6 +113,7 @@ impl MonitorSession {
             tasks: BTreeMap::new(),
             variables: Bindings::new(),
             now: Time::BEGINNING,
+            limits: Limits::default(),
         };
         let values = constants::compute(&world.library, &world)?;
         if !values.is_empty() {
@@ -141,6 +142,13 @@ impl MonitorSession {
     /// It is known for runs whose samples all came to this session in order.
     pub fn with_gaps(mut self) -> MonitorSession {
         self.spacings = Some(Spacings::default());
+        self
+    }
+
+    /// Nothing is forgotten: for a log that is read to its end, whose length bounds what is kept.
+    pub fn over_a_log(mut self) -> MonitorSession {
+        self.world.limits = Limits::of_a_log();
+        self.world.histories.limit(&self.world.limits);
         self
     }
 
@@ -199,7 +207,7 @@ impl MonitorSession {
         if let Some(spacings) = &mut self.spacings {
             spacings.note(variable, at, recording.recorded);
         }
-        let overflow = || histories::overflow_of_samples(variable, UNLOWERED);
+        let overflow = || histories::overflow_of_samples(variable, &self.world.limits);
         for message in recording.trouble.into_iter().chain(recording.overflows.then(overflow)) {
             self.trouble(SessionError { watch: None, at, message, place: None });
         }
@@ -213,7 +221,7 @@ impl MonitorSession {
         let (stimulus, overflows) = histories::record_event(&mut self.world.histories, form, at, sequence);
         self.stimuli.push(stimulus);
         if overflows {
-            let message = histories::overflow_of_messages(UNLOWERED);
+            let message = histories::overflow_of_messages(&self.world.limits);
             self.trouble(SessionError { watch: None, at, message, place: None });
         }
     }

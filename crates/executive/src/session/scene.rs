@@ -3,7 +3,7 @@
 use crate::expression::EvalContext;
 use crate::state::bindings::Bindings;
 use crate::state::histories::history::Histories;
-use apex_model::agent_limits::{Limits, UNLOWERED};
+use apex_model::agent_limits::Limits;
 use apex_model::host::HostFunctions;
 use apex_model::library::Library;
 use apex_model::symbol::Symbol;
@@ -47,6 +47,7 @@ pub(super) struct SessionState {
     pub(super) tasks: BTreeMap<TaskId, KnownTask>,
     pub(super) variables: Bindings,
     pub(super) now: Time,
+    pub(super) limits: Limits,
 }
 
 impl EvalContext for SessionState {
@@ -97,6 +98,6 @@ impl EvalContext for SessionState {
     }
 
     fn limits(&self) -> &Limits {
-        UNLOWERED
+        &self.limits
     }
 }

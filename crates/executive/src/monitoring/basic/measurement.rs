@@ -218,9 +218,14 @@ fn holds(
 
 /// All results up to now, earliest first; those of one instant in the order in which their objects were heard of.
 pub(crate) fn results(part: &MeasurementPart) -> Vec<Satisfaction> {
+    ordered(part).into_iter().cloned().collect()
+}
+
+/// The same, not copied.
+pub(crate) fn ordered(part: &MeasurementPart) -> Vec<&Satisfaction> {
     let Some(seen) = &part.seen else { return Vec::new() };
     let pending = seen.newest.samples().filter_map(|newest| newest.result.as_ref());
-    let mut all: Vec<Satisfaction> = seen.settled.iter().chain(pending).cloned().collect();
+    let mut all: Vec<&Satisfaction> = seen.settled.iter().chain(pending).collect();
     let rank = |result: &Satisfaction| {
         variable_of(result).and_then(|variable| seen.newest.get(&variable.object)).map(|newest| newest.rank)
     };

@@ -20,7 +20,6 @@ use apex_model::because::Evidence;
 use apex_model::estimate::Estimator;
 use apex_model::evidence_list::EvidenceList;
 use apex_model::expression::Expr;
-use apex_model::limits::MONITOR_RESULTS_MAX;
 use apex_model::time::{Duration, Time};
 
 /// The part, not yet looked back. The length is evaluated now.
@@ -130,11 +129,7 @@ pub(crate) fn advance(
     let silent = if at_instants { part_results::silent_after(&part.part, query.now) } else { None };
     let waits = waits.chain(silent);
     part.decides_at = waits.chain(extents.changes_at).chain(query.wake).filter(|at| *at > query.now).min();
-    for trouble in query.troubles.0 {
-        if !troubles.0.contains(&trouble) {
-            troubles.0.push(trouble);
-        }
-    }
+    troubles.append(query.troubles);
 }
 
 /// Windows that have passed up to now. It may be known only now that nothing was there before or between.
@@ -165,7 +160,7 @@ fn see(part: &mut AbsentPart, site: PartContext, found: Vec<(Time, Time)>, troub
     seen.extend(found);
     seen.sort_unstable();
     for (start, end) in seen {
-        let full = part.seen.len() >= MONITOR_RESULTS_MAX;
+        let full = part.seen.len() >= troubles.results_max;
         match part.seen.last_mut() {
             Some((_, last)) if *last + part.length >= start => *last = end.max(*last),
             Some((_, last)) if full => {

@@ -22,7 +22,6 @@ use apex_model::because::Evidence;
 use apex_model::condition::AllenRelation;
 use apex_model::event::StateVariable;
 use apex_model::evidence_list::EvidenceList;
-use apex_model::limits::MONITOR_RESULTS_MAX;
 use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 use std::collections::BTreeMap;
@@ -97,11 +96,7 @@ pub(crate) fn advance(
     for index in 0..part.sides.len() {
         sweep(part, site, index, &extents, &mut query);
     }
-    for trouble in query.troubles.0 {
-        if !troubles.0.contains(&trouble) {
-            troubles.0.push(trouble);
-        }
-    }
+    troubles.append(query.troubles);
 }
 
 /// Writes down related results: final ones for good, others as long as they last. What was known before keeps the
@@ -120,15 +115,15 @@ fn note(part: &mut AllenPart, site: PartContext, chains: Vec<(Chain, bool)>, tro
             return;
         }
         if !settled {
-            if part.passing.len() < MONITOR_RESULTS_MAX {
+            if part.passing.len() < troubles.results_max {
                 part.passing.push(chain);
             } else {
                 troubles.too_many_results(site.place);
             }
         } else {
-            if part.found.len() >= MONITOR_RESULTS_MAX {
+            if part.found.len() >= troubles.results_max {
                 troubles.too_many_results(site.place);
-                part.found.drain(..MONITOR_RESULTS_MAX / 4);
+                part.found.drain(..troubles.results_max / 4);
             }
             part.found.push(chain);
         }
@@ -296,15 +291,16 @@ fn sweep(part: &mut AllenPart, site: PartContext, index: usize, looks: &[PartRes
         return;
     }
     retain_useful(part, site, index, looks, None);
-    if part.sides.get(index).is_some_and(|side| side.settled.len() > MONITOR_RESULTS_MAX) {
+    let most = query.troubles.results_max;
+    if part.sides.get(index).is_some_and(|side| side.settled.len() > most) {
         retain_useful(part, site, index, looks, Some(query.now));
     }
     let Some(side) = part.sides.get_mut(index) else { return };
-    if side.settled.len() > MONITOR_RESULTS_MAX {
+    if side.settled.len() > most {
         query.troubles.too_many_results(site.place);
-        side.settled.drain(..MONITOR_RESULTS_MAX / 4);
+        side.settled.drain(..most / 4);
     }
-    side.sweep_at = side.settled.len().saturating_mul(2).min(MONITOR_RESULTS_MAX + 1);
+    side.sweep_at = side.settled.len().saturating_mul(2).min(most + 1);
 }
 
 fn retain_useful(part: &mut AllenPart, site: PartContext, index: usize, looks: &[PartResults], now: Option<Time>) {

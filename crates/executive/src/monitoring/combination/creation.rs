@@ -11,11 +11,11 @@ use crate::expression::arithmetic::duration;
 use crate::expression::{EvalContext, EvaluationError, evaluate};
 use crate::monitoring::basic::time_conditions::{self, Kind};
 use crate::monitoring::basic::{event, measurement, task_state};
-use crate::monitoring::combination::{absence, replay};
+use crate::monitoring::combination::{absence, point_order, replay};
 use crate::monitoring::episodes::episode;
 use crate::monitoring::memory::reach;
 use crate::monitoring::numbers::{cyclic, persistence, regression, statistics};
-use crate::monitoring::part::ConditionFaults;
+use crate::monitoring::part::{ConditionFaults, noting_limits};
 use crate::monitoring::sampled::Sampled;
 use crate::monitoring::specificity::variables;
 use crate::state::monitors::monitor::{
@@ -53,7 +53,14 @@ pub(crate) fn tree(
     (keep, standing): (Keep, bool),
     context: &dyn EvalContext,
 ) -> Result<Part, EvaluationError> {
-    part(condition, Role { window, keep, any_pair: false, standing, whole_runs: false }, context)
+    let mut root = part(condition, Role { window, keep, any_pair: false, standing, whole_runs: false }, context)?;
+    if let PartKind::InOrder(composite) = &mut root.kind {
+        let mut names = BTreeSet::new();
+        collect(condition, &mut names);
+        let binds = names.iter().any(|name| context.variable(name).is_none());
+        composite.order = point_order::create(composite, binds, context);
+    }
+    Ok(root)
 }
 
 fn part(condition: &Condition, role: Role, context: &dyn EvalContext) -> Result<Part, EvaluationError> {
@@ -122,7 +129,7 @@ fn part(condition: &Condition, role: Role, context: &dyn EvalContext) -> Result<
         // What is pursued meanwhile is the business of control.
         ConditionKind::Probing { condition, .. } => return part(condition, role, context),
     };
-    Ok(Part { tag: condition.tag.clone(), place: condition.place, window, keep: role.keep, kind })
+    Ok(Part { tag: condition.tag.clone(), place: condition.place, window, keep: role.keep, forgotten: false, kind })
 }
 
 fn absent(
@@ -207,7 +214,7 @@ fn composite(
     let delayed = ordered && parts.iter().any(|part| matches!(part.kind, ConditionKind::Delay(..)));
     let role = Role { keep, any_pair: role.any_pair || delayed, ..role };
     let parts = parts.iter().map(|each| part(each, role, context)).collect::<Result<_, _>>()?;
-    Ok(Composite { parts, constraints: constraints.to_vec(), combines, shared })
+    Ok(Composite { parts, constraints: constraints.to_vec(), combines, shared, order: None })
 }
 
 fn alternatives(
@@ -219,7 +226,7 @@ fn alternatives(
     let combines = !constraints.is_empty();
     let keep = if combines { Keep::Every } else { role.keep };
     let parts = parts.iter().map(|each| part(each, Role { keep, ..role }, context)).collect::<Result<_, _>>()?;
-    Ok(Composite { parts, constraints: constraints.to_vec(), combines, shared: Vec::new() })
+    Ok(Composite { parts, constraints: constraints.to_vec(), combines, shared: Vec::new(), order: None })
 }
 
 /// The variables, not bound yet, that occur in more than one part.
@@ -285,6 +292,10 @@ fn of_constraints<'a>(constraints: &'a [Constraint], names: &mut BTreeSet<&'a Sy
 
 /// Looks back, in every part, over what is remembered since its window's start.
 pub(crate) fn backfill(part: &mut Part, context: &dyn EvalContext, troubles: &mut ConditionFaults) {
+    noting_limits(part, troubles, |part, troubles| backfill_kind(part, context, troubles));
+}
+
+fn backfill_kind(part: &mut Part, context: &dyn EvalContext, troubles: &mut ConditionFaults) {
     let site = crate::monitoring::part::site(part);
     match &mut part.kind {
         PartKind::Measurement(leaf) => leaf.backfill(site, context, troubles),

@@ -13,7 +13,7 @@ use crate::monitoring::basic::{event, function, measurement, task_state};
 use crate::monitoring::combination::{absence, allen, replay};
 use crate::monitoring::episodes::episode;
 use crate::monitoring::numbers::persistence;
-use crate::monitoring::part::{ConditionFaults, site};
+use crate::monitoring::part::{ConditionFaults, noting_limits, site};
 use crate::monitoring::sampled;
 use crate::monitoring::samples::SampleView;
 use crate::monitoring::stimulus::Stimulus;
@@ -21,12 +21,17 @@ use crate::monitoring::wake::WakeReason;
 use crate::state::monitors::monitor::{Part, PartKind};
 use apex_model::time::Time;
 
+/// Tells the part what happened.
 pub(crate) fn notice_part(
     part: &mut Part,
     stimulus: &Stimulus,
     context: &dyn EvalContext,
     troubles: &mut ConditionFaults,
 ) {
+    noting_limits(part, troubles, |part, troubles| notice_kind(part, stimulus, context, troubles));
+}
+
+fn notice_kind(part: &mut Part, stimulus: &Stimulus, context: &dyn EvalContext, troubles: &mut ConditionFaults) {
     let site = site(part);
     if let Some(sequence) = replay::changes_the_past(part, stimulus, context) {
         replay::replay(part, Some(sequence), context, troubles);
@@ -85,6 +90,10 @@ fn notice_sample(
 
 /// Lets parts that depend on time and on other tasks catch up with the present.
 pub(crate) fn advance(part: &mut Part, context: &dyn EvalContext, troubles: &mut ConditionFaults) {
+    noting_limits(part, troubles, |part, troubles| advance_kind(part, context, troubles));
+}
+
+fn advance_kind(part: &mut Part, context: &dyn EvalContext, troubles: &mut ConditionFaults) {
     let site = site(part);
     while let Some(at) = replay::overdue(part, context.now()) {
         replay::look_then(part, at, context, troubles);

@@ -10,7 +10,7 @@
 use crate::expression::{WithBindings, evaluate};
 use crate::monitoring::basic::time_conditions::{self, Kind, delays};
 use crate::monitoring::basic::{measurement, task_state};
-use crate::monitoring::combination::{absence, allen};
+use crate::monitoring::combination::{absence, allen, point_order};
 use crate::monitoring::episodes::episode;
 use crate::monitoring::numbers::{cyclic, persistence, regression, statistics};
 use crate::monitoring::part::Truth;
@@ -22,13 +22,21 @@ use apex_model::agent_limits::Limit;
 use apex_model::because::Evidence;
 use apex_model::evidence_list::EvidenceList;
 use apex_model::expression::Expr;
-use apex_model::limits::MONITOR_RESULTS_MAX;
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
-/// Is the part true now?
+/// Is the part true now? A part that forgot results at a limit is not false for certain; of one that combines others,
+/// [`combined`] knows whether that matters.
 pub(crate) fn truth(part: &Part, query: &mut VerdictQuery<'_>) -> Truth {
+    let combines = matches!(part.kind, PartKind::And(_) | PartKind::Or(_) | PartKind::InOrder(_) | PartKind::Not(_));
+    match truth_of_kind(part, query) {
+        Truth::False if part.forgotten && !combines => Truth::Unknown,
+        truth => truth,
+    }
+}
+
+fn truth_of_kind(part: &Part, query: &mut VerdictQuery<'_>) -> Truth {
     let site = crate::monitoring::part::site(part);
     match &part.kind {
         PartKind::Measurement(leaf) => Truth::of(measurement::any(leaf), leaf.blind),
@@ -75,14 +83,23 @@ fn truth_beside(part: &Part, composite: &Composite, query: &mut VerdictQuery<'_>
     query.of_everything(|query| match truth(inner, query) {
         // It agrees with whatever the other parts find, since it binds nothing that they bind.
         Truth::True if results(inner, query).iter().any(stands_alone) => Truth::False,
+        // What it forgot might have agreed.
+        Truth::True if inner.forgotten => Truth::Unknown,
         Truth::True | Truth::False => Truth::True,
         Truth::Unknown => Truth::Unknown,
     })
 }
 
 fn combined(part: &Part, composite: &Composite, separately: Truth, query: &mut VerdictQuery<'_>) -> Truth {
-    let needed = composite.combines && separately == Truth::True;
-    if needed && results(part, query).is_empty() { Truth::False } else { separately }
+    if !composite.combines || separately != Truth::True {
+        return separately;
+    }
+    let before = query.troubles.limits_reached;
+    match results(part, query).is_empty() {
+        false => Truth::True,
+        true if part.forgotten || query.troubles.limits_reached > before => Truth::Unknown,
+        true => Truth::False,
+    }
 }
 
 /// All results of the part up to now, earliest recognised first, with the part's tag bound.
@@ -110,7 +127,10 @@ pub(crate) fn results(part: &Part, query: &mut VerdictQuery<'_>) -> Vec<Satisfac
         PartKind::Absent(leaf) => leaf.found.clone(),
         PartKind::Function(leaf) => leaf.holds.clone().into_iter().collect(),
         PartKind::And(composite) => Combination::new(part, composite, false).run(query),
-        PartKind::InOrder(composite) => Combination::new(part, composite, true).run(query),
+        PartKind::InOrder(composite) => match &composite.order {
+            Some(order) => point_order::results(part, composite, order, query),
+            None => Combination::new(part, composite, true).run(query),
+        },
         PartKind::Or(composite) => alternatives(part, composite, query),
     };
     if let Some(used) = &query.used {
@@ -240,7 +260,7 @@ impl<'a> Combination<'a> {
                     }
                 },
                 PartKind::Not(inner) if !self.ordered && self.composite.combines => {
-                    if query.of_everything(|query| truth(inner, query)) == Truth::Unknown {
+                    if inner.forgotten || query.of_everything(|query| truth(inner, query)) == Truth::Unknown {
                         return Vec::new();
                     }
                     absent.push(absence(inner, query.now));
@@ -354,7 +374,7 @@ impl<'a> Combination<'a> {
             let instant = EvidenceList::one(Evidence::Instant { since: Some(partial.end), at: over });
             partial.evidence = partial.evidence.joined(&instant);
         }
-        if self.found.len() < MONITOR_RESULTS_MAX {
+        if self.found.len() < query.troubles.results_max {
             let Partial { recognised_at, bindings, evidence, .. } = partial;
             self.found.push(Satisfaction { interval, recognised_at, bindings, evidence });
         } else {

@@ -12,6 +12,7 @@ pub(crate) mod monitors;
 pub(crate) mod numbers_unmet;
 pub(crate) mod part_results;
 pub(crate) mod parts;
+pub(crate) mod point_order;
 pub(crate) mod relation;
 pub(crate) mod replay;
 pub(crate) mod result_report;

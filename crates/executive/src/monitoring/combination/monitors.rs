@@ -9,7 +9,7 @@
 
 use crate::expression::{EvalContext, EvaluationError};
 use crate::monitoring::combination::dispatch::{advance, notice_part, wake_of};
-use crate::monitoring::combination::{creation, logic, unmet as unmet_parts};
+use crate::monitoring::combination::{creation, logic, point_order, unmet as unmet_parts};
 use crate::monitoring::part::{ConditionFaults, Truth};
 use crate::monitoring::stimulus::Stimulus;
 use crate::monitoring::verdict_query::VerdictQuery;
@@ -63,7 +63,7 @@ fn made(
     context: &dyn EvalContext,
 ) -> Result<Monitor, EvaluationError> {
     let mut root = creation::tree(condition, window, manner, context)?;
-    let mut troubles = ConditionFaults::default();
+    let mut troubles = ConditionFaults::none(context);
     creation::backfill(&mut root, context, &mut troubles);
     let mut monitor = Monitor { created_at: context.now(), window, root, asked_at: context.now(), notes: None };
     troubles.tell(&mut monitor);
@@ -72,14 +72,14 @@ fn made(
 
 /// Tells `monitor` what happened. Stimuli it has no interest in change nothing.
 pub(crate) fn notice(monitor: &mut Monitor, stimulus: &Stimulus, context: &dyn EvalContext) {
-    let mut troubles = ConditionFaults::default();
+    let mut troubles = ConditionFaults::none(context);
     notice_part(&mut monitor.root, stimulus, context, &mut troubles);
     troubles.tell(monitor);
 }
 
 /// Finds out again which tasks the monitor is about: a tag stands for another one now.
 pub(crate) fn look_for_tasks(monitor: &mut Monitor, context: &dyn EvalContext) {
-    let mut troubles = ConditionFaults::default();
+    let mut troubles = ConditionFaults::none(context);
     advance(&mut monitor.root, context, &mut troubles);
     troubles.tell(monitor);
 }
@@ -88,6 +88,7 @@ pub(crate) fn look_for_tasks(monitor: &mut Monitor, context: &dyn EvalContext) {
 pub(crate) fn verdict(monitor: &mut Monitor, context: &dyn EvalContext) -> Verdict {
     let mut query = VerdictQuery::new(context);
     advance(&mut monitor.root, context, &mut query.troubles);
+    point_order::sweep(&mut monitor.root, None, context);
     let truth = logic::truth(&monitor.root, &mut query);
     let best = match truth {
         Truth::True => logic::first_result(&monitor.root, &mut query),

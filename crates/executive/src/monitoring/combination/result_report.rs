@@ -9,7 +9,7 @@
 
 use crate::expression::EvalContext;
 use crate::monitoring::combination::dispatch::advance;
-use crate::monitoring::combination::logic;
+use crate::monitoring::combination::{logic, point_order};
 use crate::monitoring::episodes::episode;
 use crate::monitoring::numbers::statistics;
 use crate::monitoring::part::{Truth, site};
@@ -117,6 +117,7 @@ impl ResultCollector<'_> {
     }
 
     fn branch(&mut self, part: &mut Part, branch: &mut Branch, query: &mut VerdictQuery<'_>) {
+        point_order::sweep(part, Some(&branch.used), query.context);
         if logic::truth(part, query) != Truth::True {
             // An open result that is gone was taken back by a late sample.
             branch.open.clear();
@@ -226,6 +227,8 @@ fn take_out(part: &mut Part, lateness: Duration, used: &mut Used, query: &mut Ve
     match &mut part.kind {
         PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {
             composite.parts.iter_mut().for_each(|part| take_out(part, lateness, used, query));
+            point_order::begin_again(composite);
+            part.forgotten = composite.parts.iter().any(|part| part.forgotten);
             return;
         }
         // What must not have happened stays in mind.
@@ -258,6 +261,8 @@ fn take_out(part: &mut Part, lateness: Duration, used: &mut Used, query: &mut Ve
 }
 
 fn drop_settled(part: &mut Part) {
+    // What comes from here on is whole again.
+    part.forgotten = false;
     match &mut part.kind {
         PartKind::Measurement(leaf) => {
             if let Some(seen) = &mut leaf.seen {

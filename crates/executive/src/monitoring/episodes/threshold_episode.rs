@@ -74,7 +74,7 @@ pub(crate) fn of_part<'a>(part: &'a Part, context: &dyn EvalContext) -> Option<B
     let (band, dimension) = band(leaf, context)?;
     let run = leaf.runs.iter().next();
     let judged = run.map(|(object, run)| {
-        advance_run(leaf, site(part), object, run, context.now(), context, &mut ConditionFaults::default())
+        advance_run(leaf, site(part), object, run, context.now(), context, &mut ConditionFaults::none(context))
     });
     let (found, over) = judged.map(|judged| (judged.found, judged.over)).unwrap_or_default();
     let run = run.map(|(_, run)| run);

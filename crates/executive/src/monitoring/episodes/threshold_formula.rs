@@ -155,9 +155,14 @@ pub(crate) fn lie_down(monitor: &mut Monitor) {
 }
 
 /// Gives the leaves back what banks have seen in their place, in written order.
-pub(crate) fn stand_up(monitor: &mut Monitor, leaves: &mut Leaves, seen: Vec<Option<IndexedRun>>) {
+pub(crate) fn stand_up(
+    monitor: &mut Monitor,
+    leaves: &mut Leaves,
+    seen: Vec<Option<IndexedRun>>,
+    context: &dyn EvalContext,
+) {
     let mut each = leaves.0.iter_mut().zip(seen);
-    let mut troubles = ConditionFaults::default();
+    let mut troubles = ConditionFaults::none(context);
     for_each_leaf_mut(&mut monitor.root, &mut |part| {
         let site = site(part);
         let (PartKind::Episode(leaf), Some((state, seen))) = (&mut part.kind, each.next()) else { return };
@@ -186,14 +191,20 @@ pub(crate) fn harvested(monitor: &Monitor, leaves: &mut Leaves, told: bool) {
 }
 
 /// A bank has told of leaf number `leaf`. Must the combination be harvested at this instant?
-pub(crate) fn told(monitor: &mut Monitor, leaves: &mut Leaves, leaf: u32, told: &EpisodeUpdate) -> bool {
+pub(crate) fn told(
+    monitor: &mut Monitor,
+    leaves: &mut Leaves,
+    leaf: u32,
+    told: &EpisodeUpdate,
+    context: &dyn EvalContext,
+) -> bool {
     let Some(state) = leaves.0.get_mut(leaf as usize) else { return true };
     match told.what {
         What::Found => state.counts = true,
         What::Contradicted => {}
         What::Over => {
             let alternative = state.alternative;
-            let (mut number, mut troubles) = (0, ConditionFaults::default());
+            let (mut number, mut troubles) = (0, ConditionFaults::none(context));
             for_each_leaf_mut(&mut monitor.root, &mut |part| {
                 let site = site(part);
                 if let PartKind::Episode(episode) = &mut part.kind

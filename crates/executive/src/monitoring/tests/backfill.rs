@@ -34,10 +34,10 @@ proptest! {
         let site = PartContext { window: Window::from(Time(start)), keep, place: Place::default() };
         let mut quick = episode::create(&condition, false, &view).unwrap();
         let mut slow = quick.clone();
-        let (mut of_quick, mut of_slow) = (ConditionFaults::default(), ConditionFaults::default());
+        let (mut of_quick, mut of_slow) = (ConditionFaults::none(&view), ConditionFaults::none(&view));
         episode::backfill(&mut quick, site, &view, &mut of_quick);
         episode::backfill_with(|_, _, _, _, _| 0, &mut slow, site, &view, &mut of_slow);
         prop_assert_eq!(quick, slow);
-        prop_assert_eq!(of_quick.0, of_slow.0);
+        prop_assert_eq!(of_quick.list, of_slow.list);
     }
 }

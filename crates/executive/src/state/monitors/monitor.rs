@@ -143,6 +143,8 @@ pub struct Part {
     pub window: Window,
     /// What it remembers.
     pub keep: Keep,
+    /// A limit was reached in it or within it: a result may be missing.
+    pub forgotten: bool,
     /// Its kind and state.
     pub kind: PartKind,
 }
@@ -199,6 +201,19 @@ pub struct Composite {
     pub combines: bool,
     /// The variables that occur in more than one part.
     pub shared: Vec<Symbol>,
+    /// Bookkeeping of an order of samples and messages that is the whole condition.
+    pub order: Option<Box<PointOrder>>,
+}
+
+/// Bookkeeping of an order of samples and messages.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PointOrder {
+    /// Number of kept results from which on all of them are looked at for useless ones.
+    pub sweep_at: usize,
+    /// For each part how many of its kept results were looked at.
+    pub checked: Vec<usize>,
+    /// A pattern variable occurs in the order: each set of bindings has chains of its own.
+    pub binds: bool,
 }
 
 /// A value test, prepared so that a sample costs little.

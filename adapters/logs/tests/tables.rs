@@ -1,0 +1,108 @@
+//! Tables as people and programs write them: times in many forms, separators, decimal commas; no row is lost silently.
+
+#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "what cannot be read is a failed test")]
+
+use apex_logs::{Cell, Format, Message, ReadErrors};
+use proptest::prelude::*;
+
+/// Instants in nanoseconds with the last column's cell, and what could not be read.
+fn rows(text: &str) -> (Vec<(i64, Cell)>, ReadErrors) {
+    let mut reader = Format::Csv.reader(text.as_bytes(), None);
+    let (mut message, mut found) = (Message::default(), Vec::new());
+    while reader.next(&mut message).unwrap() {
+        found.push((message.at.0, message.values.last().cloned().unwrap_or_default()));
+    }
+    (found, reader.damages().clone())
+}
+
+fn instants(text: &str) -> Vec<i64> {
+    let (rows, damages) = rows(text);
+    assert_eq!(damages.count, 0, "{text}: {damages:?}");
+    rows.into_iter().map(|(at, _)| at).collect()
+}
+
+const SECOND: i64 = 1_000_000_000;
+
+#[test]
+fn times_are_read_in_every_usual_form() {
+    for (header, first, second, expected) in [
+        ("t", "1.5", "2", [SECOND * 3 / 2, SECOND * 2]),
+        ("time (s)", "1.5", "2", [SECOND * 3 / 2, SECOND * 2]),
+        ("Time [ms]", "1500", "2000", [SECOND * 3 / 2, SECOND * 2]),
+        ("timestamp_us", "1500000", "2000000", [SECOND * 3 / 2, SECOND * 2]),
+        ("elapsed time/ns", "1500000000", "2000000000", [SECOND * 3 / 2, SECOND * 2]),
+        ("t (min)", "0.5", "1", [SECOND * 30, SECOND * 60]),
+        // The size of the first number shows the unit of an epoch.
+        ("timestamp", "1700000000.123456789", "1700000001", [1_700_000_000_123_456_789, 1_700_000_001 * SECOND]),
+        ("timestamp", "1700000000123", "1700000001000", [1_700_000_000_123_000_000, 1_700_000_001 * SECOND]),
+        ("timestamp", "1700000000123456", "1700000001000000", [1_700_000_000_123_456_000, 1_700_000_001 * SECOND]),
+        (
+            "timestamp",
+            "1700000000123456789",
+            "1700000001000000000",
+            [1_700_000_000_123_456_789, 1_700_000_001 * SECOND],
+        ),
+        (
+            "datetime",
+            "2023-11-14T22:13:20.5Z",
+            "2023-11-14T23:13:21+01:00",
+            [1_700_000_000_500_000_000, 1_700_000_001 * SECOND],
+        ),
+        ("UTC", "2023-11-14 22:13:20", "2023-11-14 22:13:21", [1_700_000_000 * SECOND, 1_700_000_001 * SECOND]),
+        ("time", "00:01:00.25", "00:01:01", [60_250_000_000, 61 * SECOND]),
+    ] {
+        let text = format!("{header},v\n{first},1\n{second},2\n");
+        assert_eq!(instants(&text), expected, "{header} {first}");
+    }
+}
+
+#[test]
+fn separators_and_decimal_commas_are_understood() {
+    for text in [
+        "time (s);roll\n0,5;1,25\n1,5;-2\n",
+        "time (s)\troll\n0.5\t1.25\n1.5\t-2\n",
+        "time (s)\troll\n0,5\t1,25\n1,5\t-2\n",
+        "# comment; with, both\ntime (s);roll\n0.5;1.25\n1.5;-2\n",
+        "sep=;\ntime (s);roll\n0,5;1,25\n1,5;-2\n",
+    ] {
+        let (found, damages) = rows(text);
+        let expected = [(SECOND / 2, Cell::Number(1.25)), (SECOND * 3 / 2, Cell::Number(-2.0))];
+        assert_eq!((found.as_slice(), damages.count), (expected.as_slice(), 0), "{text}");
+    }
+    // In a table with commas between columns, a comma is never part of a number.
+    assert_eq!(rows("t,a,b\n1,2,5\n").0, [(SECOND, Cell::Number(5.0))]);
+}
+
+#[test]
+fn rows_of_one_instant_are_told() {
+    let (found, damages) = rows("t,roll\n1,5\n1,6\n1,7\n2,8\n");
+    assert_eq!(found.len(), 4);
+    assert_eq!(damages.count, 2);
+    assert!(damages.first[0].starts_with("line 3: its time is that of the row before"), "{damages:?}");
+}
+
+#[test]
+fn times_that_are_none_are_told_with_their_text() {
+    for (text, expected) in [
+        ("t,roll\n1,5\nlater,6\n", "line 3: `later` is not a time"),
+        ("t,roll\n1,5\n,6\n", "line 3: the row has no time"),
+        ("t_s,roll\n1,5\n99999999999999,6\n", "line 3: `99999999999999` is not a time"),
+        ("datetime,roll\n2023-02-30T00:00:00Z,6\n", "line 2: `2023-02-30T00:00:00Z` is not a time"),
+        ("speed,roll\n1,5\n", "line 1: no column is a time; there are speed, roll"),
+    ] {
+        let (_, damages) = rows(text);
+        assert!(damages.count == 1 && damages.first[0].contains(expected), "{text}: {damages:?}");
+    }
+}
+
+proptest! {
+    /// Whole nanoseconds come back whatever unit they are written in.
+    #[test]
+    fn instants_are_exact(at in 0i64..4_000_000_000 * SECOND) {
+        let digits = format!("{at:010}");
+        let (whole, part) = digits.split_at(digits.len() - 9);
+        prop_assert_eq!(instants(&format!("time (s),v\n{whole}.{part},1\n")), [at]);
+        prop_assert_eq!(instants(&format!("time (ns),v\n{at},1\n")), [at]);
+        prop_assert_eq!(instants(&format!("time (s);v\n{whole},{part};1\n")), [at]);
+    }
+}

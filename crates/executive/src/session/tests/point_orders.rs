@@ -1,0 +1,121 @@
+//! Orders of samples and messages: nothing that was forgotten makes an answer false, and chains are those of the definition.
+
+use super::*;
+
+const DELAYED: &str = "(:in-order (speed uav > 4) (:delay 90s 100s) (speed uav < 4))";
+
+/// Samples at 50 Hz up to `end_s`: 5 before 100 s, 3 from then on.
+fn slowing_down(session: &mut MonitorSession, end_s: i64) {
+    for number in 0..end_s * 50 {
+        let value = if number < 5_000 { 5.0 } else { 3.0 };
+        session.sample(&of("speed"), Value::Real(value), Time(number * 20_000_000));
+    }
+    session.finish();
+}
+
+#[test]
+fn what_was_forgotten_makes_an_order_unknown_not_false() {
+    let (mut session, id) = session(DELAYED, 0.0);
+    slowing_down(&mut session, 105);
+    assert_eq!(session.verdict(id).unwrap().verdict, Verdict::Unknown);
+    assert!(session.take_troubles()[0].message.contains("MONITOR_RESULTS_MAX"));
+}
+
+#[test]
+fn over_a_log_nothing_is_forgotten() {
+    let (plain, id) = session(DELAYED, 0.0);
+    let mut session = plain.over_a_log();
+    slowing_down(&mut session, 105);
+    assert_eq!(told(&mut session), ["found 0..100 @100"]);
+    assert_eq!(session.verdict(id).unwrap().results, 1);
+    assert!(session.take_troubles().is_empty());
+}
+
+#[test]
+fn without_a_greatest_delay_one_sample_stands_for_all() {
+    // Ten times what is kept, and the answer is still certain.
+    let (mut session, id) = session("(:in-order (speed uav > 4) (:delay 90s) (landed))", 0.0);
+    for number in 0..40_960 {
+        session.sample(&of("speed"), Value::Real(5.0), Time(number * 20_000_000));
+    }
+    assert_eq!(session.verdict(id).unwrap().verdict, Verdict::NotSatisfied);
+    session.event(Value::list([Value::symbol("landed")]), at(900.0));
+    session.finish();
+    assert_eq!(told(&mut session), ["found 0..900 @900"]);
+    assert!(session.take_troubles().is_empty());
+}
+
+/// A sample of `a` or `b` of an object, or a message.
+#[derive(Clone, Debug)]
+enum Told {
+    Sample(&'static str, &'static str, i64),
+    Message(&'static str),
+}
+
+fn stories() -> impl Strategy<Value = Vec<(i64, Told)>> {
+    let sample = (prop_oneof![Just("a"), Just("b")], prop_oneof![Just("uav"), Just("other")], 0i64..8)
+        .prop_map(|(attribute, object, value)| Told::Sample(attribute, object, value));
+    let message = prop_oneof![Just("go"), Just("stop")].prop_map(Told::Message);
+    let step = (prop_oneof![3 => Just(0i64), 5 => Just(1), 1 => Just(4)], prop_oneof![5 => sample, 1 => message]);
+    proptest::collection::vec(step, 1..120).prop_map(|steps| {
+        let mut now = 0;
+        let later = |(step, told)| {
+            now += step;
+            (now, told)
+        };
+        steps.into_iter().map(later).collect()
+    })
+}
+
+const ORDERS: [&str; 9] = [
+    "(:in-order (a uav > 4) (:delay 2s 4s) (a uav < 4)",
+    "(:in-order (a uav > 4) (a uav < 4)",
+    "(:in-order (a uav > 4) (:delay 0s 3s) (b uav > 4)",
+    "(:in-order (:delay 3s 9s) (a uav > 3) (:delay 1s 5s) (b other < 3)",
+    "(:in-order (a uav > 4) (:delay 1s 4s) (b uav > 4) (:delay 1s 4s) (a uav < 4)",
+    "(:in-order (a ?who > 4) (:delay 1s 4s) (b ?who > 4) (a ?who < 4)",
+    "(:in-order (a ?who > 5) (b ?else > 5) (:delay 2s 5s) (a ?who < 3)",
+    "(:in-order (go) (:delay 1s 6s) (a ?who < 4) (:delay 1s 6s) (stop)",
+    "(:in-order (:measurement first (a uav) :value (> 4)) (:delay 3s) (b uav < 4) (:delay 1s 3s) (go)",
+];
+
+/// The results of `condition` over `story`; with `late`, each variable's samples come after those of the one before.
+fn results_over(condition: &str, story: &[(i64, Told)], late: bool, log: bool) -> (Vec<String>, String) {
+    let (plain, id) = session(condition, 0.0);
+    let mut session = if log { plain.over_a_log() } else { plain };
+    let mut story = story.to_vec();
+    if late {
+        story.sort_by_key(|(at, told)| match told {
+            Told::Sample(attribute, object, _) => (format!("{attribute} {object}"), *at),
+            Told::Message(_) => (String::new(), *at),
+        });
+    }
+    for (second, told) in story {
+        match told {
+            Told::Sample(attribute, object, value) => {
+                let variable = StateVariable::new(Symbol::new(attribute), Value::symbol(object));
+                session.sample(&variable, Value::Integer(value), at(second as f64));
+            }
+            Told::Message(word) => session.event(Value::list([Value::symbol(word)]), at(second as f64)),
+        }
+    }
+    session.finish();
+    let verdict = session.verdict(id).unwrap();
+    let word = match verdict.verdict {
+        Verdict::Satisfied(first) => format!("{:?}", first.interval),
+        other => format!("{other:?}"),
+    };
+    (told(&mut session), word)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+
+    /// A constraint that is always true keeps an order from being swept: every combination is tried at every look.
+    #[test]
+    fn chains_are_those_of_all_combinations(story in stories(), number in 0..ORDERS.len(), late: bool, log: bool) {
+        let swept = results_over(&format!("{})", ORDERS[number]), &story, late, log);
+        let tried = results_over(&format!("{} :constraint (< 1 2))", ORDERS[number]), &story, late, true);
+        prop_assert_eq!(swept, tried, "{}", ORDERS[number]);
+    }
+}
