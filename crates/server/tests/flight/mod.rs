@@ -96,7 +96,12 @@ impl Writer {
                 self.connection
                     .execute("UPDATE task SET method = ?2 WHERE id = ?1", params![*task as i64, method])
                     .unwrap();
-                self.effect(t_ns, "selected", Some(*task), [None, None, None], method, text, "");
+                let goal: String = self
+                    .connection
+                    .query_row("SELECT goal FROM task WHERE id = ?1", [*task as i64], |row| row.get(0))
+                    .unwrap();
+                let text = format!("{method} because {text}");
+                self.effect(t_ns, "selected", Some(*task), [None, None, None], &goal, &text, "");
             }
             Entry::Transition { task, from, to, outcome, text, place } => {
                 if *to == "terminated" {
