@@ -166,7 +166,7 @@ test('a failed flight looks failed at its end, and not before', async ({ page })
       stdio: 'ignore',
     });
   } catch {
-    // A run that fails says so by its exit status.
+    // A run that fails reports it by its exit status.
   }
   const failed = await startServer(record);
   try {

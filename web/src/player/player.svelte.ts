@@ -310,7 +310,7 @@ export class Player {
     this.reveal();
   }
 
-  /** Goes on to the next trouble: the one question about later times that the page asks, at the user's wish. */
+  /** Moves to the next trouble: the one question about later times that the page asks, at the user's wish. */
   private async goToLaterTrouble(): Promise<void> {
     try {
       const { troubles } = await this.source.troubles(this.range.toNs);

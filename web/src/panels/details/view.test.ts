@@ -197,7 +197,7 @@ it('a snippet marks its place', () => {
   expect([hasSource('a.pdl:3:1'), hasSource('<plan 3>:1:1')]).toEqual([true, false]);
 });
 
-it('the report has predicted beside flown for every target', () => {
+it('the report has predicted next to flown for every target', () => {
   const factors = (factor: number) =>
     Object.fromEntries(['coverage', 'resolution', 'clarity', 'timing'].map(name => [name, { factor }]));
   const predicted = { ...factors(0.5), worth: 45 };

@@ -159,7 +159,7 @@ export interface FlownTarget {
 /** The columns of factors, in the order in which they are multiplied. */
 export const FACTORS = ['coverage', 'resolution', 'clarity', 'timing'] as const;
 
-/** The targets of the report's score: predicted beside flown. None if the report has no such score. */
+/** The targets of the report's score: predicted next to flown. None if the report has no such score. */
 export function flownTargets(report: Report | null): FlownTarget[] {
   const score = report?.sections.find(({ section }) => section === 'score')?.body;
   const targets = isObject(score) && Array.isArray(score.targets) ? score.targets.filter(isObject) : [];
@@ -196,7 +196,7 @@ export function reportView(report: Report | null): SectionView[] {
       return { title, kind: 'table', columns: columns.map(words), rows };
     }
     if (isObject(body)) {
-      // Lists of objects have tables of their own, or are said by the totals beside them.
+      // Lists of objects have separate tables, or the totals count them.
       const single = Object.entries(body).filter(
         ([, value]) => !Array.isArray(value) || !value.every(isObject),
       );

@@ -9,7 +9,7 @@ export interface HeaderView {
   subtitle: string;
   /** One tag: live, recorded, ended, failed or incomplete. */
   status: 'live' | 'recorded' | 'ended' | 'failed' | 'incomplete';
-  /** The tag in words; a failure says its reason. */
+  /** Text of the tag; a failure says its reason. */
   statusText: string;
   statusHelp: string;
   /** The mission score, at the end only. */

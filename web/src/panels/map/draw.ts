@@ -28,7 +28,7 @@ export interface Scene {
   ahead: Position[];
   zones: ZoneView[];
   landingPlaces: LandingPlace[];
-  /** Labels of the last drawing that found no room. */
+  /** Labels of the last drawing that found no free place. */
   onLost: (labels: number) => void;
   selected: string | null;
 }

@@ -134,7 +134,7 @@ function hours(value: number): string {
 }
 
 /**
- * What is left of the plan's way: from the aircraft on to the last place. The way behind is that of the flown track, so
+ * The rest of the plan's way: from the aircraft on to the last place. The way behind is that of the flown track, so
  * it is cut at the point nearest to the aircraft.
  */
 export function wayAhead(plan: PlanInForce | null, aircraft: Aircraft | null): Position[] {

@@ -108,7 +108,7 @@ function drawAxis(context: CanvasRenderingContext2D, picture: Picture): void {
   line(context, 0, RAIL_PX + AXIS_PX - 0.5, width, RAIL_PX + AXIS_PX - 0.5);
 }
 
-/** Triangles at the troubles' times, with a count where they touch, and words beside the last ones. */
+/** Triangles at the troubles' times, with a count where they touch, and words next to the last ones. */
 function drawTroubles(context: CanvasRenderingContext2D, picture: Picture): void {
   const total = picture.troubles.reduce((sum, mark) => sum + mark.troubles.length, 0);
   name(context, 'trouble', 8, RAIL_PX / 2, COLOURS.dim);

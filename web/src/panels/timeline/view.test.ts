@@ -137,7 +137,7 @@ describe('troubles', () => {
     expect(troubleMarks(troubles, visible, scale).map(mark => mark.troubles.length)).toEqual([2, 1]);
   });
 
-  it('are said in words', () => {
+  it('have words', () => {
     expect(troubleWords(trouble(0, 'interrupted', '(fly line from (1 2) to (3 4))'))).toBe(
       'interrupted: fly line',
     );

@@ -43,11 +43,11 @@ export interface LaneRow {
   bands: Band[];
 }
 
-/** The lanes below each other; a lane is as high as it has rows. Lanes without a place of their own are the last one. */
+/** The lanes below each other; a lane is as high as it has rows. The lanes beyond the limit are the last one. */
 export function layLanes(timeline: Timeline | null): { lanes: LaneRow[]; height: number } {
   let y = 0;
   const place = (name: string, depth: number, tasks: number, rows: Bar[][], bands: Band[]): LaneRow => {
-    // Dense stretches lie in the first row unless it has bars of its own.
+    // Dense stretches lie in the first row unless that has bars.
     const height = Math.max(rows.length + (bandsApart({ rows, bands }) ? 1 : 0), 1) * ROW_PX;
     const row = { y, height, name, depth, tasks, rows, bands };
     y += height;

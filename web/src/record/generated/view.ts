@@ -286,7 +286,7 @@ rows: Array<Array<Bar>>,
 bands: Array<Band>, };
 
 /**
- * Lanes that have no place of their own, drawn as one.
+ * The lanes beyond the limit, drawn as one.
  */
 export type More = { 
 /**
@@ -439,7 +439,7 @@ state: string | null,
  */
 detail: string | null, 
 /**
- * Mission time in nanoseconds at which this state began. A later plan that leaves a target in its state is no change.
+ * Mission time in nanoseconds at which this state began. A later plan that keeps the state does not change it.
  */
 since_ns: number | null, 
 /**

@@ -23,7 +23,7 @@ const LOOK: char = '/';
 /// The late targets of a record and their announcements so far.
 #[derive(Default)]
 pub(super) struct Announcements {
-    /// The identifiers of late targets that are not announced yet; none before the first look at the record.
+    /// The identifiers of late targets that are not announced yet; none before the record was first read.
     awaited: Option<BTreeSet<String>>,
     /// Late targets that are not named as such may be announced.
     others: bool,
@@ -44,7 +44,7 @@ impl Announcements {
         }
         let variables = reader.variable_table()?;
         let broken = |error| reader.damaged("the steps", error);
-        // What happens is told to every agent, so the steps of all are read.
+        // Every agent receives what happens, so the steps of all are read.
         let sql = "SELECT id, t_ns, events FROM main.batch WHERE id > ?1 ORDER BY id";
         let mut statement = reader.connection.prepare_cached(sql).map_err(broken)?;
         let mut rows = statement.query([self.seen_batch]).map_err(broken)?;

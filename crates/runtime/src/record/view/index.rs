@@ -130,7 +130,7 @@ impl IndexedTask {
     }
 
     fn change(&mut self, change: Change) {
-        // A step that starts anew forgets how its last instance was pursued.
+        // A step that starts again forgets how its last instance was pursued.
         if change.state.0 == TaskState::Pending && self.methods.last().is_some_and(|(_, method)| method.is_some()) {
             self.methods.push((change.at_ns, None));
         }

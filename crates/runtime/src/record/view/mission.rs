@@ -111,7 +111,7 @@ impl RecordView {
             record: file_name.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default(),
             epoch_utc: meta("epoch_utc")?,
             from_ns: self.first_ns()?,
-            // The executive's reason for the end of a failed initial task says so (`apex fly` exits by the same words).
+            // The executive's reason for the end of a failed initial task contains the word (`apex fly` exits by it).
             ending: reason.map(|reason| Ending { failed: root_failed || reason.contains("failed"), reason }),
             tasks,
             targets: targets.len(),

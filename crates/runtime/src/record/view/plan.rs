@@ -58,7 +58,7 @@ impl RecordView {
         let adopted = self.query("the plans", |connection| adopted(connection, at_ns))?;
         let Some((number, adopted_ns, summary, text)) = adopted else { return Ok(None) };
         let plan = text.and_then(|text| serde_json::from_str::<Plan>(&text).ok());
-        let (visits, route, left_out) = plan.map(told).unwrap_or_default();
+        let (visits, route, left_out) = plan.map(shown).unwrap_or_default();
         Ok(Some(PlanInForce { number, adopted_ns, summary, visits, route, left_out }))
     }
 }
@@ -91,9 +91,9 @@ fn adopted(connection: &Connection, at_ns: i64) -> rusqlite::Result<Option<Adopt
     Ok(Some((number, adopted_ns, summary, plan.flatten())))
 }
 
-type Told = (Vec<PlannedVisit>, Vec<[f64; 2]>, Vec<LeftOutTarget>);
+type Shown = (Vec<PlannedVisit>, Vec<[f64; 2]>, Vec<LeftOutTarget>);
 
-fn told(plan: Plan) -> Told {
+fn shown(plan: Plan) -> Shown {
     let visit = |target: String, begin_s: f64, end_s: f64| PlannedVisit {
         target,
         begin_ns: Time::from_seconds(begin_s).0,

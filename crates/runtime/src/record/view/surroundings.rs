@@ -57,7 +57,7 @@ impl RecordView {
     pub fn surroundings(&self) -> Result<Surroundings, RecordError> {
         let mut surroundings = Surroundings::default();
         for source in self.reader.sources()?.into_iter().filter(|source| source.role == "data") {
-            // Other data, tables of wind and the like, are no JSON.
+            // Other data, tables of wind and the like, are not JSON.
             let Ok(data) = serde_json::from_slice::<Value>(&source.body) else { continue };
             for feature in data.get("features").and_then(Value::as_array).into_iter().flatten() {
                 surroundings.zones.extend(zone(feature));
@@ -117,7 +117,7 @@ mod tests {
     use serde_json::json;
 
     #[test]
-    fn zones_and_landing_places_are_told_apart_from_targets() {
+    fn zones_and_landing_places_are_distinguished_from_targets() {
         let ring = json!({"type": "Polygon", "coordinates": [[[0, 0], [1, 0], [1, 1], [0, 0]]]});
         let feature = |properties: Value| json!({"properties": properties, "geometry": ring});
         let found = zone(&feature(json!({"name": "Hanford", "kind": "restricted", "active_h": [[13, 19]]}))).unwrap();

@@ -40,7 +40,7 @@ pub struct Target {
     pub state: Option<String>,
     /// Why it is in this state: the reason of the change to it, and for `planned` the latest plan's.
     pub detail: Option<String>,
-    /// Mission time in nanoseconds at which this state began. A later plan that leaves a target in its state is no change.
+    /// Mission time in nanoseconds at which this state began. A later plan that keeps the state does not change it.
     pub since_ns: Option<i64>,
     /// Mission time in nanoseconds at which it was announced; none if it was known from the start.
     pub announced_ns: Option<i64>,

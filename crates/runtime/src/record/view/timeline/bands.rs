@@ -1,7 +1,8 @@
 //! Density bands: many intervals as a count and a share for each pixel.
 
 use super::super::index::Interval;
-use super::{Band, Window};
+use super::shapes::Band;
+use super::window::Window;
 use apex_model::task::TaskState;
 use std::collections::BTreeMap;
 

@@ -2,7 +2,8 @@
 
 use super::super::index::{Interval, TaskIndex};
 use super::bands::Bands;
-use super::{Bar, Lane, Window};
+use super::shapes::{Bar, Lane};
+use super::window::Window;
 use apex_model::task::TaskState;
 use std::collections::{BTreeMap, BTreeSet};
 

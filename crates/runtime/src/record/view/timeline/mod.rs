@@ -6,16 +6,19 @@
 
 mod bands;
 mod lanes;
+mod shapes;
 #[cfg(test)]
 mod tests;
+mod window;
 
 use super::RecordView;
 use super::index::TaskIndex;
-use super::state::StateWord;
 use crate::error::RecordError;
 use bands::Bands;
 use lanes::{Group, gather, in_tree_order, lane};
 use serde::Serialize;
+pub use shapes::{Band, Bar, Lane};
+use window::Window;
 
 /// Maximum number of lanes of an answer, unless the query states one.
 const LANES_DEFAULT: usize = 40;
@@ -59,7 +62,7 @@ pub struct Timeline {
     pub more: More,
 }
 
-/// Lanes that have no place of their own, drawn as one.
+/// The lanes beyond the limit, drawn as one.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct More {
@@ -69,54 +72,6 @@ pub struct More {
     pub tasks: usize,
     /// Their intervals.
     pub bands: Vec<Band>,
-}
-
-/// The tasks of one step.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[cfg_attr(test, derive(ts_rs::TS))]
-pub struct Lane {
-    /// The step's tag.
-    pub tag: String,
-    /// The goal of the first task in the window, as known at the instant asked for.
-    pub goal: String,
-    /// Nesting in the tree of all lanes; a root has 0.
-    pub depth: usize,
-    /// Number of tasks in the window.
-    pub tasks: usize,
-    /// Nanoseconds of the window in which its tasks were enabled, ongoing or interrupted.
-    pub active_ns: i64,
-    /// Bars that do not overlap, row by row.
-    pub rows: Vec<Vec<Bar>>,
-    /// Intervals that are too dense for bars, by time.
-    pub bands: Vec<Band>,
-}
-
-/// A stretch of time that a task spent in one state.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[cfg_attr(test, derive(ts_rs::TS))]
-pub struct Bar {
-    /// The task's number.
-    pub task: u64,
-    /// Its state.
-    pub state: StateWord,
-    /// Start, nanoseconds of mission time.
-    pub from_ns: i64,
-    /// End, nanoseconds of mission time.
-    pub to_ns: i64,
-}
-
-/// A stretch of time, about a pixel wide, with more intervals than can be drawn.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[cfg_attr(test, derive(ts_rs::TS))]
-pub struct Band {
-    /// Start, nanoseconds of mission time.
-    pub from_ns: i64,
-    /// End, nanoseconds of mission time.
-    pub to_ns: i64,
-    /// Number of intervals that begin here; 0 where intervals that began earlier continue.
-    pub count: usize,
-    /// Share of the time in which a task was ongoing, 0 to 1; 1 also where several were at once.
-    pub ongoing: f64,
 }
 
 impl RecordView {
@@ -135,41 +90,6 @@ impl RecordView {
         };
         let limit = query.lanes.unwrap_or(LANES_DEFAULT).clamp(1, LANES_MAX);
         Ok(draw(self.tasks_index()?, window, limit, query.with))
-    }
-}
-
-/// A window of time on a number of pixels.
-#[derive(Clone, Copy, Debug)]
-struct Window {
-    from_ns: i64,
-    to_ns: i64,
-    /// Nothing later is known.
-    at_ns: i64,
-    pixels: usize,
-}
-
-impl Window {
-    /// The end of what is known of the window.
-    fn known_ns(self) -> i64 {
-        self.to_ns.min(self.at_ns)
-    }
-
-    /// Nanoseconds of a pixel, at least 1.
-    fn pixel_ns(self) -> i64 {
-        let pixels = i64::try_from(self.pixels).unwrap_or(i64::MAX);
-        self.to_ns.saturating_sub(self.from_ns).saturating_add(pixels - 1).checked_div(pixels).unwrap_or(1).max(1)
-    }
-
-    /// The pixel of an instant in the window.
-    fn pixel(self, at_ns: i64) -> usize {
-        let pixel = at_ns.saturating_sub(self.from_ns).checked_div(self.pixel_ns()).unwrap_or(0);
-        usize::try_from(pixel).unwrap_or(0).min(self.pixels - 1)
-    }
-
-    /// Start of a pixel, nanoseconds of mission time.
-    fn start_ns(self, pixel: usize) -> i64 {
-        let pixel = i64::try_from(pixel).unwrap_or(i64::MAX);
-        self.from_ns.saturating_add(self.pixel_ns().saturating_mul(pixel))
     }
 }
 
@@ -197,7 +117,7 @@ fn draw(index: &TaskIndex, window: Window, limit: usize, with: Option<u64>) -> T
     }
 }
 
-/// The lanes without a place of their own as one band.
+/// The lanes beyond the limit as one band.
 fn merge<'a>(index: &TaskIndex, groups: impl Iterator<Item = &'a Group>, window: Window) -> More {
     let mut bands = Bands::new(window);
     let mut more = More::default();

@@ -3,7 +3,8 @@
 use super::super::index::{Interval, TaskIndex};
 use super::super::state::StateWord;
 use super::lanes::ROWS_MAX;
-use super::{Timeline, Window, draw};
+use super::window::Window;
+use super::{Timeline, draw};
 use apex_model::task::TaskState;
 
 /// A linear congruential generator: tests have no random source.
