@@ -16,14 +16,14 @@ const page = await browser.newPage({ viewport });
 await page.goto(url);
 await page.waitForTimeout(LOAD_MS);
 const box = await page.getByTestId('timeline').boundingBox();
-await page.mouse.click(box.x + NAMES_PX + (box.width - NAMES_PX) * Number(share), box.y + 9);
+await page.mouse.click(box.x + NAMES_PX + (box.width - NAMES_PX) * Number(share), box.y + 26);
 if (goal) {
   await page.locator('#task-filter').fill(goal);
   await page.locator('[data-task]').filter({ hasText: goal }).last().click();
   await page.locator('#task-filter').fill('');
   await page.keyboard.press('Escape');
 }
-await page.mouse.move(box.x + 40, box.y + 9);
+await page.mouse.move(box.x + 40, box.y + 26);
 await page.waitForTimeout(SETTLE_MS);
 await page.screenshot({ path: file });
 await browser.close();

@@ -2,12 +2,14 @@
 
 import { mount } from 'svelte';
 import App from './App.svelte';
+import { readAddress } from './player/address';
 import { Player } from './player/player.svelte';
 import { ServedRecord } from './record/source';
 import { applyColours } from './theme/colours';
 import './theme/theme.css';
 
-applyColours(document.documentElement);
+const { address, faults } = readAddress(window.location.search);
+applyColours(document.documentElement, address.theme ?? 'dark');
 // Canvases do not redraw when a font arrives: wait for the two, which come from this server. Without them it goes too.
 await Promise.allSettled([
   document.fonts.load('600 11px Inter'),
@@ -16,5 +18,5 @@ await Promise.allSettled([
 const target = document.getElementById('app');
 if (!target) throw new Error('index.html has no element #app');
 const player = new Player(new ServedRecord(window.location.origin));
-mount(App, { target, props: { player } });
-void player.open();
+mount(App, { target, props: { player, theme: address.theme, faults } });
+void player.open(address);

@@ -14,14 +14,21 @@ export interface Server {
   stop(): void;
 }
 
-export async function startServer(): Promise<Server> {
-  const { APEX_URL, APEX_BIN, APEX_BINARY, APEX_RECORD } = process.env;
-  if (APEX_URL) return { url: APEX_URL.replace(/\/$/, ''), stop: () => undefined };
-  if (!APEX_RECORD) {
+/** The `apex` program of the tests. */
+export function apexProgram(): string {
+  const { APEX_BIN, APEX_BINARY } = process.env;
+  return APEX_BIN ?? APEX_BINARY ?? DEFAULT_BIN;
+}
+
+/** Serves the record of the environment, or `record`. */
+export async function startServer(record?: string): Promise<Server> {
+  const { APEX_URL, APEX_RECORD } = process.env;
+  if (APEX_URL && !record) return { url: APEX_URL.replace(/\/$/, ''), stop: () => undefined };
+  const served = record ?? APEX_RECORD;
+  if (!served) {
     throw new Error('APEX_RECORD must name a flight record; `apex fly missions/first-picture` writes one');
   }
-  const program = APEX_BIN ?? APEX_BINARY ?? DEFAULT_BIN;
-  const child = spawn(program, ['serve', APEX_RECORD, '--port', '0'], { stdio: ['ignore', 'pipe', 'pipe'] });
+  const child = spawn(apexProgram(), ['serve', served, '--port', '0'], { stdio: ['ignore', 'pipe', 'pipe'] });
   try {
     return { url: await addressOf(child), stop: () => child.kill('SIGTERM') };
   } catch (error) {

@@ -8,6 +8,8 @@ import { type Server, startServer } from './server';
 
 /** The width of the timeline's column of names. */
 const NAMES_PX = 168;
+/** The height of the time axis, below the rail of troubles. */
+const AXIS_Y_PX = 26;
 
 let server: Server;
 let mission: Mission;
@@ -40,12 +42,14 @@ async function ask<T>(what: string): Promise<T> {
 async function clickTime(page: Page, share: number): Promise<void> {
   const box = await page.getByTestId('timeline').boundingBox();
   if (!box) throw new Error('the timeline is not on the screen');
-  await page.mouse.click(box.x + NAMES_PX + (box.width - NAMES_PX) * share, box.y + 9);
+  await page.mouse.click(box.x + NAMES_PX + (box.width - NAMES_PX) * share, box.y + AXIS_Y_PX);
 }
 
 test('the header names the mission, its status and its score', async ({ page }) => {
   await expect(page.getByTestId('title')).toHaveText(mission.mission ?? mission.record);
-  await expect(page.getByTestId('status')).toHaveText(mission.status);
+  await expect(page.getByTestId('status')).toHaveText('recorded');
+  await page.keyboard.press('End');
+  await expect(page.getByTestId('status')).toHaveText('ended');
   await expect(page.getByTestId('score')).toHaveCount(mission.score === null ? 0 : 1);
 });
 

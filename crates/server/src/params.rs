@@ -30,7 +30,10 @@ pub(crate) struct TasksParams {
 pub(crate) struct TimelineParams {
     from: Option<i64>,
     to: Option<i64>,
+    at: Option<i64>,
     lanes: Option<usize>,
+    px: Option<usize>,
+    with: Option<u64>,
 }
 
 /// Parameters of `/api/events`.
@@ -57,10 +60,10 @@ pub(crate) struct WhyParams {
     pub(crate) explain: Option<bool>,
 }
 
-/// Parameters of `/api/targets`.
+/// Parameters of `/api/mission`, `/api/targets`, `/api/plan`, `/api/troubles` and `/api/report`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct TargetsParams {
+pub(crate) struct AtParams {
     pub(crate) at: Option<i64>,
 }
 
@@ -86,7 +89,8 @@ impl From<TasksParams> for TasksQuery {
 
 impl From<TimelineParams> for TimelineQuery {
     fn from(params: TimelineParams) -> TimelineQuery {
-        TimelineQuery { from_ns: params.from, to_ns: params.to, lanes: params.lanes }
+        let TimelineParams { from, to, at, lanes, px, with } = params;
+        TimelineQuery { from_ns: from, to_ns: to, at_ns: at, lanes, pixels: px, with }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The table of addresses: from a request to the record view and back.
 
 use crate::answer::{Answer, ApiError};
-use crate::params::{EventsParams, SourceParams, TargetsParams, TasksParams, TimelineParams, TrackParams, WhyParams};
+use crate::params::{AtParams, EventsParams, SourceParams, TasksParams, TimelineParams, TrackParams, WhyParams};
 use crate::state::{AppState, QueryParams, Shared, blocking, checked, no_record};
 use crate::{assets, flights, guard, live, why};
 use apex_runtime::record::view::{RecordView, SourceLine};
@@ -32,6 +32,9 @@ pub(crate) fn router(state: Arc<AppState>) -> Router {
         .route("/api/events", get(events))
         .route("/api/why", get(why))
         .route("/api/targets", get(targets))
+        .route("/api/surroundings", get(surroundings))
+        .route("/api/plan", get(plan))
+        .route("/api/troubles", get(troubles))
         .route("/api/report", get(report))
         .route("/api/source", get(source))
         .route("/api/live", get(live))
@@ -43,8 +46,9 @@ pub(crate) fn router(state: Arc<AppState>) -> Router {
     if loopback { routes.layer(middleware::from_fn(guard::loopback_names_only)) } else { routes }
 }
 
-async fn mission(State(state): Shared) -> Answer<Response> {
-    read(state, |view| Ok(view.mission()?)).await
+async fn mission(State(state): Shared, params: QueryParams<AtParams>) -> Answer<Response> {
+    let at = checked(params)?.at;
+    read(state, move |view| Ok(view.mission(at)?)).await
 }
 
 async fn track(State(state): Shared, params: QueryParams<TrackParams>) -> Answer<Response> {
@@ -73,13 +77,28 @@ async fn why(State(state): Shared, params: QueryParams<WhyParams>) -> Answer<Res
     Ok(Json(answer).into_response())
 }
 
-async fn targets(State(state): Shared, params: QueryParams<TargetsParams>) -> Answer<Response> {
+async fn targets(State(state): Shared, params: QueryParams<AtParams>) -> Answer<Response> {
     let at = checked(params)?.at;
     read(state, move |view| Ok(view.targets(at)?)).await
 }
 
-async fn report(State(state): Shared) -> Answer<Response> {
-    read(state, |view| Ok(view.report()?)).await
+async fn surroundings(State(state): Shared) -> Answer<Response> {
+    read(state, |view| Ok(view.surroundings()?)).await
+}
+
+async fn plan(State(state): Shared, params: QueryParams<AtParams>) -> Answer<Response> {
+    let at = checked(params)?.at;
+    read(state, move |view| Ok(view.plan(at)?)).await
+}
+
+async fn troubles(State(state): Shared, params: QueryParams<AtParams>) -> Answer<Response> {
+    let at = checked(params)?.at;
+    read(state, move |view| Ok(view.troubles(at)?)).await
+}
+
+async fn report(State(state): Shared, params: QueryParams<AtParams>) -> Answer<Response> {
+    let at = checked(params)?.at;
+    read(state, move |view| Ok(view.report(at)?)).await
 }
 
 async fn source(State(state): Shared, params: QueryParams<SourceParams>) -> Answer<Response> {

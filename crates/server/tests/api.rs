@@ -75,10 +75,27 @@ fn a_complete_record_tells_its_mission() {
     assert_eq!(mission["status"], "complete");
     assert_eq!(mission["end_ns"], story.end_ns());
     assert_eq!(mission["from_ns"], 0);
-    assert_eq!(mission["score"], 0.87);
+    assert_eq!((&mission["score"], &mission["observed"]), (&json!(0.87), &json!(9)));
+    assert_eq!(mission["ending"], json!({"reason": "the root task ended", "failed": false}));
     assert_eq!(mission["record"], "flight.apex");
     let (_, report) = get(server, "/api/report");
     assert_eq!(report["sections"][1]["body"]["skipped"], 1);
+}
+
+#[test]
+fn the_end_is_unknown_before_it() {
+    let (_folder, server, story) = complete_record();
+    let before = story.end_ns() - 1;
+    let (_, mission) = get(server, &format!("/api/mission?at={before}"));
+    assert_eq!((&mission["score"], &mission["ending"]), (&Value::Null, &Value::Null));
+    assert_eq!(get(server, &format!("/api/report?at={before}")).1["sections"], json!([]));
+    let (_, troubles) = get(server, &format!("/api/troubles?at={}", story.end_ns()));
+    let kinds: Vec<&str> =
+        troubles["troubles"].as_array().unwrap().iter().map(|row| row["kind"].as_str().unwrap()).collect();
+    assert_eq!(kinds, ["interrupted", "failed", "failed", "left-out"]);
+    assert_eq!(get(server, "/api/troubles?at=0").1["troubles"], json!([]));
+    assert_eq!(get(server, "/api/plan").1, Value::Null);
+    assert_eq!(get(server, "/api/surroundings").1, json!({"zones": [], "landing_places": []}));
 }
 
 #[test]
@@ -128,7 +145,7 @@ fn the_timeline_keeps_a_repeated_step_in_one_lane() {
     assert_eq!(line["depth"], 4);
     let (_, few) = get(server, "/api/timeline?lanes=5");
     assert_eq!(few["lanes"].as_array().unwrap().len(), 5);
-    assert_eq!(few["left_out"].as_u64().unwrap() as usize + 5, lanes.len());
+    assert_eq!(few["more"]["lanes"].as_u64().unwrap() as usize + 5, lanes.len());
 }
 
 #[test]
@@ -180,7 +197,8 @@ fn targets_have_the_state_of_the_instant_and_their_history() {
     assert_eq!(state(0, "zaca")["state"], "planned");
     assert_eq!(state(story.end_ns(), "zaca")["state"], "observed");
     assert_eq!(state(story.end_ns(), "gw")["state"], "skipped");
-    assert_eq!(state(0, "zaca")["history"].as_array().unwrap().len(), 3);
+    assert_eq!(state(0, "zaca")["history"].as_array().unwrap().len(), 1);
+    assert_eq!(state(story.end_ns(), "zaca")["history"].as_array().unwrap().len(), 3);
 }
 
 #[test]

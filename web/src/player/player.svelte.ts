@@ -6,17 +6,21 @@
  */
 
 import { LatestOnly } from '../record/latest';
-import { RecordError, type RecordSource } from '../record/source';
+import { RecordError, type RecordSource, type TimelineQuery } from '../record/source';
 import type {
   Growth,
   Mission,
+  PlanInForce,
   Report,
+  Surroundings,
   Target,
   TaskExplanation,
   Tasks,
   Timeline,
   Track,
+  Trouble,
 } from '../record/types';
+import type { Address, Selection } from './address';
 import { advance, clamp, otherSpeed, type Range, shift, speedFor, stepNs, zoom } from './clock';
 
 /** A growing record is read again at most this often; drawing all of it is the dear part. */
@@ -24,11 +28,23 @@ const REREAD_MS = 1500;
 /** A full explanation restores an instant: it is asked for when the cursor has rested this long. */
 const REST_MS = 250;
 
+/** What is known of the flight as a whole at an instant. */
+interface Moment {
+  mission: Mission;
+  targets: Target[];
+  plan: PlanInForce | null;
+  troubles: Trouble[];
+  report: Report;
+}
+
 export class Player {
   mission = $state.raw<Mission | null>(null);
   track = $state.raw<Track | null>(null);
   timeline = $state.raw<Timeline | null>(null);
   targets = $state.raw<Target[]>([]);
+  surroundings = $state.raw<Surroundings>({ zones: [], landing_places: [] });
+  plan = $state.raw<PlanInForce | null>(null);
+  troubles = $state.raw<Trouble[]>([]);
   report = $state.raw<Report | null>(null);
   tasks = $state.raw<Tasks | null>(null);
   why = $state.raw<TaskExplanation | null>(null);
@@ -43,8 +59,7 @@ export class Player {
   connected = $state(true);
   trouble = $state<{ error: string; help: string } | null>(null);
 
-  selectedTask = $state<number | null>(null);
-  selectedTarget = $state<string | null>(null);
+  selection = $state.raw<Selection>(null);
   showEnded = $state(true);
   find = $state('');
 
@@ -56,6 +71,10 @@ export class Player {
   private restTimer: ReturnType<typeof setTimeout> | undefined;
   private frame = 0;
   private stopWatching: (() => void) | undefined;
+  /** Width of the timeline's drawing. */
+  private pixels = 1000;
+  private readonly momentQuestions: LatestOnly<number, Moment>;
+  private readonly laneQuestions: LatestOnly<TimelineQuery, Timeline>;
   private readonly taskQuestions: LatestOnly<Parameters<RecordSource['tasks']>[0], Tasks>;
   private readonly whyQuestions: LatestOnly<
     { task: number; atNs: number; explain: boolean },
@@ -68,6 +87,21 @@ export class Player {
       answer => {
         this.tasks = answer;
         this.trouble = null;
+      },
+      error => this.showError(error),
+    );
+    this.momentQuestions = new LatestOnly(
+      atNs => this.momentAt(atNs),
+      moment => {
+        this.show(moment);
+        this.trouble = null;
+      },
+      error => this.showError(error),
+    );
+    this.laneQuestions = new LatestOnly(
+      question => source.timeline(question),
+      answer => {
+        this.timeline = answer;
       },
       error => this.showError(error),
     );
@@ -93,22 +127,37 @@ export class Player {
     return this.mission?.status === 'live';
   }
 
-  /** Reads the record and begins to watch it grow. */
-  async open(): Promise<void> {
+  get selectedTask(): number | null {
+    return this.selection && 'task' in this.selection ? this.selection.task : null;
+  }
+
+  get selectedTarget(): string | null {
+    return this.selection && 'target' in this.selection ? this.selection.target : null;
+  }
+
+  /** Reads the record at the state of an address and begins to watch it grow. */
+  async open(address: Address | null = null): Promise<void> {
     try {
+      const { from_ns, end_ns, status } = await this.source.mission(null);
+      const live = status === 'live';
+      const asked = address?.atNs === 'live' || address?.atNs == null ? null : address.atNs;
+      this.growth = { end_ns, status, batches: 0 };
+      this.atNs = clamp(asked ?? (live ? end_ns : from_ns), { fromNs: from_ns, toNs: end_ns });
+      this.following = live && asked === null;
+      this.selection = address?.selection ?? null;
       await this.read();
     } catch (error) {
       this.showError(error);
-      setTimeout(() => void this.open(), REREAD_MS);
+      setTimeout(() => void this.open(address), REREAD_MS);
       return;
     }
     this.trouble = null;
     const mission = this.mission;
     if (!mission) return;
     this.visible = this.range;
+    if (address) this.apply(address);
     this.speed = speedFor(this.range);
-    this.following = mission.status === 'live';
-    this.seek(this.following ? mission.end_ns : mission.from_ns, this.following);
+    this.ask();
     if (mission.status !== 'complete') {
       this.stopWatching = this.source.watch(
         growth => this.grow(growth),
@@ -117,6 +166,28 @@ export class Player {
         },
       );
     }
+  }
+
+  /** The state as an address; what is as at first is left out. */
+  get address(): Omit<Address, 'theme'> {
+    const { fromNs, toNs } = this.visible;
+    const whole = fromNs <= this.range.fromNs && toNs >= this.range.toNs;
+    const first = this.atNs === this.range.fromNs && !this.live;
+    return {
+      atNs: this.following ? (this.live ? null : this.atNs) : first ? null : this.atNs,
+      window: whole ? null : this.visible,
+      selection: this.selection,
+    };
+  }
+
+  /** Takes over the state of an address. */
+  apply(address: Address): void {
+    const { window, selection, atNs } = address;
+    this.visible = window ? shift(window, this.range, 0) : this.range;
+    if (JSON.stringify(selection) !== JSON.stringify(this.selection)) this.why = null;
+    this.selection = selection;
+    if (atNs === 'live' || (atNs === null && this.live)) this.seek(this.range.toNs, true);
+    else this.seek(atNs ?? this.range.fromNs);
   }
 
   /** Ends all timers and connections. */
@@ -184,21 +255,70 @@ export class Player {
 
   zoomAt(atNs: number, factor: number): void {
     this.visible = zoom(this.visible, this.range, atNs, factor);
+    this.askLanes();
   }
 
   pan(byNs: number): void {
     this.visible = shift(this.visible, this.range, byNs);
+    this.askLanes();
   }
 
   showAll(): void {
     this.visible = this.range;
+    this.askLanes();
+  }
+
+  /** The timeline is drawn with this width. */
+  setPixels(pixels: number): void {
+    const rounded = Math.max(100, Math.round(pixels));
+    if (rounded === this.pixels) return;
+    this.pixels = rounded;
+    this.askLanes();
   }
 
   select(task: number | null): void {
-    this.selectedTask = task;
+    this.choose(task === null ? null : { task });
+  }
+
+  selectTarget(target: string | null): void {
+    this.choose(target === null ? null : { target });
+  }
+
+  private choose(selection: Selection): void {
+    this.selection = selection;
     this.why = null;
     this.whyTrouble = null;
     this.ask();
+  }
+
+  /** Moves the cursor to the next (1) or previous (-1) trouble that is known at the cursor, and selects what it is about. */
+  goToTrouble(direction: 1 | -1): void {
+    const before = this.troubles.filter(trouble => trouble.t_ns < this.atNs);
+    const trouble = direction < 0 ? before.at(-1) : undefined;
+    if (trouble) this.showTrouble(trouble);
+    else if (direction > 0) void this.goToLaterTrouble();
+  }
+
+  /** Moves the cursor to a trouble and selects what it is about. */
+  showTrouble(trouble: Trouble): void {
+    this.pause();
+    this.selection =
+      trouble.task !== null ? { task: trouble.task } : trouble.target ? { target: trouble.target } : null;
+    this.why = null;
+    this.whyTrouble = null;
+    this.seek(trouble.t_ns);
+    this.reveal();
+  }
+
+  /** Moves to the next trouble: the one question about later times that the page asks, at the user's wish. */
+  private async goToLaterTrouble(): Promise<void> {
+    try {
+      const { troubles } = await this.source.troubles(this.range.toNs);
+      const next = troubles.find(trouble => trouble.t_ns > this.atNs);
+      if (next) this.showTrouble(next);
+    } catch (error) {
+      this.showError(error);
+    }
   }
 
   setFind(find: string): void {
@@ -211,8 +331,16 @@ export class Player {
     this.ask();
   }
 
+  private askLanes(): void {
+    if (!this.mission) return;
+    const { fromNs, toNs } = this.visible;
+    this.laneQuestions.put({ fromNs, toNs, atNs: this.atNs, pixels: this.pixels, with: this.selectedTask });
+  }
+
   private ask(): void {
     if (!this.mission) return;
+    this.momentQuestions.put(this.atNs);
+    this.askLanes();
     this.taskQuestions.put({
       atNs: this.atNs,
       ended: this.showEnded,
@@ -258,19 +386,34 @@ export class Player {
 
   private async read(): Promise<void> {
     this.readAt = performance.now();
-    const { source } = this;
-    const mission = await source.mission();
-    const [track, timeline, targets, report] = await Promise.all([
-      source.track(),
-      source.timeline(),
-      source.targets(),
-      source.report(),
+    const [track, moment, surroundings] = await Promise.all([
+      this.source.track(),
+      this.momentAt(this.atNs),
+      this.source.surroundings(),
     ]);
     this.track = track;
-    this.timeline = timeline;
-    this.targets = targets;
-    this.report = report;
+    this.surroundings = surroundings;
+    this.show(moment);
+  }
+
+  private async momentAt(atNs: number): Promise<Moment> {
+    const { source } = this;
+    const [mission, targets, plan, troubles, report] = await Promise.all([
+      source.mission(atNs),
+      source.targets(atNs),
+      source.plan(atNs),
+      source.troubles(atNs),
+      source.report(atNs),
+    ]);
+    return { mission, targets, plan, troubles: troubles.troubles, report };
+  }
+
+  private show({ mission, targets, plan, troubles, report }: Moment): void {
     this.mission = mission;
+    this.targets = targets;
+    this.plan = plan;
+    this.troubles = troubles;
+    this.report = report;
   }
 
   private showError(error: unknown): void {

@@ -4,27 +4,42 @@ import type {
   Events,
   Growth,
   Mission,
+  PlanInForce,
   Report,
   Snippet,
+  Surroundings,
   Target,
   Targets,
   TaskExplanation,
   Tasks,
   Timeline,
   Track,
+  Troubles,
 } from './types';
+
+/** A window of the timeline as drawn on so many pixels, of what was known at an instant. */
+export interface TimelineQuery {
+  fromNs: number;
+  toNs: number;
+  atNs: number;
+  pixels: number;
+  with: number | null;
+}
 
 /** What a panel may ask a record; a finished one and a growing one answer alike. */
 export interface RecordSource {
-  mission(): Promise<Mission>;
+  mission(atNs: number | null): Promise<Mission>;
   track(): Promise<Track>;
   tasks(query: { atNs: number; ended: boolean; find: string; with: number | null }): Promise<Tasks>;
-  timeline(): Promise<Timeline>;
-  targets(): Promise<Target[]>;
+  timeline(query: TimelineQuery): Promise<Timeline>;
+  targets(atNs: number): Promise<Target[]>;
+  surroundings(): Promise<Surroundings>;
+  plan(atNs: number): Promise<PlanInForce | null>;
+  troubles(atNs: number): Promise<Troubles>;
   events(query: { toNs: number; limit: number; find: string; kinds: string }): Promise<Events>;
   /** `explain` asks for what is awaited too, for which the server restores the instant. */
   why(task: number, atNs: number, explain: boolean): Promise<TaskExplanation>;
-  report(): Promise<Report>;
+  report(atNs: number): Promise<Report>;
   source(place: string): Promise<Snippet>;
   /** Calls back on every growth until the record is complete; the answer stops it. */
   watch(onGrowth: (growth: Growth) => void, onConnection: (connected: boolean) => void): () => void;
@@ -41,16 +56,31 @@ export class RecordError extends Error {
 }
 
 const RETRY_MS = 2000;
+/** Lanes that are drawn; the others are merged into one. */
+const LANES = 60;
 
 /** A record behind `apex serve`. */
 export class ServedRecord implements RecordSource {
   constructor(private readonly base: string) {}
 
-  mission = (): Promise<Mission> => this.get('mission', {});
+  mission = (atNs: number | null): Promise<Mission> =>
+    this.get('mission', { at: atNs === null ? null : whole(atNs) });
   track = (): Promise<Track> => this.get('track', { points: 4000 });
-  timeline = (): Promise<Timeline> => this.get('timeline', { lanes: 60 });
-  report = (): Promise<Report> => this.get('report', {});
-  targets = async (): Promise<Target[]> => (await this.get<Targets>('targets', {})).targets;
+  report = (atNs: number): Promise<Report> => this.get('report', { at: whole(atNs) });
+  surroundings = (): Promise<Surroundings> => this.get('surroundings', {});
+  plan = (atNs: number): Promise<PlanInForce | null> => this.get('plan', { at: whole(atNs) });
+  troubles = (atNs: number): Promise<Troubles> => this.get('troubles', { at: whole(atNs) });
+  targets = async (atNs: number): Promise<Target[]> =>
+    (await this.get<Targets>('targets', { at: whole(atNs) })).targets;
+  timeline = (query: TimelineQuery): Promise<Timeline> =>
+    this.get('timeline', {
+      from: whole(query.fromNs),
+      to: whole(query.toNs),
+      at: whole(query.atNs),
+      px: query.pixels,
+      lanes: LANES,
+      with: query.with,
+    });
   why = (task: number, atNs: number, explain: boolean): Promise<TaskExplanation> =>
     this.get('why', { task, at: whole(atNs), explain });
   source = (place: string): Promise<Snippet> => this.get('source', { place });

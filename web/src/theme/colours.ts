@@ -1,15 +1,17 @@
 /** All colours, once: for canvases by name, for style sheets as `--name` on the root element. */
 
-export const COLOURS = {
+const DARK = {
   ground: '#0f1419',
   panel: '#141a21',
   raised: '#1c242e',
   line: '#27313c',
   text: '#d9e0e8',
   dim: '#93a0ae',
-  faint: '#677483',
+  faint: '#9aa6b3',
   accent: '#4fa8ff',
   danger: '#e5686f',
+  /** Attention: troubles and failures, and nothing else. */
+  att: '#ff8a65',
   sea: '#0d141c',
   land: '#1a232c',
   border: '#364553',
@@ -17,39 +19,88 @@ export const COLOURS = {
   graticule: '#1f2a35',
   track: '#35597e',
   flown: '#4fa8ff',
-  pending: '#7f8c9b',
+  pending: '#8b98a6',
   enabled: '#d9b24e',
   ongoing: '#3fb68b',
   interrupted: '#e5794b',
-  terminated: '#566270',
+  terminated: '#7d8996',
+  known: '#93a0ae',
   planned: '#c3cedb',
   observing: '#ffb938',
   observed: '#45c98a',
   skipped: '#dd5f7c',
-} as const;
-
-const STATE_COLOURS: Record<string, string> = {
-  pending: COLOURS.pending,
-  enabled: COLOURS.enabled,
-  ongoing: COLOURS.ongoing,
-  interrupted: COLOURS.interrupted,
-  terminated: COLOURS.terminated,
-  planned: COLOURS.planned,
-  observing: COLOURS.observing,
-  observed: COLOURS.observed,
-  skipped: COLOURS.skipped,
+  chosen: '#1d3651',
+  strip: '#8fb4d8',
+  halo: '#0d141cd0',
+  craft: '#ffffff',
 };
 
+/** The name of a colour. */
+export type ColourName = keyof typeof DARK;
+
+/** The paper theme: the same roles on a light ground. Text has a contrast of at least 4.5 to 1. */
+const LIGHT: Record<ColourName, string> = {
+  ground: '#f3f1ec',
+  panel: '#fcfbf8',
+  raised: '#efece5',
+  line: '#cfcbc2',
+  text: '#1a1c1e',
+  dim: '#4d5358',
+  faint: '#5b6065',
+  accent: '#0b5cad',
+  danger: '#b3330f',
+  att: '#b3330f',
+  sea: '#e3e0d8',
+  land: '#fcfbf8',
+  border: '#b9b4a9',
+  coast: '#a5a096',
+  graticule: '#dad6cc',
+  track: '#3b6c9c',
+  flown: '#0b5cad',
+  pending: '#5b6268',
+  enabled: '#7d5a00',
+  ongoing: '#17694a',
+  interrupted: '#a8481a',
+  terminated: '#5b6268',
+  known: '#5b6065',
+  planned: '#3c444b',
+  observing: '#8a5a00',
+  observed: '#17693f',
+  skipped: '#a82e52',
+  chosen: '#d9e6f4',
+  strip: '#3b6c9c',
+  halo: '#fcfbf8d0',
+  craft: '#1a1c1e',
+};
+
+/** The colours of the theme in use. */
+export const COLOURS: Record<ColourName, string> = { ...DARK };
+
+const STATE_NAMES = new Set<string>([
+  'pending',
+  'enabled',
+  'ongoing',
+  'interrupted',
+  'terminated',
+  'known',
+  'planned',
+  'observing',
+  'observed',
+  'skipped',
+]);
 /** Fonts for canvases: family lists that follow a size. They are those of theme.css. */
 export const SANS = 'Inter, "Segoe UI", system-ui, "Liberation Sans", "DejaVu Sans", sans-serif';
 export const MONO = '"JetBrains Mono", ui-monospace, "Liberation Mono", "DejaVu Sans Mono", monospace';
 
 /** The colour of a task's or a target's state; states unknown here are quiet. */
 export function stateColour(state: string | null | undefined): string {
-  return STATE_COLOURS[state ?? ''] ?? COLOURS.faint;
+  return STATE_NAMES.has(state ?? '') ? COLOURS[state as ColourName] : COLOURS.faint;
 }
 
-/** Makes the colours known to style sheets. */
-export function applyColours(root: HTMLElement): void {
+/** Takes a theme's colours into use, for canvases and style sheets. */
+export function applyColours(root: HTMLElement, theme: 'light' | 'dark'): void {
+  Object.assign(COLOURS, theme === 'light' ? LIGHT : DARK);
+  root.dataset.theme = theme;
+  root.style.colorScheme = theme;
   for (const [name, value] of Object.entries(COLOURS)) root.style.setProperty(`--${name}`, value);
 }

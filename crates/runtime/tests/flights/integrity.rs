@@ -117,7 +117,7 @@ fn try_answers(path: &Path) -> Result<(bool, Vec<String>), String> {
     answers.push(format!("{:?}", view.track(&TrackQuery::default()).map_err(told)?));
     answers.push(format!("{:?}", view.targets(None).map_err(told)?));
     answers.push(format!("{:?}", view.events(&EventsQuery::default()).map_err(told)?));
-    answers.push(format!("{:?} {:?}", view.report().map_err(told)?, view.mission().map_err(told)?));
+    answers.push(format!("{:?} {:?}", view.report(None).map_err(told)?, view.mission(None).map_err(told)?));
     Ok((warned, answers))
 }
 

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { EventRow, Moment, TaskExplanation, Why } from '../../record/types';
-import { hasSource, logLines, reportView, snippetLines, toneOf, whyView } from './view';
+import { flownTargets, hasSource, logLines, reportView, snippetLines, toneOf, whyView } from './view';
 
 function moment(id: number, more: Partial<Moment> = {}): Moment {
   return {
@@ -195,4 +195,40 @@ it('a snippet marks its place', () => {
   const lines = snippetLines({ name: 'a', line: 3, first_line: 2, lines: ['x', 'y'] });
   expect(lines[1]).toEqual({ number: 3, text: 'y', here: true });
   expect([hasSource('a.pdl:3:1'), hasSource('<plan 3>:1:1')]).toEqual([true, false]);
+});
+
+it('the report has predicted next to flown for every target', () => {
+  const factors = (factor: number) =>
+    Object.fromEntries(['coverage', 'resolution', 'clarity', 'timing'].map(name => [name, { factor }]));
+  const predicted = { ...factors(0.5), worth: 45 };
+  const zaca = { target: 'Zaca', value: 90, worth: 70.63, ...factors(0.9), predicted };
+  const losses = [{ cause: 'too-coarse', points: 19.32 }];
+  const body = {
+    score: 992.75,
+    targets: [
+      { ...zaca, losses },
+      { ...zaca, predicted: null },
+    ],
+  };
+  const report = { sections: [{ section: 'score', body }] };
+  expect(flownTargets(report)).toEqual([
+    {
+      name: 'Zaca',
+      value: '90.0',
+      flown: ['0.90', '0.90', '0.90', '0.90', '70.6'],
+      predicted: ['0.50', '0.50', '0.50', '0.50', '45.0'],
+      lost: 'too coarse 19.3',
+    },
+    {
+      name: 'Zaca',
+      value: '90.0',
+      flown: ['0.90', '0.90', '0.90', '0.90', '70.6'],
+      predicted: null,
+      lost: '',
+    },
+  ]);
+  expect(flownTargets(null)).toEqual([]);
+  expect(reportView(report)).toEqual([
+    { title: 'score', kind: 'pairs', pairs: [{ name: 'score', value: '992.75' }] },
+  ]);
 });

@@ -144,6 +144,49 @@ export type SectionView =
   | { title: string; kind: 'pairs'; pairs: { name: string; value: string }[] }
   | { title: string; kind: 'table'; columns: string[]; rows: string[][] };
 
+/** A target as flown, with what its last plan predicted below it. */
+export interface FlownTarget {
+  name: string;
+  value: string;
+  /** The factors and the worth: as flown. */
+  flown: string[];
+  /** The same as predicted; none if no plan predicted it. */
+  predicted: string[] | null;
+  /** Points lost, by cause. */
+  lost: string;
+}
+
+/** The columns of factors, in the order in which they are multiplied. */
+export const FACTORS = ['coverage', 'resolution', 'clarity', 'timing'] as const;
+
+/** The targets of the report's score: predicted next to flown. None if the report has no such score. */
+export function flownTargets(report: Report | null): FlownTarget[] {
+  const score = report?.sections.find(({ section }) => section === 'score')?.body;
+  const targets = isObject(score) && Array.isArray(score.targets) ? score.targets.filter(isObject) : [];
+  return targets.map(target => {
+    const losses = Array.isArray(target.losses) ? target.losses.filter(isObject) : [];
+    return {
+      name: valueText(target.target),
+      value: fixed(target.value, 1),
+      flown: figures(target),
+      predicted: isObject(target.predicted) ? figures(target.predicted) : null,
+      lost: losses.map(loss => `${words(valueText(loss.cause))} ${fixed(loss.points, 1)}`).join(', '),
+    };
+  });
+}
+
+function figures(of: Record<string, unknown>): string[] {
+  const factor = (name: string) => {
+    const member = of[name];
+    return fixed(isObject(member) ? member.factor : member, 2);
+  };
+  return [...FACTORS.map(factor), fixed(of.worth, 1)];
+}
+
+function fixed(value: unknown, decimals: number): string {
+  return typeof value === 'number' ? value.toFixed(decimals) : '–';
+}
+
 export function reportView(report: Report | null): SectionView[] {
   return (report?.sections ?? []).map(({ section, body }) => {
     const title = words(section);
@@ -153,7 +196,11 @@ export function reportView(report: Report | null): SectionView[] {
       return { title, kind: 'table', columns: columns.map(words), rows };
     }
     if (isObject(body)) {
-      const pairs = Object.entries(body).map(([name, value]) => ({
+      // Lists of objects have separate tables, or the totals count them.
+      const single = Object.entries(body).filter(
+        ([, value]) => !Array.isArray(value) || !value.every(isObject),
+      );
+      const pairs = single.map(([name, value]) => ({
         name: words(name),
         value: valueText(value),
       }));

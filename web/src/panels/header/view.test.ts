@@ -11,16 +11,18 @@ const mission: Mission = {
   epoch_utc: '2007-09-08T01:00:00Z',
   from_ns: 0,
   end_ns: 7200e9,
-  end_reason: 'the root task ended',
+  ending: { reason: 'the root task ended', failed: false },
   batches: 5,
   status: 'complete',
   tasks: 3,
   targets: 0,
+  observed: 0,
   score: 0.876,
 };
 
 it('names the mission, its time and its score', () => {
   const view = headerView(mission, 60e9);
+  expect(view.statusText).toBe('ended');
   expect(view.title).toBe('western-states');
   expect(view.subtitle).toBe('pilot-1 · predator-b');
   expect(view.time).toBe('T+0:01:00');
@@ -35,4 +37,20 @@ it('falls back to the file name, and shows tenths in a short record', () => {
   expect(view.subtitle).toBe('predator-b');
   expect(view.score).toBeNull();
   expect(view.time).toBe('T+0:00:01.2');
+});
+
+it('shows a failure, an unfinished record and the distance from the live end', () => {
+  const failed = { ...mission, ending: { reason: 'the initial task failed', failed: true } };
+  expect(headerView(failed, 7200e9)).toMatchObject({
+    status: 'failed',
+    statusText: '▲ failed: the initial task failed',
+  });
+  const unended: Mission = { ...mission, ending: null, score: null, targets: 22, observed: 3 };
+  expect(headerView(unended, 0)).toMatchObject({ status: 'recorded', score: null });
+  expect(headerView(unended, 0).progress).toBe('3 of 22 targets observed');
+  const broken: Mission = { ...unended, status: 'incomplete' };
+  expect(headerView(broken, 7200e9).statusText).toBe('▲ incomplete: record stops at T+2:00:00');
+  const live: Mission = { ...unended, status: 'live' };
+  expect(headerView(live, 7200e9, true).statusText).toBe('live');
+  expect(headerView(live, 7080e9).statusText).toBe('live, 2 min 00 s behind');
 });

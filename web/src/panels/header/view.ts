@@ -1,41 +1,75 @@
 /** What the header says. */
 
 import type { Mission } from '../../record/types';
-import { civilTime, missionTime, NANOSECONDS_PER_SECOND } from '../../time/format';
+import { civilTime, missionTime, NANOSECONDS_PER_SECOND, span } from '../../time/format';
 
 export interface HeaderView {
   title: string;
   /** Who flew what. */
   subtitle: string;
-  status: 'complete' | 'live' | 'incomplete';
+  /** One tag: live, recorded, ended, failed or incomplete. */
+  status: 'live' | 'recorded' | 'ended' | 'failed' | 'incomplete';
+  /** Text of the tag; a failure says its reason. */
+  statusText: string;
   statusHelp: string;
+  /** The mission score, at the end only. */
   score: string | null;
+  /** `3 of 22 targets observed`; none without targets. */
+  progress: string | null;
   time: string;
   civil: string | null;
   end: string;
 }
 
-const STATUS_HELP = {
-  complete: 'the record was closed properly',
-  live: 'the record is being written now',
-  incomplete: 'the record was not closed properly: the flight or its program broke off',
-};
-
 /** Records shorter than this are watched in tenths of seconds. */
 const SHORT_NS = 300 * NANOSECONDS_PER_SECOND;
 
-export function headerView(mission: Mission, atNs: number): HeaderView {
+/** The header at the cursor's instant; `mission` holds what was known then. */
+export function headerView(mission: Mission, atNs: number, following = false): HeaderView {
   const decimals = mission.end_ns - mission.from_ns < SHORT_NS ? 1 : 0;
-  const ended = mission.end_reason ? ` (${mission.end_reason})` : '';
+  const { targets, observed, score } = mission;
   return {
     title: mission.mission ?? mission.record,
     subtitle: [mission.agent, mission.vehicle].filter(Boolean).join(' · '),
-    status: mission.status,
-    statusHelp: STATUS_HELP[mission.status] + ended,
-    score: mission.score === null ? null : scoreText(mission.score),
+    ...statusOf(mission, atNs, following),
+    score: score === null ? null : scoreText(score),
+    progress: targets === 0 ? null : `${observed} of ${targets} targets observed`,
     time: missionTime(atNs, decimals),
     civil: civilTime(atNs, mission.epoch_utc),
     end: missionTime(mission.end_ns, decimals),
+  };
+}
+
+function statusOf(
+  mission: Mission,
+  atNs: number,
+  following: boolean,
+): Pick<HeaderView, 'status' | 'statusText' | 'statusHelp'> {
+  const { ending, status } = mission;
+  if (status === 'live') {
+    const behind = following ? '' : `, ${span(mission.end_ns - atNs)} behind`;
+    return { status, statusText: `live${behind}`, statusHelp: 'the record is being written now' };
+  }
+  if (status === 'incomplete' && atNs >= mission.end_ns) {
+    const statusText = `▲ incomplete: record stops at ${missionTime(mission.end_ns)}`;
+    return {
+      status,
+      statusText,
+      statusHelp: 'the record was not closed: the flight or its program broke off',
+    };
+  }
+  if (ending?.failed) {
+    return {
+      status: 'failed',
+      statusText: `▲ failed: ${ending.reason}`,
+      statusHelp: 'the flight ended in failure',
+    };
+  }
+  if (ending) return { status: 'ended', statusText: 'ended', statusHelp: ending.reason };
+  return {
+    status: 'recorded',
+    statusText: 'recorded',
+    statusHelp: 'the flight is shown as known at the cursor',
   };
 }
 

@@ -3,7 +3,7 @@
 import type { Player } from '../../player/player.svelte';
 
 /** What a key asks of the page; functions are for the Player. */
-export type Action = 'help' | 'close' | 'fit' | 'find' | ((player: Player) => void);
+export type Action = 'help' | 'close' | 'fit' | 'find' | 'link' | 'theme' | ((player: Player) => void);
 
 interface Press {
   key: string;
@@ -25,6 +25,10 @@ const ACTIONS: Record<string, (press: Press) => Action> = {
   '=': () => player => player.zoomAt(player.atNs, 0.5),
   '-': () => player => player.zoomAt(player.atNs, 2),
   '0': () => player => player.showAll(),
+  n: () => player => player.goToTrouble(1),
+  N: () => player => player.goToTrouble(-1),
+  c: () => 'link',
+  t: () => 'theme',
   f: () => 'fit',
   '/': () => 'find',
   '?': () => 'help',
@@ -40,6 +44,9 @@ export const KEYS: { keys: string[]; does: string }[] = [
   { keys: ['+', '−', '0'], does: 'zoom the timeline around the cursor; show all of it' },
   { keys: ['↑', '↓'], does: 'previous, next task, when the agenda has the focus' },
   { keys: ['Enter'], does: 'open or close the chosen task in the agenda' },
+  { keys: ['n', 'N'], does: 'next trouble, previous trouble' },
+  { keys: ['c'], does: 'copy a link to this view' },
+  { keys: ['t'], does: 'light or dark' },
   { keys: ['/'], does: 'filter the agenda' },
   { keys: ['F'], does: 'show the whole flight on the map' },
   { keys: ['?', 'Esc'], does: 'open and close this help' },

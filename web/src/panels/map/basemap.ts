@@ -8,7 +8,8 @@ import { COLOURS } from '../../theme/colours';
 // Vite moves the worker: without its new address the map stays blank.
 maplibre.setWorkerUrl(workerUrl);
 
-const STYLE: maplibre.StyleSpecification = {
+/** The style in the colours of the theme in use. */
+const style = (): maplibre.StyleSpecification => ({
   version: 8,
   sources: {
     land: { type: 'geojson', data: '/basemap/land.geojson', tolerance: 0.2 },
@@ -27,13 +28,13 @@ const STYLE: maplibre.StyleSpecification = {
       paint: { 'line-color': COLOURS.border, 'line-width': 1 },
     },
   ],
-};
+});
 
 /** Makes the map in `container`; throws when the browser has no WebGL. */
 export function makeMap(container: HTMLElement): maplibre.Map {
   const map = new maplibre.Map({
     container,
-    style: STYLE,
+    style: style(),
     center: [-117, 41],
     zoom: 4,
     minZoom: 1.5,

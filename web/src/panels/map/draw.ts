@@ -1,5 +1,6 @@
 /** Draws what moves, and all words, on a canvas above the map. */
 
+import type { LandingPlace } from '../../record/types';
 import { COLOURS, MONO, SANS, stateColour } from '../../theme/colours';
 import {
   type Aircraft,
@@ -11,6 +12,7 @@ import {
   type Position,
   placeLabel,
   type TargetView,
+  type ZoneView,
 } from './view';
 
 /** From degrees to pixels of the canvas. */
@@ -22,6 +24,12 @@ export interface Scene {
   aircraft: Aircraft | null;
   targets: TargetView[];
   outlines: Map<string, Position[][]>;
+  /** What the plan in force flies from here on. */
+  ahead: Position[];
+  zones: ZoneView[];
+  landingPlaces: LandingPlace[];
+  /** Labels of the last drawing that found no free place. */
+  onLost: (labels: number) => void;
   selected: string | null;
 }
 
@@ -34,14 +42,17 @@ export interface Frame {
   north: number;
 }
 
+const PLACE_FONT = `11px ${SANS}`;
 const LABEL_FONT = `600 11.5px ${SANS}`;
 /** Room at the lower right for the scale bar and the credit. */
-const CORNER_PX = 190;
-const GRID_FONT = `10px ${MONO}`;
+const CORNER_PX = 290;
+const GRID_FONT = `11px ${MONO}`;
 
 export function draw(context: CanvasRenderingContext2D, scene: Scene, frame: Frame, project: Project): void {
   context.clearRect(0, 0, frame.width, frame.height);
   drawGraticule(context, frame, project);
+  drawZones(context, scene.zones, project);
+  drawLandingPlaces(context, scene.landingPlaces, project);
   drawOutlines(context, scene, project);
   drawTrack(context, scene, project);
   drawTargets(context, scene, project);
@@ -72,6 +83,62 @@ function drawGraticule(context: CanvasRenderingContext2D, frame: Frame, project:
   context.stroke();
 }
 
+/** Zones that hold now and here are hatched, others outlined; the permitted area is a dashed line. */
+function drawZones(context: CanvasRenderingContext2D, zones: readonly ZoneView[], project: Project): void {
+  context.strokeStyle = COLOURS.dim;
+  context.lineWidth = 1;
+  for (const zone of zones) {
+    for (const line of zone.lines) {
+      context.setLineDash(zone.permitted ? [2, 4] : []);
+      polyline(context, line, line.length, project);
+      if (zone.active && !zone.permitted) {
+        context.save();
+        context.clip();
+        hatch(context, line, project);
+        context.restore();
+        polyline(context, line, line.length, project);
+      }
+      context.stroke();
+    }
+  }
+  context.setLineDash([]);
+}
+
+/** Parallel lines over the box of an outline. */
+function hatch(context: CanvasRenderingContext2D, line: readonly Position[], project: Project): void {
+  const points = line.map(project);
+  const [left, right] = [Math.min(...points.map(at => at.x)), Math.max(...points.map(at => at.x))];
+  const [top, bottom] = [Math.min(...points.map(at => at.y)), Math.max(...points.map(at => at.y))];
+  const height = bottom - top;
+  // Far beyond the canvas there is nothing to see: a zone that fills the picture needs no more lines than it has pixels.
+  if (right - left + height > 20_000) return;
+  context.beginPath();
+  for (let x = left - height; x < right; x += 6) {
+    context.moveTo(x, bottom);
+    context.lineTo(x + height, top);
+  }
+  context.stroke();
+}
+
+function drawLandingPlaces(
+  context: CanvasRenderingContext2D,
+  places: readonly LandingPlace[],
+  project: Project,
+): void {
+  context.strokeStyle = COLOURS.dim;
+  context.lineWidth = 1.2;
+  context.beginPath();
+  for (const place of places) {
+    const { x, y } = project([place.longitude_deg, place.latitude_deg]);
+    const arm = place.base ? 5 : 3;
+    context.moveTo(x - arm, y);
+    context.lineTo(x + arm, y);
+    context.moveTo(x, y - arm);
+    context.lineTo(x, y + arm);
+  }
+  context.stroke();
+}
+
 function drawOutlines(context: CanvasRenderingContext2D, scene: Scene, project: Project): void {
   context.lineWidth = 1;
   for (const target of scene.targets) {
@@ -92,9 +159,11 @@ function drawTrack(context: CanvasRenderingContext2D, scene: Scene, project: Pro
   context.lineJoin = 'round';
   context.lineCap = 'round';
   context.strokeStyle = COLOURS.track;
-  context.lineWidth = 1.2;
-  polyline(context, positions, positions.length, project);
+  context.lineWidth = 1.3;
+  context.setLineDash([5, 4]);
+  polyline(context, scene.ahead, scene.ahead.length, project);
   context.stroke();
+  context.setLineDash([]);
   const flown = countUntil(times, scene.atNs);
   if (flown === 0) return;
   context.strokeStyle = COLOURS.flown;
@@ -128,18 +197,34 @@ function drawTargets(context: CanvasRenderingContext2D, scene: Scene, project: P
   // The chosen one and what is worked on have the first right to a label, then the valuable ones.
   const rank = (target: TargetView) =>
     (target.id === scene.selected ? 1e9 : 0) + (target.state === 'observing' ? 1e6 : 0) + (target.value ?? 0);
-  context.font = LABEL_FONT;
   context.textBaseline = 'middle';
-  for (const { target, x, y } of points.sort((a, b) => rank(b.target) - rank(a.target))) {
-    const box = placeLabel(x, y, context.measureText(target.name).width + 2, 13, taken);
-    if (!box) continue;
+  let lost = 0;
+  const write = (text: string, x: number, y: number, colour: string): void => {
+    const box = placeLabel(x, y, context.measureText(text).width + 2, 13, taken);
+    if (!box) {
+      lost += 1;
+      return;
+    }
     taken.push(box);
     context.lineWidth = 3;
-    context.strokeStyle = '#0d141cd0';
-    context.strokeText(target.name, box.x + 1, box.y + 7);
-    context.fillStyle = target.state === 'planned' ? COLOURS.planned : stateColour(target.state);
-    context.fillText(target.name, box.x + 1, box.y + 7);
+    context.strokeStyle = COLOURS.halo;
+    context.strokeText(text, box.x + 1, box.y + 7);
+    context.fillStyle = colour;
+    context.fillText(text, box.x + 1, box.y + 7);
+  };
+  context.font = LABEL_FONT;
+  for (const { target, x, y } of points.sort((a, b) => rank(b.target) - rank(a.target)))
+    write(target.name, x, y, stateColour(target.state));
+  context.font = PLACE_FONT;
+  for (const place of scene.landingPlaces.filter(one => one.base)) {
+    const { x, y } = project([place.longitude_deg, place.latitude_deg]);
+    write(place.name, x, y, COLOURS.dim);
   }
+  for (const zone of scene.zones.filter(one => one.label !== '')) {
+    const { x, y } = project(zone.centre);
+    write(zone.label, x, y, COLOURS.dim);
+  }
+  scene.onLost(lost);
   context.textBaseline = 'alphabetic';
 }
 
@@ -151,7 +236,10 @@ function drawSymbol(
   selected: boolean,
 ): void {
   const colour = stateColour(target.state);
-  context.fillStyle = target.state === 'planned' || target.state === 'skipped' ? COLOURS.sea : colour;
+  context.fillStyle =
+    target.state === 'planned' || target.state === 'known' || target.state === 'skipped'
+      ? COLOURS.sea
+      : colour;
   context.strokeStyle = target.state === 'observed' || target.state === 'observing' ? COLOURS.sea : colour;
   context.lineWidth = 1.8;
   circle(context, x, y, 5);
@@ -203,7 +291,7 @@ function drawAircraft(context: CanvasRenderingContext2D, aircraft: Aircraft, pro
   context.lineWidth = 3;
   context.strokeStyle = COLOURS.ground;
   context.stroke();
-  context.fillStyle = '#ffffff';
+  context.fillStyle = COLOURS.craft;
   context.fill();
   context.restore();
 }

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import type { Target } from '../../record/types';
+import type { PlanInForce, Target } from '../../record/types';
 import {
   aircraftAt,
   bounds,
@@ -9,8 +9,9 @@ import {
   legend,
   outlines,
   pathOf,
+  placedTargets,
   placeLabel,
-  targetsAt,
+  wayAhead,
 } from './view';
 
 const track = {
@@ -56,20 +57,24 @@ describe('targets', () => {
     state: null,
     detail: null,
     since_ns: null,
+    announced_ns: null,
     history: [
       { t_ns: 10, state: 'observing', detail: null },
       { t_ns: 10, state: 'observed', detail: 'three lines' },
     ],
   };
 
-  it('have the last state up to the cursor; before the first they are planned', () => {
-    expect(targetsAt([target], 9)[0]?.state).toBe('planned');
-    expect(targetsAt([target], 10)[0]?.state).toBe('observed');
-    expect(targetsAt([{ ...target, latitude_deg: null }], 10)).toEqual([]);
+  it('have their state, and are known before a plan has them', () => {
+    expect(placedTargets([target])[0]?.state).toBe('known');
+    expect(placedTargets([{ ...target, state: 'observed' }])[0]?.state).toBe('observed');
+    expect(placedTargets([{ ...target, latitude_deg: null }])).toEqual([]);
   });
 
   it('are counted in the legend', () => {
-    expect(legend(targetsAt([target, target], 10)).find(entry => entry.state === 'observed')?.count).toBe(2);
+    const observed = { ...target, state: 'observed' };
+    const entries = legend(placedTargets([observed, observed]));
+    expect(entries.find(entry => entry.state === 'observed')?.count).toBe(2);
+    expect(entries.some(entry => entry.state === 'known')).toBe(false);
   });
 
   it('may have outlines of any kind', () => {
@@ -88,6 +93,19 @@ describe('targets', () => {
     ).toEqual([ring]);
     expect(outlines({ type: 'Point', coordinates: [0, 0] })).toEqual([]);
   });
+});
+
+it('the way ahead begins at the aircraft', () => {
+  const route: [number, number][] = [
+    [-118, 34],
+    [-117, 35],
+    [-116, 36],
+  ];
+  const plan: PlanInForce = { number: 1, adopted_ns: 0, summary: '', visits: [], route, left_out: [] };
+  const aircraft = { position: [-117.1, 35] as [number, number], headingDeg: 0 };
+  expect(wayAhead(plan, aircraft)).toEqual([aircraft.position, [-116, 36]]);
+  expect(wayAhead(plan, null)).toEqual(route);
+  expect(wayAhead(null, aircraft)).toEqual([]);
 });
 
 describe('the picture', () => {

@@ -1,6 +1,7 @@
 /** What the map shows at an instant; pure. */
 
-import type { Target, TargetChange, Track } from '../../record/types';
+import type { PlanInForce, Surroundings, Target, Track } from '../../record/types';
+import { NANOSECONDS_PER_SECOND } from '../../time/format';
 
 export type Position = [longitudeDeg: number, latitudeDeg: number];
 
@@ -20,13 +21,15 @@ export interface TargetView {
   id: string;
   name: string;
   position: Position;
+  /** `known` until a plan has it or leaves it out. */
   state: string;
-  since: TargetChange | null;
+  sinceNs: number | null;
+  detail: string | null;
   value: number | null;
 }
 
 /** The states of targets in the order of the legend. */
-export const TARGET_STATES = ['planned', 'observing', 'observed', 'skipped'] as const;
+export const TARGET_STATES = ['known', 'planned', 'observing', 'observed', 'skipped'] as const;
 
 export function pathOf(track: Track | null): Path {
   const path: Path = { times: [], positions: [], headings: [] };
@@ -73,20 +76,78 @@ export function aircraftAt(path: Path, atNs: number): Aircraft | null {
   };
 }
 
-/** The targets that have a place, in their state at the cursor. */
-export function targetsAt(targets: readonly Target[], atNs: number): TargetView[] {
+/** The known targets that have a place, in their states. */
+export function placedTargets(targets: readonly Target[]): TargetView[] {
   return targets.flatMap(target => {
     if (target.longitude_deg === null || target.latitude_deg === null) return [];
-    const since = target.history.findLast(change => change.t_ns <= atNs) ?? null;
     return {
       id: target.id,
       name: target.name,
       position: [target.longitude_deg, target.latitude_deg] satisfies Position,
-      state: since?.state ?? 'planned',
-      since,
+      state: target.state ?? 'known',
+      sinceNs: target.since_ns,
+      detail: target.detail,
       value: target.value,
     };
   });
+}
+
+export interface ZoneView {
+  lines: Position[][];
+  /** Where its label stands. */
+  centre: Position;
+  label: string;
+  permitted: boolean;
+  /** It holds now and reaches the aircraft's altitude. */
+  active: boolean;
+}
+
+/** The zones, with the times and heights at which they hold where they do not hold now. */
+export function zonesAt(surroundings: Surroundings, atNs: number, altitudeM: number | null): ZoneView[] {
+  const hour = atNs / NANOSECONDS_PER_SECOND / 3600;
+  return surroundings.zones.map(zone => {
+    const lines = outlines(zone.geometry);
+    const inTime =
+      zone.active_h.length === 0 || zone.active_h.some(([from, to]) => hour >= from && hour < to);
+    const top = zone.altitude_m_max;
+    const inHeight =
+      altitudeM === null || (altitudeM >= zone.altitude_m_min && (top === null || altitudeM <= top));
+    const times = zone.active_h.map(([from, to]) => `${hours(from)}–${hours(to)}`).join(', ');
+    const heights = `${zone.altitude_m_min > 0 ? `${zone.altitude_m_min}–` : 'up to '}${top ?? 'any height'}${top === null ? '' : ' m'}`;
+    const box = bounds(lines.flat()) ?? [
+      [0, 0],
+      [0, 0],
+    ];
+    return {
+      lines,
+      centre: [(box[0][0] + box[1][0]) / 2, (box[0][1] + box[1][1]) / 2],
+      label: zone.permitted ? '' : [zone.name, times, heights].filter(Boolean).join(', '),
+      permitted: zone.permitted,
+      active: inTime && inHeight,
+    };
+  });
+}
+
+function hours(value: number): string {
+  const minutes = Math.round(value * 60);
+  return `${Math.floor(minutes / 60)}:${String(minutes % 60).padStart(2, '0')}`;
+}
+
+/**
+ * The rest of the plan's way: from the aircraft on to the last place. The way behind is that of the flown track, so
+ * it is cut at the point nearest to the aircraft.
+ */
+export function wayAhead(plan: PlanInForce | null, aircraft: Aircraft | null): Position[] {
+  const route = (plan?.route ?? []) as Position[];
+  if (!aircraft || route.length === 0) return route;
+  const [longitude, latitude] = aircraft.position;
+  const shrink = Math.cos((latitude * Math.PI) / 180);
+  let [nearest, best] = [0, Number.POSITIVE_INFINITY];
+  route.forEach(([east, north], index) => {
+    const distance = Math.hypot((east - longitude) * shrink, north - latitude);
+    if (distance < best) [nearest, best] = [index, distance];
+  });
+  return [aircraft.position, ...route.slice(nearest + 1)];
 }
 
 /** The legend: each state with how many targets are in it. */
@@ -94,7 +155,7 @@ export function legend(targets: readonly TargetView[]): { state: string; count: 
   return TARGET_STATES.map(state => ({
     state,
     count: targets.filter(target => target.state === state).length,
-  }));
+  })).filter(({ state, count }) => state !== 'known' || count > 0);
 }
 
 /** South-west and north-east corners around everything; none when there is nothing. */

@@ -5,14 +5,19 @@ import { COLOURS, MONO, SANS, stateColour } from '../../theme/colours';
 import { ticks } from '../../time/format';
 import {
   AXIS_PX,
+  bandsApart,
   blocksOf,
+  densityOf,
   type LaneRow,
   lineOf,
   NAMES_PX,
+  RAIL_PX,
   ROW_PX,
   type Scale,
   STRIP_PX,
   type Strip,
+  type TroubleMark,
+  troubleWords,
   VISITS_PX,
   type Visit,
 } from './view';
@@ -21,7 +26,10 @@ export interface Picture {
   width: number;
   height: number;
   visible: Range;
+  /** Nothing later is drawn. */
+  atNs: number;
   scale: Scale;
+  troubles: TroubleMark[];
   visits: Visit[];
   strips: Strip[];
   lanes: LaneRow[];
@@ -31,13 +39,13 @@ export interface Picture {
 }
 
 const FONT = `11px ${SANS}`;
-const BOLD = `600 10px ${SANS}`;
-const NUMBERS = `10px ${MONO}`;
-const SMALL = `9px ${MONO}`;
+const BOLD = `600 11px ${SANS}`;
+const NUMBERS = `11px ${MONO}`;
+const SMALL = `11px ${MONO}`;
 
-/** Where the lanes begin below axis, visits and strips. */
+/** Where the lanes begin below rail, axis, visits and strips. */
 export function lanesTop(visits: number, strips: number): number {
-  return AXIS_PX + (visits > 0 ? VISITS_PX : 0) + strips * STRIP_PX;
+  return RAIL_PX + AXIS_PX + (visits > 0 ? VISITS_PX : 0) + strips * STRIP_PX;
 }
 
 export function draw(context: CanvasRenderingContext2D, picture: Picture): void {
@@ -52,8 +60,9 @@ export function draw(context: CanvasRenderingContext2D, picture: Picture): void 
   context.translate(0, top - picture.scrollPx);
   for (const lane of picture.lanes) drawLane(context, picture, lane);
   context.restore();
+  drawTroubles(context, picture);
   drawAxis(context, picture);
-  let y = AXIS_PX;
+  let y = RAIL_PX + AXIS_PX;
   if (picture.visits.length > 0) {
     drawVisits(context, picture, y);
     y += VISITS_PX;
@@ -82,7 +91,7 @@ function drawGrid(context: CanvasRenderingContext2D, picture: Picture): void {
   context.beginPath();
   for (const tick of marks(picture)) {
     const x = Math.round(picture.scale.x(tick.atNs)) + 0.5;
-    context.moveTo(x, AXIS_PX - 5);
+    context.moveTo(x, RAIL_PX + AXIS_PX - 5);
     context.lineTo(x, picture.height);
   }
   context.stroke();
@@ -94,9 +103,36 @@ function drawAxis(context: CanvasRenderingContext2D, picture: Picture): void {
   context.fillStyle = COLOURS.dim;
   for (const tick of marks(picture)) {
     const end = width - context.measureText(tick.label).width - 3;
-    context.fillText(tick.label, Math.min(Math.round(scale.x(tick.atNs)) + 4, end), AXIS_PX / 2);
+    context.fillText(tick.label, Math.min(Math.round(scale.x(tick.atNs)) + 4, end), RAIL_PX + AXIS_PX / 2);
   }
-  line(context, 0, AXIS_PX - 0.5, width, AXIS_PX - 0.5);
+  line(context, 0, RAIL_PX + AXIS_PX - 0.5, width, RAIL_PX + AXIS_PX - 0.5);
+}
+
+/** Triangles at the troubles' times, with a count where they touch, and words next to the last ones. */
+function drawTroubles(context: CanvasRenderingContext2D, picture: Picture): void {
+  const total = picture.troubles.reduce((sum, mark) => sum + mark.troubles.length, 0);
+  name(context, 'trouble', 8, RAIL_PX / 2, COLOURS.dim);
+  if (total > 0) {
+    context.fillStyle = COLOURS.att;
+    context.font = FONT;
+    context.fillText(`▲ ${total}`, 62, RAIL_PX / 2);
+  }
+  let free = picture.width;
+  for (const { x, troubles } of picture.troubles.toReversed()) {
+    context.fillStyle = COLOURS.att;
+    context.beginPath();
+    context.moveTo(x, 3);
+    context.lineTo(x + 4.5, RAIL_PX - 3);
+    context.lineTo(x - 4.5, RAIL_PX - 3);
+    context.fill();
+    const last = troubles.at(-1);
+    if (!last) continue;
+    const text = troubles.length > 1 ? `${troubles.length}× ${troubleWords(last)}` : troubleWords(last);
+    context.font = FONT;
+    const width = context.measureText(text).width;
+    if (x + 7 + width < free) context.fillText(text, x + 7, RAIL_PX / 2 + 0.5);
+    free = x - 6;
+  }
 }
 
 function marks({ visible, width }: Picture): { atNs: number; label: string }[] {
@@ -108,7 +144,7 @@ function drawVisits(context: CanvasRenderingContext2D, picture: Picture, y: numb
   name(context, 'target visits', 8, y + VISITS_PX / 2, COLOURS.dim);
   let free = NAMES_PX;
   for (const visit of picture.visits) {
-    if (visit.toNs < visible.fromNs || visit.fromNs > visible.toNs) continue;
+    if (visit.toNs < visible.fromNs || visit.fromNs > Math.min(visible.toNs, picture.atNs)) continue;
     const x = Math.max(scale.x(visit.fromNs), NAMES_PX);
     const width = Math.max(scale.x(Math.min(visit.toNs, visible.toNs)) - x, 3);
     context.fillStyle = stateColour(visit.state);
@@ -134,7 +170,7 @@ function drawStrip(context: CanvasRenderingContext2D, picture: Picture, strip: S
   context.clip();
   context.beginPath();
   for (const [x, height] of points) context.lineTo(x, height);
-  context.strokeStyle = '#8fb4d8';
+  context.strokeStyle = COLOURS.strip;
   context.lineWidth = 1.1;
   context.stroke();
   context.restore();
@@ -142,8 +178,10 @@ function drawStrip(context: CanvasRenderingContext2D, picture: Picture, strip: S
   context.font = SMALL;
   context.fillStyle = COLOURS.faint;
   context.textAlign = 'right';
-  context.fillText(strip.high.toFixed(strip.decimals), NAMES_PX - 5, y + 7);
-  context.fillText(strip.low.toFixed(strip.decimals), NAMES_PX - 5, y + STRIP_PX - 6);
+  if (strip.values.length > 0) {
+    context.fillText(strip.high.toFixed(strip.decimals), NAMES_PX - 5, y + 7);
+    context.fillText(strip.low.toFixed(strip.decimals), NAMES_PX - 5, y + STRIP_PX - 6);
+  }
   context.textAlign = 'left';
   line(context, 0, y + STRIP_PX - 0.5, picture.width, y + STRIP_PX - 0.5);
 }
@@ -152,12 +190,13 @@ function drawLane(context: CanvasRenderingContext2D, picture: Picture, lane: Lan
   const indent = 8 + Math.min(lane.depth, 6) * 8;
   const count = lane.tasks > 1 ? ` ×${lane.tasks}` : '';
   name(context, lane.name + count, indent, lane.y + ROW_PX / 2, COLOURS.text);
+  drawBands(context, picture, lane);
   lane.rows.forEach((row, index) => {
     const y = lane.y + index * ROW_PX + 2;
-    for (const block of blocksOf(row, picture.visible, picture.scale)) {
+    for (const block of blocksOf(row, picture.visible, picture.atNs, picture.scale)) {
       const waiting = block.state === 'pending';
       context.fillStyle = stateColour(block.state);
-      context.globalAlpha = waiting ? 0.3 : 0.88;
+      context.globalAlpha = waiting ? 0.3 : 1;
       context.fillRect(block.x, waiting ? y + 4 : y, block.width, waiting ? 3 : ROW_PX - 4);
       context.globalAlpha = 1;
       if (block.task !== picture.selected) continue;
@@ -166,6 +205,29 @@ function drawLane(context: CanvasRenderingContext2D, picture: Picture, lane: Lan
       context.strokeRect(block.x + 0.5, y - 0.5, Math.max(block.width - 1, 1), ROW_PX - 3);
     }
   });
+}
+
+/** Dense stretches: a block for each pixel, as high as the share of time with work, and the number of intervals. */
+function drawBands(context: CanvasRenderingContext2D, picture: Picture, lane: LaneRow): void {
+  const y = lane.y + (bandsApart(lane) ? lane.rows.length * ROW_PX : 0) + 2;
+  const height = ROW_PX - 4;
+  for (const run of densityOf(lane.bands, picture.visible, picture.atNs, picture.scale)) {
+    context.fillStyle = stateColour('ongoing');
+    for (const block of run.blocks) {
+      const filled = Math.max(block.share * height, 1);
+      context.fillRect(block.x, y + height - filled, block.width, filled);
+    }
+    context.fillStyle = COLOURS.dim;
+    context.fillRect(run.x, y - 1, run.width, 1);
+    const text = `×${run.count}`;
+    context.font = SMALL;
+    const width = context.measureText(text).width + 6;
+    if (run.count < 2 || run.width < width) continue;
+    context.fillStyle = COLOURS.panel;
+    context.fillRect(run.x + 2, y + 1, width - 2, height - 2);
+    context.fillStyle = COLOURS.text;
+    context.fillText(text, run.x + 4, y + height / 2 + 0.5);
+  }
 }
 
 function name(context: CanvasRenderingContext2D, text: string, x: number, y: number, colour: string): void {

@@ -1,8 +1,9 @@
 import { describe, expect, it } from 'vitest';
-import type { Bar, Target, Timeline, Track } from '../../record/types';
+import type { Band, Bar, Target, Timeline, Track, Trouble } from '../../record/types';
 import {
   barAt,
   blocksOf,
+  densityOf,
   type LaneRow,
   laneAtWork,
   laneOf,
@@ -13,6 +14,8 @@ import {
   scaleOf,
   scrollTo,
   stripsOf,
+  troubleMarks,
+  troubleWords,
   valueAt,
   visitsOf,
 } from './view';
@@ -35,11 +38,12 @@ describe('the scale', () => {
 });
 
 describe('lanes', () => {
-  const lane = { tag: 'line', goal: '(fly-line (zaca 1))', depth: 2, active_ns: 5, left_out: 0 };
+  const lane = { tag: 'line', goal: '(fly-line (zaca 1))', depth: 2, active_ns: 5, bands: [] };
   const timeline: Timeline = {
     from_ns: 0,
     to_ns: 1000,
-    left_out: 0,
+    at_ns: 1000,
+    more: { lanes: 0, tasks: 0, bands: [] },
     lanes: [
       { ...lane, tasks: 1, rows: [[bar(1, 0, 500)]] },
       { ...lane, tasks: 2, rows: [[bar(2, 0, 100)], [bar(3, 50, 150), bar(4, 300, 300)]] },
@@ -79,12 +83,66 @@ describe('lanes', () => {
 
   it('draw bars under a pixel as one block', () => {
     const tiny = Array.from({ length: 500 }, (_, index) => bar(index, index / 10, index / 10 + 0.1));
-    const blocks = blocksOf(tiny, visible, scale);
+    const blocks = blocksOf(tiny, visible, 1000, scale);
     expect(blocks.length).toBe(1);
     expect(blocks[0]?.width).toBeGreaterThan(49);
-    expect(blocksOf([bar(1, -50, 20), bar(2, 2000, 3000)], visible, scale)).toEqual([
+    expect(blocksOf([bar(1, -50, 20), bar(2, 2000, 3000)], visible, 1000, scale)).toEqual([
       { x: NAMES_PX, width: 20, state: 'ongoing', task: 1 },
     ]);
+    const known = blocksOf([bar(1, 0, 400), bar(2, 600, 700)], visible, 300, scale);
+    expect(known).toEqual([{ x: NAMES_PX, width: 300, state: 'ongoing', task: 1 }]);
+  });
+
+  const band = (from_ns: number, to_ns: number, count: number, ongoing: number): Band => ({
+    from_ns,
+    to_ns,
+    count,
+    ongoing,
+  });
+
+  it('draw dense stretches with their counts, and the lanes left out as the last one', () => {
+    const bands = [band(0, 1, 5, 0.5), band(1, 2, 7, 1), band(500, 501, 3, 0)];
+    const dense = layLanes({
+      ...timeline,
+      lanes: [
+        { ...lane, tasks: 15, rows: [], bands },
+        { ...lane, tasks: 20, rows: [[bar(1, 0, 500)]], bands },
+      ],
+      more: { lanes: 312, tasks: 400, bands },
+    });
+    expect(dense.lanes.map(row => [row.name, row.height])).toEqual([
+      ['fly-line', ROW_PX],
+      ['fly-line', 2 * ROW_PX],
+      ['312 more lanes', ROW_PX],
+    ]);
+    const runs = densityOf(bands, visible, 1000, scale);
+    expect(runs.map(run => run.count)).toEqual([12, 3]);
+    expect(runs[0]?.blocks.map(block => block.share)).toEqual([0.5, 1]);
+    expect(densityOf(bands, visible, 400, scale)).toHaveLength(1);
+  });
+});
+
+describe('troubles', () => {
+  const trouble = (t_ns: number, kind: Trouble['kind'], subject: string): Trouble => ({
+    t_ns,
+    kind,
+    subject,
+    cause: '',
+    task: null,
+    target: null,
+  });
+
+  it('that touch are one mark with a count; none is lost', () => {
+    const troubles = [10, 12, 300, 5000].map(at => trouble(at, 'failed', 'it'));
+    expect(troubleMarks(troubles, visible, scale).map(mark => mark.troubles.length)).toEqual([2, 1]);
+  });
+
+  it('have words', () => {
+    expect(troubleWords(trouble(0, 'interrupted', '(fly line from (1 2) to (3 4))'))).toBe(
+      'interrupted: fly line',
+    );
+    expect(troubleWords(trouble(0, 'failed', '(map the fires)'))).toBe('failed: map the fires');
+    expect(troubleWords(trouble(0, 'left-out', 'Skyland'))).toBe('left out: Skyland');
   });
 });
 
@@ -99,6 +157,7 @@ it('visits last from observing to the result; a skipped target is a mark', () =>
     state: null,
     detail: null,
     since_ns: null,
+    announced_ns: null,
     history: history.map(([t_ns, state]) => ({ t_ns, state, detail: null })),
   });
   const visits = visitsOf(
@@ -134,13 +193,14 @@ describe('strips', () => {
     recorded: 5000,
   };
 
-  it('are made of quantities that change', () => {
-    expect(stripsOf(track).map(made => made.name)).toEqual(['altitude']);
-    expect(stripsOf(null)).toEqual([]);
+  it('are made of quantities that were recorded, up to the cursor', () => {
+    expect(stripsOf(track, 1000).map(made => made.name)).toEqual(['altitude', 'fuel']);
+    expect(stripsOf(track, 499).map(made => made.high)).toEqual([6, 5]);
+    expect(stripsOf(null, 0)).toEqual([]);
   });
 
   it('keep every peak in few points', () => {
-    const [altitude] = stripsOf(track);
+    const [altitude] = stripsOf(track, 1000);
     if (!altitude) throw new Error('there is no altitude');
     const points = lineOf(altitude, visible, scale, 0, 100);
     expect(points.length).toBeLessThanOrEqual(2002);

@@ -1,7 +1,7 @@
 /** The timeline's geometry: times to pixels, lanes to rows, samples to strips; pure. */
 
 import type { Range } from '../../player/clock';
-import type { Bar, Target, TaskState, Timeline, Track } from '../../record/types';
+import type { Band, Bar, Target, TaskState, Timeline, Track, Trouble } from '../../record/types';
 
 /** Width of the column of names, in pixels. */
 export const NAMES_PX = 168;
@@ -9,6 +9,8 @@ export const NAMES_PX = 168;
 export const AXIS_PX = 20;
 /** Height of a row of bars. */
 export const ROW_PX = 15;
+/** Height of the rail of troubles above the time axis. */
+export const RAIL_PX = 16;
 /** Height of the lane of target visits. */
 export const VISITS_PX = 18;
 /** Height of a strip chart. */
@@ -37,18 +39,105 @@ export interface LaneRow {
   /** How many tasks the lane holds; shown when more than one. */
   tasks: number;
   rows: Bar[][];
+  /** Intervals too dense for bars; in the row below the bars if there are such. */
+  bands: Band[];
 }
 
-/** The lanes below each other; a lane is as high as it has rows. */
+/** The lanes below each other; a lane is as high as it has rows. The lanes beyond the limit are the last one. */
 export function layLanes(timeline: Timeline | null): { lanes: LaneRow[]; height: number } {
   let y = 0;
-  const lanes = (timeline?.lanes ?? []).map(lane => {
-    const height = Math.max(lane.rows.length, 1) * ROW_PX;
-    const row = { y, height, name: laneName(lane), depth: lane.depth, tasks: lane.tasks, rows: lane.rows };
+  const place = (name: string, depth: number, tasks: number, rows: Bar[][], bands: Band[]): LaneRow => {
+    // Dense stretches lie in the first row unless that has bars.
+    const height = Math.max(rows.length + (bandsApart({ rows, bands }) ? 1 : 0), 1) * ROW_PX;
+    const row = { y, height, name, depth, tasks, rows, bands };
     y += height;
     return row;
-  });
+  };
+  const lanes = (timeline?.lanes ?? []).map(lane =>
+    place(laneName(lane), lane.depth, lane.tasks, lane.rows, lane.bands),
+  );
+  const more = timeline?.more;
+  if (more && more.lanes > 0) {
+    const name = `${more.lanes} more ${more.lanes === 1 ? 'lane' : 'lanes'}`;
+    lanes.push(place(name, 0, more.tasks, [], more.bands));
+  }
   return { lanes, height: y };
+}
+
+/** True if a lane's bands need a row below its bars: they would cover them. */
+export function bandsApart(lane: { rows: Bar[][]; bands: Band[] }): boolean {
+  return lane.rows.length > 0 && lane.bands.length > 0;
+}
+
+export interface DenseBlock {
+  x: number;
+  width: number;
+  /** Share of the time with work, 0 to 1. */
+  share: number;
+}
+
+/** A stretch of neighbouring bands: its blocks and how many intervals it holds. */
+export interface DenseRun {
+  x: number;
+  width: number;
+  count: number;
+  blocks: DenseBlock[];
+}
+
+/** Bands as blocks of at least a pixel, up to `atNs`; neighbours within three pixels are one run. */
+export function densityOf(bands: readonly Band[], visible: Range, atNs: number, scale: Scale): DenseRun[] {
+  const runs: DenseRun[] = [];
+  for (const band of bands) {
+    const toNs = Math.min(band.to_ns, visible.toNs, atNs);
+    if (toNs < visible.fromNs || band.from_ns > Math.min(visible.toNs, atNs)) continue;
+    const x = Math.max(scale.x(band.from_ns), NAMES_PX);
+    const width = Math.max(scale.x(toNs) - x, 1);
+    const last = runs.at(-1);
+    const run = last && x - (last.x + last.width) < 3 ? last : { x, width: 0, count: 0, blocks: [] };
+    if (run !== last) runs.push(run);
+    run.width = Math.max(run.width, x + width - run.x);
+    run.count += band.count;
+    run.blocks.push({ x, width, share: band.ongoing });
+  }
+  return runs;
+}
+
+export interface TroubleMark {
+  x: number;
+  troubles: Trouble[];
+}
+
+/** Troubles of the window as marks; those closer than six pixels are one mark with a count. */
+export function troubleMarks(troubles: readonly Trouble[], visible: Range, scale: Scale): TroubleMark[] {
+  const marks: TroubleMark[] = [];
+  for (const trouble of troubles) {
+    if (trouble.t_ns < visible.fromNs || trouble.t_ns > visible.toNs) continue;
+    const x = scale.x(trouble.t_ns);
+    const last = marks.at(-1);
+    if (last && x - last.x < 6) last.troubles.push(trouble);
+    else marks.push({ x, troubles: [trouble] });
+  }
+  return marks;
+}
+
+const TROUBLE_WORDS: Record<Trouble['kind'], (subject: string) => string> = {
+  failed: subject => `failed: ${subject}`,
+  interrupted: subject => `interrupted: ${subject}`,
+  fault: subject => `fault: ${subject}`,
+  'left-out': subject => `left out: ${subject}`,
+  ended: subject => `failed: ${subject}`,
+};
+
+/** `interrupted: fly line`: a goal without its arguments, a target by its name. */
+export function troubleWords(trouble: Trouble): string {
+  const subject = trouble.subject.startsWith('(') ? headOf(trouble.subject) : trouble.subject;
+  return TROUBLE_WORDS[trouble.kind](subject);
+}
+
+/** The words of a goal before its first argument in parentheses. */
+function headOf(goal: string): string {
+  const inner = goal.replace(/^\(|\)$/g, '');
+  return (inner.split(' (')[0] ?? inner).replace(/ (from|along|once along)$/, '').replaceAll('-', ' ');
 }
 
 /** A single task is named by its goal; many of one step by the goal's head, which they share. */
@@ -99,13 +188,14 @@ export interface Block {
   task: number;
 }
 
-/** A row's bars as blocks to fill: bars under a pixel that touch are one block, so that a million draw like a thousand. */
-export function blocksOf(row: readonly Bar[], visible: Range, scale: Scale): Block[] {
+/** A row's bars up to `atNs` as blocks to fill: bars under a pixel that touch are one block, so that a million draw like a thousand. */
+export function blocksOf(row: readonly Bar[], visible: Range, atNs: number, scale: Scale): Block[] {
   const blocks: Block[] = [];
+  const endNs = Math.min(visible.toNs, atNs);
   for (const bar of row) {
-    if (bar.to_ns < visible.fromNs || bar.from_ns > visible.toNs) continue;
+    if (bar.to_ns < visible.fromNs || bar.from_ns > endNs) continue;
     const x = Math.max(scale.x(bar.from_ns), NAMES_PX);
-    const width = Math.max(scale.x(Math.min(bar.to_ns, visible.toNs)) - x, 1);
+    const width = Math.max(scale.x(Math.min(bar.to_ns, endNs)) - x, 1);
     const last = blocks.at(-1);
     if (last && width <= 1 && last.state === bar.state && x - (last.x + last.width) < 1) {
       last.width = Math.max(last.width, x + width - last.x);
@@ -161,13 +251,13 @@ export interface Strip {
   values: number[];
 }
 
-/** The quantities that are drawn as strips, in this order, where the record has them. */
-export function stripsOf(track: Track | null): Strip[] {
+/** The quantities that are drawn as strips, in this order, where the record has them; with their samples up to `atNs`. */
+export function stripsOf(track: Track | null, atNs: number): Strip[] {
   if (!track) return [];
   return [
-    strip('altitude', 'm', track.t_ns, track.altitude_m, 0),
-    strip('roll', '°', track.t_ns, track.roll_deg, 1),
-    strip('fuel', 'kg', track.t_ns, track.fuel_kg, 0),
+    strip('altitude', 'm', track.t_ns, track.altitude_m, atNs, 0),
+    strip('roll', '°', track.t_ns, track.roll_deg, atNs, 1),
+    strip('fuel', 'kg', track.t_ns, track.fuel_kg, atNs, 0),
   ].filter(made => made !== null);
 }
 
@@ -176,21 +266,23 @@ function strip(
   unit: string,
   all: number[],
   column: (number | null)[],
+  atNs: number,
   decimals: number,
 ): Strip | null {
+  // The row has its place from the start; only its samples come with time.
+  if (column.every(value => value === null)) return null;
   const times: number[] = [];
   const values: number[] = [];
   let [low, high] = [Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY];
   column.forEach((value, index) => {
     const time = all[index];
-    if (value === null || time === undefined) return;
+    if (value === null || time === undefined || time > atNs) return;
     times.push(time);
     values.push(value);
     low = Math.min(low, value);
     high = Math.max(high, value);
   });
-  // A quantity that never changes (a vehicle without fuel) tells nothing as a picture.
-  return values.length < 2 || low === high ? null : { name, unit, low, high, decimals, times, values };
+  return { name, unit, low, high, decimals, times, values };
 }
 
 /** The last value up to `atNs`. */
@@ -212,7 +304,8 @@ export function lineOf(
   top: number,
   height: number,
 ): [number, number][] {
-  const y = (value: number) => top + height - ((value - strip.low) / (strip.high - strip.low)) * height;
+  const range = strip.high - strip.low;
+  const y = (value: number) => top + height - (range > 0 ? (value - strip.low) / range : 0.5) * height;
   const points: [number, number][] = [];
   let column = Number.NaN;
   strip.times.forEach((time, index) => {

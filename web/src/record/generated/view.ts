@@ -26,7 +26,20 @@ batches: number,
 status: RecordStatus, };
 
 /**
- * Facts about the flight.
+ * How a flight ended.
+ */
+export type Ending = { 
+/**
+ * Why it ended.
+ */
+reason: string, 
+/**
+ * True if its initial task failed, or a fault ended it.
+ */
+failed: boolean, };
+
+/**
+ * Facts about the flight, as known at an instant.
  */
 export type Mission = { 
 /**
@@ -58,19 +71,23 @@ epoch_utc: string | null,
  */
 from_ns: number, 
 /**
- * Why the flight ended, if it has.
+ * How the flight ended; none before its end.
  */
-end_reason: string | null, 
+ending: Ending | null, 
 /**
- * Number of tasks.
+ * Number of tasks created so far.
  */
 tasks: number, 
 /**
- * Number of observation targets.
+ * Number of observation targets known so far.
  */
 targets: number, 
 /**
- * The mission's score, if the report has one.
+ * Number of them that were observed so far.
+ */
+observed: number, 
+/**
+ * The mission's score, if the report has one; none before the flight's end.
  */
 score: number | null, 
 /**
@@ -144,7 +161,7 @@ parent: number | null,
  */
 tag: string, 
 /**
- * Its goal as last known in the record.
+ * Its goal as known at that time.
  */
 goal: string, 
 /**
@@ -164,7 +181,7 @@ since_ns: number,
  */
 created_ns: number, 
 /**
- * `procedure file.pdl:3:1`, if one was selected.
+ * `procedure file.pdl:3:1`, if one was selected by then.
  */
 method: string | null, 
 /**
@@ -215,6 +232,27 @@ from_ns: number,
 to_ns: number, };
 
 /**
+ * A stretch of time, about a pixel wide, with more intervals than can be drawn.
+ */
+export type Band = { 
+/**
+ * Start, nanoseconds of mission time.
+ */
+from_ns: number, 
+/**
+ * End, nanoseconds of mission time.
+ */
+to_ns: number, 
+/**
+ * Number of intervals that begin here; 0 where intervals that began earlier continue.
+ */
+count: number, 
+/**
+ * Share of the time in which a task was ongoing, 0 to 1; 1 also where several were at once.
+ */
+ongoing: number, };
+
+/**
  * The tasks of one step.
  */
 export type Lane = { 
@@ -223,7 +261,7 @@ export type Lane = {
  */
 tag: string, 
 /**
- * The goal of the first task.
+ * The goal of the first task in the window, as known at the instant asked for.
  */
 goal: string, 
 /**
@@ -231,11 +269,11 @@ goal: string,
  */
 depth: number, 
 /**
- * Number of tasks.
+ * Number of tasks in the window.
  */
 tasks: number, 
 /**
- * Nanoseconds in which its tasks were enabled, ongoing or interrupted.
+ * Nanoseconds of the window in which its tasks were enabled, ongoing or interrupted.
  */
 active_ns: number, 
 /**
@@ -243,9 +281,26 @@ active_ns: number,
  */
 rows: Array<Array<Bar>>, 
 /**
- * Number of intervals that the limits of a lane leave out.
+ * Intervals that are too dense for bars, by time.
  */
-left_out: number, };
+bands: Array<Band>, };
+
+/**
+ * The lanes beyond the limit, drawn as one.
+ */
+export type More = { 
+/**
+ * Number of lanes.
+ */
+lanes: number, 
+/**
+ * Number of their tasks.
+ */
+tasks: number, 
+/**
+ * Their intervals.
+ */
+bands: Array<Band>, };
 
 /**
  * Lanes of task states over time.
@@ -260,13 +315,17 @@ from_ns: number,
  */
 to_ns: number, 
 /**
+ * Mission time in nanoseconds up to which the flight is known.
+ */
+at_ns: number, 
+/**
  * In the order of the task tree: a lane comes before the lanes below it.
  */
 lanes: Array<Lane>, 
 /**
- * Number of lanes that the limit leaves out; their tasks were active for less time.
+ * The lanes that the limit leaves out; their tasks were active for less time.
  */
-left_out: number, };
+more: More, };
 
 /**
  * An effect.
@@ -327,7 +386,7 @@ events: Array<EventRow>,
 more: boolean, };
 
 /**
- * A change of a target's state.
+ * A recorded state of a target; each plan records it again.
  */
 export type TargetChange = { 
 /**
@@ -335,7 +394,7 @@ export type TargetChange = {
  */
 t_ns: number, 
 /**
- * The new state.
+ * The state.
  */
 state: string, 
 /**
@@ -344,7 +403,7 @@ state: string,
 detail: string | null, };
 
 /**
- * An observation target.
+ * An observation target, as known at an instant.
  */
 export type Target = { 
 /**
@@ -376,26 +435,199 @@ geometry: GeoJSON.Geometry | GeoJSON.Feature | GeoJSON.FeatureCollection | null,
  */
 state: string | null, 
 /**
- * Why it is in this state.
+ * Why it is in this state: the reason of the change to it, and for `planned` the latest plan's.
  */
 detail: string | null, 
 /**
- * Mission time in nanoseconds at which this state began.
+ * Mission time in nanoseconds at which this state began. A later plan that keeps the state does not change it.
  */
 since_ns: number | null, 
 /**
- * All changes over the whole record, oldest first.
+ * Mission time in nanoseconds at which it was announced; none if it was known from the start.
+ */
+announced_ns: number | null, 
+/**
+ * What was recorded about it up to that instant, oldest first, at most 500 entries.
  */
 history: Array<TargetChange>, };
 
 /**
- * All targets.
+ * The targets that are known at an instant.
  */
 export type Targets = { 
 /**
  * By identifier.
  */
 targets: Array<Target>, };
+
+/**
+ * A planned visit.
+ */
+export type PlannedVisit = { 
+/**
+ * The target's identifier.
+ */
+target: string, 
+/**
+ * Predicted begin, nanoseconds of mission time.
+ */
+begin_ns: number, 
+/**
+ * Predicted end, nanoseconds of mission time.
+ */
+end_ns: number, };
+
+/**
+ * A target without a visit.
+ */
+export type LeftOutTarget = { 
+/**
+ * The target's identifier.
+ */
+target: string, 
+/**
+ * Why.
+ */
+reason: string, };
+
+/**
+ * The plan in force at an instant.
+ */
+export type PlanInForce = { 
+/**
+ * Number of plans adopted so far: 1 for the first.
+ */
+number: number, 
+/**
+ * Mission time in nanoseconds of its adoption.
+ */
+adopted_ns: number, 
+/**
+ * One line about it.
+ */
+summary: string, 
+/**
+ * Its visits in order, with the times that it predicts.
+ */
+visits: Array<PlannedVisit>, 
+/**
+ * Positions along its way, `[longitude, latitude]` in degrees; empty if it states none.
+ */
+route: Array<[number, number]>, 
+/**
+ * The targets that it leaves out.
+ */
+left_out: Array<LeftOutTarget>, };
+
+/**
+ * Kind of trouble.
+ */
+export type TroubleKind = "failed" | "interrupted" | "fault" | "left-out" | "ended";
+
+/**
+ * Something that went wrong.
+ */
+export type Trouble = { 
+/**
+ * Mission time in nanoseconds.
+ */
+t_ns: number, 
+/**
+ * What kind of trouble it is.
+ */
+kind: TroubleKind, 
+/**
+ * The goal, target or message that it is about.
+ */
+subject: string, 
+/**
+ * Why.
+ */
+cause: string, 
+/**
+ * The task's number, if it is about one.
+ */
+task: number | null, 
+/**
+ * The target's identifier, if it is about one.
+ */
+target: string | null, };
+
+/**
+ * The troubles up to an instant.
+ */
+export type Troubles = { 
+/**
+ * By time.
+ */
+troubles: Array<Trouble>, 
+/**
+ * Number of older entries that the limit leaves out.
+ */
+left_out: number, };
+
+/**
+ * A zone of airspace.
+ */
+export type Zone = { 
+/**
+ * Its name for operators.
+ */
+name: string, 
+/**
+ * True if the flight must stay inside, false if it must stay out.
+ */
+permitted: boolean, 
+/**
+ * Lower face, metres above mean sea level.
+ */
+altitude_m_min: number, 
+/**
+ * Upper face, metres above mean sea level; none if the file states none.
+ */
+altitude_m_max: number | null, 
+/**
+ * When it holds, hours of mission time from and until; empty if it always holds.
+ */
+active_h: Array<[number, number]>, 
+/**
+ * GeoJSON.
+ */
+geometry: GeoJSON.Geometry, };
+
+/**
+ * A place to land.
+ */
+export type LandingPlace = { 
+/**
+ * Its name for operators.
+ */
+name: string, 
+/**
+ * True for a base, false for an emergency landing place.
+ */
+base: boolean, 
+/**
+ * Degrees north.
+ */
+latitude_deg: number, 
+/**
+ * Degrees east.
+ */
+longitude_deg: number, };
+
+/**
+ * The surroundings of a flight.
+ */
+export type Surroundings = { 
+/**
+ * Zones in the order of the mission's files.
+ */
+zones: Array<Zone>, 
+/**
+ * Bases and emergency landing places.
+ */
+landing_places: Array<LandingPlace>, };
 
 /**
  * A section of the report.

@@ -7,16 +7,18 @@ use apex_model::task::TaskState;
 use rusqlite::{Connection, Row};
 use std::collections::BTreeMap;
 
-/// A task and the changes of its state, oldest first.
+/// A task and what became known of it when, oldest first. Parent, tag and place are those of its creation.
 #[derive(Clone, Debug, Default)]
 pub(super) struct IndexedTask {
     pub(super) parent: Option<u64>,
     pub(super) tag: String,
-    pub(super) goal: String,
-    pub(super) method: Option<String>,
     pub(super) place: Option<String>,
     pub(super) created_ns: i64,
     pub(super) changes: Vec<Change>,
+    /// Its goal: as created, then with the bindings of each selection that changed it.
+    goals: Vec<(i64, Box<str>)>,
+    /// The method of each selection; none from a new start of the step until it is selected again.
+    methods: Vec<(i64, Option<Box<str>>)>,
 }
 
 /// From `at_ns` on the task is in `state`.
@@ -76,14 +78,16 @@ impl TaskIndex {
                 "created" => {
                     task.created_ns = at_ns;
                     task.changes.push(Change { at_ns, state: StateWord(TaskState::Pending), outcome: None });
+                    task.set_goal(at_ns, row.get::<_, Option<String>>(6)?.unwrap_or_default());
                 }
                 "transition" => {
                     let outcome = row.get::<_, Option<Box<str>>>(5)?.filter(|word| !word.is_empty());
-                    task.changes.push(Change { at_ns, state: row.get(4)?, outcome });
+                    task.change(Change { at_ns, state: row.get(4)?, outcome });
                 }
                 _ => {
-                    task.goal = row.get::<_, Option<String>>(6)?.unwrap_or_default();
-                    task.method = row.get::<_, Option<String>>(7)?.filter(|method| !method.is_empty());
+                    task.set_goal(at_ns, row.get::<_, Option<String>>(6)?.unwrap_or_default());
+                    let method = row.get::<_, Option<Box<str>>>(7)?.filter(|method| !method.is_empty());
+                    task.methods.push((at_ns, method));
                 }
             }
             self.seen_effect = row.get(0)?;
@@ -93,7 +97,7 @@ impl TaskIndex {
 
     /// Reads what new tasks were created with; what they select later is among the effects.
     fn read_tasks(&mut self, connection: &Connection) -> Result<(), rusqlite::Error> {
-        let sql = "SELECT position, id, parent, tag, goal, place FROM task WHERE position > ?1 ORDER BY position";
+        let sql = "SELECT position, id, parent, tag, place FROM task WHERE position > ?1 ORDER BY position";
         let mut statement = connection.prepare_cached(sql)?;
         let mut rows = statement.query([self.seen_task])?;
         while let Some(row) = rows.next()? {
@@ -101,15 +105,44 @@ impl TaskIndex {
             let task = self.tasks.entry(id).or_default();
             task.parent = task_number(row, 2)?;
             task.tag = row.get::<_, Option<String>>(3)?.unwrap_or_default();
-            task.goal = row.get::<_, Option<String>>(4)?.unwrap_or_default();
-            task.place = row.get::<_, Option<String>>(5)?.filter(|place| !place.is_empty());
+            task.place = row.get::<_, Option<String>>(4)?.filter(|place| !place.is_empty());
             self.seen_task = row.get(0)?;
         }
         Ok(())
     }
 }
 
+/// The last entry that is not later than `at_ns`.
+fn last_known<T>(known: &[(i64, T)], at_ns: i64) -> Option<&T> {
+    let later = known.partition_point(|(since_ns, _)| *since_ns <= at_ns);
+    later.checked_sub(1).and_then(|last| known.get(last)).map(|(_, value)| value)
+}
+
 impl IndexedTask {
+    fn set_goal(&mut self, at_ns: i64, goal: String) {
+        if self.goals.last().is_none_or(|(_, known)| **known != *goal) {
+            self.goals.push((at_ns, goal.into_boxed_str()));
+        }
+    }
+
+    fn change(&mut self, change: Change) {
+        // A step that starts again forgets how its last instance was pursued.
+        if change.state.0 == TaskState::Pending && self.methods.last().is_some_and(|(_, method)| method.is_some()) {
+            self.methods.push((change.at_ns, None));
+        }
+        self.changes.push(change);
+    }
+
+    /// Its goal as known at `at_ns`; empty before its creation.
+    pub(super) fn goal_at(&self, at_ns: i64) -> &str {
+        last_known(&self.goals, at_ns).map_or("", |goal| goal)
+    }
+
+    /// The method selected by `at_ns`.
+    pub(super) fn method_at(&self, at_ns: i64) -> Option<&str> {
+        last_known(&self.methods, at_ns)?.as_deref()
+    }
+
     /// The state at `at_ns`, with the time it began; none before the task was created.
     pub(super) fn state_at(&self, at_ns: i64) -> Option<&Change> {
         let later = self.changes.partition_point(|change| change.at_ns <= at_ns);
@@ -123,6 +156,36 @@ impl IndexedTask {
             let interval = Interval { state: change.state, from_ns: change.at_ns.max(from_ns), to_ns: end.min(to_ns) };
             (change.state.is_alive() && interval.from_ns <= interval.to_ns).then_some(interval)
         })
+    }
+
+    /// The intervals that a picture shows: an instant of waiting is none, an instant of work is one.
+    pub(super) fn drawn(&self, from_ns: i64, to_ns: i64) -> impl Iterator<Item = Interval> + '_ {
+        let is_drawn = |interval: &Interval| interval.length_ns() > 0 || interval.state.0 == TaskState::Ongoing;
+        self.intervals(from_ns, to_ns).filter(is_drawn)
+    }
+}
+
+impl Interval {
+    /// Its length in nanoseconds.
+    pub(super) fn length_ns(self) -> i64 {
+        self.to_ns.saturating_sub(self.from_ns)
+    }
+}
+
+#[cfg(test)]
+impl TaskIndex {
+    /// Adds a task with these changes of its state.
+    pub(super) fn insert(&mut self, id: u64, parent: Option<u64>, tag: &str, changes: &[(i64, TaskState)]) {
+        let mut task = IndexedTask {
+            parent,
+            tag: tag.into(),
+            created_ns: changes.first().map_or(0, |(at_ns, _)| *at_ns),
+            ..IndexedTask::default()
+        };
+        for &(at_ns, state) in changes {
+            task.change(Change { at_ns, state: StateWord(state), outcome: None });
+        }
+        self.tasks.insert(id, task);
     }
 }
 

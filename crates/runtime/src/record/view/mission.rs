@@ -43,7 +43,17 @@ pub struct Growth {
     pub status: RecordStatus,
 }
 
-/// Facts about the flight.
+/// How a flight ended.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct Ending {
+    /// Why it ended.
+    pub reason: String,
+    /// True if its initial task failed, or a fault ended it.
+    pub failed: bool,
+}
+
+/// Facts about the flight, as known at an instant.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Mission {
@@ -61,28 +71,38 @@ pub struct Mission {
     pub epoch_utc: Option<String>,
     /// Mission time in nanoseconds of the first thing recorded.
     pub from_ns: i64,
-    /// Why the flight ended, if it has.
-    pub end_reason: Option<String>,
+    /// How the flight ended; none before its end.
+    pub ending: Option<Ending>,
     /// How far the record has grown.
     #[serde(flatten)]
     pub growth: Growth,
-    /// Number of tasks.
+    /// Number of tasks created so far.
     pub tasks: usize,
-    /// Number of observation targets.
-    pub targets: i64,
-    /// The mission's score, if the report has one.
+    /// Number of observation targets known so far.
+    pub targets: usize,
+    /// Number of them that were observed so far.
+    pub observed: usize,
+    /// The mission's score, if the report has one; none before the flight's end.
     pub score: Option<f64>,
 }
 
 impl RecordView {
-    /// Facts about the flight.
+    /// Facts about the flight as known at mission time `at_ns` (nanoseconds); none means the record's end.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
-    pub fn mission(&mut self) -> Result<Mission, RecordError> {
-        let tasks = self.tasks_index()?.tasks().len();
+    pub fn mission(&mut self, at_ns: Option<i64>) -> Result<Mission, RecordError> {
+        let growth = self.growth()?;
+        let at_ns = at_ns.unwrap_or(i64::MAX);
+        let index = self.tasks_index()?;
+        let tasks = index.tasks().values().filter(|task| task.state_at(at_ns).is_some()).count();
+        let root_failed = index.tasks().values().filter(|task| task.parent.is_none()).any(|root| {
+            root.state_at(at_ns).is_some_and(|now| now.outcome.as_deref() == Some("failure") && !now.state.is_alive())
+        });
+        let targets = self.targets(Some(at_ns))?.targets;
         let meta = |key: &str| self.reader.meta(key).map(|value| value.filter(|text| !text.is_empty()));
         let file_name = self.reader.path().file_name();
+        let reason = meta("end_reason")?.filter(|_| self.is_over(&growth, at_ns));
         Ok(Mission {
             mission: meta("mission")?,
             agent: meta("agent")?,
@@ -91,12 +111,19 @@ impl RecordView {
             record: file_name.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default(),
             epoch_utc: meta("epoch_utc")?,
             from_ns: self.first_ns()?,
-            end_reason: meta("end_reason")?,
-            growth: self.growth()?,
+            // The executive's reason for the end of a failed initial task contains the word (`apex fly` exits by it).
+            ending: reason.map(|reason| Ending { failed: root_failed || reason.contains("failed"), reason }),
             tasks,
-            targets: self.number("the targets", "SELECT count(DISTINCT id) FROM target")?.unwrap_or(0),
-            score: self.report()?.score(),
+            targets: targets.len(),
+            observed: targets.iter().filter(|target| target.state.as_deref() == Some("observed")).count(),
+            score: self.report(Some(at_ns))?.score(),
+            growth,
         })
+    }
+
+    /// True if the flight has ended by `at_ns`.
+    pub(super) fn is_over(&self, growth: &Growth, at_ns: i64) -> bool {
+        growth.status.is_final() && at_ns >= growth.end_ns
     }
 
     /// How far the record has grown.

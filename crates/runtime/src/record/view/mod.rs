@@ -3,31 +3,41 @@
 //! One file per question. Every answer is plain data (serde) with its units in the names of its fields; the TypeScript
 //! types of the page are generated from these types (`src/typescript.rs`). A record that is still being written is
 //! read in the same way; each answer shows what was committed when it was asked for.
+//!
+//! An answer for an instant holds what was known at that instant and nothing that was recorded later: decision 0088.
 
+mod announcements;
 pub(crate) mod decisions;
 mod events;
 mod index;
 mod mission;
+mod plan;
 mod report;
 mod source;
 mod state;
+mod surroundings;
 mod targets;
 mod tasks;
 mod timeline;
 mod track;
+mod troubles;
 
 pub use events::{EventRow, Events, EventsQuery};
-pub use mission::{Growth, Mission, RecordStatus};
+pub use mission::{Ending, Growth, Mission, RecordStatus};
+pub use plan::{LeftOutTarget, PlanInForce, PlannedVisit};
 pub use report::{Report, Section};
 pub use source::{Snippet, SourceLine};
 pub use state::StateWord;
+pub use surroundings::{LandingPlace, Surroundings, Zone};
 pub use targets::{Target, TargetChange, Targets};
 pub use tasks::{Task, TaskLookup, Tasks, TasksQuery};
-pub use timeline::{Bar, Lane, Timeline, TimelineQuery};
+pub use timeline::{Band, Bar, Lane, More, Timeline, TimelineQuery};
 pub use track::{Track, TrackQuery};
+pub use troubles::{Trouble, TroubleKind, Troubles};
 
 use super::reader::RecordReader;
 use crate::error::RecordError;
+use announcements::Announcements;
 use index::TaskIndex;
 use rusqlite::Connection;
 use std::path::Path;
@@ -37,6 +47,8 @@ pub struct RecordView {
     reader: RecordReader,
     /// The states of all tasks over time, brought up to date before each use.
     index: TaskIndex,
+    /// When late targets became known, brought up to date before each use.
+    announcements: Announcements,
 }
 
 impl RecordView {
@@ -46,7 +58,7 @@ impl RecordView {
     /// As [`RecordReader::open`].
     pub fn open(path: &Path, agent: usize) -> Result<RecordView, RecordError> {
         let reader = RecordReader::open_at(path, agent)?;
-        Ok(RecordView { reader, index: TaskIndex::default() })
+        Ok(RecordView { reader, index: TaskIndex::default(), announcements: Announcements::default() })
     }
 
     /// The record's steps, sources and snapshots, which explanations read.

@@ -25,11 +25,15 @@ pub struct Section {
 }
 
 impl RecordView {
-    /// The report.
+    /// The report; without sections if the flight has not ended by mission time `at_ns` (nanoseconds; none means the
+    /// record's end).
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
-    pub fn report(&self) -> Result<Report, RecordError> {
+    pub fn report(&self, at_ns: Option<i64>) -> Result<Report, RecordError> {
+        if !self.is_over(&self.growth()?, at_ns.unwrap_or(i64::MAX)) {
+            return Ok(Report { sections: Vec::new() });
+        }
         let sections = self.query("the report", |connection| {
             let mut statement = connection.prepare_cached("SELECT section, body FROM report ORDER BY position")?;
             let rows = statement.query_map([], |row| {

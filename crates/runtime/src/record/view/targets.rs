@@ -1,6 +1,7 @@
 //! The observation targets and the history of each.
 
 use super::RecordView;
+use super::announcements::Announcements;
 use crate::error::RecordError;
 use rusqlite::Connection;
 use serde::Serialize;
@@ -10,7 +11,7 @@ use std::collections::BTreeMap;
 /// Maximum number of changes in one target's history; the oldest are left out. A target watched in cycles has many.
 const HISTORY_MAX: usize = 500;
 
-/// All targets.
+/// The targets that are known at an instant.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Targets {
@@ -18,7 +19,7 @@ pub struct Targets {
     pub targets: Vec<Target>,
 }
 
-/// An observation target.
+/// An observation target, as known at an instant.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Target {
@@ -37,50 +38,60 @@ pub struct Target {
     pub geometry: Option<Value>,
     /// `planned`, `observing`, `observed` or `skipped` at the instant asked for; none before the first.
     pub state: Option<String>,
-    /// Why it is in this state.
+    /// Why it is in this state: the reason of the change to it, and for `planned` the latest plan's.
     pub detail: Option<String>,
-    /// Mission time in nanoseconds at which this state began.
+    /// Mission time in nanoseconds at which this state began. A later plan that keeps the state does not change it.
     pub since_ns: Option<i64>,
-    /// All changes over the whole record, oldest first.
+    /// Mission time in nanoseconds at which it was announced; none if it was known from the start.
+    pub announced_ns: Option<i64>,
+    /// What was recorded about it up to that instant, oldest first, at most 500 entries.
     pub history: Vec<TargetChange>,
 }
 
-/// A change of a target's state.
+/// A recorded state of a target; each plan records it again.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct TargetChange {
     /// Mission time in nanoseconds.
     pub t_ns: i64,
-    /// The new state.
+    /// The state.
     pub state: String,
     /// Why.
     pub detail: Option<String>,
 }
 
 impl RecordView {
-    /// All targets with their states at mission time `at_ns` (nanoseconds); none means the record's end.
+    /// The targets that were known at mission time `at_ns` (nanoseconds), with what was known of them; none means the
+    /// record's end.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
-    pub fn targets(&self, at_ns: Option<i64>) -> Result<Targets, RecordError> {
+    pub fn targets(&mut self, at_ns: Option<i64>) -> Result<Targets, RecordError> {
         let at_ns = at_ns.unwrap_or(i64::MAX);
-        self.query("the targets", |connection| read(connection, at_ns))
+        self.announcements.refresh(&self.reader)?;
+        self.query("the targets", |connection| read(connection, &self.announcements, at_ns))
     }
 }
 
-fn read(connection: &Connection, at_ns: i64) -> rusqlite::Result<Targets> {
-    let mut histories = histories(connection)?;
+fn read(connection: &Connection, announcements: &Announcements, at_ns: i64) -> rusqlite::Result<Targets> {
+    let mut histories = histories(connection, at_ns)?;
     let sql = "SELECT id, name, latitude_deg, longitude_deg, value, geometry FROM target \
                WHERE position IN (SELECT max(position) FROM target GROUP BY id) ORDER BY id";
     let mut statement = connection.prepare_cached(sql)?;
-    let rows = statement.query_map([], |row| {
+    let mut rows = statement.query([])?;
+    let mut targets = Vec::new();
+    while let Some(row) = rows.next()? {
         let id: String = row.get(0)?;
         let mut history = histories.remove(&id).unwrap_or_default();
-        let now = history.iter().rev().find(|change| change.t_ns <= at_ns).cloned();
+        let known_ns = announcements.known_ns(&id);
+        if history.is_empty() && known_ns.is_none_or(|known_ns| known_ns > at_ns) {
+            continue;
+        }
+        let now = state_of(&history);
         let older = history.len().saturating_sub(HISTORY_MAX);
         history.drain(..older);
         let geometry: Option<String> = row.get(5)?;
-        Ok(Target {
+        targets.push(Target {
             name: row.get::<_, Option<String>>(1)?.filter(|name| !name.is_empty()).unwrap_or_else(|| id.clone()),
             latitude_deg: row.get(2)?,
             longitude_deg: row.get(3)?,
@@ -89,17 +100,28 @@ fn read(connection: &Connection, at_ns: i64) -> rusqlite::Result<Targets> {
             state: now.as_ref().map(|change| change.state.clone()),
             detail: now.as_ref().and_then(|change| change.detail.clone()),
             since_ns: now.map(|change| change.t_ns),
+            announced_ns: known_ns.filter(|&known_ns| known_ns > i64::MIN && known_ns <= at_ns),
             history,
             id,
-        })
-    })?;
-    Ok(Targets { targets: rows.collect::<Result<_, _>>()? })
+        });
+    }
+    Ok(Targets { targets })
 }
 
-fn histories(connection: &Connection) -> rusqlite::Result<BTreeMap<String, Vec<TargetChange>>> {
-    let sql = "SELECT target, t_ns, state, detail FROM target_state ORDER BY t_ns, position";
+/// The present state with the instant and the reason of the change to it. A plan has a new time for every target that
+/// it keeps, so the last reason for `planned` counts.
+fn state_of(history: &[TargetChange]) -> Option<TargetChange> {
+    let last = history.last()?;
+    let first = history.iter().rev().take_while(|change| change.state == last.state).last()?;
+    let detail = if last.state == "planned" { &last.detail } else { &first.detail };
+    Some(TargetChange { t_ns: first.t_ns, state: first.state.clone(), detail: detail.clone() })
+}
+
+/// What was recorded of each target up to `at_ns`.
+fn histories(connection: &Connection, at_ns: i64) -> rusqlite::Result<BTreeMap<String, Vec<TargetChange>>> {
+    let sql = "SELECT target, t_ns, state, detail FROM target_state WHERE t_ns <= ?1 ORDER BY t_ns, position";
     let mut statement = connection.prepare_cached(sql)?;
-    let mut rows = statement.query([])?;
+    let mut rows = statement.query([at_ns])?;
     let mut histories: BTreeMap<String, Vec<TargetChange>> = BTreeMap::new();
     while let Some(row) = rows.next()? {
         let change = TargetChange {
@@ -110,4 +132,22 @@ fn histories(connection: &Connection) -> rusqlite::Result<BTreeMap<String, Vec<T
         histories.entry(row.get(0)?).or_default().push(change);
     }
     Ok(histories)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn change(t_ns: i64, state: &str, detail: &str) -> TargetChange {
+        TargetChange { t_ns, state: state.into(), detail: Some(detail.into()) }
+    }
+
+    #[test]
+    fn a_target_is_skipped_since_the_first_plan_of_a_run_and_planned_as_the_last_one_says() {
+        let history = [change(1, "planned", "at 5"), change(2, "skipped", "too far"), change(3, "skipped", "too late")];
+        assert_eq!(state_of(&history), Some(change(2, "skipped", "too far")));
+        let history = [change(1, "planned", "at 5"), change(2, "planned", "at 6")];
+        assert_eq!(state_of(&history), Some(TargetChange { t_ns: 1, ..change(2, "planned", "at 6") }));
+        assert_eq!(state_of(&[]), None);
+    }
 }

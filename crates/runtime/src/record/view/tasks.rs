@@ -54,7 +54,7 @@ pub struct Task {
     pub parent: Option<u64>,
     /// Its step's tag.
     pub tag: String,
-    /// Its goal as last known in the record.
+    /// Its goal as known at that time.
     pub goal: String,
     /// Its state.
     pub state: StateWord,
@@ -64,7 +64,7 @@ pub struct Task {
     pub since_ns: i64,
     /// Mission time in nanoseconds of its creation.
     pub created_ns: i64,
-    /// `procedure file.pdl:3:1`, if one was selected.
+    /// `procedure file.pdl:3:1`, if one was selected by then.
     pub method: Option<String>,
     /// `file:line:column` of its step.
     pub place: Option<String>,
@@ -97,12 +97,12 @@ impl Task {
             id,
             parent: task.parent,
             tag: task.tag.clone(),
-            goal: task.goal.clone(),
+            goal: task.goal_at(at_ns).to_owned(),
             state: now.state,
             outcome: now.outcome.as_deref().map(str::to_owned),
             since_ns: now.at_ns,
             created_ns: task.created_ns,
-            method: task.method.clone(),
+            method: task.method_at(at_ns).map(str::to_owned),
             place: task.place.clone(),
         })
     }
@@ -124,7 +124,8 @@ impl RecordView {
             let Some(now) = task.state_at(at_ns) else { continue };
             *counts.entry(now.state).or_insert(0) += 1;
             let ended = !now.state.is_alive();
-            let kept = !(query.alive_only && ended) && find.as_ref().is_none_or(|find| matches(id, task, find));
+            let kept =
+                !(query.alive_only && ended) && find.as_ref().is_none_or(|find| matches((id, task), at_ns, find));
             let first = query.with == Some(id);
             if kept || first {
                 wanted.push((!first, ended, std::cmp::Reverse(now.at_ns), id));
@@ -158,8 +159,10 @@ impl RecordView {
     }
 }
 
-fn matches(id: u64, task: &IndexedTask, find: &str) -> bool {
-    task.goal.to_lowercase().contains(find) || task.tag.to_lowercase().contains(find) || format!("t{id}") == *find
+fn matches((id, task): (u64, &IndexedTask), at_ns: i64, find: &str) -> bool {
+    task.goal_at(at_ns).to_lowercase().contains(find)
+        || task.tag.to_lowercase().contains(find)
+        || format!("t{id}") == *find
 }
 
 fn with_ancestors(index: &TaskIndex, ids: impl Iterator<Item = u64>) -> BTreeSet<u64> {

@@ -1,0 +1,63 @@
+//! Density bands: many intervals as a count and a share for each pixel.
+
+use super::super::index::Interval;
+use super::shapes::Band;
+use super::window::Window;
+use apex_model::task::TaskState;
+use std::collections::BTreeMap;
+
+/// Intervals gathered by pixel.
+pub(super) struct Bands {
+    window: Window,
+    pixels: BTreeMap<usize, Pixel>,
+}
+
+#[derive(Default)]
+struct Pixel {
+    count: usize,
+    ongoing_ns: i64,
+}
+
+impl Bands {
+    pub(super) fn new(window: Window) -> Bands {
+        Bands { window, pixels: BTreeMap::new() }
+    }
+
+    /// Adds an interval, which must lie in the window: it is counted in the pixel of its start.
+    /// Bound: one entry for each pixel that it touches.
+    pub(super) fn add(&mut self, interval: Interval) {
+        let first = self.window.pixel(interval.from_ns);
+        for at in first..=self.window.pixel(interval.to_ns) {
+            let start_ns = self.window.start_ns(at);
+            let end_ns = start_ns.saturating_add(self.window.pixel_ns());
+            let inside_ns = interval.to_ns.min(end_ns).saturating_sub(interval.from_ns.max(start_ns));
+            // An interval that ends where a pixel begins does not touch it.
+            if at > first && inside_ns <= 0 {
+                continue;
+            }
+            let pixel = self.pixels.entry(at).or_default();
+            pixel.count += usize::from(at == first);
+            if interval.state.0 == TaskState::Ongoing {
+                pixel.ongoing_ns = pixel.ongoing_ns.saturating_add(inside_ns.max(0));
+            }
+        }
+    }
+
+    /// The bands by time; neighbours that only continue what began earlier are one band.
+    pub(super) fn finish(self) -> Vec<Band> {
+        let pixel_ns = self.window.pixel_ns();
+        let mut bands: Vec<Band> = Vec::new();
+        for (at, pixel) in self.pixels {
+            let from_ns = self.window.start_ns(at);
+            let to_ns = from_ns.saturating_add(pixel_ns).min(self.window.known_ns()).max(from_ns);
+            let ongoing = (pixel.ongoing_ns as f64 / pixel_ns as f64).min(1.0);
+            match bands.last_mut() {
+                Some(last) if pixel.count == 0 && last.to_ns == from_ns && last.ongoing == ongoing => {
+                    last.to_ns = to_ns
+                }
+                _ => bands.push(Band { from_ns, to_ns, count: pixel.count, ongoing }),
+            }
+        }
+        bands
+    }
+}

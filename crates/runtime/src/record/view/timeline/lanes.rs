@@ -1,0 +1,143 @@
+//! Lanes: which tasks lie in which lane, and what of a lane is bars and what is bands.
+
+use super::super::index::{Interval, TaskIndex};
+use super::bands::Bands;
+use super::shapes::{Bar, Lane};
+use super::window::Window;
+use apex_model::task::TaskState;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Maximum number of rows of a lane: more tasks at once than this cannot be distinguished in a picture.
+pub(super) const ROWS_MAX: usize = 8;
+/// Intervals below a pixel in one pixel from which on they are a band.
+pub(super) const DENSE_MIN: usize = 3;
+
+/// The tasks of one lane while lanes are gathered.
+pub(super) struct Group {
+    parent: Option<usize>,
+    depth: usize,
+    children: Vec<usize>,
+    /// Tasks with an interval in the window.
+    pub(super) tasks: Vec<u64>,
+    pub(super) active_ns: i64,
+}
+
+/// All lanes of a window.
+pub(super) struct Gathered {
+    pub(super) groups: Vec<Group>,
+    pub(super) roots: Vec<usize>,
+    lane_of_task: BTreeMap<u64, usize>,
+}
+
+impl Gathered {
+    /// The lane of a task and those above it.
+    pub(super) fn lanes_above(&self, task: u64) -> BTreeSet<usize> {
+        let mut next = self.lane_of_task.get(&task).copied();
+        let mut lanes = BTreeSet::new();
+        while let Some(at) = next.filter(|&at| lanes.insert(at)) {
+            next = self.groups.get(at).and_then(|group| group.parent);
+        }
+        lanes
+    }
+}
+
+/// Groups the tasks that exist by then into lanes; tasks outside the window shape the tree but do not show.
+pub(super) fn gather(index: &TaskIndex, window: Window) -> Gathered {
+    let mut groups: Vec<Group> = Vec::new();
+    let mut roots = Vec::new();
+    let mut lane_of_task: BTreeMap<u64, usize> = BTreeMap::new();
+    let mut lane_of_key: BTreeMap<(Option<usize>, &str), usize> = BTreeMap::new();
+    for (&id, task) in index.tasks().iter().filter(|(_, task)| task.created_ns <= window.at_ns) {
+        let parent = task.parent.and_then(|parent| lane_of_task.get(&parent).copied());
+        let at = *lane_of_key.entry((parent, task.tag.as_str())).or_insert(groups.len());
+        if at == groups.len() {
+            let above = parent.and_then(|parent| groups.get_mut(parent));
+            let depth = above.as_ref().map_or(0, |above| above.depth + 1);
+            above.map_or(&mut roots, |above| &mut above.children).push(at);
+            groups.push(Group { parent, depth, children: Vec::new(), tasks: Vec::new(), active_ns: 0 });
+        }
+        lane_of_task.insert(id, at);
+        let Some(group) = groups.get_mut(at) else { continue };
+        let mut drawn = task.drawn(window.from_ns, window.known_ns()).peekable();
+        if drawn.peek().is_some() {
+            group.tasks.push(id);
+            group.active_ns +=
+                drawn.filter(|bar| bar.state.0 != TaskState::Pending).map(Interval::length_ns).sum::<i64>();
+        }
+    }
+    Gathered { groups, roots, lane_of_task }
+}
+
+pub(super) fn in_tree_order(groups: &[Group], roots: &[usize]) -> Vec<usize> {
+    let mut order = Vec::with_capacity(groups.len());
+    let mut open: Vec<usize> = roots.iter().rev().copied().collect();
+    while let Some(at) = open.pop() {
+        order.push(at);
+        open.extend(groups.get(at).into_iter().flat_map(|group| group.children.iter().rev()));
+    }
+    order
+}
+
+/// One lane: intervals of at least a pixel are bars, as are shorter ones that are not dense; the rest is bands.
+pub(super) fn lane(index: &TaskIndex, group: &Group, window: Window) -> Option<Lane> {
+    let first = index.get(*group.tasks.first()?)?;
+    let dense = dense_pixels(index, group, window);
+    let mut rows: Vec<(i64, Vec<Bar>)> = Vec::new();
+    let mut bands = Bands::new(window);
+    for &id in &group.tasks {
+        let drawn: Vec<Interval> = index.get(id)?.drawn(window.from_ns, window.known_ns()).collect();
+        let (Some(start), Some(end)) = (drawn.first().map(|first| first.from_ns), drawn.last().map(|last| last.to_ns))
+        else {
+            continue;
+        };
+        let is_band =
+            |interval: &Interval| is_small(*interval, window) && dense.contains(&window.pixel(interval.from_ns));
+        if drawn.iter().all(is_band) {
+            drawn.into_iter().for_each(|interval| bands.add(interval));
+            continue;
+        }
+        let free = rows.iter().position(|(busy_until, _)| *busy_until <= start);
+        if free.is_none() && rows.len() == ROWS_MAX {
+            drawn.into_iter().for_each(|interval| bands.add(interval));
+            continue;
+        }
+        let at = free.unwrap_or_else(|| {
+            rows.push((end, Vec::new()));
+            rows.len() - 1
+        });
+        let Some((busy_until, row)) = rows.get_mut(at) else { continue };
+        *busy_until = end;
+        for interval in drawn {
+            if is_band(&interval) {
+                bands.add(interval);
+            } else {
+                let Interval { state, from_ns, to_ns } = interval;
+                row.push(Bar { task: id, state, from_ns, to_ns });
+            }
+        }
+    }
+    Some(Lane {
+        tag: first.tag.clone(),
+        goal: first.goal_at(window.at_ns).to_owned(),
+        depth: group.depth,
+        tasks: group.tasks.len(),
+        active_ns: group.active_ns,
+        rows: rows.into_iter().map(|(_, row)| row).collect(),
+        bands: bands.finish(),
+    })
+}
+
+fn is_small(interval: Interval, window: Window) -> bool {
+    interval.length_ns() < window.pixel_ns()
+}
+
+/// The pixels with too many small intervals for bars.
+fn dense_pixels(index: &TaskIndex, group: &Group, window: Window) -> BTreeSet<usize> {
+    let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
+    for task in group.tasks.iter().filter_map(|&id| index.get(id)) {
+        for interval in task.drawn(window.from_ns, window.known_ns()).filter(|&interval| is_small(interval, window)) {
+            *counts.entry(window.pixel(interval.from_ns)).or_default() += 1;
+        }
+    }
+    counts.into_iter().filter(|(_, count)| *count >= DENSE_MIN).map(|(pixel, _)| pixel).collect()
+}

@@ -1,0 +1,52 @@
+//! What a lane of the timeline is drawn with: bars and bands.
+
+use super::super::state::StateWord;
+use serde::Serialize;
+
+/// The tasks of one step.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct Lane {
+    /// The step's tag.
+    pub tag: String,
+    /// The goal of the first task in the window, as known at the instant asked for.
+    pub goal: String,
+    /// Nesting in the tree of all lanes; a root has 0.
+    pub depth: usize,
+    /// Number of tasks in the window.
+    pub tasks: usize,
+    /// Nanoseconds of the window in which its tasks were enabled, ongoing or interrupted.
+    pub active_ns: i64,
+    /// Bars that do not overlap, row by row.
+    pub rows: Vec<Vec<Bar>>,
+    /// Intervals that are too dense for bars, by time.
+    pub bands: Vec<Band>,
+}
+
+/// A stretch of time that a task spent in one state.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct Bar {
+    /// The task's number.
+    pub task: u64,
+    /// Its state.
+    pub state: StateWord,
+    /// Start, nanoseconds of mission time.
+    pub from_ns: i64,
+    /// End, nanoseconds of mission time.
+    pub to_ns: i64,
+}
+
+/// A stretch of time, about a pixel wide, with more intervals than can be drawn.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct Band {
+    /// Start, nanoseconds of mission time.
+    pub from_ns: i64,
+    /// End, nanoseconds of mission time.
+    pub to_ns: i64,
+    /// Number of intervals that begin here; 0 where intervals that began earlier continue.
+    pub count: usize,
+    /// Share of the time in which a task was ongoing, 0 to 1; 1 also where several were at once.
+    pub ongoing: f64,
+}

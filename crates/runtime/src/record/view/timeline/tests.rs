@@ -1,0 +1,122 @@
+//! The timeline against its naive twin: all intervals of a random flight, counted one by one.
+
+use super::super::index::{Interval, TaskIndex};
+use super::super::state::StateWord;
+use super::lanes::ROWS_MAX;
+use super::window::Window;
+use super::{Timeline, draw};
+use apex_model::task::TaskState;
+
+/// A linear congruential generator: tests have no random source.
+struct Dice(u64);
+
+impl Dice {
+    fn below(&mut self, limit: u64) -> u64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) % limit
+    }
+}
+
+/// A root with steps whose tasks repeat, run side by side, or take no time.
+fn flight(dice: &mut Dice) -> TaskIndex {
+    let mut index = TaskIndex::default();
+    index.insert(0, None, "root", &[(0, TaskState::Pending), (0, TaskState::Ongoing)]);
+    for id in 1..1 + dice.below(120) {
+        let parent = dice.below(id.min(4));
+        let tag = format!("s{}", dice.below(5));
+        let mut at_ns = i64::try_from(dice.below(9_000)).unwrap();
+        let mut changes = vec![(at_ns, TaskState::Pending)];
+        let short = dice.below(2) == 0;
+        for _ in 0..dice.below(60) {
+            at_ns += i64::try_from(dice.below(if short { 4 } else { 900 })).unwrap();
+            let states = [
+                TaskState::Pending,
+                TaskState::Enabled,
+                TaskState::Ongoing,
+                TaskState::Interrupted,
+                TaskState::Terminated,
+            ];
+            changes.push((at_ns, states[usize::try_from(dice.below(5)).unwrap()]));
+        }
+        index.insert(id, Some(parent), &tag, &changes);
+    }
+    index
+}
+
+/// Every interval that must be drawn.
+fn naive(index: &TaskIndex, window: Window) -> Vec<Interval> {
+    index.tasks().values().flat_map(|task| task.drawn(window.from_ns, window.known_ns())).collect()
+}
+
+fn counted(timeline: &Timeline) -> (usize, usize) {
+    let bars = timeline.lanes.iter().flat_map(|lane| &lane.rows).map(Vec::len).sum();
+    let bands = timeline.lanes.iter().flat_map(|lane| &lane.bands).chain(&timeline.more.bands);
+    (bars, bands.map(|band| band.count).sum())
+}
+
+#[test]
+fn every_interval_of_any_window_is_one_bar_or_counted_in_one_band() {
+    let mut dice = Dice(7);
+    for round in 0..300 {
+        let index = flight(&mut dice);
+        let mut number = |limit: u64| i64::try_from(dice.below(limit)).unwrap();
+        let from_ns = number(9_000);
+        let window =
+            Window { from_ns, to_ns: from_ns + number(9_000), at_ns: number(20_000), pixels: 1 + number(400) as usize };
+        let timeline = draw(&index, window, 1 + number(12) as usize, None);
+        let (bars, in_bands) = counted(&timeline);
+        assert_eq!(bars + in_bands, naive(&index, window).len(), "round {round}: {window:?}");
+        let marks = timeline.lanes.iter().map(|lane| lane.bands.len() + lane.rows.iter().map(Vec::len).sum::<usize>());
+        assert!(marks.min().is_none_or(|least| least > 0), "round {round}: a lane without a mark");
+        let later = timeline.lanes.iter().flat_map(|lane| lane.rows.iter().flatten()).map(|bar| bar.to_ns);
+        let bands = timeline.lanes.iter().flat_map(|lane| &lane.bands).chain(&timeline.more.bands);
+        let latest = later.chain(bands.map(|band| band.to_ns)).max();
+        assert!(latest.is_none_or(|latest| latest <= window.known_ns()), "round {round}: drawn beyond {window:?}");
+    }
+}
+
+#[test]
+fn a_thousand_tasks_at_once_are_eight_rows_and_a_band() {
+    let mut index = TaskIndex::default();
+    index.insert(0, None, "root", &[(0, TaskState::Ongoing)]);
+    for id in 1..=1_000 {
+        index.insert(id, Some(0), "scan", &[(100, TaskState::Ongoing), (900, TaskState::Terminated)]);
+    }
+    let window = Window { from_ns: 0, to_ns: 1_000, at_ns: 1_000, pixels: 100 };
+    let timeline = draw(&index, window, 40, None);
+    let scan = timeline.lanes.iter().find(|lane| lane.tag == "scan").unwrap();
+    assert_eq!((scan.rows.len(), scan.tasks), (ROWS_MAX, 1_000));
+    assert_eq!(scan.bands.iter().map(|band| band.count).sum::<usize>(), 992);
+    assert_eq!((scan.bands.first().unwrap().from_ns, scan.bands.last().unwrap().to_ns), (100, 900));
+    assert!(scan.bands.iter().all(|band| band.ongoing == 1.0));
+}
+
+#[test]
+fn a_task_of_many_intervals_is_dense_from_afar_and_bars_from_near() {
+    let mut index = TaskIndex::default();
+    let changes: Vec<(i64, TaskState)> =
+        (0..4_000).map(|n| (n * 5, if n % 2 == 0 { TaskState::Ongoing } else { TaskState::Pending })).collect();
+    index.insert(0, None, "root", &changes);
+    let window = |from_ns, to_ns| Window { from_ns, to_ns, at_ns: 100_000, pixels: 100 };
+    let far = draw(&index, window(0, 20_000), 40, None);
+    assert_eq!(counted(&far), (0, 4_000));
+    assert!(far.lanes[0].bands.iter().all(|band| (band.ongoing - 0.5).abs() < 1e-9));
+    let near = draw(&index, window(1_000, 1_100), 40, None);
+    assert_eq!(counted(&near).1, 0);
+    assert_eq!(near.lanes[0].rows[0].first().map(|bar| bar.state), Some(StateWord(TaskState::Ongoing)));
+}
+
+#[test]
+fn the_lane_of_a_chosen_task_and_those_above_it_have_a_place() {
+    let mut index = TaskIndex::default();
+    index.insert(0, None, "root", &[(0, TaskState::Ongoing)]);
+    for id in 1..20 {
+        let length = i64::try_from(id).unwrap() * 10;
+        index.insert(id, Some(0), &format!("s{id}"), &[(0, TaskState::Ongoing), (length, TaskState::Terminated)]);
+    }
+    let window = Window { from_ns: 0, to_ns: 1_000, at_ns: 1_000, pixels: 100 };
+    let tags = |with| draw(&index, window, 2, with).lanes.into_iter().map(|lane| lane.tag).collect::<Vec<_>>();
+    assert_eq!(tags(None), ["root", "s19"]);
+    assert_eq!(tags(Some(3)), ["root", "s3"]);
+    assert_eq!(draw(&index, window, 2, None).more.lanes, 18);
+}

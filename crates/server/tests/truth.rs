@@ -1,0 +1,164 @@
+//! Everything that is shown of an instant is what was known at that instant: shipped missions are flown, and random
+//! instants of their records are compared with the restored agent, and with the same record cut off at that instant.
+
+#![allow(clippy::unwrap_used, clippy::indexing_slicing)]
+
+use apex_mission::Mission;
+use apex_mission::deliberation::PlanningResources;
+use apex_mission::flight::MissionFlight;
+use apex_mission::recorded::load_program;
+use apex_model::source::SourceFile;
+use apex_model::task::TaskState;
+use apex_model::time::Time;
+use apex_runtime::record::RecordReader;
+use apex_runtime::record::view::{EventsQuery, RecordView, TasksQuery, TimelineQuery, TrackQuery};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Flies a shipped mission for so many hours into a record in `folder`.
+fn flown(folder: &Path, name: &str, hours: f64) -> PathBuf {
+    let mission = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions").join(name);
+    let mission = Arc::new(Mission::load(&mission).unwrap());
+    let record = folder.join(format!("{name}.apex"));
+    let mut recorder = apex_simulation::create_record(&record, &mission, Some(1)).unwrap();
+    let means = PlanningResources::of(&Arc::new(apex_solvers::shipped()));
+    let terms = MissionFlight::terms(&mission, Some(Time::from_seconds(hours * 3_600.0)));
+    apex_simulation::fly(mission, means, None, terms, &mut recorder, &mut []).unwrap();
+    record
+}
+
+/// `count` instants of the record by a fixed sequence, both ends among them.
+fn instants(reader: &RecordReader, count: u64) -> Vec<i64> {
+    let (first, last) = reader.span().unwrap().unwrap();
+    let mut number = 42_u64;
+    let mut random = || {
+        number = number.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        i64::try_from(number >> 11).unwrap().rem_euclid(last.0 - first.0 + 1) + first.0
+    };
+    let mut instants: Vec<i64> = (0..count).map(|_| random()).chain([first.0, last.0]).collect();
+    instants.sort_unstable();
+    instants
+}
+
+fn everything_at(at_ns: i64) -> TasksQuery {
+    TasksQuery { at_ns: Some(at_ns), limit: Some(20_000), ..TasksQuery::default() }
+}
+
+/// Compares the tasks of the view with those of the restored agent.
+fn compare_with_agent(record: &Path, agent: usize, count: u64) {
+    let reader = RecordReader::open(record).unwrap().of_agent(agent).unwrap();
+    let mut view = RecordView::open(record, agent).unwrap();
+    let load = |sources: &[SourceFile]| load_program(&reader, sources);
+    let program = reader.load(&load).unwrap();
+    for at_ns in instants(&reader, count) {
+        let restored = reader.restore_with(Time(at_ns), &program).unwrap();
+        let shown = view.tasks(&everything_at(at_ns)).unwrap().tasks;
+        for (_, task) in restored.tasks.iter() {
+            let at = Time(at_ns);
+            let seen = shown.iter().find(|seen| seen.id == task.id.0);
+            let seen = seen.unwrap_or_else(|| panic!("{} at {at} is not shown", task.id));
+            assert_eq!(seen.state.0, task.state, "{} at {at}", task.id);
+            assert_eq!(seen.parent, task.parent.map(|parent| parent.0), "{} at {at}", task.id);
+            assert_eq!(
+                seen.method.is_some(),
+                task.selection.is_some() || !seen.state.is_alive() && seen.method.is_some()
+            );
+            if let Some(selection) = task.selection.as_ref().filter(|_| seen.state.is_alive()) {
+                assert_eq!(seen.goal, selection.goal.to_string(), "{} at {at}", task.id);
+            }
+        }
+        let alive = shown.iter().filter(|task| task.state.is_alive()).count();
+        assert_eq!(
+            alive,
+            restored.tasks.iter().filter(|(_, task)| task.state != TaskState::Terminated).count(),
+            "at {at_ns} ns"
+        );
+    }
+}
+
+/// All answers about an instant, without how far the record has grown.
+fn answers(record: &Path, agent: usize, at_ns: i64) -> Value {
+    let mut view = RecordView::open(record, agent).unwrap();
+    let mut mission = json!(view.mission(Some(at_ns)).unwrap());
+    for grown in ["end_ns", "batches", "status", "record"] {
+        mission.as_object_mut().unwrap().remove(grown);
+    }
+    let to_ns = Some(at_ns);
+    let lanes = TimelineQuery { from_ns: Some(0), to_ns: Some(at_ns * 2), at_ns: to_ns, ..TimelineQuery::default() };
+    json!({
+        "mission": mission,
+        "tasks": view.tasks(&everything_at(at_ns)).unwrap(),
+        "timeline": view.timeline(&lanes).unwrap(),
+        "targets": view.targets(to_ns).unwrap(),
+        "events": view.events(&EventsQuery { to_ns, limit: Some(5_000), ..EventsQuery::default() }).unwrap(),
+        "track": view.track(&TrackQuery { to_ns, ..TrackQuery::default() }).unwrap(),
+        "report": view.report(to_ns).unwrap(),
+        "plan": view.plan(to_ns).unwrap(),
+        "troubles": view.troubles(to_ns).unwrap(),
+    })
+}
+
+/// The record as it would be if the flight had been cut off after `at_ns`.
+fn cut_off(record: &Path, at_ns: i64) -> PathBuf {
+    let cut = record.with_extension("cut");
+    std::fs::copy(record, &cut).unwrap();
+    let connection = rusqlite::Connection::open(&cut).unwrap();
+    for table in ["batch", "effect", "note", "snapshot", "problem", "situation", "track", "target_state"] {
+        connection.execute(&format!("DELETE FROM {table} WHERE t_ns > ?1"), [at_ns]).unwrap();
+    }
+    connection
+        .execute("UPDATE problem SET plan = NULL, detail = NULL, report = NULL WHERE due_ns > ?1", [at_ns])
+        .unwrap();
+    connection.execute("DELETE FROM task WHERE created_ns > ?1", [at_ns]).unwrap();
+    let later = "UPDATE task SET goal = 'later', method = 'later', outcome = 'later', ended_ns = 1;
+        DELETE FROM report; DELETE FROM meta WHERE key IN ('end_ns', 'end_reason');
+        UPDATE meta SET value = '0' WHERE key = 'complete';";
+    connection.execute_batch(later).unwrap();
+    cut
+}
+
+fn compare_with_cut(record: &Path, agent: usize, count: u64) {
+    let reader = RecordReader::open(record).unwrap();
+    let last = reader.span().unwrap().unwrap().1.0;
+    for at_ns in instants(&reader, count).into_iter().filter(|&at_ns| at_ns < last) {
+        let (whole, cut) = (answers(record, agent, at_ns), answers(&cut_off(record, at_ns), agent, at_ns));
+        for (what, answer) in whole.as_object().unwrap() {
+            assert_eq!(answer, &cut[what], "{what} at {at_ns} ns of {}", record.display());
+        }
+    }
+}
+
+#[test]
+fn small_missions_show_what_was_known() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, agents) in [("first-picture", 1), ("structure-watch", 1), ("two-crew", 2)] {
+        let record = flown(folder.path(), name, 2.0);
+        for agent in 0..agents {
+            compare_with_agent(&record, agent, 200);
+            compare_with_cut(&record, agent, 20);
+        }
+    }
+}
+
+#[test]
+fn western_states_shows_what_was_known() {
+    let folder = tempfile::tempdir().unwrap();
+    let record = flown(folder.path(), "western-states", 5.5);
+    compare_with_agent(&record, 0, 40);
+    compare_with_cut(&record, 0, 8);
+    let mut view = RecordView::open(&record, 0).unwrap();
+    let known = |view: &mut RecordView, hours: i64| {
+        let targets = view.targets(Some(hours * 3_600_000_000_000)).unwrap().targets;
+        let mut late: Vec<String> =
+            targets.iter().filter(|one| one.announced_ns.is_some()).map(|one| one.id.clone()).collect();
+        late.sort_unstable();
+        (targets.len(), late)
+    };
+    assert_eq!(known(&mut view, 0), (22, vec![]));
+    assert_eq!(known(&mut view, 3), (23, vec!["domke-lake".into()]));
+    assert_eq!(known(&mut view, 5), (24, vec!["castle-rock".into(), "domke-lake".into()]));
+    let start = view.mission(Some(0)).unwrap();
+    assert_eq!((start.score, start.ending, start.targets, start.observed), (None, None, 22, 0));
+    assert!(view.mission(None).unwrap().score.is_some());
+}

@@ -1,0 +1,37 @@
+import { describe, expect, it } from 'vitest';
+import { readAddress, writeAddress } from './address';
+
+const nothing = { atNs: null, window: null, selection: null, theme: null };
+
+describe('the address', () => {
+  it('is read back as it was written', () => {
+    const state = {
+      atNs: 33_432_500_000_000,
+      window: { fromNs: 32_100e9, toNs: 33_900e9 },
+      selection: { target: 'castle-rock' },
+      theme: 'light' as const,
+    };
+    const text = writeAddress('', state);
+    expect(text).toBe('?t=33432.5&w=32100-33900&sel=target:castle-rock&theme=light');
+    expect(readAddress(text)).toEqual({ address: state, faults: [] });
+    expect(readAddress('?t=live&sel=task:341').address).toEqual({
+      ...nothing,
+      atNs: 'live',
+      selection: { task: 341 },
+    });
+  });
+
+  it('leaves defaults out and keeps what it does not know', () => {
+    expect(writeAddress('?t=5&layout=ops', nothing)).toBe('?layout=ops');
+    expect(writeAddress('', nothing)).toBe('');
+  });
+
+  it('names what is wrong and uses the rest', () => {
+    const { address, faults } = readAddress('?t=noon&w=9-3&sel=task:12');
+    expect(address).toEqual({ ...nothing, selection: { task: 12 } });
+    expect(faults).toEqual([
+      'The address has t=noon; expected seconds of mission time, or live.',
+      'The address has w=9-3; expected two times in seconds, 3600-7200.',
+    ]);
+  });
+});

@@ -1,0 +1,79 @@
+/** The page's state as an address: instant, window of time, selection. Pure. */
+
+import { NANOSECONDS_PER_SECOND } from '../time/format';
+import type { Range } from './clock';
+
+/** What is selected; one thing at a time. */
+export type Selection = { task: number } | { target: string } | null;
+
+/** What an address says; null where it says nothing. */
+export interface Address {
+  /** `live` follows the end of a growing record. */
+  atNs: number | 'live' | null;
+  window: Range | null;
+  selection: Selection;
+  theme: 'light' | 'dark' | null;
+}
+
+/** What is wrong in an address, one sentence for each parameter; the rest is used. */
+export function readAddress(search: string): { address: Address; faults: string[] } {
+  const parameters = new URLSearchParams(search);
+  const faults: string[] = [];
+  const read = <T>(name: string, parse: (text: string) => T | null, form: string): T | null => {
+    const text = parameters.get(name);
+    if (text === null) return null;
+    const value = parse(text);
+    if (value === null) faults.push(`The address has ${name}=${text}; expected ${form}.`);
+    return value;
+  };
+  const address: Address = {
+    atNs: read('t', parseInstant, 'seconds of mission time, or live'),
+    window: read('w', parseWindow, 'two times in seconds, 3600-7200'),
+    selection: read('sel', parseSelection, 'task:NUMBER or target:NAME'),
+    theme: read('theme', text => (text === 'light' || text === 'dark' ? text : null), 'light or dark'),
+  };
+  return { address, faults };
+}
+
+/** The address for a state; `before` is the present one, whose unknown parameters are kept. */
+export function writeAddress(before: string, address: Address): string {
+  const parameters = new URLSearchParams(before);
+  const set = (name: string, value: string | null) =>
+    value === null ? parameters.delete(name) : parameters.set(name, value);
+  const { atNs, window, selection } = address;
+  set('t', atNs === null ? null : atNs === 'live' ? 'live' : seconds(atNs));
+  set('w', window && `${seconds(window.fromNs)}-${seconds(window.toNs)}`);
+  set('sel', selection && ('task' in selection ? `task:${selection.task}` : `target:${selection.target}`));
+  set('theme', address.theme);
+  // Colons are legal in a query and stay readable.
+  const text = parameters.toString().replaceAll('%3A', ':');
+  return text === '' ? '' : `?${text}`;
+}
+
+export function sameSelection(a: Selection, b: Selection): boolean {
+  return JSON.stringify(a) === JSON.stringify(b);
+}
+
+function seconds(ns: number): string {
+  return String(Math.round(ns / (NANOSECONDS_PER_SECOND / 1000)) / 1000);
+}
+
+function parseInstant(text: string): number | 'live' | null {
+  return text === 'live' ? text : parseSeconds(text);
+}
+
+function parseSeconds(text: string): number | null {
+  return /^-?\d+(\.\d+)?$/.test(text) ? Math.round(Number(text) * NANOSECONDS_PER_SECOND) : null;
+}
+
+function parseWindow(text: string): Range | null {
+  const [, from, to] = /^(-?[\d.]+)-(-?[\d.]+)$/.exec(text) ?? [];
+  const [fromNs, toNs] = [parseSeconds(from ?? ''), parseSeconds(to ?? '')];
+  return fromNs !== null && toNs !== null && fromNs < toNs ? { fromNs, toNs } : null;
+}
+
+function parseSelection(text: string): Selection {
+  const [, kind, name] = /^(task|target):(.+)$/.exec(text) ?? [];
+  if (kind === 'target' && name) return { target: name };
+  return kind === 'task' && name && /^\d+$/.test(name) ? { task: Number(name) } : null;
+}

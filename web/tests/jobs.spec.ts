@@ -1,0 +1,244 @@
+/**
+ * Jobs of an operator on the flight over the western states: what was known when, what is dense, what failed, links.
+ * Needs a record of that mission; on others only the jobs that any record has are checked.
+ */
+
+import { execFileSync } from 'node:child_process';
+import { mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { expect, type Page, test } from '@playwright/test';
+import type { Mission, Targets, Timeline, Troubles } from '../src/record/types';
+import { COLOURS } from '../src/theme/colours';
+import { countColours } from './pixels';
+import { apexProgram, type Server, startServer } from './server';
+
+/** The source of the checker of accessibility. */
+const AXE = readFileSync(fileURLToPath(import.meta.resolve('axe-core/axe.min.js')), 'utf8');
+/** Sizes of screens that must not overlap anywhere. */
+const SCREENS = [
+  [1920, 1080],
+  [1280, 720],
+  [820, 1180],
+  [390, 844],
+] as const;
+
+let server: Server;
+let mission: Mission;
+
+test.beforeAll(async () => {
+  server = await startServer();
+  mission = await ask('mission');
+});
+test.afterAll(() => server?.stop());
+
+async function ask<T>(what: string): Promise<T> {
+  const response = await fetch(`${server.url}/api/${what}`);
+  expect(response.ok, `${what}: ${response.status}`).toBe(true);
+  return response.json() as Promise<T>;
+}
+
+async function open(page: Page, address = ''): Promise<void> {
+  await page.goto(`${server.url}/${address}`);
+  await expect(page.locator('[data-task]').first()).toBeVisible();
+}
+
+const western = () => test.skip(mission.mission !== 'Western States Fire Mission', 'needs western-states');
+
+test('P1: at T+0 nothing is shown that was known later', async ({ page }) => {
+  western();
+  await open(page);
+  await expect(page.getByTestId('time')).toContainText('T+0:00:00');
+  await expect(page.getByTestId('score')).toHaveCount(0);
+  await expect(page.getByTestId('status')).toHaveText('recorded');
+  await expect(page.getByTestId('progress')).toHaveText('0 of 22 targets observed');
+  await expect(page.getByTestId('legend-known')).toHaveText('22');
+  await expect(page.getByTestId('troubles')).toHaveText('▲ 0');
+  await expect(page.getByTestId('agenda')).not.toContainText('domke-lake');
+  await page.getByTestId('tab-report').click();
+  await expect(page.getByTestId('report')).toContainText('The report belongs to the end of the flight.');
+  const map = await countColours(page, page.getByTestId('map'), [COLOURS.flown]);
+  expect(map[COLOURS.flown] ?? 0, 'flown track on the map').toBeLessThan(20);
+
+  await open(page, '?t=10801');
+  await expect(page.getByTestId('progress')).toContainText('of 23 targets');
+  await open(page, '?t=18001');
+  await expect(page.getByTestId('progress')).toContainText('of 24 targets');
+  await page.keyboard.press('End');
+  await expect(page.getByTestId('score')).toHaveText(String(mission.score?.toFixed(0)));
+});
+
+test('a target is skipped since the first plan that left it out', async ({ page }) => {
+  western();
+  const { targets } = await ask<Targets>(`targets?at=${mission.end_ns}`);
+  const skyland = targets.find(target => target.id === 'skyland');
+  const first = skyland?.history.find(change => change.state === 'skipped');
+  expect(skyland?.since_ns).toBe(first?.t_ns);
+  await open(page, '?t=80000&sel=target:skyland');
+  await expect(page.getByTestId('target-card')).toContainText('T+6:21:46');
+});
+
+test('P2: the timeline counts what it merges, and zooming shows it', async ({ page }) => {
+  western();
+  const end = mission.end_ns;
+  const whole = await ask<Timeline>(`timeline?from=0&to=${end}&at=${end}&lanes=60&px=700`);
+  expect(whole.more.lanes).toBeGreaterThan(0);
+  const { troubles } = await ask<Troubles>(`troubles?at=${end}`);
+  const refly = troubles.find(trouble => trouble.kind === 'interrupted' && trouble.t_ns > 50_000e9);
+  if (!refly) throw new Error('the flight has no re-fly');
+  const atS = refly.t_ns / 1e9;
+  const asked = page.waitForRequest(
+    request =>
+      request.url().includes('/api/timeline') &&
+      request.url().includes(`from=${Math.round((atS - 300) * 1e9)}`),
+  );
+  await open(page, `?t=${atS + 200}&w=${atS - 300}-${atS + 300}&sel=task:${refly.task}`);
+  await asked;
+  const near = await ask<Timeline>(
+    `timeline?from=${Math.round((atS - 300) * 1e9)}&to=${Math.round((atS + 300) * 1e9)}&at=${Math.round((atS + 200) * 1e9)}&lanes=60`,
+  );
+  expect(near.lanes.flatMap(lane => lane.rows.flat()).some(bar => bar.state === 'interrupted')).toBe(true);
+  const timeline = page.getByTestId('timeline');
+  await expect
+    .poll(async () => (await countColours(page, timeline, [COLOURS.interrupted]))[COLOURS.interrupted] ?? 0)
+    .toBeGreaterThan(20);
+});
+
+test('n and N go from trouble to trouble', async ({ page }) => {
+  const { troubles } = await ask<Troubles>(`troubles?at=${mission.end_ns}`);
+  test.skip(troubles.length < 2, 'needs a flight with troubles');
+  await open(page);
+  const time = page.getByTestId('time');
+  await page.keyboard.press('n');
+  await expect(time).not.toContainText('T+0:00:00');
+  const first = (await time.textContent()) ?? '';
+  await expect(page.getByTestId('troubles')).not.toHaveText('▲ 0');
+  await page.keyboard.press('n');
+  await expect(time).not.toHaveText(first);
+  await page.keyboard.press('N');
+  await expect(time).toHaveText(first);
+});
+
+test('U1 to U3: the address holds instant, window and selection, and Back undoes a selection', async ({
+  page,
+}) => {
+  await open(page);
+  const [one, two] = [page.locator('[data-task]').nth(0), page.locator('[data-task]').nth(1)];
+  await one.click();
+  await expect(page).toHaveURL(/sel=task:\d+/);
+  const first = page.url();
+  await two.click();
+  await expect(page).not.toHaveURL(first);
+  await page.goBack();
+  await expect(page).toHaveURL(first);
+  await expect(one).toHaveAttribute('aria-selected', 'true');
+  await page.keyboard.press('+');
+  await page.keyboard.press('ArrowRight');
+  await expect(page).toHaveURL(/t=[\d.]+.*w=[\d.]+-[\d.]+|w=.*t=/);
+  const [url, time] = [page.url(), await page.getByTestId('time').textContent()];
+  const other = await page.context().newPage();
+  await other.goto(url);
+  await expect(other.getByTestId('time')).toHaveText(time ?? '');
+  await expect(other.locator('[aria-selected="true"][data-task]')).toHaveCount(1);
+  await other.close();
+
+  await open(page, '?t=noon');
+  await expect(page.getByRole('alert')).toContainText(
+    'The address has t=noon; expected seconds of mission time',
+  );
+});
+
+test('a failed flight looks failed at its end, and not before', async ({ page }) => {
+  const folder = mkdtempSync(join(tmpdir(), 'sherpa-'));
+  const [program, inputs, record] = ['order.pdl', 'inputs.jsonl', 'failed.apex'].map(name =>
+    join(folder, name),
+  );
+  if (!program || !inputs || !record) throw new Error('no folder for the record');
+  writeFileSync(
+    program,
+    `(procedure (index (do-domain)) (step ask (order) (waitfor (go))))
+     (procedure (index (order)) (step no (terminate failure)))`,
+  );
+  writeFileSync(inputs, '{"t": 20, "event": "(go)"}');
+  try {
+    execFileSync(apexProgram(), ['run', program, '--inputs', inputs, '--record', record], {
+      stdio: 'ignore',
+    });
+  } catch {
+    // A run that fails reports it by its exit status.
+  }
+  const failed = await startServer(record);
+  try {
+    await page.goto(failed.url);
+    await expect(page.getByTestId('status')).toHaveText('recorded');
+    await page.keyboard.press('End');
+    await expect(page.getByTestId('status')).toHaveText('▲ failed: the initial task failed');
+    const colour = await page.getByTestId('status').evaluate(node => getComputedStyle(node).color);
+    expect(colour).toBe('rgb(255, 138, 101)');
+    await expect(page.getByTestId('troubles')).not.toHaveText('▲ 0');
+  } finally {
+    failed.stop();
+  }
+});
+
+for (const theme of ['dark', 'light']) {
+  for (const [width, height] of SCREENS) {
+    test(`G1: nothing overlaps in the header at ${width}x${height}, ${theme}`, async ({ page }) => {
+      await page.setViewportSize({ width, height });
+      await open(page, `?t=40000&theme=${theme}`);
+      const faults = await page.evaluate(() => {
+        const found: string[] = [];
+        if (document.documentElement.scrollWidth > window.innerWidth) found.push('the page scrolls sideways');
+        const parts = [...document.querySelectorAll('header h1, header span, header button')].filter(
+          node =>
+            node.closest('header')?.querySelector('h1') &&
+            node.children.length === 0 &&
+            node.getClientRects().length > 0,
+        );
+        const boxes = parts.map(node => ({ text: node.textContent, box: node.getBoundingClientRect() }));
+        for (const [index, one] of boxes.entries()) {
+          if (one.box.right > window.innerWidth + 0.5 || one.box.left < -0.5)
+            found.push(`${one.text} leaves the screen`);
+          for (const two of boxes.slice(index + 1)) {
+            const across = Math.min(one.box.right, two.box.right) - Math.max(one.box.left, two.box.left);
+            const down = Math.min(one.box.bottom, two.box.bottom) - Math.max(one.box.top, two.box.top);
+            if (across > 0.5 && down > 0.5) found.push(`${one.text} lies on ${two.text}`);
+          }
+        }
+        return found;
+      });
+      expect(faults).toEqual([]);
+    });
+  }
+}
+
+for (const theme of ['dark', 'light']) {
+  test(`axe finds nothing at the page's states, ${theme}`, async ({ page }) => {
+    await open(page, `?t=40000&theme=${theme}`);
+    const check = async (state: string) => {
+      // The server's content rules keep other scripts out of the page: this one comes through the debugger.
+      await page.evaluate(AXE);
+      const faults = await page.evaluate(async () => {
+        const { axe } = window as unknown as {
+          axe: { run(): Promise<{ violations: { id: string; nodes: { html: string }[] }[] }> };
+        };
+        const { violations } = await axe.run();
+        return violations.flatMap(({ id, nodes }) => nodes.map(node => `${id}: ${node.html.slice(0, 160)}`));
+      });
+      expect(faults, state).toEqual([]);
+    };
+    await check('nothing selected');
+    await page.locator('[data-task]').nth(1).click();
+    await expect(page.getByTestId('why')).toBeVisible();
+    await check('a task selected');
+    await page.getByTestId('tab-report').click();
+    await check('report before the end');
+    await page.keyboard.press('End');
+    await expect(page.getByTestId('status')).toHaveText('ended');
+    await check('report at the end');
+    await page.keyboard.press('?');
+    await expect(page.getByRole('dialog')).toBeVisible();
+    await check('help');
+  });
+}
