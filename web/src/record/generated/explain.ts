@@ -273,7 +273,7 @@ place: string | null,
 name: string | null, };
 
 /**
- * A cause, taken from the decision itself. Its text stands beside it, in the member `because`.
+ * A cause, taken from the decision itself. Its text stands next to it, in the member `because`.
  */
 export type CauseDetail = { 
 /**
@@ -542,7 +542,7 @@ export type Unmet = {
  */
 kind: string, 
 /**
- * The part of the condition as PDL text, or the reason in words.
+ * The part of the condition as PDL text, or the reason as text.
  */
 what: string, 
 /**
@@ -607,7 +607,7 @@ winner_cost: number,
  */
 loser_cost: number, 
 /**
- * Both for people: `5 against 0 + interrupt cost 0.1`.
+ * Both for operators: `5 against 0 + interrupt cost 0.1`.
  */
 strengths: string, };
 

@@ -352,7 +352,7 @@ export type Target = {
  */
 id: string, 
 /**
- * Its name for people.
+ * Its name for operators.
  */
 name: string, 
 /**
