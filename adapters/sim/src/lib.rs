@@ -22,6 +22,7 @@ mod packet;
 mod path;
 mod payload;
 mod phase;
+mod port;
 mod radio;
 mod random;
 mod reporting;

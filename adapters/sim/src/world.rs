@@ -26,7 +26,7 @@ use apex_model::event::EventKind;
 use apex_model::problem::{Position, WindField};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
-use apex_runtime::ports::{Input, Vehicle};
+use apex_runtime::ports::Input;
 use apex_vehicle::{Airframe, VehicleModel};
 use libm::{cos, sin};
 use std::collections::VecDeque;
@@ -218,12 +218,12 @@ impl SimulatedWorld {
     }
 
     /// The end of the next step: nothing is said before it, and what is said then is said at that instant.
-    fn next_instant(&self) -> Time {
+    pub(crate) fn next_instant(&self) -> Time {
         self.next_stop().min(self.now + instants::span(self.step_s()))
     }
 
     /// Flies one step, up to `next`, and says what there is to say then.
-    fn live_until(&mut self, next: Time, inputs: &mut Vec<Input>) {
+    pub(crate) fn live_until(&mut self, next: Time, inputs: &mut Vec<Input>) {
         let dt = next - self.now;
         if dt > Duration::ZERO {
             self.now = next;
@@ -387,7 +387,7 @@ impl SimulatedWorld {
     }
 
     /// Queues something received, not earlier than now and after everything received before.
-    fn receive(&mut self, at: Time, received: Received) {
+    pub(crate) fn receive(&mut self, at: Time, received: Received) {
         let last = self.pending.back().map_or(self.now, |(at, _)| *at);
         self.pending.push_back((instants::not_before(at).max(last).max(self.now), received));
     }
@@ -422,33 +422,5 @@ fn initial_state(start: &crate::config::Start, model: &VehicleModel, wind: Wind)
         on_ground: !start.airborne,
         flight_time_s: 0.0,
         distance_flown_m: 0.0,
-    }
-}
-
-impl Vehicle for SimulatedWorld {
-    fn next_report(&self) -> Option<Time> {
-        Some(self.next_instant())
-    }
-
-    fn advance(&mut self, to: Time, inputs: &mut Vec<Input>) -> Result<(), String> {
-        loop {
-            let next = self.next_instant();
-            if next > to {
-                return Ok(());
-            }
-            self.live_until(next, inputs);
-        }
-    }
-
-    fn command(&mut self, command: CommandId, form: &Value, at: Time) {
-        self.receive(at, Received::Command(command, form.clone()));
-    }
-
-    fn withdraw(&mut self, command: CommandId, at: Time) {
-        self.receive(at, Received::Withdrawal(command));
-    }
-
-    fn acts_outside(&self) -> bool {
-        false
     }
 }

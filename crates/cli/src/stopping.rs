@@ -1,4 +1,4 @@
-//! Ctrl-C and SIGTERM: what runs is ended in good order, with its report and its record.
+//! Ctrl-C and SIGTERM: a flight ends cleanly, with its report and its record.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 

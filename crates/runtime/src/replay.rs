@@ -229,7 +229,7 @@ impl<'a> Witness<'a> {
         self.derived.extend(self.deliberator.derive());
         for request in outbox::requests(effects, numbering) {
             let posed = self.deliberator.pose(&request, now).problem;
-            // Its trouble shows as a difference.
+            // An error shows as a difference.
             let _ = twin.posed(&request, now, &posed);
             let what = Differing::Problem(request.request);
             match self.problems.remove(&request.request) {

@@ -147,7 +147,7 @@ fn serve_beside(path: &Path, port: u16) -> (JoinHandle<()>, Receiver<Control>) {
     (thread, controls)
 }
 
-/// Ctrl-C and SIGTERM end the flight in good order; nothing else is said from outside.
+/// Ctrl-C and SIGTERM end the flight cleanly; nothing else is said from outside.
 fn stopped_by_signal() -> Receiver<Control> {
     let (say, controls) = mpsc::channel();
     // The receiver is alive: it is returned.

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// Recovers a record.
 pub fn run(options: &RecoverOptions) -> CliResult {
     if !options.record.is_file() {
-        // It says what stands there instead.
+        // It names what the path holds instead.
         recording::open(&options.record)?;
     }
     let out = options.out.clone().unwrap_or_else(|| beside(&options.record));

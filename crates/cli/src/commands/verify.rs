@@ -49,7 +49,7 @@ pub fn run(options: &VerifyOptions) -> CliResult {
 
 fn integrity_of(path: &Path) -> CliResult<Integrity> {
     if !path.is_file() {
-        // It says what stands there instead.
+        // It names what the path holds instead.
         recording::open(path)?;
     }
     Ok(check_integrity(path).map_err(apex_mission::recording::read)?)

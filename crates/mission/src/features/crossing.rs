@@ -55,7 +55,7 @@ pub(super) fn crossing(ring: &[Position]) -> Option<(usize, usize)> {
 
 fn edges(ring: &[Position]) -> Vec<Edge> {
     let Some(first) = ring.first() else { return Vec::new() };
-    // Longitudes go on beyond 180 degrees, because an outline across the date line does not cross itself.
+    // Longitudes continue beyond 180 degrees, because an outline across the date line does not cross itself.
     let mut before = first.longitude_deg;
     let mut corners: Vec<(f64, f64)> = Vec::with_capacity(ring.len() + 1);
     for corner in ring {

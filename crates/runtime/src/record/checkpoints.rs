@@ -1,4 +1,4 @@
-//! Copies committed groups from the write-ahead log into the main file once a second, on a thread of its own, so that a plain
+//! Copies committed groups from the write-ahead log into the main file once a second, on a separate thread, so that a plain
 //! copy of the `*.apex` file is complete up to the last seconds, and the flight does not wait for the disk.
 
 use crate::limits::CHECKPOINT_INTERVAL;
@@ -16,7 +16,7 @@ pub(super) struct Checkpoints {
 
 impl Checkpoints {
     /// Begins with the record at `path`, which must be in WAL mode. None if it cannot be opened twice or no thread can be
-    /// made: SQLite then checkpoints by itself, every four megabytes.
+    /// made: SQLite then checkpoints alone, every four megabytes.
     pub(super) fn begin(path: &Path) -> Option<Checkpoints> {
         let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
         let connection = Connection::open_with_flags(path, flags).ok()?;

@@ -1,6 +1,6 @@
 //! The seal of a whole file: 64 bytes after SQLite's last page, with SHA-256 over everything before. SQLite does not look there.
 //!
-//! It makes the check of a closed record as quick as reading it, and covers what rows do not: indexes, header, unused pages.
+//! It makes the check of a closed record as fast as reading it, and covers what rows do not: indexes, header, unused pages.
 
 use sha2::{Digest, Sha256};
 use std::fs::File;
@@ -14,7 +14,7 @@ const CHUNK_BYTES: usize = 1 << 20;
 /// What the end of a file says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileSeal {
-    /// The file has no seal: its flight still goes on, or was cut off.
+    /// The file has no seal: its flight continues, or was cut off.
     None,
     /// The file is byte for byte as it was sealed.
     Intact,

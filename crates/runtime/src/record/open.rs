@@ -1,4 +1,4 @@
-//! Opening a record for reading: nothing of it is believed before it was compared with its seals.
+//! Opening a record for reading: it is compared with its seals before it is used.
 //!
 //! A closed record is checked as a whole file; any other by the hash chain of its groups, its schema and its indexes. A record
 //! whose folder cannot be written, and one that was cut off, is read where it stands or from a copy in the folder for
@@ -16,7 +16,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::SystemTime;
 
-/// Why the rows of an open record are believed.
+/// Reason to trust the rows of an open record.
 #[derive(Clone, Debug)]
 pub(super) enum Trust {
     /// The file is as it was sealed, with this length and time of its last change.
@@ -82,7 +82,7 @@ pub(super) fn follow(connection: &Connection, position: &mut Position) -> Result
     check::check_groups(connection, position, &mut NoVisitor)
 }
 
-/// Connects to the record at `path`, or to a copy of it, without believing it: for checks and recovery.
+/// Connects to the record at `path`, or to a copy of it, without a check: for checks and recovery.
 pub(super) fn connect(path: &Path) -> Result<(Connection, FileSeal, Option<Arc<Copied>>), RecordError> {
     match schema::look(path)? {
         Found::Nothing => return Err(RecordError::Missing { path: path.to_path_buf() }),
@@ -96,7 +96,7 @@ pub(super) fn connect(path: &Path) -> Result<(Connection, FileSeal, Option<Arc<C
     let connection = match (seal, log || journal) {
         (FileSeal::Intact, _) => immutable(path),
         (_, false) => plain(path, path).or_else(|_| immutable(path)),
-        // What a log or journal holds can only be had where files can be made beside it.
+        // What a log or journal holds can only be had where files can be made next to it.
         (_, true) if journal => copied(path, &mut copy),
         (_, true) => plain(path, path).or_else(|_| copied(path, &mut copy)),
     }?;
@@ -130,7 +130,7 @@ fn plain(place: &Path, path: &Path) -> Result<Connection, RecordError> {
     defended(Connection::open_with_flags(place, flags), path)
 }
 
-/// A connection to a file that nothing changes: it needs no locks and no files beside it.
+/// A connection to a file that nothing changes: it needs no locks and no files next to it.
 fn immutable(path: &Path) -> Result<Connection, RecordError> {
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX | OpenFlags::SQLITE_OPEN_URI;
     let mut name = String::from("file:");
@@ -181,7 +181,7 @@ pub(super) fn stamp(path: &Path) -> Stamp {
     fs::metadata(path).map_or((0, None), |found| (found.len(), found.modified().ok()))
 }
 
-/// Files of a record in a folder of their own, which is removed when nothing reads them any longer.
+/// Files of a record in a separate folder, which is removed when nothing reads them any longer.
 #[derive(Debug)]
 pub(super) struct Copied {
     folder: PathBuf,
@@ -230,7 +230,7 @@ pub struct Integrity {
     pub until: apex_model::time::Time,
     /// The first group that does not fit.
     pub damage: Option<Damage>,
-    /// What else is wrong: schema, pages, indexes. Rows are believed nevertheless if `damage` is `None`.
+    /// What else is wrong: schema, pages, indexes. Rows can be trusted nevertheless if `damage` is `None`.
     pub fault: Option<String>,
 }
 

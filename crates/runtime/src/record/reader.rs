@@ -27,7 +27,7 @@ pub struct RecordReader {
     agents: Vec<String>,
     /// The agent that is looked at.
     pub(super) agent: usize,
-    /// Why the rows are believed; moves on with a record that grows.
+    /// Reason to trust the rows; advances with a record that grows.
     trust: RefCell<Trust>,
     /// The copy that is read in place of the record.
     copy: Option<Arc<Copied>>,
@@ -184,7 +184,7 @@ impl RecordReader {
         if !self.is_complete()? {
             let end = self.span()?.map_or_else(|| "nothing".to_owned(), |(_, end)| format!("everything up to {end}"));
             warnings.push(format!(
-                "The flight record {name} is incomplete: its flight still goes on, or was cut off. It holds {end}."
+                "The flight record {name} is incomplete: its flight continues, or was cut off. It holds {end}."
             ));
         }
         if let Trust::Groups(_, FileSeal::Broken) = &*self.trust.borrow() {

@@ -1,4 +1,4 @@
-//! Making a record's file, and what else may stand at its path. A change of the tables (`tables.rs`) is a change of
+//! Making a record's file, and other files at its path. A change of the tables (`tables.rs`) is a change of
 //! `docs/reference/flight-record.md` and, where old readers would err, of the version.
 
 use super::tables::SCHEMA;
@@ -88,7 +88,7 @@ pub(super) enum Found {
     Other(String),
 }
 
-/// Looks at the header of the file at `path`.
+/// Reads the header of the file at `path`.
 pub(super) fn look(path: &Path) -> Result<Found, RecordError> {
     let unreadable = |error: std::io::Error| RecordError::Unwritable {
         path: path.to_path_buf(),

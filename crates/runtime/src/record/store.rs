@@ -3,6 +3,7 @@
 
 use super::checkpoints::Checkpoints;
 use super::closing;
+use super::difference::RowDifference;
 use super::schema::{self, write_error};
 use super::seal::{Link, Sealer};
 use super::tables::{TABLES, Table};
@@ -35,7 +36,7 @@ pub(super) fn real<'c>(number: Option<f64>) -> Cell<'c> {
     number.map_or(ValueRef::Null, ValueRef::Real)
 }
 
-/// What becomes of the recorder's rows: they are stored, or compared with stored ones.
+/// Destination of the recorder's rows: they are stored, or compared with stored ones.
 pub(super) trait RowStore: Send {
     /// Appends a row. Tables whose rows are numbered get their first column here. `doing` is for the message if it fails.
     fn insert(&mut self, doing: &str, table: Table, cells: &[Cell<'_>]) -> Result<(), RecordError>;
@@ -59,7 +60,7 @@ pub(super) trait RowStore: Send {
     fn path(&self) -> &Path;
 
     /// The first row that differs from the stored one; for stores that compare.
-    fn difference(&self) -> Option<&super::twin::RowDifference> {
+    fn difference(&self) -> Option<&RowDifference> {
         None
     }
 }

@@ -3,6 +3,7 @@
 //! So every column of every derived table is confirmed, not only the effects themselves: texts, places, tasks, track, states of
 //! targets, variables, snapshots. Rows that no step derives (facts, sources, notes, the report) are left to the seals.
 
+use super::difference::RowDifference;
 use super::reader::RecordReader;
 use super::store::{Cell, RowStore};
 use super::tables::{ALL, TABLES, Table};
@@ -18,19 +19,6 @@ use std::path::{Path, PathBuf};
 const PAGE_ROWS: usize = 256;
 /// Characters of a cell that are shown.
 const SHOWN_MAX: usize = 300;
-
-/// The first row that a replay makes otherwise.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct RowDifference {
-    /// The table's name and the number of its row, from 1: `track 12`.
-    pub row: String,
-    /// The column; empty if a whole row is missing or added.
-    pub column: &'static str,
-    /// The recorded side as text; `None` if the record has no such row.
-    pub recorded: Option<String>,
-    /// The side of the replay as text; `None` if it makes no such row.
-    pub replayed: Option<String>,
-}
 
 /// What a replay can derive again.
 #[derive(Clone, Copy, Debug)]

@@ -2,10 +2,10 @@
 //! sent; steps are committed in groups, so a crash loses at most the last group and never the order.
 
 use super::codec::{self, Variables};
+use super::difference::RowDifference;
 use super::store::{Cell, Durability, RowStore, Store, real, text, whole};
 use super::tables::Table;
 use super::track::{Track, TrackRow};
-use super::twin::RowDifference;
 use crate::effect_describer::{EffectDescriber, EffectRow};
 use crate::error::RecordError;
 use crate::limits::{SNAPSHOT_BATCHES_MAX, SNAPSHOT_BATCHES_MIN, SNAPSHOT_BYTES_MAX};
@@ -236,7 +236,7 @@ impl Recorder {
         }
     }
 
-    /// Stores the decision's task if it is new; the effects tell what becomes of it.
+    /// Stores the decision's task if it is new; its effects hold the rest.
     fn store_task(&mut self, now: Time, decision: &Decision, told: &EffectRow) -> Result<(), RecordError> {
         let (Some(task), DecisionKind::Created { parent, .. }) = (decision.task, &decision.kind) else { return Ok(()) };
         let row = [

@@ -172,7 +172,7 @@ fn a_command_leaves_after_its_step_is_committed() {
     );
 }
 
-/// The simulator's side of the link: looks at the record whenever it is told something.
+/// The simulator's side of the link: reads the record at each line that it gets.
 struct Told {
     path: PathBuf,
     lines: Vec<(String, usize)>,
@@ -210,7 +210,7 @@ fn an_outside_simulator_is_told_what_is_committed() {
     assert!(commands.iter().all(|(_, steps)| *steps > 0), "{:?}", output.lines);
 }
 
-/// A planner that looks at the record while the flight waits for it.
+/// A planner that reads the record while the flight waits for it.
 struct Slow(PathBuf, Arc<Mutex<Vec<usize>>>);
 
 impl Deliberator for Slow {

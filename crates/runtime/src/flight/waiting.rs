@@ -1,0 +1,96 @@
+//! Waiting for the next instant of a flight, and hearing what comes in meanwhile.
+
+use super::{Flight, Waited};
+use crate::error::RunError;
+use crate::limits::SOLVER_LOOK;
+use crate::pacing::Wait;
+use crate::ports::Input;
+use crate::terms::Control;
+use apex_model::time::Time;
+use std::sync::mpsc::{RecvTimeoutError, TryRecvError};
+
+impl Flight<'_, '_> {
+    /// Sleeps until `instant` where the run is paced; an input from people or a solver's answer cuts the sleep short.
+    pub(super) fn wait(&mut self, instant: Time) -> Result<Waited, RunError> {
+        let mut flushed = false;
+        let listening = self.controls.is_some();
+        loop {
+            if !self.crew.is_idle() {
+                return Ok(Waited::Reached(self.pacer.now(self.now, instant)));
+            }
+            if self.fetch_answers(instant)? {
+                return Ok(Waited::Changed);
+            }
+            let wait = self.pacer.wait(instant);
+            if wait != Wait::Over && !flushed {
+                self.each_observer(instant, |observer| observer.flush())?;
+                flushed = true;
+            }
+            match self.hear(wait)? {
+                Some(Control::Stop) => {
+                    let reached = if self.pacer.is_paced() { self.pacer.now(self.now, instant) } else { self.now };
+                    return Ok(Waited::Stop(reached));
+                }
+                Some(Control::Quiet) => {
+                    self.expecting = false;
+                    return Ok(Waited::Changed);
+                }
+                Some(Control::Pace(pace)) => {
+                    let now = self.pacer.now(self.now, instant);
+                    self.pacer.set(pace, now).map_err(RunError::Options)?;
+                }
+                Some(Control::Input(kind)) => self.take_in(Input::new(instant, kind))?,
+                Some(Control::InputFor(agent, kind)) => {
+                    self.take_in(Input { at: instant, kind, agent: Some(agent) })?;
+                }
+                None if wait == Wait::Over => return Ok(Waited::Reached(instant)),
+                None if listening && self.controls.is_none() => return Ok(Waited::Changed),
+                None => {}
+            }
+        }
+    }
+
+    /// Takes in what somebody says before the input's instant: now.
+    fn take_in(&mut self, mut input: Input) -> Result<(), RunError> {
+        input.at = self.pacer.now(self.now, input.at);
+        match self.crew.check(&input) {
+            Ok(()) => self.crew.deliver(input),
+            Err(error) => {
+                let (now, text) = (input.at, error.to_string());
+                self.each_observer(now, |observer| observer.note(now, &text))
+            }
+        }
+    }
+
+    /// Waits as long as told for a word from outside, or until it is time to look for a solver's answer.
+    fn hear(&mut self, wait: Wait) -> Result<Option<Control>, RunError> {
+        let wait = match wait {
+            Wait::For(span) if self.pool.is_waiting() => Wait::For(span.min(SOLVER_LOOK)),
+            other => other,
+        };
+        let Some(controls) = &self.controls else {
+            return match wait {
+                Wait::Over => Ok(None),
+                Wait::For(span) => {
+                    self.pacer.sleep(span);
+                    Ok(None)
+                }
+                Wait::Paused => Err(RunError::Options("The run is paused and nobody is there to resume it.".into())),
+            };
+        };
+        let heard = match wait {
+            Wait::Over => controls.try_recv().map_err(|error| error == TryRecvError::Disconnected),
+            Wait::For(span) => controls.recv_timeout(span).map_err(|error| error == RecvTimeoutError::Disconnected),
+            Wait::Paused => controls.recv().map_err(|_| true),
+        };
+        match heard {
+            Ok(control) => Ok(Some(control)),
+            Err(gone) => {
+                if gone {
+                    self.controls = None;
+                }
+                Ok(None)
+            }
+        }
+    }
+}
