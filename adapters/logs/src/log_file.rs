@@ -27,6 +27,8 @@ pub enum LogError<E> {
     Read(io::Error),
     /// The mapping does not fit.
     Mapping(MappingError),
+    /// No message of the format was found: the file is not a log of this format. With the first place that could not be read.
+    NotALog(Option<String>),
     /// The caller refuses a sample.
     Sink(E),
 }
@@ -75,7 +77,10 @@ impl LogFile {
         }
         let mut reader = self.reader()?;
         reader.next(&mut Message::default()).map_err(LogError::Read)?;
-        Ok(reader.topics().first().map(|topic| mapping_file::of_columns(topic, None)))
+        match reader.topics().first() {
+            Some(topic) => Ok(Some(mapping_file::of_columns(topic, None))),
+            None => Err(not_a_log(reader.damages())),
+        }
     }
 
     /// Hands all samples over in order of time, in the units that `library` declares, and returns what could not be read.
@@ -91,9 +96,11 @@ impl LogFile {
         let mapping = self.mapping.take().unwrap_or_default().mapping(library).map_err(LogError::Mapping)?;
         let mut sampler = Sampler::new(mapping);
         let (mut message, mut samples, mut ordered) = (Message::default(), Vec::new(), Ordered::default());
+        let mut empty = true;
         let mut origin: Option<Duration> = self.own_time.then_some(Duration::ZERO);
         loop {
             let more = reader.next(&mut message).map_err(LogError::Read)?;
+            empty &= !more;
             if more {
                 // Mission time 0 is where the log says that it begins, else its first message.
                 let began = reader.began().unwrap_or(message.at);
@@ -107,7 +114,7 @@ impl LogFile {
                 sink(sampled.at, entry.variable.clone(), sampled.value).map_err(LogError::Sink)?;
             }
             if !more {
-                return Ok(reader.damages().clone());
+                return if empty { Err(not_a_log(reader.damages())) } else { Ok(reader.damages().clone()) };
             }
         }
     }
@@ -119,6 +126,9 @@ impl LogFile {
     pub fn fields<E>(&self) -> Result<(Vec<FieldSummary>, Option<Span>, ReadErrors), LogError<E>> {
         let mut reader = self.reader()?;
         let (fields, span) = survey(&mut *reader).map_err(LogError::Read)?;
+        if span.is_none() {
+            return Err(not_a_log(reader.damages()));
+        }
         Ok((fields, span, reader.damages().clone()))
     }
 
@@ -126,4 +136,8 @@ impl LogFile {
     pub fn known_mapping(&self) -> Option<&MappingFile> {
         self.mapping.as_ref()
     }
+}
+
+fn not_a_log<E>(damages: &ReadErrors) -> LogError<E> {
+    LogError::NotALog(damages.first.first().cloned())
 }

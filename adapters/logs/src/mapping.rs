@@ -17,7 +17,7 @@ pub struct Entry {
     pub take: Take,
     /// The number in the log is multiplied by this,
     pub scale: f64,
-    /// or by this, if the log writes the field as a whole number and states no unit of its own for it,
+    /// or by this, if the log writes the field as a whole number and states no unit for it,
     pub integer_scale: Option<f64>,
     /// and then this is added: the number in the unit in which the variable is declared.
     pub offset: f64,
@@ -194,7 +194,7 @@ impl Entry {
     }
 }
 
-/// The unit that a log means by a label of its own.
+/// Returns the unit that a log means by a label.
 fn unit_of_label(label: &str) -> Option<&'static Unit> {
     unit_named(match label {
         "deglatitude" | "deglongitude" | "degheading" => "deg",

@@ -21,7 +21,7 @@ const NAMES: &[&str] = &[
     "gps time",
     "date",
 ];
-/// Units of time as they stand in names of columns, with their nanoseconds.
+/// Units of time as names of columns write them, with their nanoseconds.
 const UNITS: &[(&str, i64)] = &[
     ("s", 1_000_000_000),
     ("sec", 1_000_000_000),

@@ -307,9 +307,19 @@ pub struct MonitorOptions {
     /// A file of conditions; may be given several times.
     #[arg(long, value_name = "FILE")]
     pub condition_file: Vec<PathBuf>,
-    /// What to watch: JSON lines, a flight record, or a log (.ulg, .bin, .log, .tlog, .mcap, .csv); default is standard input.
+    /// What to watch: JSON lines, a flight record, or a log (.ulg, .bin, .log, .tlog, .mcap, .csv); default is standard input. May be
+    /// given several times: each is watched by itself, and each line names it.
     #[arg(long, value_name = "FILE")]
-    pub inputs: Option<PathBuf>,
+    pub inputs: Vec<PathBuf>,
+    /// Leave out what was measured or happened before; evidence counts from here on.
+    #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
+    pub from: Option<String>,
+    /// Leave out what was measured or happened later; verdicts are those of this instant.
+    #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
+    pub until: Option<String>,
+    /// Write all final results as a table, too: CSV with one row per result, instants and durations in nanoseconds.
+    #[arg(long, value_name = "FILE")]
+    pub results: Option<PathBuf>,
     /// From when on evidence counts; default is the input's first instant.
     #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
     pub created: Option<String>,

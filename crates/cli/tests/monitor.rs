@@ -201,3 +201,78 @@ fn a_real_log_that_is_cut_gives_what_is_left_and_says_where() {
     let said = said.complained(0, &["cut.ulg: byte 999981: the log ends within a message"]);
     assert!(said.out.contains("2 results"), "{}", said.out);
 }
+
+#[test]
+fn a_file_that_is_not_a_log_ends_with_two() {
+    let desk = Desk::new();
+    let noise: Vec<u8> = (0..4_000_u32).map(|number| (number.wrapping_mul(2_654_435_761) >> 13) as u8).collect();
+    std::fs::write(desk.path("noise.ulg"), &noise).unwrap();
+    std::fs::write(desk.path("noise.bin"), &noise).unwrap();
+    desk.write("README.tlog", "# A project\n\nThis is text, and no telemetry.\n");
+    desk.write("notes.log", "What we did today, in short.\nNothing of note, really.\n");
+    desk.write("speeds.csv", "speed,roll\n1,2\n");
+    for name in ["noise.ulg", "noise.bin", "README.tlog", "notes.log", "speeds.csv"] {
+        for options in [["--expect", "not-satisfied"].as_slice(), &[]] {
+            let said = desk.apex(&[["monitor", "(v uav > 15)", "--inputs", name].as_slice(), options].concat());
+            assert_eq!(said.code, Some(2), "{name}: {}{}", said.out, said.err);
+            assert!(said.err.contains(&format!("{name} is not a ")), "{name}: {}", said.err);
+        }
+        assert_eq!(desk.apex(&["monitor", "--fields", "--inputs", name]).code, Some(2), "{name}");
+    }
+}
+
+/// Roll at 10 Hz: above 15 from 1 s to 2 s, and again from 4 s to 5 s.
+fn two_banks() -> String {
+    let roll = |tenth: u32| if (10..=20).contains(&tenth) || (40..=50).contains(&tenth) { 20 } else { 0 };
+    let rows = (0..80).map(|tenth| format!("{}.{},{}\n", tenth / 10, tenth % 10, roll(tenth)));
+    format!("t,roll\n{}", rows.collect::<String>())
+}
+
+const BANKED: &str = "(:episode (roll aircraft-1) :quality (:max-gap 1s) :value (> 15))";
+
+#[test]
+fn a_span_of_a_log_is_watched() {
+    let desk = Desk::new();
+    desk.write("a.csv", &two_banks());
+    let spans: [(&[&str], &str); 4] = [
+        (&[], "1s to 2s (1.000 s)|4s to 5s (1.000 s)|satisfied up to 7.9s, 2 results"),
+        (&["--from", "1500ms"], "1.5s to 2s (0.500 s)|4s to 5s (1.000 s)|satisfied up to 7.9s, 2 results"),
+        (&["--until", "4.3"], "1s to 2s (1.000 s)|4s to 4.3s (0.300 s)|satisfied up to 4.3s, 2 results"),
+        (&["--from", "2.5", "--until", "3.5"], "not-satisfied up to 3.5s, 0 results"),
+    ];
+    for (options, expected) in spans {
+        let said = desk.apex(&[["monitor", BANKED, "--inputs", "a.csv"].as_slice(), options].concat()).well();
+        for line in expected.split('|') {
+            assert!(said.out.contains(line), "{options:?}: {}", said.out);
+        }
+    }
+    let said = desk.apex(&["monitor", BANKED, "--inputs", "a.csv", "--from", "3", "--until", "2"]);
+    said.complained(2, &["`--until", "is before `--from"]);
+}
+
+#[test]
+fn several_logs_are_watched_into_one_table() {
+    let desk = Desk::new();
+    desk.write("a.csv", &two_banks());
+    desk.write("b,c.csv", "time (ms);roll\n0;0\n100,25;20\n200;20\n300;0\n");
+    let inputs = ["--inputs", "a.csv", "--inputs", "b,c.csv", "--results", "r.csv"];
+    let said = desk.apex(&[["monitor", BANKED].as_slice(), inputs.as_slice()].concat()).well();
+    assert!(said.out.contains("b,c.csv: 0.10025s to 0.2s"), "{}", said.out);
+    let table = desk.read("r.csv");
+    let rows: Vec<&str> = table.lines().collect();
+    assert_eq!(rows[0], "input,condition,start_ns,end_ns,duration_ns,recognised_at_ns,bindings,evidence");
+    assert!(rows[1].starts_with("a.csv,1,1000000000,2000000000,1000000000,1000000000,,"), "{table}");
+    assert!(rows[3].starts_with("\"b,c.csv\",1,100250000,200000000,99750000,100250000,,"), "{table}");
+    assert_eq!(rows.len(), 4);
+    let said = desk.apex(&[["monitor", BANKED, "--json"].as_slice(), inputs.as_slice()].concat()).well();
+    let lines = said.json_lines();
+    let last = lines.iter().rfind(|line| line["telling"] == "closed").unwrap();
+    assert_eq!((&last["input"], &last["start_ns"]), (&"b,c.csv".into(), &100_250_000.into()));
+    assert_eq!((&last["duration_ns"], &lines.last().unwrap()["until_ns"]), (&99_750_000.into(), &300_000_000.into()));
+    // A verdict of any of them can fail.
+    desk.write("calm.csv", "t,roll\n0,0\n1,0\n");
+    let said = desk.apex(&["monitor", BANKED, "--inputs", "a.csv", "--inputs", "calm.csv", "--expect", "satisfied"]);
+    assert_eq!(said.code, Some(1), "{}", said.err);
+    let said = desk.apex(&["monitor", BANKED, "--inputs", "a.csv", "--results", "a.csv"]);
+    said.complained(2, &["would be written over its source"]);
+}

@@ -37,7 +37,9 @@ impl Style {
             let telling = if result.telling == ResultEvent::Closed { "closed" } else { "recognised" };
             let line = json!({
                 "condition": number, "telling": telling, "open": open, "start_s": start.seconds(),
-                "end_s": end.seconds(), "recognised_at_s": satisfaction.recognised_at.seconds(), "bindings": bindings,
+                "end_s": end.seconds(), "recognised_at_s": satisfaction.recognised_at.seconds(), "start_ns": start.0,
+                "end_ns": end.0, "duration_ns": (end - start).0, "recognised_at_ns": satisfaction.recognised_at.0,
+                "bindings": bindings,
                 "evidence": evidence, "gaps": result.gaps.iter().map(gap_json).collect::<Vec<Json>>(),
             });
             return Some(format!("{line}\n"));
@@ -83,7 +85,7 @@ impl Style {
             let because: Vec<Json> = judgement.because.iter().map(unmet_json).collect();
             let line = json!({
                 "condition": number, "verdict": word, "results": judgement.results, "until_s": now.seconds(),
-                "because": because,
+                "until_ns": now.0, "because": because,
             });
             return format!("{line}\n");
         }
@@ -116,7 +118,7 @@ fn is_long(gap: &SamplingGap, evidence: &[Evidence]) -> bool {
 fn gap_json(gap: &SamplingGap) -> Json {
     json!({
         "variable": gap.variable.to_string(), "start_s": gap.start.seconds(), "end_s": gap.end.seconds(),
-        "length_s": gap.length().seconds(),
+        "length_s": gap.length().seconds(), "start_ns": gap.start.0, "end_ns": gap.end.0, "length_ns": gap.length().0,
     })
 }
 

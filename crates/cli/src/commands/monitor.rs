@@ -2,6 +2,7 @@
 
 use crate::error::{CliError, CliResult, read_text};
 use crate::monitor::input::Source;
+use crate::monitor::result_table::ResultTable;
 use crate::options::MonitorOptions;
 use crate::output::Listened;
 use crate::{output, sources};
@@ -17,17 +18,54 @@ use apex_model::time::Time;
 use apex_pdl::{CheckedConditions, SourceText};
 use std::collections::BTreeSet;
 use std::io::Write;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Watches the conditions over the input and prints what comes of them.
 pub fn run(options: &MonitorOptions) -> CliResult {
-    let path = options.inputs.as_deref();
-    let path = path.unwrap_or_else(|| std::path::Path::new("-"));
+    let standard = [PathBuf::from("-")];
+    let inputs = if options.inputs.is_empty() { standard.as_slice() } else { options.inputs.as_slice() };
+    let mut table = options.results.as_deref().map(|path| ResultTable::create(path, inputs)).transpose()?;
+    let mut verdicts = Vec::new();
+    for path in inputs {
+        let name = (inputs.len() > 1).then(|| path.display().to_string());
+        match watch(options, path, name, &mut table)? {
+            Some(found) => verdicts.extend(found),
+            None => return Ok(()),
+        }
+    }
+    table.map_or(Ok(()), ResultTable::finish)?;
+    match &options.expect {
+        Some(expected) if !options.fields && verdicts.iter().any(|verdict| verdict != expected) => {
+            Err(CliError::failure(format!("not every verdict is `{expected}`")).because(verdicts.join(", ")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Watches the conditions over one input and returns their verdicts; none if the reader of the output has gone. `name` stands
+/// in front of what is printed of it.
+fn watch(
+    options: &MonitorOptions,
+    path: &Path,
+    name: Option<String>,
+    table: &mut Option<ResultTable>,
+) -> CliResult<Option<Vec<String>>> {
     let mut source = Source::of(path, options.mapping.as_deref(), options.log_time)?;
     if options.fields {
-        return list_fields(source, options.json);
+        return list_fields(source, options.json).map(|()| Some(Vec::new()));
     }
-    let created = options.created.as_deref().map(|text| sources::parse_time(text, "--created")).transpose()?;
+    let time =
+        |text: &Option<String>, option| text.as_deref().map(|text| sources::parse_time(text, option)).transpose();
+    let span = (time(&options.from, "--from")?, time(&options.until, "--until")?);
+    if let (Some(from), Some(until)) = span
+        && until < from
+    {
+        return Err(
+            CliError::user(format!("`--until {until}` is before `--from {from}`")).help("give a later `--until`")
+        );
+    }
+    let created = time(&options.created, "--created")?.or(span.0);
     let CheckedConditions { checked, conditions } = conditions(options, &mut source)?;
     let style = Style { json: options.json, live: matches!(source, Source::Lines), several: conditions.len() > 1 };
     let library = Arc::new(checked.library);
@@ -35,22 +73,21 @@ pub fn run(options: &MonitorOptions) -> CliResult {
         .map(MonitorSession::with_gaps)
         .map(|session| if style.live { session } else { session.over_a_log() })
         .map_err(|reason| CliError::user("the library cannot be used").because(reason))?;
-    let mut watching = Watching { session, conditions, created, style, out: Listened::standard(), heard: false };
+    let out = Listened::standard();
+    let mut watching =
+        Watching { session, conditions, created, span, style, name, table, out, heard: false, over: false };
     let gone = watching.out.gone();
     let fed = source.feed(&library, &mut |at, kind| watching.take(at, kind));
     // A reader such as `head` that has seen enough.
     if gone.get() {
-        return Ok(());
+        return Ok(None);
     }
-    // What was read before a fault is told all the same.
-    let verdicts = watching.end()?;
-    fed?;
-    match &options.expect {
-        Some(expected) if verdicts.iter().any(|verdict| verdict != expected) => {
-            Err(CliError::failure(format!("not every verdict is `{expected}`")).because(verdicts.join(", ")))
-        }
-        _ => Ok(()),
+    // Results of what was read before a fault are printed all the same; a file that is not a log has none.
+    if watching.heard || fed.is_ok() {
+        let verdicts = watching.end()?;
+        return fed.map(|()| Some(verdicts));
     }
+    fed.map(|()| None)
 }
 
 fn list_fields(mut source: Source, json: bool) -> CliResult {
@@ -97,17 +134,30 @@ fn conditions(options: &MonitorOptions, source: &mut Source) -> CliResult<Checke
 }
 
 /// A session with what is told of it.
-struct Watching {
+struct Watching<'a> {
     session: MonitorSession,
     conditions: Vec<Condition>,
     created: Option<Time>,
+    /// First and last instant of what counts.
+    span: (Option<Time>, Option<Time>),
     style: Style,
+    /// The input's name, where there are several.
+    name: Option<String>,
+    table: &'a mut Option<ResultTable>,
     out: Listened,
     heard: bool,
+    /// Something in the input came after the span: the input continues beyond it.
+    over: bool,
 }
 
-impl Watching {
+impl Watching<'_> {
     fn take(&mut self, at: Time, kind: EventKind) -> CliResult {
+        let (from, until) = self.span;
+        let over = until.is_some_and(|until| at > until);
+        self.over |= over;
+        if over || from.is_some_and(|from| at < from) {
+            return Ok(());
+        }
         if !self.heard {
             self.begin(self.created.unwrap_or(at))?;
         }
@@ -142,6 +192,9 @@ impl Watching {
             output::print_error(format_args!("warning: at {}: {message}", error.at));
         }
         for result in self.session.take_results() {
+            if let Some(table) = self.table {
+                table.add(self.name.as_deref(), &result)?;
+            }
             if let Some(text) = self.style.result(&result) {
                 self.write(&text)?;
             }
@@ -158,6 +211,8 @@ impl Watching {
             self.begin(self.created.unwrap_or(Time::ZERO))?;
         }
         let now = self.session.now().max(self.created.unwrap_or(Time::ZERO));
+        // The input may end before.
+        let now = self.span.1.filter(|_| self.over).map_or(now, |until| now.max(until));
         self.session.advance(now);
         self.session.finish();
         self.tell()?;
@@ -194,11 +249,23 @@ impl Watching {
     }
 
     fn write(&mut self, text: &str) -> CliResult {
-        self.out.write_all(text.as_bytes()).map_err(unwritten)
+        let named = match &self.name {
+            None => text.to_string(),
+            Some(name) => named(name, text, self.style.json),
+        };
+        self.out.write_all(named.as_bytes()).map_err(unwritten)
     }
 
     fn flush(&mut self) -> CliResult {
         self.out.flush().map_err(unwritten)
+    }
+}
+
+/// A result or verdict with the name of its input: the first member of an object, or in front of the first line.
+fn named(name: &str, text: &str, json: bool) -> String {
+    match text.strip_prefix('{').filter(|_| json) {
+        Some(members) => format!("{{\"input\":{},{members}", serde_json::Value::from(name)),
+        None => format!("{name}: {text}"),
     }
 }
 

@@ -50,7 +50,14 @@ impl Source {
         let extension = path.extension().map(|extension| extension.to_string_lossy().into_owned()).unwrap_or_default();
         let lines = ["json", "jsonl", "ndjson"].contains(&extension.to_ascii_lowercase().as_str());
         let begins = first.iter().find(|byte| !byte.is_ascii_whitespace());
-        if lines || (begins.is_some_and(|byte| b"{#".contains(byte)) && !extension.eq_ignore_ascii_case("csv")) {
+        // A `#` also begins texts and tables; a name that ends like a log's says what is meant.
+        let named = Format::of(&[], &extension);
+        let in_lines = match begins {
+            Some(b'{') => named != Some(Format::Csv),
+            Some(b'#') => named.is_none(),
+            _ => false,
+        };
+        if lines || in_lines {
             return no_mapping(Source::LinesFile(path.to_path_buf()), mapping.is_some());
         }
         let Some(format) = Format::of(&first, &extension) else {
@@ -65,7 +72,7 @@ impl Source {
     pub fn declarations(&mut self, library: &Library) -> CliResult<Option<SourceText>> {
         let Source::Log(log) = self else { return Ok(None) };
         let (path, format) = (log.path().to_path_buf(), log.format());
-        let Some(mapping) = log.mapping(&read_form).map_err(|error| unread(&path, error))? else {
+        let Some(mapping) = log.mapping(&read_form).map_err(|error| unread(&path, format, error))? else {
             return Err(CliError::user(format!("{} needs a mapping", path.display()))
                 .because(format!("nothing says what the fields of a log in {} mean", format.name()))
                 .help("`--fields` lists them; write (map \"TOPIC.FIELD\" (ATTRIBUTE OBJECT)) for those you need into a file, and name it with `--mapping`"));
@@ -136,15 +143,16 @@ fn feed_record(reader: &RecordReader, sink: &mut dyn FnMut(Time, EventKind) -> C
 
 fn feed_log(log: LogFile, library: &Library, sink: &mut dyn FnMut(Time, EventKind) -> CliResult) -> CliResult {
     let path = log.path().to_path_buf();
+    let format = log.format();
     let mut measured = |at, variable, value| sink(at, EventKind::Measurement(variable, value));
-    let damages = log.feed(library, &mut measured).map_err(|error| unread(&path, error))?;
+    let damages = log.feed(library, &mut measured).map_err(|error| unread(&path, format, error))?;
     tell_damages(&path, &damages);
     Ok(())
 }
 
 /// Prints what the log holds.
 pub fn list_fields(log: &LogFile, json: bool) -> CliResult {
-    let (fields, span, damages) = log.fields().map_err(|error| unread(log.path(), error))?;
+    let (fields, span, damages) = log.fields().map_err(|error| unread(log.path(), log.format(), error))?;
     output::print(apex_logs::field_list(log.format(), &fields, span, log.known_mapping(), json))?;
     tell_damages(log.path(), &damages);
     Ok(())
@@ -159,11 +167,19 @@ fn read_form(text: &str) -> Result<Value, (u32, String)> {
     apex_pdl::read_value(text).map_err(|diagnostic| (diagnostic.span.line, diagnostic.message))
 }
 
-fn unread(path: &Path, error: LogError<CliError>) -> CliError {
+fn unread(path: &Path, format: Format, error: LogError<CliError>) -> CliError {
     match error {
         LogError::Open(error) => unreadable(path, &error),
         LogError::Read(error) => CliError::failure(format!("cannot read {} to its end", path.display())).because(error),
         LogError::Mapping(error) => error.into(),
+        LogError::NotALog(first) => {
+            let name = format.name();
+            let error = CliError::user(format!("{} is not a {name} with any message", path.display()));
+            let error = first.into_iter().fold(error, CliError::because);
+            error.help(
+                "name another file, or rename it to the ending of its format: .ulg, .bin, .log, .tlog, .mcap or .csv",
+            )
+        }
         LogError::Sink(error) => error,
     }
 }

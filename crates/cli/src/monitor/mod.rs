@@ -1,3 +1,4 @@
-//! What `apex monitor` needs: inputs of all kinds.
+//! What `apex monitor` needs: inputs of all kinds, and results as a table.
 
 pub mod input;
+pub mod result_table;

@@ -62,7 +62,7 @@ struct Gap {
     most: Duration,
 }
 
-/// A part of the order that is no delay.
+/// A part of the order that is not a delay.
 struct Step<'a> {
     part: &'a Part,
     /// Its place among the parts.
@@ -76,7 +76,7 @@ struct Step<'a> {
     gap: Gap,
 }
 
-/// The parts that are no delays; none if a delay has no value.
+/// The parts except for the delays; none if a delay has no value.
 fn steps<'a>(composite: &'a Composite, query: &mut VerdictQuery<'_>) -> Option<Vec<Step<'a>>> {
     let mut steps: Vec<Step<'a>> = Vec::with_capacity(composite.parts.len());
     let mut delay: Option<Gap> = None;
@@ -142,7 +142,7 @@ impl<'a> Step<'a> {
         Some((first.interval.0, last.interval.0))
     }
 
-    /// An instant before which no result with these bindings comes any more; none if one may come at any time.
+    /// An instant before which no further result with these bindings comes; none if one may come at any time.
     fn watermark(&self, bindings: &Bindings) -> Option<Time> {
         let PartKind::Measurement(leaf) = &self.part.kind else { return None };
         let newest = &leaf.seen.as_ref()?.newest;

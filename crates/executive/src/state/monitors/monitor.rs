@@ -208,11 +208,11 @@ pub struct Composite {
 /// Bookkeeping of an order of samples and messages.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PointOrder {
-    /// Number of kept results from which on all of them are looked at for useless ones.
+    /// Number of kept results from which on all of them are checked for useless ones.
     pub sweep_at: usize,
-    /// For each part how many of its kept results were looked at.
+    /// For each part how many of its kept results were checked.
     pub checked: Vec<usize>,
-    /// A pattern variable occurs in the order: each set of bindings has chains of its own.
+    /// A pattern variable occurs in the order: each set of bindings has separate chains.
     pub binds: bool,
 }
 
