@@ -1,7 +1,11 @@
 //! The price of handing a resource on must not grow with those who wait for it, whatever they need and say.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
-#![allow(clippy::disallowed_types, clippy::disallowed_methods, reason = "the test measures how long the executive takes")]
+#![allow(
+    clippy::disallowed_types,
+    clippy::disallowed_methods,
+    reason = "the test measures how long the executive takes"
+)]
 
 mod support;
 
