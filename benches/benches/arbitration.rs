@@ -4,10 +4,12 @@
 
 use apex_benches::{Driven, MEASUREMENT, WARM_UP, command_in, library, moved};
 use apex_model::event::EventKind;
+use apex_model::library::Library;
 use apex_model::task::TaskState;
 use apex_model::value::Value;
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Competitors of rising priority, all of which wait while one works; an alarm outranks them all.
@@ -32,6 +34,40 @@ const FAMILIES: &str = "
 (primitive (index (work ?n)) (profile camera) (on-start (command (work ?n))))
 (primitive (index (look)) (profile camera) (duration 10ms))
 ";
+
+/// Kinds of competitors: what they are called, what is declared, and how each of them is served.
+const KINDS: [(&str, &str, &str); 6] = [
+    ("known durations", "", "(index (use ?n)) (profile camera) (expected-duration 1s)"),
+    ("two resources", "", "(index (use ?n)) (profile camera link)"),
+    ("two resources, known durations", "", "(index (use ?n)) (profile camera link) (expected-duration 1s)"),
+    ("a resource of their own besides", "", "(index (use ?n)) (profile camera (antenna ?n))"),
+    ("capacity 2", "(resource link :capacity 2)", "(index (use ?n)) (profile (link 1))"),
+    ("urgency", "", "(index (use ?n)) (profile camera)"),
+];
+
+/// The program of a kind: each competitor is an item of a `forall`.
+fn competitors(kind: &str, declared: &str, served: &str, count: usize) -> String {
+    let priority = if kind == "urgency" { "(priority :urgency 3 :importance 5)" } else { "" };
+    format!(
+        "{declared}
+(procedure (index (do-domain))
+  (step all (use ?n) (forall ?n in (range {count})) {priority}))
+(procedure {served} (step go (work ?n)))
+(primitive (index (work ?n)) (on-start (command (work ?n))))
+"
+    )
+}
+
+/// The same as steps of one ranked procedure.
+fn ranked(count: usize) -> String {
+    let step = |number| format!("  (step s{number} (use {number}) (profile camera))\n");
+    let steps: String = (0..count).map(step).collect();
+    format!(
+        "(procedure :ranked (index (do-domain))\n{steps})
+(primitive (index (use ?n)) (on-start (command (work ?n))))
+"
+    )
+}
 
 /// Hand-offs that are not counted after all competitors were made.
 const COLD: u64 = 10;
@@ -66,30 +102,49 @@ fn interrupt_and_resume(criterion: &mut Criterion) {
                 total
             });
         });
-        // A hand-off uses up one competitor: as many as half of them are measured before all are made anew.
-        let text = COMPETITORS.replace("COUNT", &count.to_string());
-        let library = library(&text);
+        let library = library(&COMPETITORS.replace("COUNT", &count.to_string()));
         group.bench_function(BenchmarkId::new("holder ends, next begins", count), |bencher| {
-            bencher.iter_custom(|iterations| {
-                let (mut total, mut done) = (Duration::ZERO, 0);
-                while done < iterations {
-                    let (mut driven, effects) = Driven::begun(&library);
-                    let mut command = command_in(&effects).expect("one works");
-                    // The first ones after all were made find nothing in the caches, and would be most of what is measured.
-                    for number in 0..COLD + (iterations - done).min(count as u64 / 2) {
-                        let batch = driven.batch(acknowledged(command));
-                        let start = Instant::now();
-                        let effects = driven.step(black_box(&batch));
-                        if number >= COLD {
-                            total += start.elapsed();
-                            done += 1;
-                        }
-                        command = command_in(&effects).expect("the next one works");
-                    }
-                }
-                total
-            });
+            bencher.iter_custom(|iterations| hand_offs(&library, count, iterations));
         });
+    }
+    group.finish();
+}
+
+/// The time of so many hand-offs from a holder that ends to the next of `count` competitors.
+fn hand_offs(library: &Arc<Library>, count: usize, iterations: u64) -> Duration {
+    let (mut total, mut done) = (Duration::ZERO, 0);
+    while done < iterations {
+        // A hand-off uses up one competitor: as many as half of them are measured before all are made anew.
+        let (mut driven, effects) = Driven::begun(library);
+        let mut command = command_in(&effects).expect("one works");
+        // The first ones after all were made find nothing in the caches, and would be most of what is measured.
+        for number in 0..COLD + (iterations - done).min(count as u64 / 2) {
+            let batch = driven.batch(acknowledged(command));
+            let start = Instant::now();
+            let effects = driven.step(black_box(&batch));
+            if number >= COLD {
+                total += start.elapsed();
+                done += 1;
+            }
+            command = command_in(&effects).expect("the next one works");
+        }
+    }
+    total
+}
+
+/// Hand-offs among competitors of each kind: whatever they need, say and urge, the price is nearly the same.
+fn every_kind(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("hand-off of each kind");
+    group.sample_size(10).warm_up_time(WARM_UP).measurement_time(MEASUREMENT);
+    for count in [1_000, 100_000] {
+        let text = |(kind, declared, served)| (kind, competitors(kind, declared, served, count));
+        let programs = KINDS.into_iter().map(text).chain([("ranked steps", ranked(count))]);
+        for (kind, text) in programs {
+            let library = library(&text);
+            group.bench_function(BenchmarkId::new(kind, count), |bencher| {
+                bencher.iter_custom(|iterations| hand_offs(&library, count, iterations));
+            });
+        }
     }
     group.finish();
 }
@@ -110,5 +165,5 @@ fn urgent_families(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, interrupt_and_resume, urgent_families);
+criterion_group!(benches, interrupt_and_resume, every_kind, urgent_families);
 criterion_main!(benches);

@@ -152,11 +152,16 @@ impl Agent<'_> {
         proofs
     }
 
-    /// When the task of the step ended: it has, or it did since the clause is watched.
+    /// When the task of the step ended: it has, or it did since the clause is watched. An instance that was repeated is
+    /// not the end.
     fn end_of(&self, tag: &str, place: Place<'_>) -> Option<Time> {
         let Some(Value::Task(other)) = self.sees(place, tag) else { return None };
-        let ends =
-            || self.moves.iter().enumerate().filter(|(_, each)| each.task == other && each.to == State::Terminated);
+        let again = self.moves.iter().rposition(|each| each.task == other && each.from == State::Terminated);
+        let ends = || {
+            let moves = self.moves.iter().enumerate();
+            let last = moves.filter(|(_, each)| each.task == other && each.to == State::Terminated);
+            last.filter(|(number, _)| again.is_none_or(|again| *number > again))
+        };
         let since = ends().find(|(number, _)| *number >= place.watch.made);
         let stands = place.watch.standing && self.tasks[other].state == State::Terminated;
         since.or_else(|| ends().next_back().filter(|_| stands)).map(|(_, each)| each.at)

@@ -255,6 +255,13 @@ impl<'a> Cycle<'a> {
         }
     }
 
+    /// Does the task's step repeat, so that the end of an instance may not be the end of the step?
+    pub(crate) fn may_repeat(&self, id: TaskId) -> bool {
+        let Some(task) = self.task(id).filter(|task| task.clauses.has(StepClauses::REPETITION)) else { return false };
+        let repeats = |handle: &StepHandle<'_>| handle.get().is_some_and(|step| step.repeating.is_some());
+        matches!(task.origin, Origin::Step(_)) && self.step_of(id).as_ref().is_some_and(repeats)
+    }
+
     /// Where `id` was written.
     pub(crate) fn place_of(&self, id: TaskId) -> Option<Place> {
         let task = self.task(id)?;

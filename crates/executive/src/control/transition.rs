@@ -102,6 +102,7 @@ pub(crate) fn transition(
         cycle.work.resuming.remove(&id);
     }
     cycle.work.priorities_changed |= !cycle.agent.unsteady.is_empty();
+    let may_repeat = matches!(outcome, Some(Outcome::Success(_))) && cycle.may_repeat(id);
     let Some(task) = cycle.agent.task_mut(id) else { return false };
     let again = matches!(trigger, Trigger::Repeated | Trigger::Restarted);
     task.state = to;
@@ -113,7 +114,8 @@ pub(crate) fn transition(
     if !cycle.agent.interests.ignore_task(id) {
         let before = MonitorId(cycle.agent.next.monitor);
         cycle.work.stimuli.push(Stimulus::TaskState { task: id, from, state: to, at: now, before });
-        if to == TaskState::Terminated {
+        // Whether this is the end of a step that repeats is known when its parent has reacted.
+        if to == TaskState::Terminated && !may_repeat {
             cycle.work.stimuli.push(Stimulus::TaskEnded { task: id, at: now, before });
         }
     }

@@ -237,7 +237,7 @@ fn resources(agent: &Agent, task: &Task) -> Vec<Reason> {
 /// Everybody who keeps the task from this resource: its holders, or the claimant it was refused to.
 fn rivals(agent: &Agent, task: &Task, need: &Need) -> Vec<Reason> {
     let Some(resource) = agent.resources.get(need.resource) else { return Vec::new() };
-    let (_, precedence) = in_order(agent, agent.now, &BTreeSet::from([need.resource]), &BTreeSet::new());
+    let (claimants, precedence) = in_order(agent, agent.now, &BTreeSet::from([need.resource]), &BTreeSet::new());
     let lifted = |id: TaskId, own: f64| precedence.as_ref().map_or(own, |precedence| precedence.lifted(id, own));
     let instead = |id: TaskId| {
         let whom = precedence.as_ref().and_then(|precedence| precedence.instead_of_own(id));
@@ -245,7 +245,11 @@ fn rivals(agent: &Agent, task: &Task, need: &Need) -> Vec<Reason> {
     };
     let own = format!("{}{}", lifted(task.id, priority(agent, task.id, agent.now)), instead(task.id));
     let refused = task.extras.as_ref().and_then(|extras| extras.refused);
-    let claimant = refused.filter(|(id, _)| *id == need.resource).map(|(_, winner)| winner);
+    let still_claims = |winner: &TaskId| resource.waiting.contains(*winner);
+    let refused = refused.filter(|(id, _)| *id == need.resource).map(|(_, winner)| winner).filter(still_claims);
+    // Only those at the front hear of each refusal; behind them it is the first one that stands in the way.
+    let first = claimants.iter().map(|each| each.id).find(|id| still_claims(id));
+    let claimant = refused.or_else(|| first.filter(|id| *id != task.id));
     let holders = resource.holders.iter().map(|holding| holding.task);
     let holders: Vec<TaskId> =
         holders.filter(|holder| !crate::control::conflicts::competition::related(agent, *holder, task.id)).collect();

@@ -3,11 +3,11 @@
 //! Runs: contend and commit phases.  Reads: claims, ResourceTable.  Writes: ResourceTable, Task state, Decision, wakes.
 //! Bound: O(claims) plus arbitration of the resources that changed.  PDL: section 9.  Paper: section III.
 
-use crate::control::conflicts::arbitration::{Arbitration, Loss, Refusal};
+use crate::control::conflicts::arbitration::{Arbitration, Loss, Refusal, Rival};
 use crate::control::conflicts::crossing;
 use crate::control::conflicts::crossing::Defender;
 use crate::control::conflicts::curve::Curve;
-use crate::control::conflicts::{claim_queue, competition, conflict, priority, resources};
+use crate::control::conflicts::{claim_queue, competition, priority, resolution, resources};
 use crate::control::cycle::{Cycle, in_order};
 use crate::control::tasks::{interruption, termination};
 use crate::control::transition::{Trigger, transition};
@@ -46,7 +46,7 @@ pub(crate) fn contend(cycle: &mut Cycle<'_>) -> Arbitration {
         let claim = claim_queue::claim_of(cycle, id, &needs);
         for need in needs {
             if let Some(resource) = cycle.agent.resources.get_mut(need.resource) {
-                resource.waiting.insert(id, claim);
+                resource.waiting.insert(id, claim.clone());
                 cycle.work.dirty.insert(need.resource);
                 fresh.entry(need.resource).or_default().push(id);
             }
@@ -54,7 +54,13 @@ pub(crate) fn contend(cycle: &mut Cycle<'_>) -> Arbitration {
     }
     look_again(cycle);
     let dirty = std::mem::take(&mut cycle.work.dirty);
-    let mut result = if dirty.is_empty() { Arbitration::default() } else { conflict::arbitrate(cycle, &dirty, &fresh) };
+    for id in &dirty {
+        if let Some(resource) = cycle.agent.resources.get_mut(*id) {
+            resource.waiting.settle(cycle.now);
+        }
+    }
+    let mut result =
+        if dirty.is_empty() { Arbitration::default() } else { resolution::arbitrate(cycle, &dirty, &fresh) };
     result.granted.extend(free);
     // Ancestors stop before their descendants, as in a suspension.
     result.displaced.sort_by_key(|loss| (cycle.task(loss.loser).map_or(0, |task| task.depth), loss.loser));
@@ -98,7 +104,9 @@ fn look_again(cycle: &mut Cycle<'_>) {
     let concerned: Vec<ResourceId> = concerned.map(|(id, _)| id).collect();
     for id in &concerned {
         let Some(resource) = cycle.agent.resources.get(*id) else { continue };
-        let waiting: Vec<TaskId> = resource.waiting.tasks().collect();
+        // Who stands where it does whatever is measured has to be looked at only where it inherits from others.
+        let waiting: Vec<TaskId> =
+            if inherited { resource.waiting.tasks().collect() } else { resource.waiting.sensitive().collect() };
         for task in waiting {
             let claim = claim_queue::claim_of(cycle, task, &resources::needs_of(cycle, task));
             if let Some(resource) = cycle.agent.resources.get_mut(*id) {
@@ -138,7 +146,10 @@ pub(crate) fn commit(cycle: &mut Cycle<'_>, arbitration: Arbitration) {
         if !displaced {
             refuse(cycle, &refusal.loss);
         }
-        watch_crossing(cycle, refusal);
+        watch_crossing(cycle, refusal.loss.loser, &refusal.stands_for, &refusal.rivals);
+    }
+    for watch in &arbitration.watched {
+        watch_crossing(cycle, watch.task, &watch.stands_for, &watch.rivals);
     }
     look_behind(cycle, &begun, &arbitration.refused);
     if changes {
@@ -245,20 +256,24 @@ fn refuse(cycle: &mut Cycle<'_>, loss: &Loss) {
 }
 
 /// When one of those who count for the refused task may come to be above one in its way.
-fn next_crossing(agent: &Agent, refusal: &Refusal, contests: Vec<(TaskId, Option<TaskId>)>, now: Time) -> Option<Time> {
-    let challengers: Vec<Curve<'_>> = refusal.stands_for.iter().map(|id| Curve::new(agent, *id, now)).collect();
+fn next_crossing(
+    agent: &Agent,
+    stands_for: &[TaskId],
+    contests: Vec<(TaskId, Option<TaskId>)>,
+    now: Time,
+) -> Option<Time> {
+    let challengers: Vec<Curve<'_>> = stands_for.iter().map(|id| Curve::new(agent, *id, now)).collect();
     let defender = |(rival, holder): (TaskId, Option<TaskId>)| Defender::new(agent, rival, holder, now);
     let defenders: Vec<Defender<'_>> = contests.into_iter().map(defender).collect();
     crossing::next_look(agent, &challengers, &defenders, now)
 }
 
 /// Asks to be woken when the priorities of the task and of those in its way may cross.
-fn watch_crossing(cycle: &mut Cycle<'_>, refusal: &Refusal) {
-    let loser = refusal.loss.loser;
+fn watch_crossing(cycle: &mut Cycle<'_>, loser: TaskId, stands_for: &[TaskId], rivals: &[Rival]) {
     // Many rivals can stand for the same ones.
-    let mut concerned = refusal.stands_for.to_vec();
+    let mut concerned = stands_for.to_vec();
     let mut contests: Vec<(TaskId, Option<TaskId>)> = Vec::new();
-    for rival in &refusal.rivals {
+    for rival in rivals {
         let holds = rival.holds || cycle.state(rival.task) == TaskState::Ongoing;
         concerned.push(rival.task);
         concerned.extend(rival.stands_for.iter());
@@ -272,7 +287,7 @@ fn watch_crossing(cycle: &mut Cycle<'_>, refusal: &Refusal) {
     concerned.dedup();
     let agent: &Agent = cycle.agent;
     let moving = !contests.is_empty() && concerned.iter().any(|each| priority::moves(agent, *each));
-    let at = moving.then(|| next_crossing(agent, refusal, contests, cycle.now)).flatten();
+    let at = moving.then(|| next_crossing(agent, stands_for, contests, cycle.now)).flatten();
     if concerned.iter().any(|each| priority::reads_inputs(cycle.agent, *each)) {
         cycle.agent.unsteady.insert(loser);
     }

@@ -23,6 +23,7 @@ pub mod table;
 pub mod task;
 pub mod threshold_episode;
 pub mod thresholds;
+pub mod turns;
 pub mod waiting;
 pub mod wake;
 pub mod walk;

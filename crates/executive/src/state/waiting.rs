@@ -1,23 +1,44 @@
-//! Who waits for a resource: all claimants, and those of them that can stand in queue.
+//! Claimants of one resource: all of them, and queues of those whose place follows from themselves alone.
 //!
-//! A claimant stands in queue when its place among the others follows from itself alone: it wants just this resource,
-//! all of it, and its priority changes with nothing but variables. The first in queue then decides for all behind it.
-//! Others stand apart: where there is one of them, everybody must be looked at.
+//! A claimant stands in a queue when its place among the others changes with nothing but variables, or rises with its
+//! urgency in a way that never changes the order of its equals. The first ones then decide for all behind them.
+//! Others stand apart: where there is one of them, all claimants are compared.
 
+use crate::state::resource::ResourceId;
+use crate::state::turns::{InTurn, Rest};
 use apex_model::task::TaskId;
+use apex_model::time::{Duration, Time};
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A place in a queue. The first is the greatest priority, then who has begun, then the written order.
+/// Urgency is greatest from this long before a task is due.
+pub const GREATEST_URGENCY_BEFORE: Duration = Duration(500_000_000);
+
+/// Parent, step and number: written order among siblings, creation order among others.
+pub type FamilyOrder = (TaskId, u32, TaskId);
+
+/// A rank that counts among the tasks below one parent.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RankAmong {
+    /// The parent of the ranked steps.
+    pub parent: TaskId,
+    /// The rank.
+    pub rank: f64,
+}
+
+/// A place in a queue. The first is the greatest priority, then the lower rank, then the task that has begun, then the
+/// written order.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct QueueKey {
-    /// Priority at the time of the claim.
+    /// Priority at the time of the claim; of one that rises, now.
     pub priority: f64,
+    /// Its rank, if one counts.
+    pub rank: Option<RankAmong>,
     /// It has begun, and was interrupted.
     pub begun: bool,
     /// Parent, step and number.
-    pub order: (TaskId, u32, TaskId),
+    pub order: FamilyOrder,
 }
 
 impl Eq for QueueKey {}
@@ -30,51 +51,118 @@ impl PartialOrd for QueueKey {
 
 impl Ord for QueueKey {
     fn cmp(&self, other: &QueueKey) -> Ordering {
-        let by_priority = other.priority.total_cmp(&self.priority);
+        let rank = match (self.rank, other.rank) {
+            (Some(own), Some(others)) => own.parent.cmp(&others.parent).then(own.rank.total_cmp(&others.rank)),
+            (own, others) => own.is_some().cmp(&others.is_some()),
+        };
+        let by_priority = other.priority.total_cmp(&self.priority).then(rank);
         by_priority.then(other.begun.cmp(&self.begun)).then(self.order.cmp(&other.order))
     }
 }
 
 impl QueueKey {
-    /// Who stands here.
+    /// The claimant at this place.
     pub fn task(&self) -> TaskId {
         self.order.2
     }
 }
 
-/// How a claimant waits.
+/// A place among claimants of one importance whose priorities rise with their urgency: the earlier due is the first.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RisingKey {
+    /// From 0 to 10.
+    pub importance: f64,
+    /// When its urgency is greatest.
+    pub due: Time,
+    /// It has begun, and was interrupted.
+    pub begun: bool,
+    /// Parent, step and number.
+    pub order: FamilyOrder,
+}
+
+/// Where in a queue a claimant stands.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum QueuePlace {
+    /// At a place that time does not change.
+    Steady(QueueKey),
+    /// At one that rises.
+    Rising(RisingKey),
+}
+
+/// How a claimant waits.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Claim {
-    /// At this turn.
+    /// In a queue.
     Queued {
         /// Where.
-        turn: QueueKey,
-        /// Its priority reads variables: its turn must be looked at again when one of them changes.
+        place: QueuePlace,
+        /// Its priority reads variables: its place must be found again when one of them changes.
         varies: bool,
+        /// How long it says that it takes.
+        expected: Option<Duration>,
+        /// What it needs in addition.
+        others: Vec<ResourceId>,
     },
-    /// Not in queue.
+    /// Not in a queue.
     Apart,
+}
+
+/// Begun claimants first, then in order.
+pub(super) type Among = (bool, FamilyOrder);
+
+/// Claimants of one importance, whose priorities rise.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct RisingLine {
+    /// Those whose urgency was not the greatest when last looked at, the earlier due first.
+    rising: BTreeSet<(Time, bool, FamilyOrder)>,
+    /// Those whose urgency is the greatest.
+    risen: BTreeSet<Among>,
 }
 
 /// Enabled and interrupted tasks that claim a resource.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Waiting {
     claims: BTreeMap<TaskId, Claim>,
-    queue: BTreeSet<QueueKey>,
+    steady: BTreeSet<QueueKey>,
+    /// By the bits of the importance, which order as the importance does.
+    lines: BTreeMap<u64, RisingLine>,
+    /// By parent: how many of the claimants have a rank below it, and the priority of the one that came last.
+    ranked: BTreeMap<TaskId, (usize, f64)>,
+    /// By what claimants need together: how many of them say that they take how long.
+    together: BTreeMap<Vec<ResourceId>, BTreeMap<Option<Duration>, usize>>,
+    /// Those whose place depends on variables or on more.
+    sensitive: BTreeSet<TaskId>,
     apart: usize,
-    varying: usize,
 }
 
 impl Waiting {
     /// Adds the task, or changes how it waits.
     pub fn insert(&mut self, task: TaskId, claim: Claim) {
         self.remove(task);
-        match claim {
-            Claim::Queued { turn, varies } => {
-                self.queue.insert(turn);
-                self.varying += usize::from(varies);
+        match &claim {
+            Claim::Queued { place, varies, expected, others } => {
+                match place {
+                    QueuePlace::Steady(key) => {
+                        if let Some(rank) = key.rank {
+                            let group = self.ranked.entry(rank.parent).or_default();
+                            *group = (group.0 + 1, key.priority);
+                        }
+                        self.steady.insert(*key);
+                    }
+                    QueuePlace::Rising(key) => {
+                        let line = self.lines.entry(key.importance.to_bits()).or_default();
+                        line.rising.insert((key.due, !key.begun, key.order));
+                    }
+                }
+                if *varies {
+                    self.sensitive.insert(task);
+                }
+                *self.together.entry(others.clone()).or_default().entry(*expected).or_default() += 1;
             }
-            Claim::Apart => self.apart += 1,
+            Claim::Apart => {
+                self.apart += 1;
+                self.sensitive.insert(task);
+            }
         }
         self.claims.insert(task, claim);
     }
@@ -82,14 +170,55 @@ impl Waiting {
     /// Takes the task out. False if it did not wait.
     pub fn remove(&mut self, task: TaskId) -> bool {
         let Some(claim) = self.claims.remove(&task) else { return false };
+        self.sensitive.remove(&task);
         match claim {
-            Claim::Queued { turn, varies } => {
-                self.queue.remove(&turn);
-                self.varying -= usize::from(varies);
+            Claim::Queued { place, expected, others, .. } => {
+                self.leave(&place);
+                if let Some(spans) = self.together.get_mut(&others) {
+                    count_down(spans, &expected);
+                    if spans.is_empty() {
+                        self.together.remove(&others);
+                    }
+                }
             }
             Claim::Apart => self.apart -= 1,
         }
         true
+    }
+
+    fn leave(&mut self, place: &QueuePlace) {
+        match place {
+            QueuePlace::Steady(key) => {
+                self.steady.remove(key);
+                let Some(parent) = key.rank.map(|rank| rank.parent) else { return };
+                if let Some(group) = self.ranked.get_mut(&parent) {
+                    group.0 -= 1;
+                    if group.0 == 0 {
+                        self.ranked.remove(&parent);
+                    }
+                }
+            }
+            QueuePlace::Rising(key) => {
+                let bits = key.importance.to_bits();
+                let Some(line) = self.lines.get_mut(&bits) else { return };
+                if !line.rising.remove(&(key.due, !key.begun, key.order)) {
+                    line.risen.remove(&(!key.begun, key.order));
+                }
+                if line.rising.is_empty() && line.risen.is_empty() {
+                    self.lines.remove(&bits);
+                }
+            }
+        }
+    }
+
+    /// Notes which claimants have reached the greatest urgency.
+    pub fn settle(&mut self, now: Time) {
+        for line in self.lines.values_mut() {
+            while let Some((due, waits, order)) = line.rising.first().copied().filter(|first| has_risen(first.0, now)) {
+                line.rising.remove(&(due, waits, order));
+                line.risen.insert((waits, order));
+            }
+        }
     }
 
     /// Does the task wait?
@@ -97,29 +226,129 @@ impl Waiting {
         self.claims.contains_key(&task)
     }
 
-    /// True when nobody waits.
+    /// True if no task waits.
     pub fn is_empty(&self) -> bool {
         self.claims.is_empty()
     }
 
-    /// All who wait, in order of creation.
+    /// The number of tasks that wait.
+    pub fn len(&self) -> usize {
+        self.claims.len()
+    }
+
+    /// All tasks that wait, in order of creation.
     pub fn tasks(&self) -> impl Iterator<Item = TaskId> + '_ {
         self.claims.keys().copied()
     }
 
-    /// Those in queue, the first first.
-    pub fn queue(&self) -> impl Iterator<Item = &QueueKey> {
-        self.queue.iter()
+    /// Tasks whose place may change with a variable or with what is measured.
+    pub fn sensitive(&self) -> impl Iterator<Item = TaskId> + '_ {
+        self.sensitive.iter().copied()
     }
 
-    /// Do all who wait stand in queue?
-    pub fn all_in_line(&self) -> bool {
+    /// True if all that wait stand in queues.
+    pub fn all_in_queues(&self) -> bool {
         self.apart == 0
     }
 
-    /// May a change of a variable, or of what is measured, change who is first?
+    /// May time, a change of a variable, or of what is measured, change the order?
     pub fn is_sensitive(&self) -> bool {
-        self.apart > 0 || self.varying > 0
+        !self.sensitive.is_empty() || !self.lines.is_empty()
+    }
+
+    /// Does the priority of a claimant in a queue rise?
+    pub fn has_rising(&self) -> bool {
+        !self.lines.is_empty()
+    }
+
+    /// The shortest time that one of those in queues says that it takes.
+    pub fn shortest(&self) -> Option<Duration> {
+        self.together().filter_map(|(_, shortest)| shortest).min()
+    }
+
+    /// What claimants in queues need together, with the shortest time that one of them says that it takes.
+    pub fn together(&self) -> impl Iterator<Item = (&[ResourceId], Option<Duration>)> {
+        let shortest = |spans: &BTreeMap<Option<Duration>, usize>| spans.keys().flatten().next().copied();
+        self.together.iter().map(move |(needs, spans)| (needs.as_slice(), shortest(spans)))
+    }
+
+    /// What claimants in queues need in addition to this resource.
+    pub fn others(&self) -> impl Iterator<Item = ResourceId> + '_ {
+        self.together.keys().flatten().copied()
+    }
+
+    /// The priority of those that have ranks; none where no rank counts.
+    ///
+    /// # Errors
+    /// When the order of ranks and priorities cannot be read from the queues: ranks below several parents, or claimants
+    /// without rank that are as important.
+    pub fn priority_of_ranked(&self) -> Result<Option<f64>, OrderUnknown> {
+        let mut groups = self.ranked.values();
+        let Some((_, priority)) = groups.next().copied() else { return Ok(None) };
+        let unknown = groups.next().is_some() || self.has_unranked_at(priority) || self.has_rising();
+        if unknown { Err(OrderUnknown) } else { Ok(Some(priority)) }
+    }
+
+    fn has_unranked_at(&self, priority: f64) -> bool {
+        let order = (TaskId(0), 0, TaskId(0));
+        let first = QueueKey { priority, rank: None, begun: true, order };
+        self.steady.range(first..).next().is_some_and(|key| key.rank.is_none() && key.priority == priority)
+    }
+
+    /// Does the place of one more claimant say who comes before it?
+    pub fn takes_in(&self, key: &QueueKey) -> bool {
+        let alike = |(parent, group): (&TaskId, &(usize, f64))| {
+            key.rank.is_some_and(|rank| rank.parent == *parent) == (group.1 == key.priority)
+        };
+        self.ranked.iter().all(alike)
+            && (key.rank.is_none() || !self.has_unranked_at(key.priority) && !self.has_rising())
+    }
+
+    /// Where the task stands in its queue; `risen_to` computes a priority from importance and due instant.
+    pub fn key_of(&self, task: TaskId, risen_to: impl Fn(f64, Time) -> f64) -> Option<QueueKey> {
+        match self.claims.get(&task)? {
+            Claim::Queued { place: QueuePlace::Steady(key), .. } => Some(*key),
+            Claim::Queued { place: QueuePlace::Rising(key), .. } => Some(QueueKey {
+                priority: risen_to(key.importance, key.due),
+                rank: None,
+                begun: key.begun,
+                order: key.order,
+            }),
+            Claim::Apart => None,
+        }
+    }
+
+    /// Those in queues, the first first; `risen_to` computes a priority from importance and due instant.
+    pub fn in_turn<F: Fn(f64, Time) -> f64>(&self, now: Time, risen_to: F) -> InTurn<'_, F> {
+        let mut lines = vec![Rest::Steady(self.steady.iter())];
+        for (importance, line) in &self.lines {
+            let fresh: Vec<_> = line.rising.iter().take_while(|each| has_risen(each.0, now)).collect();
+            let mut rising = line.rising.iter();
+            let mut caught_up: Vec<(Time, Among)> = fresh.into_iter().map(|(due, a, b)| (*due, (*a, *b))).collect();
+            rising.by_ref().take(caught_up.len()).for_each(drop);
+            caught_up.sort_by_key(|(_, among)| *among);
+            let (risen, caught_up) = (line.risen.iter().peekable(), caught_up.into_iter().peekable());
+            let importance = f64::from_bits(*importance);
+            lines.push(Rest::Rising { importance, risen, caught_up, rising });
+        }
+        InTurn::new(lines, risen_to, now)
+    }
+}
+
+/// Places in queues do not say which claimant is the first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OrderUnknown;
+
+fn has_risen(due: Time, now: Time) -> bool {
+    due - now <= GREATEST_URGENCY_BEFORE
+}
+
+fn count_down<K: Ord>(counts: &mut BTreeMap<K, usize>, key: &K) {
+    if let Some(count) = counts.get_mut(key) {
+        *count -= 1;
+        if *count == 0 {
+            counts.remove(key);
+        }
     }
 }
 
@@ -127,23 +356,56 @@ impl Waiting {
 mod tests {
     use super::*;
 
-    fn turn(task: u64, priority: f64, begun: bool) -> QueueKey {
-        QueueKey { priority, begun, order: (TaskId(0), 0, TaskId(task)) }
+    fn place(task: u64, priority: f64, begun: bool) -> QueueKey {
+        QueueKey { priority, rank: None, begun, order: (TaskId(0), 0, TaskId(task)) }
+    }
+
+    fn claim(place: QueuePlace, varies: bool) -> Claim {
+        Claim::Queued { place, varies, expected: None, others: Vec::new() }
     }
 
     #[test]
     fn the_line_is_in_order_and_counts_are_kept() {
         let mut waiting = Waiting::default();
         for (task, priority, begun) in [(1, 1.0, false), (2, 3.0, false), (3, 3.0, true), (4, 3.0, false)] {
-            waiting.insert(TaskId(task), Claim::Queued { turn: turn(task, priority, begun), varies: task == 1 });
+            waiting.insert(TaskId(task), claim(QueuePlace::Steady(place(task, priority, begun)), task == 1));
         }
         waiting.insert(TaskId(9), Claim::Apart);
-        let queue = |waiting: &Waiting| waiting.queue().map(|each| each.task().0).collect::<Vec<_>>();
+        let queue =
+            |waiting: &Waiting| waiting.in_turn(Time(0), |_, _| 0.0).map(|each| each.task().0).collect::<Vec<_>>();
         assert_eq!(queue(&waiting), [3, 2, 4, 1]);
-        assert!(waiting.is_sensitive() && !waiting.all_in_line());
-        waiting.insert(TaskId(1), Claim::Queued { turn: turn(1, 5.0, false), varies: false });
+        assert!(waiting.is_sensitive() && !waiting.all_in_queues());
+        waiting.insert(TaskId(1), claim(QueuePlace::Steady(place(1, 5.0, false)), false));
         assert!(waiting.remove(TaskId(9)) && !waiting.remove(TaskId(9)));
         assert_eq!(queue(&waiting), [1, 3, 2, 4]);
-        assert!(!waiting.is_sensitive() && waiting.all_in_line());
+        assert!(!waiting.is_sensitive() && waiting.all_in_queues());
+    }
+
+    #[test]
+    fn urgent_claimants_stand_by_what_they_are_worth_now() {
+        let mut waiting = Waiting::default();
+        let rising = |task: u64, importance: f64, due: i64| {
+            let order = (TaskId(0), 0, TaskId(task));
+            QueuePlace::Rising(RisingKey { importance, due: Time(due * 1_000_000_000), begun: false, order })
+        };
+        // Worth the importance less the time left.
+        let worth = |now: i64| {
+            move |importance: f64, due: Time| importance - ((due.0 - now * 1_000_000_000) as f64 / 1e9).max(0.5)
+        };
+        for (task, importance, due) in [(4, 9.0, 20), (3, 9.0, 10), (2, 5.0, 4), (1, 5.0, 4)] {
+            waiting.insert(TaskId(task), claim(rising(task, importance, due), false));
+        }
+        waiting.insert(TaskId(5), claim(QueuePlace::Steady(place(5, 2.0, false)), false));
+        let queue = |waiting: &Waiting, now: i64| {
+            let turns = waiting.in_turn(Time(now * 1_000_000_000), worth(now));
+            turns.map(|each| each.task().0).collect::<Vec<_>>()
+        };
+        assert_eq!(queue(&waiting, 0), [5, 1, 2, 3, 4]);
+        assert_eq!(queue(&waiting, 9), [3, 1, 2, 5, 4]);
+        waiting.settle(Time(9_000_000_000));
+        assert_eq!(queue(&waiting, 19), [3, 4, 1, 2, 5]);
+        waiting.remove(TaskId(1));
+        waiting.remove(TaskId(3));
+        assert_eq!(queue(&waiting, 19), [4, 2, 5]);
     }
 }

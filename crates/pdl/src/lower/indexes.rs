@@ -22,6 +22,7 @@ impl Lowering {
         let mut taken: Lookup<(Option<Symbol>, String), Span> = Lookup::default();
         let mut distinct: BTreeMap<String, Vec<&Served>> = BTreeMap::new();
         for each in served.iter().filter(|each| !each.by_solver) {
+            self.report_built_in(each);
             let key = (each.bundle.clone(), shape(&each.pattern));
             if let Some(first) = taken.get(&key).copied() {
                 let text = pattern_text(&each.pattern);
@@ -40,6 +41,17 @@ impl Lowering {
             self.report_ties(group.get(..COMPARED_MAX).unwrap_or(group));
         }
         self.served = served;
+    }
+
+    /// A built-in activity serves all goals of its form: an index for some of them would never be chosen.
+    fn report_built_in(&mut self, each: &Served) {
+        let Some(word) = built_in_that_serves(&each.pattern) else { return };
+        let text = pattern_text(&each.pattern);
+        let message = format!("`{text}` is never chosen: the built-in activity `{word}` serves all goals of this form");
+        let diagnostic = Diagnostic::error(codes::DUPLICATE_INDEX, each.span, message)
+            .reason("built-in activities come before procedures, primitives and solvers, however specific an index is")
+            .help(format!("begin the index, and the goals that it serves, with another word than `{word}`"));
+        self.report(diagnostic);
     }
 
     fn report_ties(&mut self, group: &[&Served]) {
@@ -61,6 +73,30 @@ impl Lowering {
                 self.report(diagnostic);
             }
         }
+    }
+}
+
+/// The built-in activity that serves all goals that the pattern matches.
+fn built_in_that_serves(pattern: &Pattern) -> Option<&'static str> {
+    const ALWAYS: [&str; 6] = ["terminate", "cogevent", "inform", "print", "hold-resource", "release-resource"];
+    let parts: Vec<Pattern> = match pattern {
+        Pattern::Literal(Value::List(items)) => items.iter().cloned().map(Pattern::Literal).collect(),
+        Pattern::List(parts) => parts.clone(),
+        _ => return None,
+    };
+    let is = |part: &Pattern, word: &str| match part {
+        Pattern::Literal(Value::Symbol(name)) => name.is(word),
+        _ => false,
+    };
+    let (head, rest) = parts.split_first()?;
+    if let Some(word) = ALWAYS.into_iter().find(|word| is(head, word)) {
+        return Some(word);
+    }
+    match rest {
+        [] if is(head, "end-application") => Some("end-application"),
+        [second, ..] if is(head, "ask") && is(second, "operator") => Some("ask operator"),
+        [Pattern::List(_) | Pattern::Literal(Value::List(_)), ..] if is(head, "plan") => Some("plan"),
+        _ => None,
     }
 }
 

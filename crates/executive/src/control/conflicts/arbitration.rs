@@ -22,17 +22,20 @@ pub(crate) struct Arbitration {
     pub(crate) impossible: Vec<(TaskId, ResourceId, f64, f64)>,
     /// Claimants that did not compete, as their parents would have stopped, and whose parents go on after all.
     pub(crate) barred: Vec<TaskId>,
+    /// Claimants that may win by the passing of time.
+    pub(crate) watched: Vec<Watch>,
 }
 
 impl Arbitration {
     /// Adds what was decided about other resources.
     pub(crate) fn absorb(&mut self, part: Arbitration) {
-        let Arbitration { granted, displaced, refused, impossible, barred } = part;
+        let Arbitration { granted, displaced, refused, impossible, barred, watched } = part;
         self.granted.extend(granted);
         self.displaced.extend(displaced);
         self.refused.extend(refused);
         self.impossible.extend(impossible);
         self.barred.extend(barred);
+        self.watched.extend(watched);
     }
 }
 
@@ -75,4 +78,15 @@ pub(crate) struct Rival {
     pub(crate) holds: bool,
     /// Whose priorities count for it.
     pub(crate) stands_for: Rc<[TaskId]>,
+}
+
+/// A claimant whose priority is compared again when time may have changed who is the stronger.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Watch {
+    /// The claimant.
+    pub(crate) task: TaskId,
+    /// Whose priorities count for it.
+    pub(crate) stands_for: Rc<[TaskId]>,
+    /// All who stand in its way.
+    pub(crate) rivals: Vec<Rival>,
 }

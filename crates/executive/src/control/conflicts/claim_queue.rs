@@ -1,162 +1,158 @@
-//! Claim queue (TC)
-//! What: arbitrates only the first claimant of a resource if all claimants differ in priority alone.
-//! Runs: contend phase, before conflict resolution, which handles all other claims.
-//! Reads: ResourceTable, priorities, ancestors.  Writes: nothing.
-//! Bound: O(log c + depth) for c queued claimants, plus O(new claimants).
+//! Claims (TC)
+//! What: finds the place of a claimant in the queue of what it needs, if its place follows from itself alone.
+//! Runs: contend phase, when a task claims and when an input of its priority changed.
+//! Reads: ResourceTable, priorities, ranks, ancestors.  Writes: nothing.
+//! Bound: O(depth * needs).
 //! PDL: section 9, conflict.  Paper: section III, detecting and resolving conflicts.
 
-use crate::control::conflicts::arbitration::{Arbitration, Refusal, Rival};
-use crate::control::conflicts::competition::{as_claimant, has_begun, is_eligible, order_of};
-use crate::control::conflicts::conflict::{Field, left_behind};
-use crate::control::conflicts::priority;
-use crate::control::conflicts::sharing::{Use, UseKind};
+use crate::control::conflicts::competition::{has_begun, order_of};
+use crate::control::conflicts::priority::{self, Kind};
 use crate::control::cycle::Cycle;
 use crate::state::agent::Agent;
 use crate::state::resource::{Need, ResourceId};
 use crate::state::step_clauses::StepClauses;
 use crate::state::task::{Origin, Task};
-use crate::state::waiting::{Claim, QueueKey, Waiting};
-use apex_model::expression::ExprKind;
-use apex_model::procedure::{PriorityClause, ProcedureKind};
-use apex_model::task::TaskId;
-use std::rc::Rc;
+use crate::state::waiting::{Claim, QueueKey, QueuePlace, RankAmong, RisingKey};
+use apex_model::expression::{Expr, ExprKind};
+use apex_model::procedure::{PriorityClause, ProcedureKind, Step};
+use apex_model::task::{TaskId, TaskState};
+use std::iter::successors;
 
-/// Descendants looked at to see whether one of them waits too; a task with more is left to conflict resolution.
-const FAMILY_MAX: usize = 64;
-
-/// How `id`, which needs `needs`, waits for one of them.
+/// How `id`, which needs `needs`, waits for them.
 pub(crate) fn claim_of(cycle: &Cycle<'_>, id: TaskId, needs: &[Need]) -> Claim {
     let agent = &*cycle.agent;
-    let whole = match needs {
-        [one] => agent.resources.get(one.resource).is_some_and(|resource| one.amount >= resource.total),
-        _ => false,
-    };
-    let estimated = agent.task(id).and_then(|task| task.selection.as_ref()?.expected).is_some();
-    if !whole || estimated {
-        return Claim::Apart;
-    }
-    let mut varies = false;
-    let mut next = agent.task(id);
-    while let Some(task) = next {
-        match steadiness(agent, task) {
-            Some(own) => varies |= own,
-            None => return Claim::Apart,
-        }
-        next = task.parent.and_then(|parent| agent.task(parent));
-    }
-    let turn = QueueKey {
-        priority: priority::priority(agent, id, cycle.now),
-        begun: has_begun(agent, id),
-        order: order_of(agent, id),
-    };
-    Claim::Queued { turn, varies }
+    place_of(cycle, id, needs).map_or(Claim::Apart, |(place, varies)| {
+        let expected = agent.task(id).and_then(|task| task.selection.as_ref()?.expected);
+        // What one claimant needs besides each of its resources is kept with each of them; those with one need keep none.
+        let others = if needs.len() > 1 { needs.iter().map(|need| need.resource).collect() } else { Vec::new() };
+        Claim::Queued { place, varies, expected, others }
+    })
 }
 
-/// What the task brings to a conflict: nothing that moves by itself and no rank. True when variables may change it.
-fn steadiness(agent: &Agent, task: &Task) -> Option<bool> {
-    if !task.clauses.has(StepClauses::CONTENTION) && !task.clauses.has(StepClauses::RANK) {
-        return Some(false);
-    }
-    let Some(step) = task.step().filter(|_| matches!(task.origin, Origin::Step(_))) else { return Some(false) };
-    let procedure = agent.procedure(step.procedure)?;
-    let template = procedure.steps.get(step.step as usize)?;
-    let ranked = matches!(procedure.kind, ProcedureKind::Ranked | ProcedureKind::SoftSequential);
-    let recovers = template.repeating.as_ref().is_some_and(|repetition| repetition.recovery.is_some());
-    if ranked || template.rank.is_some() || (recovers && !template.priority.is_empty()) {
+/// The place, and whether variables may change it; none where the claimant must be compared with each of the others.
+fn place_of(cycle: &Cycle<'_>, id: TaskId, needs: &[Need]) -> Option<(QueuePlace, bool)> {
+    let agent = &*cycle.agent;
+    let used_up = |need: &Need| agent.resources.get(need.resource).is_none_or(|resource| resource.depletable);
+    if needs.iter().any(used_up) || shares_with_ancestors(agent, id, needs) {
         return None;
     }
-    let mut varies = false;
-    for clause in &template.priority {
-        match clause {
-            PriorityClause::Number(expr) => match expr.kind {
-                ExprKind::Constant(_) => {}
-                ExprKind::Variable { .. } => varies = true,
-                _ => return None,
-            },
-            PriorityClause::UrgencyImportance(..) => return None,
-        }
+    let brings = Brings::of(agent, id)?;
+    let (begun, order) = (has_begun(agent, id), order_of(agent, id));
+    if let Some((task, clause)) = brings.rising {
+        let alone = brings.steady == 0 && brings.rank.is_none();
+        let Kind::Rising(term) = priority::kind(agent, task, clause, cycle.now) else { return None };
+        let key = RisingKey { importance: term.importance, due: term.due, begun, order };
+        return alone.then_some((QueuePlace::Rising(key), brings.varies));
     }
-    Some(varies)
+    // Whom one with a rank and several needs goes before can depend on claimants of other resources.
+    if needs.len() > 1 && brings.rank.is_some() {
+        return None;
+    }
+    let priority = priority::priority(agent, id, cycle.now);
+    Some((QueuePlace::Steady(QueueKey { priority, rank: brings.rank, begun, order }), brings.varies))
+}
+
+/// Does an ancestor need one of the same resources? Families share, which is not a matter of turns.
+fn shares_with_ancestors(agent: &Agent, id: TaskId, needs: &[Need]) -> bool {
+    let wants = |id: ResourceId| needs.iter().any(|need| need.resource == id);
+    successors(agent.task(id), |task| agent.task(task.parent?)).skip(1).any(|above| {
+        let profile = above.selection.iter().flat_map(|selection| &selection.needs);
+        let held = above.extras.iter().flat_map(|extras| &extras.held);
+        profile.chain(held).any(|need| wants(need.resource))
+    })
+}
+
+/// What a task and its ancestors bring to a conflict.
+#[derive(Default)]
+struct Brings<'a> {
+    /// The only clause whose priority rises by urgency.
+    rising: Option<(&'a Task, &'a PriorityClause)>,
+    /// The number of other clauses.
+    steady: usize,
+    /// Variables may change a priority.
+    varies: bool,
+    /// The only rank.
+    rank: Option<RankAmong>,
+}
+
+impl<'a> Brings<'a> {
+    /// None where something moves in another way, where several ranks count, or where steps of one ranked procedure can
+    /// have priorities of their own.
+    fn of(agent: &'a Agent, id: TaskId) -> Option<Brings<'a>> {
+        let mut brings = Brings::default();
+        for task in successors(agent.task(id), |task| agent.task(task.parent?)) {
+            if !task.clauses.has(StepClauses::CONTENTION) && !task.clauses.has(StepClauses::RANK) {
+                continue;
+            }
+            let Some((step, kind)) = template(agent, task) else { continue };
+            if task.id == id || task.state != TaskState::Interrupted {
+                brings.add_priorities(task, step)?;
+            } else if brings.rank.is_none() && !step.priority.is_empty() {
+                brings.steady += 1;
+            }
+            brings.add_rank(agent, task, (step, kind))?;
+        }
+        Some(brings)
+    }
+
+    fn add_priorities(&mut self, task: &'a Task, step: &'a Step) -> Option<()> {
+        let recovers = step.repeating.as_ref().is_some_and(|repetition| repetition.recovery.is_some());
+        if recovers && !step.priority.is_empty() {
+            return None;
+        }
+        for clause in &step.priority {
+            match clause {
+                PriorityClause::Number(expr) => {
+                    self.varies |= reads_variable(expr)?;
+                    self.steady += 1;
+                }
+                PriorityClause::UrgencyImportance(urgency, importance) => {
+                    self.varies |= reads_variable(urgency)? | reads_variable(importance)?;
+                    if self.rising.replace((task, clause)).is_some() {
+                        return None;
+                    }
+                }
+            }
+        }
+        Some(())
+    }
+
+    fn add_rank(&mut self, agent: &Agent, task: &Task, (step, kind): (&Step, ProcedureKind)) -> Option<()> {
+        let by_kind = matches!(kind, ProcedureKind::Ranked | ProcedureKind::SoftSequential);
+        if step.rank.is_none() && !by_kind {
+            return Some(());
+        }
+        // A rank beside priorities below it can contradict them, and two ranks can contradict one another.
+        let fixed = step.rank.as_ref().is_none_or(|expr| matches!(expr.kind, ExprKind::Constant(_)));
+        if self.rank.is_some() || self.steady > 0 || self.rising.is_some() || !fixed {
+            return None;
+        }
+        let rank = priority::rank(agent, task.id, agent.now)?;
+        self.rank = Some(RankAmong { parent: task.parent?, rank });
+        Some(())
+    }
+}
+
+/// Is the expression a variable? None if it is neither that nor a constant.
+fn reads_variable(expr: &Expr) -> Option<bool> {
+    match expr.kind {
+        ExprKind::Constant(_) => Some(false),
+        ExprKind::Variable { .. } => Some(true),
+        _ => None,
+    }
+}
+
+/// The step that the task was made from, and the kind of its procedure.
+fn template<'a>(agent: &'a Agent, task: &Task) -> Option<(&'a Step, ProcedureKind)> {
+    let Origin::Step(step) = task.origin else { return None };
+    let procedure = agent.procedure(step.procedure)?;
+    Some((procedure.steps.get(step.step as usize)?, procedure.kind))
 }
 
 /// Can no change of a variable, and nothing that is measured, change what `id` defends the resource with?
 pub(crate) fn is_steady(agent: &Agent, id: TaskId) -> bool {
-    let mut family = std::iter::successors(agent.task(id), |task| agent.task(task.parent?));
     let cost = priority::cost_clause(agent, id);
+    let brings = Brings::of(agent, id);
     cost.is_none_or(|(expr, _)| matches!(expr.kind, ExprKind::Constant(_)))
-        && family.all(|task| steadiness(agent, task) == Some(false))
-}
-
-/// Arbitrates the resource, if its first claimant decides for all. `fresh` claim it since this round.
-pub(crate) fn first_decides(cycle: &Cycle<'_>, id: ResourceId, fresh: &[TaskId]) -> Option<Arbitration> {
-    let agent = &*cycle.agent;
-    let resource = agent.resources.get(id)?;
-    let waiting = &resource.waiting;
-    if resource.depletable || !waiting.all_in_line() {
-        return None;
-    }
-    let holder = match resource.holders.as_slice() {
-        [] => None,
-        [one] if one.amount >= resource.total && holds_only_this(cycle, one.task) => Some(one.task),
-        _ => return None,
-    };
-    let mut result = Arbitration::default();
-    let Some(first) = waiting.queue().map(QueueKey::task).find(|task| is_eligible(agent, *task)) else {
-        return Some(result);
-    };
-    if holder.into_iter().chain([first]).any(|task| family_waits(agent, waiting, task)) {
-        return None;
-    }
-    let field = Field::empty(cycle);
-    let used_by = |task, kind| Use { task, amount: resource.total, kind };
-    let mut winner = used_by(first, UseKind::Granted);
-    match holder.map(|holder| used_by(holder, UseKind::Held)) {
-        None => result.granted.push(first),
-        Some(holder) => match field.confront(&as_claimant(cycle, first), id, &holder) {
-            Ok(loss) => {
-                result.displaced.push(loss);
-                result.granted.push(first);
-                if left_behind(cycle, &result).any(|left| left != id) {
-                    return None;
-                }
-            }
-            Err(loss) => {
-                let in_the_way = Rival { task: holder.task, holds: true, stands_for: Rc::new([holder.task]) };
-                result.refused.push(Refusal { loss, stands_for: Rc::new([first]), rivals: vec![in_the_way] });
-                winner = holder;
-            }
-        },
-    }
-    for task in fresh.iter().filter(|task| **task != first) {
-        let loss = field.confront(&as_claimant(cycle, *task), id, &winner).err()?;
-        // Nobody behind the first can overtake the holder before the first does.
-        result.refused.push(Refusal { loss, stands_for: Rc::new([*task]), rivals: Vec::new() });
-    }
-    Some(result)
-}
-
-fn holds_only_this(cycle: &Cycle<'_>, id: TaskId) -> bool {
-    crate::control::conflicts::resources::needs_of(cycle, id).len() == 1
-}
-
-/// Does an ancestor or a descendant of the task wait for the same? Families share, which is no matter of turns.
-fn family_waits(agent: &Agent, waiting: &Waiting, id: TaskId) -> bool {
-    let mut above = std::iter::successors(agent.task(id), |task| agent.task(task.parent?)).skip(1);
-    if above.any(|task| waiting.contains(task.id)) {
-        return true;
-    }
-    let children = |id: TaskId| {
-        let controller = agent.task(id).and_then(|task| task.controller.as_deref());
-        controller.filter(|controller| controller.has_children()).map(|controller| controller.children())
-    };
-    let mut open = children(id).unwrap_or_default();
-    let mut seen = 0;
-    while let Some(next) = open.pop() {
-        seen += 1;
-        if seen > FAMILY_MAX || waiting.contains(next) {
-            return true;
-        }
-        open.extend(children(next).unwrap_or_default());
-    }
-    false
+        && brings.is_some_and(|brings| !brings.varies && brings.rising.is_none())
 }

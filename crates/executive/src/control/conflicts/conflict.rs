@@ -10,15 +10,15 @@ use crate::control::conflicts::competition::{
     Claimant, as_claimant, has_begun, in_order, insert_in_order, order_of, rank_order, related,
 };
 use crate::control::conflicts::precedence::Precedence;
+use crate::control::conflicts::priority;
 use crate::control::conflicts::resources::needs_of;
-use crate::control::conflicts::sharing::{Use, UseKind, any_related, has_room, matters};
-use crate::control::conflicts::{claim_queue, priority};
+use crate::control::conflicts::sharing::{TOLERANCE, Use, UseKind, any_related, has_room, matters};
 use crate::control::cycle::Cycle;
 use crate::expression::EvalContext;
 use crate::planted::{self, Bug};
 use crate::state::agent::Agent;
 use crate::state::clause::Level;
-use crate::state::resource::{Need, ResourceId};
+use crate::state::resource::{Need, Resource, ResourceId};
 use apex_model::because::{ConflictRule, Strength};
 use apex_model::task::TaskId;
 use apex_model::time::Time;
@@ -26,46 +26,8 @@ use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
-/// Arbitrates all resources in `dirty`; `fresh` says who claims them since this round. Where the first in line decides for
-/// all, nobody else is looked at.
-pub(crate) fn arbitrate(
-    cycle: &Cycle<'_>,
-    dirty: &BTreeSet<ResourceId>,
-    fresh: &BTreeMap<ResourceId, Vec<TaskId>>,
-) -> Arbitration {
-    let mut result = Arbitration::default();
-    let mut rest = BTreeSet::new();
-    for id in dirty {
-        match claim_queue::first_decides(cycle, *id, fresh.get(id).map(Vec::as_slice).unwrap_or_default()) {
-            Some(part) => {
-                debug_assert!(says_the_same(cycle, *id, &part), "the line of {id:?} and all its claimants disagree");
-                result.absorb(part);
-            }
-            None => {
-                rest.insert(*id);
-            }
-        }
-    }
-    if !rest.is_empty() {
-        result.absorb(arbitrate_all(cycle, &rest));
-    }
-    if orphans(cycle, &result).next().is_some() { arbitrate_all(cycle, dirty) } else { result }
-}
-
-/// The naive twin of a line, in debug builds: all claimants before the arbiter. Not for long lines, which it is there for.
-fn says_the_same(cycle: &Cycle<'_>, id: ResourceId, part: &Arbitration) -> bool {
-    const CLAIMANTS_MAX: usize = 32;
-    let losers = |of: &Arbitration| of.displaced.iter().map(|loss| (loss.loser, loss.winner)).collect::<Vec<_>>();
-    let claimants = cycle.agent.resources.get(id).map_or(0, |resource| resource.waiting.tasks().count());
-    if claimants > CLAIMANTS_MAX {
-        return true;
-    }
-    let all = arbitrate_all(cycle, &BTreeSet::from([id]));
-    all.granted == part.granted && losers(&all) == losers(part)
-}
-
 /// Who would begin although the task that it is a step of stops working, in the order in which they come before the arbiter.
-fn orphans<'a>(cycle: &'a Cycle<'_>, result: &'a Arbitration) -> impl Iterator<Item = TaskId> + 'a {
+pub(crate) fn orphans<'a>(cycle: &'a Cycle<'_>, result: &'a Arbitration) -> impl Iterator<Item = TaskId> + 'a {
     let granted = result.granted.iter().copied().filter(|_| !result.displaced.is_empty());
     granted.filter(move |id| !has_begun(cycle.agent, *id) && parent_stops(cycle, result, *id))
 }
@@ -79,7 +41,7 @@ fn parent_stops(cycle: &Cycle<'_>, result: &Arbitration, id: TaskId) -> bool {
 
 /// Arbitrates all resources in `dirty`, with everything their claimants need in addition, and everything that those leave who
 /// are displaced. No step of a task that stops working begins, so such steps do not compete.
-fn arbitrate_all(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> Arbitration {
+pub(crate) fn arbitrate_all(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> Arbitration {
     let mut orphaned = BTreeSet::new();
     let mut dirty = dirty.clone();
     loop {
@@ -141,7 +103,7 @@ fn arbitrate_without(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, orphans: &
 }
 
 /// What becomes of one claimant.
-enum Placement {
+pub(crate) enum Placement {
     Granted(Vec<Loss>),
     Refused(Refusal),
     Impossible(Need, f64),
@@ -155,12 +117,34 @@ pub(crate) struct Field<'a, 'c> {
     displaced: BTreeSet<TaskId>,
     /// None where nobody has a rank.
     precedence: Option<Precedence>,
+    notes: Notes,
+}
+
+/// How the claims of those that are refused are noted.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Notes {
+    /// Each one.
+    Each,
+    /// Those that cannot begin before one instant as one claim; only for claimants without relatives among them.
+    ByInstant,
+    /// No more than it takes to refuse all others.
+    Enough,
 }
 
 impl<'a, 'c> Field<'a, 'c> {
     /// Nothing has been looked at.
     pub(crate) fn empty(cycle: &'a Cycle<'c>) -> Field<'a, 'c> {
-        Field { cycle, uses: BTreeMap::new(), displaced: BTreeSet::new(), precedence: None }
+        Field { cycle, uses: BTreeMap::new(), displaced: BTreeSet::new(), precedence: None, notes: Notes::Each }
+    }
+
+    /// The same, for the first claimants in queues.
+    pub(crate) fn brief(cycle: &'a Cycle<'c>) -> Field<'a, 'c> {
+        Field { notes: Notes::Enough, ..Field::empty(cycle) }
+    }
+
+    /// The same, for claimants in queues, who have no relatives among them.
+    pub(crate) fn grouped(cycle: &'a Cycle<'c>) -> Field<'a, 'c> {
+        Field { notes: Notes::ByInstant, ..Field::empty(cycle) }
     }
 
     /// A task that claims, in its turn and with the priority that counts for it.
@@ -178,7 +162,7 @@ impl<'a, 'c> Field<'a, 'c> {
     }
 
     /// What a holder defends its resources with.
-    fn defence(&self, id: TaskId) -> Strength {
+    pub(crate) fn defence(&self, id: TaskId) -> Strength {
         self.lifted(id, priority::defence(self.cycle.agent, id, self.cycle.now))
     }
 
@@ -204,7 +188,7 @@ impl<'a, 'c> Field<'a, 'c> {
 
     /// Gives the claimant all it needs, or notes what it waits for. As few as possible lose something for it: nobody
     /// who beats it, and nobody where weaker ones suffice.
-    fn place(&mut self, claimant: &Claimant) -> Placement {
+    pub(crate) fn place(&mut self, claimant: &Claimant) -> Placement {
         for need in &claimant.needs {
             self.load(need.resource);
             let total = self.total(need.resource);
@@ -238,12 +222,51 @@ impl<'a, 'c> Field<'a, 'c> {
 
     fn note(&mut self, claimant: &Claimant, kind: UseKind) {
         for need in &claimant.needs {
-            let granted = Use { task: claimant.id, amount: need.amount, kind };
-            self.uses.entry(need.resource).or_default().push(granted);
+            self.add(need.resource, Use { task: claimant.id, amount: need.amount, kind });
         }
     }
 
-    fn total(&self, id: ResourceId) -> f64 {
+    /// Notes the use of a resource.
+    pub(crate) fn add(&mut self, id: ResourceId, used: Use) {
+        self.load(id);
+        let total = self.total(id);
+        let uses = self.uses.entry(id).or_default();
+        let awaits = |each: &Use| matches!(each.kind, UseKind::Awaited(_));
+        let claimed = || uses.iter().filter(|each| awaits(each)).map(|each| each.amount).sum::<f64>();
+        if !awaits(&used) || self.notes == Notes::Each {
+            return uses.push(used);
+        }
+        if self.notes == Notes::Enough {
+            if claimed() <= total + TOLERANCE {
+                uses.push(used);
+            }
+            return;
+        }
+        match uses.iter_mut().find(|each| each.kind == used.kind) {
+            Some(claims) => claims.amount += used.amount,
+            None => uses.push(used),
+        }
+    }
+
+    /// All uses of a resource that was looked at.
+    pub(crate) fn uses_of(&self, id: ResourceId) -> &[Use] {
+        self.uses.get(&id).map(Vec::as_slice).unwrap_or_default()
+    }
+
+    /// All who have the resource, or get it.
+    pub(crate) fn users(&self, id: ResourceId, resource: &Resource) -> Vec<Use> {
+        match self.uses.get(&id) {
+            Some(uses) => uses.iter().filter(|each| !matches!(each.kind, UseKind::Awaited(_))).cloned().collect(),
+            None => {
+                let holders = resource.holders.iter().filter(|holding| !self.displaced.contains(&holding.task));
+                let held = |task, amount| Use { task, amount, kind: UseKind::Held };
+                holders.map(|holding| held(holding.task, holding.amount)).collect()
+            }
+        }
+    }
+
+    /// What there is of a resource.
+    pub(crate) fn total(&self, id: ResourceId) -> f64 {
         self.cycle.agent.resources.get(id).map_or(0.0, |resource| resource.total)
     }
 
@@ -343,13 +366,13 @@ impl<'a, 'c> Field<'a, 'c> {
         // It begins when one of those in its way is done, if all of them said when that is.
         let ends: Option<Vec<Time>> = rivals.iter().map(|each| self.expected_end(each)).collect();
         let earliest = ends.and_then(|ends| ends.into_iter().min());
-        self.note(claimant, UseKind::Awaited(earliest));
+        self.note(claimant, UseKind::Awaited(earliest.filter(|_| self.notes != Notes::Enough)));
         refusal
     }
 
     /// When a rival is expected to be done with the resource, if somebody said; one that only claims it cannot be done
     /// before it begins.
-    fn expected_end(&self, rival: &Use) -> Option<Time> {
+    pub(crate) fn expected_end(&self, rival: &Use) -> Option<Time> {
         if let UseKind::Awaited(earliest) = rival.kind {
             return earliest;
         }

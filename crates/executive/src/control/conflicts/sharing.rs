@@ -10,9 +10,10 @@ use apex_model::time::Time;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Amounts are equal when they differ by less than this: sums of fractions are not exact.
-const TOLERANCE: f64 = 1e-9;
+pub(crate) const TOLERANCE: f64 = 1e-9;
 
 /// A share of a resource that counts against later claimants.
+#[derive(Clone)]
 pub(crate) struct Use {
     /// Whose.
     pub(crate) task: TaskId,

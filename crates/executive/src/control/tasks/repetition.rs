@@ -9,8 +9,9 @@ use crate::control::tasks::instantiation::{self, Seed};
 use crate::control::tasks::{binding, monitoring_clauses, procedure, termination};
 use crate::control::transition::{Trigger, transition};
 use crate::expression::evaluate;
+use crate::monitoring::stimulus::Stimulus;
 use crate::state::bindings::Bindings;
-use crate::state::clause::{Clause, Level};
+use crate::state::clause::{Clause, Level, MonitorId};
 use crate::state::monitors::monitor::Window;
 use crate::state::step_clauses::StepClauses;
 use crate::state::task::{HeldBack, Origin};
@@ -60,6 +61,14 @@ fn condition(cycle: &Cycle<'_>, id: TaskId, expr: Option<&Expr>, default: bool) 
 /// Do `:while` and `:until` allow another instance?
 fn is_allowed(cycle: &Cycle<'_>, id: TaskId, clause: &Repetition) -> Result<bool, Because> {
     Ok(condition(cycle, id, clause.while_true.as_ref(), true)? && !condition(cycle, id, clause.until.as_ref(), false)?)
+}
+
+/// A step that might have been repeated has ended: conditions that wait for its end notice it.
+pub(crate) fn ended_for_good(cycle: &mut Cycle<'_>, id: TaskId, outcome: &Outcome) {
+    if matches!(outcome, Outcome::Success(_)) && cycle.may_repeat(id) && !cycle.agent.interests.ignore_task(id) {
+        let before = MonitorId(cycle.agent.next.monitor);
+        cycle.work.stimuli.push(Stimulus::TaskEnded { task: id, at: cycle.now, before });
+    }
 }
 
 /// Makes the ended task pending again when its step says so. False when it has ended for good.

@@ -159,6 +159,7 @@ fn react(cycle: &mut Cycle<'_>, parent: TaskId, child: TaskId) {
         Some(Controller::Procedure(_)) if failed => fail(cycle, parent, because),
         Some(Controller::Procedure(_)) => {
             if !repetition::repeat(cycle, child, &outcome) {
+                repetition::ended_for_good(cycle, child, &outcome);
                 procedure::step_ended(cycle, parent, child);
             }
         }

@@ -1,0 +1,316 @@
+//! Arbitration at the front of queues (TC)
+//! What: arbitrates resources by looking only at those claimants in their queues that could get something.
+//! Runs: contend phase, before conflict resolution, which arbitrates what cannot be decided so.
+//! Reads: ResourceTable, priorities, ancestors.  Writes: nothing.
+//! Bound: O((f + n) * r * log c) for c claimants, f of which find room at the front, n that claim since this round, and r
+//! resources of one claimant; plus O(q) for q resources that claimants need together, where tasks say how long they take.
+//! PDL: section 9, conflict.  Paper: section III, detecting and resolving conflicts.
+//!
+//! A claimant that is refused keeps its place, so whatever those in front of a claimant need is not free for it. Where the
+//! sum of that and of what stronger tasks hold exceeds a resource, all claimants from there on are refused. The others,
+//! and all that come before them in any of their queues, go through conflict resolution. Only a task that fills a gap
+//! can begin in spite of those in front of it: where one might, all are compared.
+
+use crate::control::conflicts::arbitration::{Arbitration, Loss, Refusal, Rival, Watch};
+use crate::control::conflicts::competition::{Claimant, as_claimant, is_eligible};
+use crate::control::conflicts::conflict::{Field, Placement, left_behind};
+use crate::control::conflicts::curve::RisingTerm;
+use crate::control::conflicts::resources::needs_in;
+use crate::control::conflicts::sharing::{TOLERANCE, Use, UseKind};
+use crate::control::conflicts::{claim_queue, gaps, priority};
+use crate::control::cycle::Cycle;
+use crate::state::agent::Agent;
+use crate::state::resource::{Resource, ResourceId};
+use crate::state::turns::InTurn;
+use crate::state::waiting::{Claim, QueueKey, QueuePlace, Waiting};
+use apex_model::task::TaskId;
+use apex_model::time::Time;
+use std::collections::{BTreeMap, BTreeSet};
+use std::iter::{Peekable, successors};
+use std::rc::Rc;
+
+/// Can the queues of this resource decide by themselves, as far as it alone can say?
+pub(crate) fn is_queued(cycle: &Cycle<'_>, id: ResourceId) -> bool {
+    let agent = &*cycle.agent;
+    let Some(resource) = agent.resources.get(id) else { return false };
+    let waiting = &resource.waiting;
+    if resource.depletable || !waiting.all_in_queues() {
+        return false;
+    }
+    let Ok(ranked) = waiting.priority_of_ranked() else { return false };
+    resource.holders.iter().all(|holding| {
+        let holder = agent.task(holding.task);
+        // What it holds for its steps it may have begun to hold when they claimed already.
+        let shares = holder.is_some_and(|task| task.extras.as_ref().is_some_and(|extras| !extras.held.is_empty()));
+        let mut above = successors(holder, |task| agent.task(task.parent?)).skip(1);
+        let holds = |id: TaskId| resource.holders.iter().any(|other| other.task == id);
+        let alone = !above.any(|task| waiting.contains(task.id) || holds(task.id));
+        !shares && alone && !may_stand_for_others(cycle, holding.task, resource, ranked)
+    })
+}
+
+/// Can the priority of claimants behind a holder with a rank count for it, or that of the holder for them? Not where it
+/// holds nothing else, and all with ranks are equally important.
+fn may_stand_for_others(cycle: &Cycle<'_>, holder: TaskId, resource: &Resource, ranked: Option<f64>) -> bool {
+    let agent = &*cycle.agent;
+    if !priority::is_ranked(agent, holder) {
+        return false;
+    }
+    let own = priority::priority(agent, holder, cycle.now);
+    let others = resource.holders.iter().map(|holding| holding.task).filter(|other| priority::is_ranked(agent, *other));
+    let mut priorities = others.map(|other| priority::priority(agent, other, cycle.now)).chain(ranked);
+    needs_in(agent, holder).len() > 1 || priorities.any(|priority| priority != own)
+}
+
+/// Arbitrates the resources in `dirty`, with all that tasks leave that are displaced; `fresh` claim since this round.
+/// None where the claimants must be compared with one another.
+pub(crate) fn decide(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, fresh: &BTreeSet<TaskId>) -> Option<Arbitration> {
+    let mut dirty = dirty.clone();
+    let mut gone = BTreeSet::new();
+    loop {
+        let mut front = Front::new(cycle, gone.clone());
+        dirty.iter().try_for_each(|id| front.look_at(*id))?;
+        let result = front.place_all(fresh)?;
+        let known = (dirty.len(), gone.len());
+        dirty.extend(left_behind(cycle, &result));
+        gone.extend(result.displaced.iter().map(|loss| loss.loser));
+        if (dirty.len(), gone.len()) == known {
+            let whole = !front.may_leave_a_gap(&dirty, &result);
+            return if whole { Some(result) } else { gaps::decide(cycle, &dirty, fresh) };
+        }
+    }
+}
+
+/// Claimants at the front while they are placed.
+struct Front<'a, 'c> {
+    cycle: &'a Cycle<'c>,
+    field: Field<'a, 'c>,
+    /// Those that will lose what they hold: their places may be free.
+    gone: BTreeSet<TaskId>,
+    candidates: BTreeSet<QueueKey>,
+    placed: BTreeSet<TaskId>,
+    queues: BTreeMap<ResourceId, Queue<'a>>,
+    /// The first of each queue that finds no room, with the resource.
+    outside: Vec<(TaskId, ResourceId)>,
+}
+
+/// A queue, as far as it was gone through.
+struct Queue<'a> {
+    rest: Peekable<Box<dyn Iterator<Item = QueueKey> + 'a>>,
+    /// What all need together that were passed.
+    claimed: f64,
+    /// The last one that was passed.
+    last: Option<QueueKey>,
+}
+
+impl<'a, 'c> Front<'a, 'c> {
+    fn new(cycle: &'a Cycle<'c>, gone: BTreeSet<TaskId>) -> Front<'a, 'c> {
+        let field = Field::brief(cycle);
+        let (candidates, placed) = (BTreeSet::new(), BTreeSet::new());
+        Front { cycle, field, gone, candidates, placed, queues: BTreeMap::new(), outside: Vec::new() }
+    }
+
+    /// Finds the claimants of a resource that could find room in it.
+    fn look_at(&mut self, id: ResourceId) -> Option<()> {
+        let resource = usable(self.cycle, id)?;
+        let holders: Vec<Use> = resource
+            .holders
+            .iter()
+            .filter(|holding| !self.gone.contains(&holding.task))
+            .map(|holding| Use { task: holding.task, amount: holding.amount, kind: UseKind::Held })
+            .collect();
+        let held: f64 = holders.iter().map(|each| each.amount).sum();
+        let ranked = resource.waiting.priority_of_ranked() != Ok(None);
+        let (mut claimed, mut beats, mut last) = (0.0, true, None);
+        let mut turns = in_turn(self.cycle, &resource.waiting);
+        let outside = loop {
+            let Some(key) = turns.next() else { break None };
+            if !is_eligible(self.cycle.agent, key.task()) {
+                continue;
+            }
+            same_rank_is_unbegun(&mut last, key)?;
+            let claimant = as_claimant(self.cycle, key.task());
+            let amount = amount_of(&claimant, id);
+            let beaten = if beats { self.beaten(&claimant, id, &holders) } else { 0.0 };
+            // Whoever comes later is weaker, but where ranks count.
+            beats = ranked || beaten > 0.0;
+            let finds_room = held - beaten + claimed + amount <= resource.total + TOLERANCE;
+            if finds_room {
+                self.candidates.insert(key);
+            } else if !ranked || claimed > resource.total + TOLERANCE {
+                break Some(key);
+            }
+            claimed += amount;
+        };
+        let heads: Vec<QueueKey> = turns.heads().collect();
+        self.outside.extend(outside.into_iter().chain(heads).map(|key| (key.task(), id)));
+        Some(())
+    }
+
+    fn beaten(&self, claimant: &Claimant, id: ResourceId, holders: &[Use]) -> f64 {
+        let beaten = holders.iter().filter(|rival| self.field.confront(claimant, id, rival).is_ok());
+        beaten.map(|rival| rival.amount).sum()
+    }
+
+    /// Lets the candidates and those that claim since this round compete in their turns.
+    fn place_all(&mut self, fresh: &BTreeSet<TaskId>) -> Option<Arbitration> {
+        for task in fresh {
+            self.candidates.extend(key_of(self.cycle, *task));
+        }
+        let mut result = Arbitration::default();
+        while let Some(key) = self.candidates.pop_first() {
+            let claimant = as_claimant(self.cycle, key.task());
+            for need in &claimant.needs {
+                self.pass_until(need.resource, key)?;
+            }
+            self.placed.insert(claimant.id);
+            match self.field.place(&claimant) {
+                Placement::Granted(losses) => {
+                    for loss in losses {
+                        self.candidates.insert(key_of_loser(self.cycle, &loss)?);
+                        result.displaced.push(loss);
+                    }
+                    result.granted.push(claimant.id);
+                }
+                // Whether time alone changes that is asked of the first one outside only.
+                Placement::Refused(refusal) => result.refused.push(Refusal { rivals: Vec::new(), ..refusal }),
+                Placement::Impossible(need, total) => {
+                    result.impossible.push((claimant.id, need.resource, need.amount, total));
+                }
+            }
+        }
+        result.watched = self.watched(&result);
+        Some(result)
+    }
+
+    /// Notes what those claim who come before `key` in the queue of a resource.
+    fn pass_until(&mut self, id: ResourceId, key: QueueKey) -> Option<()> {
+        if !self.queues.contains_key(&id) {
+            let resource = usable(self.cycle, id)?;
+            let rest: Box<dyn Iterator<Item = QueueKey> + 'a> = Box::new(in_turn(self.cycle, &resource.waiting));
+            self.queues.insert(id, Queue { rest: rest.peekable(), claimed: 0.0, last: None });
+        }
+        let total = self.field.total(id);
+        let queue = self.queues.get_mut(&id)?;
+        // Where more is claimed than there is, all others are refused.
+        while queue.claimed <= total + TOLERANCE
+            && let Some(next) = queue.rest.next_if(|next| *next <= key)
+        {
+            let task = next.task();
+            if !is_eligible(self.cycle.agent, task) {
+                continue;
+            }
+            same_rank_is_unbegun(&mut queue.last, next)?;
+            let claimant = as_claimant(self.cycle, task);
+            queue.claimed += amount_of(&claimant, id);
+            if next != key && !self.placed.contains(&task) {
+                let awaited = Use { task, amount: amount_of(&claimant, id), kind: UseKind::Awaited(None) };
+                self.field.add(id, awaited);
+            }
+        }
+        Some(())
+    }
+
+    /// The first claimants without room, whose priorities may rise above those of tasks in their way.
+    fn watched(&self, result: &Arbitration) -> Vec<Watch> {
+        let agent = &*self.cycle.agent;
+        let mut watched = Vec::new();
+        for (task, id) in &self.outside {
+            let Some(resource) = agent.resources.get(*id) else { continue };
+            let moves = |task: TaskId| priority::moves(agent, task) || priority::reads_inputs(agent, task);
+            let rivals = || self.field.uses_of(*id).iter().filter(|each| each.task != *task);
+            let any = resource.waiting.has_rising() || rivals().any(|each| moves(each.task));
+            if !any || result.granted.contains(task) {
+                continue;
+            }
+            let rival = |each: &Use| Rival {
+                task: each.task,
+                holds: !matches!(each.kind, UseKind::Awaited(_)),
+                stands_for: Rc::new([each.task]),
+            };
+            watched.push(Watch { task: *task, stands_for: Rc::new([*task]), rivals: rivals().map(rival).collect() });
+        }
+        watched
+    }
+
+    /// Could a task be done before one in front of it can begin? Only where a resource has room that is awaited, and it is
+    /// known how long somebody takes.
+    fn may_leave_a_gap(&self, dirty: &BTreeSet<ResourceId>, result: &Arbitration) -> bool {
+        let agent = &*self.cycle.agent;
+        let granted: BTreeSet<TaskId> = result.granted.iter().copied().collect();
+        let mut open: Vec<ResourceId> = dirty.iter().copied().collect();
+        let mut seen = dirty.clone();
+        let (mut latest, mut shortest) = (None, None);
+        while let Some(resource) = open.pop().and_then(|id| Some((id, agent.resources.get(id)?))) {
+            let (id, resource) = resource;
+            let mut used = 0.0;
+            for each in self.field.users(id, resource) {
+                used += each.amount;
+                latest = latest.max(self.field.expected_end(&each));
+            }
+            let waiting = &resource.waiting;
+            // One that leaves the gap, and one that fills it.
+            let waits = waiting.len() > granted.iter().filter(|task| waiting.contains(**task)).count() + 1;
+            if waits && used < resource.total - TOLERANCE {
+                shortest = [shortest, waiting.shortest()].into_iter().flatten().min();
+            }
+            let matters = |id: &ResourceId| {
+                agent.resources.get(*id).is_some_and(|other| other.waiting.len() > 1 || !other.holders.is_empty())
+            };
+            open.extend(waiting.others().filter(matters).filter(|other| seen.insert(*other)));
+        }
+        latest.zip(shortest).is_some_and(|(latest, shortest): (Time, _)| self.cycle.now + shortest <= latest)
+    }
+}
+
+/// What a priority of this importance that rises until `due` is now.
+fn risen_to<'a>(cycle: &'a Cycle<'_>) -> impl Fn(f64, Time) -> f64 + 'a {
+    let (agent, now): (&'a Agent, Time) = (cycle.agent, cycle.now);
+    move |importance, due| priority::risen(agent, RisingTerm { importance, due }, now)
+}
+
+/// Claimants of a resource, the first first.
+pub(crate) fn in_turn<'a>(cycle: &'a Cycle<'_>, waiting: &'a Waiting) -> InTurn<'a, impl Fn(f64, Time) -> f64 + 'a> {
+    waiting.in_turn(cycle.now, risen_to(cycle))
+}
+
+fn usable<'a>(cycle: &'a Cycle<'_>, id: ResourceId) -> Option<&'a Resource> {
+    cycle.agent.resources.get(id).filter(|_| is_queued(cycle, id))
+}
+
+fn amount_of(claimant: &Claimant, id: ResourceId) -> f64 {
+    claimant.needs.iter().find(|need| need.resource == id).map_or(0.0, |need| need.amount)
+}
+
+/// Where a task that loses what it holds stands among those that claim it; none if its place is not in a queue.
+pub(crate) fn key_of_loser(cycle: &Cycle<'_>, loss: &Loss) -> Option<QueueKey> {
+    let claimant = as_claimant(cycle, loss.loser);
+    let takes_in = |key: &QueueKey| {
+        let mut needed = claimant.needs.iter().filter_map(|need| cycle.agent.resources.get(need.resource));
+        needed.all(|resource| resource.waiting.takes_in(key))
+    };
+    match claim_queue::claim_of(cycle, loss.loser, &claimant.needs) {
+        Claim::Queued { place: QueuePlace::Steady(key), .. } => Some(key).filter(takes_in),
+        Claim::Queued { place: QueuePlace::Rising(key), .. } => {
+            let priority = risen_to(cycle)(key.importance, key.due);
+            Some(QueueKey { priority, rank: None, begun: key.begun, order: key.order })
+        }
+        Claim::Apart => None,
+    }
+}
+
+/// The place of a task that claims, if it is in a queue.
+pub(crate) fn key_of(cycle: &Cycle<'_>, task: TaskId) -> Option<QueueKey> {
+    let agent = &*cycle.agent;
+    let need = agent.task(task)?.selection.as_ref()?.needs.first().copied();
+    let need = need.or_else(|| agent.task(task)?.extras.as_ref()?.held.first().copied())?;
+    agent.resources.get(need.resource)?.waiting.key_of(task, risen_to(cycle))
+}
+
+/// None where a claimant that has begun has the rank of its neighbour: which comes first depends on more than the two.
+fn same_rank_is_unbegun(last: &mut Option<QueueKey>, key: QueueKey) -> Option<()> {
+    let before = last.replace(key);
+    let tied = before.is_some_and(|before| key.rank.is_some() && before.rank == key.rank);
+    let begun = key.begun || before.is_some_and(|before| before.begun);
+    (!(tied && begun)).then_some(())
+}

@@ -1,0 +1,133 @@
+//! Gaps (TC)
+//! What: arbitrates resources that have room while somebody waits for them, in the order of turns, until no claimant that
+//! is left can get anything.
+//! Runs: contend phase, where a task that says how long it takes could be done before one in front of it can begin.
+//! Reads: ResourceTable, priorities.  Writes: nothing.
+//! Bound: O(n * r * log c) for the n claimants that come before the last one that gets something, of c, plus O(s) for each
+//! of them, for s sets of resources that claimants need together.
+//! PDL: `expected-duration`, `duration`, section 9, conflict.  Paper: section III, detecting and resolving conflicts.
+
+use crate::control::conflicts::arbitration::Arbitration;
+use crate::control::conflicts::competition::{as_claimant, is_eligible};
+use crate::control::conflicts::conflict::{Field, Placement};
+use crate::control::conflicts::front::{in_turn, is_queued, key_of, key_of_loser};
+use crate::control::conflicts::priority;
+use crate::control::conflicts::sharing::{TOLERANCE, UseKind};
+use crate::control::cycle::Cycle;
+use crate::state::resource::{Resource, ResourceId};
+use crate::state::waiting::QueueKey;
+use apex_model::task::TaskId;
+use apex_model::time::Time;
+use std::collections::{BTreeMap, BTreeSet};
+use std::iter::Peekable;
+
+/// Arbitrates the resources in `dirty` and all that claimants need in addition; `fresh` claim since this round. None where
+/// the claimants must be compared with one another.
+pub(crate) fn decide(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, fresh: &BTreeSet<TaskId>) -> Option<Arbitration> {
+    let mut turns = Turns::of(cycle, dirty)?;
+    let mut untold: BTreeSet<TaskId> = fresh.iter().copied().filter(|task| key_of(cycle, *task).is_some()).collect();
+    let mut result = Arbitration::default();
+    while let Some(key) = turns.next() {
+        if untold.is_empty() && turns.is_over(key) {
+            break;
+        }
+        let claimant = as_claimant(cycle, key.task());
+        untold.remove(&claimant.id);
+        match turns.field.place(&claimant) {
+            Placement::Granted(losses) => {
+                for loss in losses {
+                    turns.losers.insert(key_of_loser(cycle, &loss)?);
+                    result.displaced.push(loss);
+                }
+                result.granted.push(claimant.id);
+            }
+            Placement::Refused(refusal) => result.refused.push(refusal),
+            Placement::Impossible(need, total) => {
+                result.impossible.push((claimant.id, need.resource, need.amount, total));
+            }
+        }
+    }
+    Some(result)
+}
+
+/// Claimants of several resources, in the order of their turns.
+struct Turns<'a, 'c> {
+    cycle: &'a Cycle<'c>,
+    field: Field<'a, 'c>,
+    queues: Vec<Peekable<Box<dyn Iterator<Item = QueueKey> + 'a>>>,
+    resources: BTreeMap<ResourceId, &'a Resource>,
+    /// Those that lost what they had, and claim it again.
+    losers: BTreeSet<QueueKey>,
+}
+
+impl<'a, 'c> Turns<'a, 'c> {
+    /// None where a claimant or a holder has a rank, or a priority that time or an input changes.
+    fn of(cycle: &'a Cycle<'c>, dirty: &BTreeSet<ResourceId>) -> Option<Turns<'a, 'c>> {
+        let agent = &*cycle.agent;
+        let mut open: Vec<ResourceId> = dirty.iter().copied().collect();
+        let mut seen = dirty.clone();
+        let (mut queues, mut resources) = (Vec::new(), BTreeMap::new());
+        while let Some(id) = open.pop() {
+            let resource = agent.resources.get(id).filter(|_| is_queued(cycle, id))?;
+            let waiting = &resource.waiting;
+            let unsteady = |task: TaskId| {
+                priority::moves(agent, task) || priority::reads_inputs(agent, task) || priority::is_ranked(agent, task)
+            };
+            if waiting.has_rising()
+                || waiting.priority_of_ranked() != Ok(None)
+                || resource.holders.iter().any(|holding| unsteady(holding.task))
+            {
+                return None;
+            }
+            let eligible = in_turn(cycle, waiting).filter(|key| is_eligible(agent, key.task()));
+            let queue: Box<dyn Iterator<Item = QueueKey> + 'a> = Box::new(eligible);
+            queues.push(queue.peekable());
+            resources.insert(id, resource);
+            open.extend(waiting.others().filter(|other| seen.insert(*other)));
+        }
+        Some(Turns { cycle, field: Field::grouped(cycle), queues, resources, losers: BTreeSet::new() })
+    }
+
+    fn next(&mut self) -> Option<QueueKey> {
+        let queued = self.queues.iter_mut().filter_map(|queue| queue.peek().copied());
+        let next = queued.chain(self.losers.first().copied()).min()?;
+        self.losers.remove(&next);
+        for queue in &mut self.queues {
+            queue.next_if(|key| *key == next);
+        }
+        Some(next)
+    }
+
+    /// Can neither `next` nor anyone after it get anything? They beat no holder, and each needs something that is taken,
+    /// or that is awaited for longer than a gap allows.
+    fn is_over(&self, next: QueueKey) -> bool {
+        if !self.losers.is_empty() {
+            return false;
+        }
+        let (mut latest, mut room) = (None, BTreeMap::new());
+        for (id, resource) in &self.resources {
+            let mut taken = 0.0;
+            for each in self.field.users(*id, resource) {
+                if each.kind == UseKind::Held && next.priority > self.field.defence(each.task).total() {
+                    return false;
+                }
+                taken += each.amount;
+                latest = latest.max(self.field.expected_end(&each));
+            }
+            let awaited = self.field.uses_of(*id).iter().filter(|each| matches!(each.kind, UseKind::Awaited(_)));
+            let awaited: f64 = awaited.map(|each| each.amount).sum();
+            if taken < resource.total - TOLERANCE {
+                room.insert(*id, taken + awaited < resource.total - TOLERANCE);
+            }
+        }
+        let is_open = |id: &ResourceId, resource: &Resource| {
+            resource.waiting.together().any(|(others, shortest)| {
+                let mut all = others.iter().chain([id]);
+                let unclaimed = others.iter().chain([id]).all(|each| room.get(each) == Some(&true));
+                let fits = |(latest, shortest): (Time, _)| self.cycle.now + shortest <= latest;
+                all.all(|each| room.contains_key(each)) && (unclaimed || latest.zip(shortest).is_some_and(fits))
+            })
+        };
+        !self.resources.iter().any(|(id, resource)| room.contains_key(id) && is_open(id, resource))
+    }
+}

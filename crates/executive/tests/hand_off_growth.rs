@@ -1,0 +1,66 @@
+//! The price of handing a resource on must not grow with those who wait for it, whatever they need and say.
+
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
+#![allow(
+    clippy::disallowed_types,
+    clippy::disallowed_methods,
+    reason = "the test measures how long the executive takes"
+)]
+
+mod support;
+
+use apex_executive::step;
+use apex_model::event::Batch;
+use std::time::{Duration, Instant};
+use support::{agent, seconds};
+
+/// Declarations, the profile of a competitor by number, and what else its step says.
+type KindOfCompetitor = (&'static str, &'static str, fn(usize) -> String, &'static str);
+
+/// Competitors with known durations, as `use NUMBER SECONDS` of one procedure.
+fn program((_, declared, profile, clause): KindOfCompetitor, order: &str, count: usize) -> String {
+    let step = |number: usize| {
+        format!("  (step s{number} (use {}s) (profile {}) {clause})\n", 1 + number % 3, profile(number))
+    };
+    let steps: String = (0..count).map(step).collect();
+    format!(
+        "{declared}\n(procedure {order} (index (do-domain))\n{steps})\n(primitive (index (use ?d)) (duration ?d))\n"
+    )
+}
+
+/// The least time that a hand-off takes among `count` competitors.
+fn least(text: &str) -> Duration {
+    let mut agent = agent(text);
+    step(&mut agent, &Batch { now: seconds(0.0), events: Vec::new() });
+    let mut least = Duration::MAX;
+    for instant in 1..60 {
+        let now = seconds(f64::from(instant));
+        let start = Instant::now();
+        let effects = step(&mut agent, &Batch { now, events: Vec::new() });
+        if !effects.is_empty() {
+            least = least.min(start.elapsed());
+        }
+    }
+    assert!(least < Duration::MAX, "no hand-off happened");
+    least
+}
+
+/// Before claimants were looked at from the front of queues, ten times as many took a hundred times as long.
+#[test]
+fn ten_times_as_many_competitors_cost_much_less_than_ten_times_as_much() {
+    let kinds: [KindOfCompetitor; 6] = [
+        ("known durations", "", |_| "r".into(), ""),
+        ("two resources", "", |_| "r q".into(), ""),
+        ("capacity 2", "(resource r :capacity 2)", |_| "(r 1)".into(), ""),
+        ("capacity 3, amounts", "(resource r :capacity 3)", |number| format!("(r {})", 1 + number % 3), ""),
+        ("pairs", "", |number| format!("r{} r{}", number % 5, (number + 1 + number % 3) % 5), ""),
+        ("urgency", "", |_| "r".into(), "(priority :urgency 3 :importance 5)"),
+    ];
+    let ranked = (kinds[0], ":ranked");
+    for (kind, order) in kinds.map(|kind| (kind, "")).into_iter().chain([ranked]) {
+        let few = least(&program(kind, order, 100));
+        let many = least(&program(kind, order, 1_000));
+        println!("{} {order}: {few:?} among 100, {many:?} among 1,000", kind.0);
+        assert!(many < few * 8, "{} {order}: {few:?} among 100, {many:?} among 1,000", kind.0);
+    }
+}
