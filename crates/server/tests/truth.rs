@@ -1,7 +1,7 @@
 //! Everything that is shown of an instant is what was known at that instant: shipped missions are flown, and random
 //! instants of their records are compared with the restored agent, and with the same record cut off at that instant.
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing)]
+#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing)]
 
 use apex_mission::Mission;
 use apex_mission::deliberation::PlanningResources;

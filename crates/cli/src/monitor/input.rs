@@ -24,7 +24,7 @@ pub enum Source {
     /// A flight record.
     Record(RecordReader),
     /// A log of another system.
-    Log(LogFile),
+    Log(Box<LogFile>),
 }
 
 /// First bytes of a flight record.
@@ -65,7 +65,7 @@ impl Source {
                 .because("neither its first bytes nor its name's ending say what it is")
                 .help("known are JSON lines, flight records, .ulg, .bin, .log, .tlog, .mcap and .csv"));
         };
-        Ok(Source::Log(LogFile::new(path, format, mapping, own_time)))
+        Ok(Source::Log(Box::new(LogFile::new(path, format, mapping, own_time))))
     }
 
     /// Texts that declare the state variables of the source, next to those of `library`.
@@ -100,7 +100,7 @@ impl Source {
                 sources::inputs_of(&path)?.into_iter().try_for_each(|input| sink(input.at, input.kind))
             }
             Source::Record(reader) => feed_record(&reader, sink),
-            Source::Log(log) => feed_log(log, library, sink),
+            Source::Log(log) => feed_log(*log, library, sink),
         }
     }
 }

@@ -175,7 +175,7 @@ impl RowStore for Twin {
 fn as_stored(cell: Cell<'_>) -> Value {
     match Value::try_from(cell) {
         Ok(Value::Real(real)) if real.is_nan() => Value::Null,
-        Ok(Value::Real(real)) if real == 0.0 => Value::Real(0.0),
+        Ok(Value::Real(0.0)) => Value::Real(0.0),
         Ok(value) => value,
         Err(_) => Value::Null,
     }
