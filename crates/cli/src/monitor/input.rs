@@ -22,7 +22,7 @@ pub enum Source {
     /// A file of such lines.
     LinesFile(PathBuf),
     /// A flight record.
-    Record(RecordReader),
+    Record(Box<RecordReader>),
     /// A log of another system.
     Log(Box<LogFile>),
 }
@@ -45,7 +45,7 @@ impl Source {
         let length = file.read(&mut first).map_err(|error| unreadable(path, &error))?;
         first.truncate(length);
         if first.starts_with(RECORD_MAGIC) {
-            return no_mapping(Source::Record(recording::open(path)?), mapping.is_some());
+            return no_mapping(Source::Record(Box::new(recording::open(path)?)), mapping.is_some());
         }
         let extension = path.extension().map(|extension| extension.to_string_lossy().into_owned()).unwrap_or_default();
         let lines = ["json", "jsonl", "ndjson"].contains(&extension.to_ascii_lowercase().as_str());
