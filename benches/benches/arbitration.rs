@@ -40,7 +40,7 @@ const KINDS: [(&str, &str, &str); 6] = [
     ("known durations", "", "(index (use ?n)) (profile camera) (expected-duration 1s)"),
     ("two resources", "", "(index (use ?n)) (profile camera link)"),
     ("two resources, known durations", "", "(index (use ?n)) (profile camera link) (expected-duration 1s)"),
-    ("a resource of their own besides", "", "(index (use ?n)) (profile camera (antenna ?n))"),
+    ("a shared and a separate resource", "", "(index (use ?n)) (profile camera (antenna ?n))"),
     ("capacity 2", "(resource link :capacity 2)", "(index (use ?n)) (profile (link 1))"),
     ("urgency", "", "(index (use ?n)) (profile camera)"),
 ];
@@ -114,7 +114,7 @@ fn interrupt_and_resume(criterion: &mut Criterion) {
 fn hand_offs(library: &Arc<Library>, count: usize, iterations: u64) -> Duration {
     let (mut total, mut done) = (Duration::ZERO, 0);
     while done < iterations {
-        // A hand-off uses up one competitor: as many as half of them are measured before all are made anew.
+        // A hand-off uses up one competitor: as many as half of them are measured before all are created again.
         let (mut driven, effects) = Driven::begun(library);
         let mut command = command_in(&effects).expect("one works");
         // The first ones after all were made find nothing in the caches, and would be most of what is measured.

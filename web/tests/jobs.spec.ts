@@ -54,7 +54,7 @@ test('P1: at T+0 nothing is shown that was known later', async ({ page }) => {
   await expect(page.getByTestId('status')).toHaveText('recorded');
   await expect(page.getByTestId('progress')).toHaveText('0 of 22 targets observed');
   await expect(page.getByTestId('legend-known')).toHaveText('22');
-  await expect(page.getByTestId('troubles')).toHaveText('▲ 0');
+  await expect(page.getByTestId('troubles')).toHaveText('▲ 0'); // english: allow
   await expect(page.getByTestId('agenda')).not.toContainText('domke-lake');
   await page.getByTestId('tab-report').click();
   await expect(page.getByTestId('report')).toContainText('The report belongs to the end of the flight.');
@@ -84,7 +84,7 @@ test('P2: the timeline counts what it merges, and zooming shows it', async ({ pa
   const end = mission.end_ns;
   const whole = await ask<Timeline>(`timeline?from=0&to=${end}&at=${end}&lanes=60&px=700`);
   expect(whole.more.lanes).toBeGreaterThan(0);
-  const { troubles } = await ask<Troubles>(`troubles?at=${end}`);
+  const { troubles } = await ask<Troubles>(`troubles?at=${end}`); // english: allow
   const refly = troubles.find(trouble => trouble.kind === 'interrupted' && trouble.t_ns > 50_000e9);
   if (!refly) throw new Error('the flight has no re-fly');
   const atS = refly.t_ns / 1e9;
@@ -105,15 +105,15 @@ test('P2: the timeline counts what it merges, and zooming shows it', async ({ pa
     .toBeGreaterThan(20);
 });
 
-test('n and N go from trouble to trouble', async ({ page }) => {
-  const { troubles } = await ask<Troubles>(`troubles?at=${mission.end_ns}`);
-  test.skip(troubles.length < 2, 'needs a flight with troubles');
+test('n and N go to the next and previous failure or fault', async ({ page }) => {
+  const { troubles } = await ask<Troubles>(`troubles?at=${mission.end_ns}`); // english: allow
+  test.skip(troubles.length < 2, 'needs a flight with failures or faults');
   await open(page);
   const time = page.getByTestId('time');
   await page.keyboard.press('n');
   await expect(time).not.toContainText('T+0:00:00');
   const first = (await time.textContent()) ?? '';
-  await expect(page.getByTestId('troubles')).not.toHaveText('▲ 0');
+  await expect(page.getByTestId('troubles')).not.toHaveText('▲ 0'); // english: allow
   await page.keyboard.press('n');
   await expect(time).not.toHaveText(first);
   await page.keyboard.press('N');
@@ -176,7 +176,7 @@ test('a failed flight looks failed at its end, and not before', async ({ page })
     await expect(page.getByTestId('status')).toHaveText('▲ failed: the initial task failed');
     const colour = await page.getByTestId('status').evaluate(node => getComputedStyle(node).color);
     expect(colour).toBe('rgb(255, 138, 101)');
-    await expect(page.getByTestId('troubles')).not.toHaveText('▲ 0');
+    await expect(page.getByTestId('troubles')).not.toHaveText('▲ 0'); // english: allow
   } finally {
     failed.stop();
   }

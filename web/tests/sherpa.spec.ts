@@ -8,7 +8,7 @@ import { type Server, startServer } from './server';
 
 /** The width of the timeline's column of names. */
 const NAMES_PX = 168;
-/** The height of the time axis, below the rail of troubles. */
+/** The height of the time axis, below the rail of failures and faults. */
 const AXIS_Y_PX = 26;
 
 let server: Server;

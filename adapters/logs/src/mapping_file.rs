@@ -168,7 +168,7 @@ fn time(items: &[Value]) -> Result<TimeName, String> {
         match name.as_str() {
             ":unit" => {
                 let unit = unit(value)?.filter(|unit| unit.dimension == Dimension::TIME);
-                unit_ns = Some(libm::rint(unit.ok_or("the unit is no time")?.factor * 1e9) as i64);
+                unit_ns = Some(libm::rint(unit.ok_or("the unit is not a unit of time")?.factor * 1e9) as i64);
             }
             other => return Err(format!("`{other}` has no meaning here")),
         }
@@ -280,7 +280,7 @@ mod tests {
             ("(map \"a\" (b c) :unit furlong)", "`furlong` is no unit"),
             ("(map \"a\" (b c) :take yaw)", "roll, pitch and heading are"),
             ("(map \"a\" (b c) :scale)", "`:scale` has no value"),
-            ("(time \"a\" :unit m)", "the unit is no time"),
+            ("(time \"a\" :unit m)", "the unit is not a unit of time"),
             ("\n(map \"a", "m:2:"),
         ] {
             let said = MappingFile::parse("m", text, &read_form).unwrap_err().to_string();

@@ -76,14 +76,14 @@ const BARS: &[Bar] = &[
         None,
     ),
     bar(
-        "hand-off, a resource of their own besides",
-        ["hand-off of each kind", "a resource of their own besides", "1000"],
+        "hand-off, a shared and a separate resource",
+        ["hand-off of each kind", "a shared and a separate resource", "1000"],
         10_000.0,
         None,
     ),
     bar(
-        "hand-off, a resource of their own besides",
-        ["hand-off of each kind", "a resource of their own besides", "100000"],
+        "hand-off, a shared and a separate resource",
+        ["hand-off of each kind", "a shared and a separate resource", "100000"],
         20_000.0,
         None,
     ),

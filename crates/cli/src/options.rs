@@ -308,7 +308,7 @@ pub struct MonitorOptions {
     #[arg(long, value_name = "FILE")]
     pub condition_file: Vec<PathBuf>,
     /// What to watch: JSON lines, a flight record, or a log (.ulg, .bin, .log, .tlog, .mcap, .csv); default is standard input. May be
-    /// given several times: each is watched by itself, and each line names it.
+    /// given several times: each is watched separately, and each line names it.
     #[arg(long, value_name = "FILE")]
     pub inputs: Vec<PathBuf>,
     /// Leave out what was measured or happened before; evidence counts from here on.

@@ -137,7 +137,7 @@ fn scripted_events_are_checked_before_the_flight() {
         "{\"t\": 40, \"evnt\"",
         &["m/scenario.jsonl:2: expected exactly one of", "help: "],
     );
-    picture("scenario.jsonl", event, "{\"t\": 40, event", &["m/scenario.jsonl:2:11: this is no JSON"]);
+    picture("scenario.jsonl", event, "{\"t\": 40, event", &["m/scenario.jsonl:2:11: this is not JSON"]);
     picture("scenario.jsonl", event, "{\"t\": \"soon\", \"event\"", &["m/scenario.jsonl:2: \"t\" is \"soon\""]);
     picture("scenario.jsonl", "camera-1)", "camera-1", &["m/scenario.jsonl:2: \"event\" cannot be read"]);
 }

@@ -266,7 +266,7 @@ fn several_logs_are_watched_into_one_table() {
     assert_eq!(rows.len(), 4);
     let said = desk.apex(&[["monitor", BANKED, "--json"].as_slice(), inputs.as_slice()].concat()).well();
     let lines = said.json_lines();
-    let last = lines.iter().rfind(|line| line["telling"] == "closed").unwrap();
+    let last = lines.iter().rfind(|line| line["telling"] == "closed").unwrap(); // english: allow
     assert_eq!((&last["input"], &last["start_ns"]), (&"b,c.csv".into(), &100_250_000.into()));
     assert_eq!((&last["duration_ns"], &lines.last().unwrap()["until_ns"]), (&99_750_000.into(), &300_000_000.into()));
     // A verdict of any of them can fail.

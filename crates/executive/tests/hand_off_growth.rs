@@ -45,7 +45,7 @@ fn least(text: &str) -> Duration {
     least
 }
 
-/// Before claimants were looked at from the front of queues, ten times as many took a hundred times as long.
+/// Without arbitration at the front of queues, ten times as many took a hundred times as long.
 #[test]
 fn ten_times_as_many_competitors_cost_much_less_than_ten_times_as_much() {
     let kinds: [KindOfCompetitor; 6] = [

@@ -55,7 +55,7 @@ impl Cause {
         }
     }
 
-    /// Ends from outside, choices, bindings, troubles.
+    /// Ends from outside, choices, bindings, faults.
     fn text_of_the_rest(&self) -> String {
         match self {
             Cause::ItemsEnded { items, last } => items_text(*items, *last),

@@ -66,5 +66,5 @@ pub const UPDATE_INTERVAL_DEFAULT_MS: i64 = 100;
 /// Ever shorter spacings of samples that a monitoring session remembers of a variable, to name the largest gap of a result;
 /// samples in a steady rhythm need a few.
 pub const SPACINGS_MAX: usize = 1_000;
-/// Troubles that a monitoring session keeps until they are taken: who does not look does not read more.
+/// Faults that a monitoring session keeps until the caller takes them.
 pub const SESSION_TROUBLES_MAX: usize = 1_000;

@@ -28,7 +28,7 @@ pub fn read_answers(name: &str, text: &str, read_value: ReadValue<'_>) -> Result
 }
 
 fn read_line(line: &str, read_value: ReadValue<'_>) -> Result<ScriptedAnswer, String> {
-    let json = unique_json::parse(line).map_err(|error| format!("this is no JSON: {error}"))?;
+    let json = unique_json::parse(line).map_err(|error| format!("this is not JSON: {error}"))?;
     let Json::Object(fields) = json else {
         return Err(r#"expected an object like {"question": "go on", "value": "yes"}"#.into());
     };

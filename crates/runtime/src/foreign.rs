@@ -159,7 +159,7 @@ fn understand(line: &str, now: Time, read_value: ReadValue<'_>) -> Result<Reques
     if line.len() > INPUT_LINE_BYTES_MAX {
         return Err(format!("the line is longer than {INPUT_LINE_BYTES_MAX} bytes"));
     }
-    let request = unique_json::parse(line).map_err(|error| format!("this is no JSON: {error}"))?;
+    let request = unique_json::parse(line).map_err(|error| format!("this is not JSON: {error}"))?;
     let Json::Object(fields) = request else { return Err("a request is an object".into()) };
     if let Some(stranger) = fields.keys().find(|key| !["advance", "inputs", "stop", "reset"].contains(&key.as_str())) {
         return Err(format!(

@@ -69,7 +69,7 @@ pub fn read_live(line: &str, now: Time, read_value: ReadValue<'_>) -> Result<Inp
     if line.len() > INPUT_LINE_BYTES_MAX {
         return Err(format!("the line is longer than {INPUT_LINE_BYTES_MAX} bytes"));
     }
-    let json = unique_json::parse(line).map_err(|error| format!("this is no JSON: {error}"))?;
+    let json = unique_json::parse(line).map_err(|error| format!("this is not JSON: {error}"))?;
     let Json::Object(fields) = json else { return Err(r#"expected an object like {"event": "(stop)"}"#.into()) };
     read_fields(&fields, now, read_value)
 }
@@ -97,11 +97,11 @@ fn read_line(line: &str, read_value: ReadValue<'_>) -> Result<Input, String> {
     Ok(Input { at, kind, agent })
 }
 
-/// `:7: this is no JSON: expected ..` with the column in the place where readers look for it.
+/// `:7: this is not JSON: expected ..` with the column in the place where readers look for it.
 fn json_fault(error: &serde_json::Error) -> String {
     let text = error.to_string();
     let what = text.split(" at line ").next().unwrap_or(&text);
-    format!(":{}: this is no JSON: {what}", error.column())
+    format!(":{}: this is not JSON: {what}", error.column())
 }
 
 fn time_of(fields: &Map<String, Json>) -> Result<Time, String> {
@@ -268,7 +268,7 @@ mod tests {
         let faults = read_inputs("in.jsonl", text, &read).unwrap_err().0;
         let expected = [
             "in.jsonl:1: \"event\" cannot be read: `)` is missing",
-            "in.jsonl:2:18: this is no JSON: expected `:`",
+            "in.jsonl:2:18: this is not JSON: expected `:`",
             "in.jsonl:3: \"t\" is missing: seconds of mission time",
             "in.jsonl:4: \"t\" is -1; mission time begins at 0 and is given in seconds",
             "in.jsonl:5: \"t\" is \"soon\"; expected a number of seconds",

@@ -60,7 +60,7 @@ pub(crate) struct WhyParams {
     pub(crate) explain: Option<bool>,
 }
 
-/// Parameters of `/api/mission`, `/api/targets`, `/api/plan`, `/api/troubles` and `/api/report`.
+/// Parameters of the answers about a mission up to one instant, for example `/api/mission`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct AtParams {

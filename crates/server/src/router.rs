@@ -34,7 +34,7 @@ pub(crate) fn router(state: Arc<AppState>) -> Router {
         .route("/api/targets", get(targets))
         .route("/api/surroundings", get(surroundings))
         .route("/api/plan", get(plan))
-        .route("/api/troubles", get(troubles))
+        .route("/api/troubles", get(troubles)) // english: allow
         .route("/api/report", get(report))
         .route("/api/source", get(source))
         .route("/api/live", get(live))

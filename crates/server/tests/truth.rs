@@ -95,7 +95,7 @@ fn answers(record: &Path, agent: usize, at_ns: i64) -> Value {
         "track": view.track(&TrackQuery { to_ns, ..TrackQuery::default() }).unwrap(),
         "report": view.report(to_ns).unwrap(),
         "plan": view.plan(to_ns).unwrap(),
-        "troubles": view.troubles(to_ns).unwrap(),
+        "troubles": view.troubles(to_ns).unwrap(), // english: allow
     })
 }
 

@@ -145,7 +145,7 @@ fn an_aircraft_stays_inside_of_what_is_permitted() {
     flown.assert_replays();
 }
 
-/// A face that covers everything around cannot be left sideways: the aircraft levels off below, and goes on.
+/// A face that covers everything around cannot be left sideways: the aircraft levels off below, and continues.
 #[test]
 fn an_aircraft_that_climbs_towards_the_upper_face_of_what_is_permitted_stays_below() {
     let area = zone("permitted", -119.0, 35.5, -115.0, 38.5)
@@ -167,7 +167,7 @@ fn an_aircraft_that_climbs_towards_the_upper_face_of_what_is_permitted_stays_bel
     let highest_m = track.iter().map(|(.., altitude_m)| *altitude_m).fold(0.0, f64::max);
     assert!(highest_m < 4000.0 - 0.9 * buffer.vertical_m, "{highest_m} m");
     let northmost_deg = track.iter().map(|(_, latitude_deg, ..)| *latitude_deg).fold(0.0, f64::max);
-    assert!(northmost_deg > 37.8, "it goes on to its place: {northmost_deg}");
+    assert!(northmost_deg > 37.8, "it continues to its place: {northmost_deg}");
     flown.assert_replays();
 }
 

@@ -291,7 +291,7 @@ export class Player {
     this.ask();
   }
 
-  /** Moves the cursor to the next (1) or previous (-1) trouble that is known at the cursor, and selects what it is about. */
+  /** Moves the cursor to the next (1) or previous (-1) failure or fault that is known at the cursor, and selects what it is about. */
   goToTrouble(direction: 1 | -1): void {
     const before = this.troubles.filter(trouble => trouble.t_ns < this.atNs);
     const trouble = direction < 0 ? before.at(-1) : undefined;
@@ -299,7 +299,7 @@ export class Player {
     else if (direction > 0) void this.goToLaterTrouble();
   }
 
-  /** Moves the cursor to a trouble and selects what it is about. */
+  /** Moves the cursor to a failure or fault and selects what it is about. */
   showTrouble(trouble: Trouble): void {
     this.pause();
     this.selection =
@@ -310,7 +310,7 @@ export class Player {
     this.reveal();
   }
 
-  /** Moves to the next trouble: the one question about later times that the page asks, at the user's wish. */
+  /** Moves to the next failure or fault: the one question about later times that the page asks, at the user's wish. */
   private async goToLaterTrouble(): Promise<void> {
     try {
       const { troubles } = await this.source.troubles(this.range.toNs);

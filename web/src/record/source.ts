@@ -69,7 +69,7 @@ export class ServedRecord implements RecordSource {
   report = (atNs: number): Promise<Report> => this.get('report', { at: whole(atNs) });
   surroundings = (): Promise<Surroundings> => this.get('surroundings', {});
   plan = (atNs: number): Promise<PlanInForce | null> => this.get('plan', { at: whole(atNs) });
-  troubles = (atNs: number): Promise<Troubles> => this.get('troubles', { at: whole(atNs) });
+  troubles = (atNs: number): Promise<Troubles> => this.get('troubles', { at: whole(atNs) }); // english: allow
   targets = async (atNs: number): Promise<Target[]> =>
     (await this.get<Targets>('targets', { at: whole(atNs) })).targets;
   timeline = (query: TimelineQuery): Promise<Timeline> =>

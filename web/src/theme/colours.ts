@@ -10,7 +10,7 @@ const DARK = {
   faint: '#9aa6b3',
   accent: '#4fa8ff',
   danger: '#e5686f',
-  /** Attention: troubles and failures, and nothing else. */
+  /** Attention: faults and failures, and nothing else. */
   att: '#ff8a65',
   sea: '#0d141c',
   land: '#1a232c',

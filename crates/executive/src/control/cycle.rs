@@ -207,13 +207,13 @@ impl<'a> Cycle<'a> {
         self.effects.push(Effect::Decided(Decision { task, kind, because }));
     }
 
-    /// Writes a trouble: named, never silent.
+    /// Reports a fault by name.
     pub(crate) fn trouble(&mut self, task: Option<TaskId>, message: String, place: Option<Place>) {
         let because = Because::new(Cause::ExpressionFailed { message: message.clone() }, place);
         self.decide(task, DecisionKind::Trouble { message }, because);
     }
 
-    /// Writes a trouble that no expression made.
+    /// Reports a fault that no expression caused.
     pub(crate) fn trouble_of(&mut self, task: Option<TaskId>, cause: Cause, place: Option<Place>) {
         let message = cause.text();
         self.decide(task, DecisionKind::Trouble { message }, Because::new(cause, place));

@@ -247,7 +247,7 @@ fn rivals(agent: &Agent, task: &Task, need: &Need) -> Vec<Reason> {
     let refused = task.extras.as_ref().and_then(|extras| extras.refused);
     let still_claims = |winner: &TaskId| resource.waiting.contains(*winner);
     let refused = refused.filter(|(id, _)| *id == need.resource).map(|(_, winner)| winner).filter(still_claims);
-    // Only those at the front hear of each refusal; behind them it is the first one that stands in the way.
+    // Only the claimants at the front receive each refusal; the first claimant blocks those behind it.
     let first = claimants.iter().map(|each| each.id).find(|id| still_claims(id));
     let claimant = refused.or_else(|| first.filter(|id| *id != task.id));
     let holders = resource.holders.iter().map(|holding| holding.task);

@@ -104,7 +104,7 @@ fn look_again(cycle: &mut Cycle<'_>) {
     let concerned: Vec<ResourceId> = concerned.map(|(id, _)| id).collect();
     for id in &concerned {
         let Some(resource) = cycle.agent.resources.get(*id) else { continue };
-        // Who stands where it does whatever is measured has to be looked at only where it inherits from others.
+        // A claimant whose place does not depend on measurements is considered only if it inherits from others.
         let waiting: Vec<TaskId> =
             if inherited { resource.waiting.tasks().collect() } else { resource.waiting.sensitive().collect() };
         for task in waiting {

@@ -18,13 +18,13 @@ pub(super) struct Line<'a> {
     rest: Rest<'a>,
 }
 
-/// What is left of a queue.
+/// The remaining claimants of a queue.
 pub(super) enum Rest<'a> {
     Steady(btree_set::Iter<'a, QueueKey>),
     Rising {
         importance: f64,
         risen: Peekable<btree_set::Iter<'a, Among>>,
-        /// Those that reached the greatest urgency since it was last looked at.
+        /// Those that reached the greatest urgency since the queue was last inspected.
         caught_up: Peekable<std::vec::IntoIter<(Time, Among)>>,
         rising: btree_set::Iter<'a, (Time, bool, FamilyOrder)>,
     },

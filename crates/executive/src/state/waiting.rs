@@ -1,6 +1,6 @@
 //! Claimants of one resource: all of them, and queues of those whose place follows from themselves alone.
 //!
-//! A claimant stands in a queue when its place among the others changes with nothing but variables, or rises with its
+//! A claimant is in a queue when its place among the others changes with nothing but variables, or rises with its
 //! urgency in a way that never changes the order of its equals. The first ones then decide for all behind them.
 //! Others stand apart: where there is one of them, all claimants are compared.
 
@@ -113,7 +113,7 @@ pub(super) type Among = (bool, FamilyOrder);
 /// Claimants of one importance, whose priorities rise.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct RisingLine {
-    /// Those whose urgency was not the greatest when last looked at, the earlier due first.
+    /// Those whose urgency was not the greatest at the last inspection, the earlier due first.
     rising: BTreeSet<(Time, bool, FamilyOrder)>,
     /// Those whose urgency is the greatest.
     risen: BTreeSet<Among>,
@@ -246,7 +246,7 @@ impl Waiting {
         self.sensitive.iter().copied()
     }
 
-    /// True if all that wait stand in queues.
+    /// True if all claimants that wait are in queues.
     pub fn all_in_queues(&self) -> bool {
         self.apart == 0
     }
@@ -304,7 +304,7 @@ impl Waiting {
             && (key.rank.is_none() || !self.has_unranked_at(key.priority) && !self.has_rising())
     }
 
-    /// Where the task stands in its queue; `risen_to` computes a priority from importance and due instant.
+    /// The place of the task in its queue; `risen_to` computes a priority from importance and due instant.
     pub fn key_of(&self, task: TaskId, risen_to: impl Fn(f64, Time) -> f64) -> Option<QueueKey> {
         match self.claims.get(&task)? {
             Claim::Queued { place: QueuePlace::Steady(key), .. } => Some(*key),

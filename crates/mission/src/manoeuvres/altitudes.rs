@@ -12,7 +12,7 @@ use std::f64::consts::FRAC_PI_4;
 const APART_M: f64 = 50.0;
 /// Height kept from the upper and lower faces of zones, at least.
 const ZONE_HEIGHT_M: f64 = 150.0;
-/// Height by which an aircraft may leave its altitude, besides the height that the mission requires from faces.
+/// Height by which an aircraft may leave its altitude, in addition to the height that the mission requires from faces.
 const LEVEL_M: f64 = 10.0;
 
 /// The altitudes to try, rising, above mean sea level.

@@ -189,7 +189,7 @@ fn is_of(path: &Path, extensions: &[&str]) -> bool {
     extension.is_some_and(|extension| extensions.contains(&extension.as_str()))
 }
 
-/// Places alone are no problem: what flies, from where, how long and what for is a mission's.
+/// Places alone do not make a problem: a mission states what flies, from where, how long and what for.
 fn places_alone(path: &Path) -> MissionError {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let folder = path.parent().filter(|folder| folder.join("mission.pdl").is_file());

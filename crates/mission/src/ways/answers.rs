@@ -142,8 +142,8 @@ fn with_option(answer: Value, option: Option<(&str, Value)>) -> Value {
     Value::list(std::iter::once(options).chain(items.iter().skip(1).cloned()))
 }
 
-/// `(way-to-circle HERE TRACK MET PLACE TIME)`: TIME is how long one circles there, or nil. Where the circle has no room, it is
-/// flown around the nearest place where it has (`:centre`).
+/// `(way-to-circle HERE TRACK MET PLACE TIME)`: TIME is how long one circles there, or nil. Where the circle does not fit, it is
+/// flown around the nearest place where it does (`:centre`).
 fn to_circle(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let Some(request) = start(limits, arguments)? else { return Ok(Value::nil()) };
     let [.., place, time] = arguments else { return Ok(Value::nil()) };

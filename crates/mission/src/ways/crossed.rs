@@ -1,4 +1,4 @@
-//! What a way breaks: every zone whose wrong side it passes, so that an operator hears of each before it happens.
+//! What a way breaks: every zone whose wrong side it passes, so that an operator is warned of each before the flight.
 
 use super::limits::Limits;
 use super::straight::{LATE_S, LATE_SHARE};
@@ -12,14 +12,14 @@ const PIECE_M: f64 = 250.0;
 const PIECES_MAX: f64 = 5_000.0;
 
 impl Limits {
-    /// Names of the restricted zones that the way comes within `room_m` of while they are active, in the mission's order, then
-    /// `permitted area` if it may leave that. Around both ends `room_m` is counted where the way has turns, else everywhere: there
+    /// Names of the restricted zones that the way comes within `clearance_m` of while they are active, in the mission's order, then
+    /// `permitted area` if it may leave that. Around both ends `clearance_m` is counted where the way has turns, else everywhere: there
     /// the vehicle chooses its turns itself. Bound: O(corners x pieces).
-    pub(super) fn crossed(&self, request: &Request, way: &Way, (room_m, has_turns): (f64, bool)) -> Vec<String> {
+    pub(super) fn crossed(&self, request: &Request, way: &Way, (clearance_m, has_turns): (f64, bool)) -> Vec<String> {
         let samples = samples(request, way, self.true_airspeed_mps);
-        let room_at_m = |place: Position| {
-            let is_end = [request.from, request.to].iter().any(|end| geodesy::distance_m(*end, place) <= room_m);
-            if is_end || !has_turns { room_m } else { 0.0 }
+        let clearance_at_m = |place: Position| {
+            let is_end = [request.from, request.to].iter().any(|end| geodesy::distance_m(*end, place) <= clearance_m);
+            if is_end || !has_turns { clearance_m } else { 0.0 }
         };
         let altitudes_m = [request.from_altitude_m, way.altitude_m, request.to_altitude_m];
         let low_m = altitudes_m.iter().copied().fold(f64::INFINITY, f64::min);
@@ -36,16 +36,16 @@ impl Limits {
         let mut names: Vec<String> = Vec::new();
         for outline in &restricted {
             let is_entered = samples.iter().any(|(place, from_s, until_s)| {
-                holds(outline.zone, *from_s, *until_s) && outline.reaches(*place, -room_at_m(*place))
+                holds(outline.zone, *from_s, *until_s) && outline.reaches(*place, -clearance_at_m(*place))
             });
             if is_entered && !names.contains(&outline.zone.name) {
                 names.push(outline.zone.name.clone());
             }
         }
         let is_left = |(place, from_s, until_s): &(Position, f64, f64)| {
-            !permitted
-                .iter()
-                .any(|outline| holds(outline.zone, *from_s, *until_s) && outline.reaches(*place, -room_at_m(*place)))
+            !permitted.iter().any(|outline| {
+                holds(outline.zone, *from_s, *until_s) && outline.reaches(*place, -clearance_at_m(*place))
+            })
         };
         if !permitted.is_empty() && samples.iter().any(is_left) {
             names.push("permitted area".to_string());
@@ -68,12 +68,12 @@ impl<'a> Outline<'a> {
         Outline { zone, plane, corners }
     }
 
-    /// Inside, or outside by at most `room_m`; with a negative room inside by at least that.
-    fn reaches(&self, place: Position, room_m: f64) -> bool {
+    /// Inside, or outside by at most `clearance_m`; with a negative clearance inside by at least that.
+    fn reaches(&self, place: Position, clearance_m: f64) -> bool {
         let Some(point) = self.plane.project(place) else { return false };
         let edge_m = plane::segment_to_edges(point, point, &self.corners);
         let outside_m = if plane::inside(point, &self.corners) { -edge_m } else { edge_m };
-        outside_m <= room_m
+        outside_m <= clearance_m
     }
 }
 

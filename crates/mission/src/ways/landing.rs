@@ -9,7 +9,7 @@ use apex_model::problem::Position;
 
 /// Directions of the final approach that are tried, the one into the wind first.
 const COURSES: usize = 12;
-/// Room next to a final approach.
+/// Clearance next to a final approach.
 const APPROACH_ROOM_M: f64 = 1_000.0;
 
 /// A landing by a way.
@@ -103,7 +103,7 @@ const ASIDES: usize = 60;
 const ASIDE_DIRECTIONS: usize = 24;
 
 impl Limits {
-    /// The place nearest to that of a request around which a circle has room; else its own place, and what shuts it.
+    /// The place nearest to that of a request around which a circle fits; else its own place, and what shuts it.
     pub(super) fn circle_centre(&self, request: &Request) -> (Position, Option<String>) {
         let shut_by = |centre: Position| {
             let there = Request { from: centre, to: centre, from_altitude_m: request.to_altitude_m, ..*request };

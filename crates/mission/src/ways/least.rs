@@ -51,9 +51,9 @@ impl Limits {
     /// The way with what it breaks: the requirement without which it was searched, and every zone that it passes. Where the
     /// vehicle chooses its turns itself, every zone near them counts.
     fn breaking(&self, request: &Request, way: Way, (name, why): (&str, &str), has_turns: bool) -> Way {
-        let room_m = TURN_ROOM * self.turn_radius_m_over_ground();
+        let clearance_m = TURN_ROOM * self.turn_radius_m_over_ground();
         let mut names: Vec<String> = name.split("; ").map(str::to_string).collect();
-        names.extend(self.crossed(request, &way, (room_m, has_turns)));
+        names.extend(self.crossed(request, &way, (clearance_m, has_turns)));
         let mut known: Vec<String> = Vec::new();
         for name in names {
             if !name.is_empty() && !known.contains(&name) {
@@ -122,7 +122,7 @@ impl Limits {
                 let azimuth_deg = 360.0 * index as f64 / LOOK_DIRECTIONS as f64;
                 let there = geodesy::destination(position, azimuth_deg, distance_m);
                 if trouble_at(there).is_none() {
-                    // A little farther, so that the way from there has room.
+                    // A little farther, so that the way from there has clearance.
                     let on_m = distance_m + 100.0;
                     let on = geodesy::destination(position, azimuth_deg, on_m);
                     let there = if trouble_at(on).is_none() { on } else { there };
@@ -159,7 +159,7 @@ impl Limits {
             without(of.to_vec(), false).map(|way| self.breaking(request, way, (&of.join("; "), why), false))
         };
         through_one(true)
-            // Only the turns have no room: the vehicle turns where it can.
+            // Only the turns have no clearance: the vehicle turns where it can.
             .or_else(|| through_all(&[]))
             .or_else(|| through_one(false))
             .or_else(|| through_all(&restricted))

@@ -104,7 +104,7 @@ impl Limits {
         let rate_mps = if climb_m > 0.0 { self.climb_rate_mps } else { self.descent_rate_mps };
         let late_s = climb_m.abs() / rate_mps - way_s;
         let here = Request { to: request.from, to_altitude_m: altitude_m, ..*request };
-        // A line is met at its altitude; at a place an aircraft would circle up or down, for which no room is kept there.
+        // A line is met at its altitude; at a place an aircraft would circle up or down, for which no space is kept there.
         let must_be_level =
             request.to_track_rad.is_some() || (self.turn_radius_m > 0.0 && request.circle_radius_m == 0.0);
         let has_room = || self.is_open(&here, CIRCLE_ROOM * self.circle_radius_m());

@@ -11,7 +11,7 @@ use apex_model::value::Value;
 
 /// Why a condition cannot hold.
 pub(crate) struct Impossible {
-    /// Where the trouble stands.
+    /// Place of the fault.
     pub(crate) place: Place,
     /// In words, to follow "this condition can never hold:".
     pub(crate) reason: String,

@@ -1,4 +1,4 @@
-//! Which targets of surveillance can be observed at all, and which are left more quickly over others than straight home.
+//! Which targets of surveillance can be observed at all, and which are left faster over others than straight home.
 //!
 //! Given times need not obey the triangle inequality, so a target that cannot be flown to, or left, at once may be by way of
 //! another one. Bound: O(targets), O(targets^2) where a target cannot be the first.
@@ -20,7 +20,7 @@ pub(super) fn usable(scenario: &Scenario<'_>) -> Vec<usize> {
     (0..count).filter(|target| ends_s.get(*target).is_some_and(|end_s| end_s.is_finite())).collect()
 }
 
-/// Least times home over all departures and any others; empty where the way home itself is always the quickest.
+/// Least times home over all departures and any others; empty where the direct way home is always the fastest.
 pub(super) fn detours_home_s(problem: &SurveillanceProblem) -> Vec<f64> {
     let count = problem.targets.len();
     let (travel, dwells_s) = (&problem.travel, problem.targets.iter().map(|target| target.dwell_s));

@@ -47,7 +47,7 @@ pub struct Scenario<'a> {
     usable: Vec<usize>,
     /// Times that do not depend on the departure.
     typical: Cow<'a, TravelTimes>,
-    /// Least time from the end of each target's observation to the base, over others where that is quicker than the way home;
+    /// Least time from the end of each target's observation to the base, over others where that is faster than the way home;
     /// empty where it is not.
     home_s: Vec<f64>,
     /// What each target costs when it is never visited, and all of them.
@@ -62,7 +62,7 @@ impl<'a> Scenario<'a> {
     /// Prepares `problem`.
     ///
     /// # Errors
-    /// A sentence where the problem makes no sense.
+    /// Describes what is invalid in the problem.
     pub fn new(problem: &'a SurveillanceProblem) -> Result<Scenario<'a>, String> {
         crate::validate::surveillance(problem)?;
         let limit_s = problem.endurance_s.unwrap_or(problem.horizon_s).min(problem.horizon_s);
@@ -99,7 +99,7 @@ impl<'a> Scenario<'a> {
         &self.usable
     }
 
-    /// Can it be quicker to go home over another target? Then whether a flight may end with a visit is known only when it does.
+    /// True if the way home can be faster over another target. Then whether a flight may end with a visit is known only when it does.
     pub fn has_detours_home(&self) -> bool {
         !self.home_s.is_empty()
     }

@@ -10,7 +10,7 @@ use apex_model::time::Time;
 use std::sync::mpsc::{RecvTimeoutError, TryRecvError};
 
 impl Flight<'_, '_> {
-    /// Sleeps until `instant` where the run is paced; an input from people or a solver's answer cuts the sleep short.
+    /// Sleeps until `instant` where the run is paced; an operator's input or a solver's answer cuts the sleep short.
     pub(super) fn wait(&mut self, instant: Time) -> Result<Waited, RunError> {
         let mut flushed = false;
         let listening = self.controls.is_some();
@@ -50,7 +50,7 @@ impl Flight<'_, '_> {
         }
     }
 
-    /// Takes in what somebody says before the input's instant: now.
+    /// Takes in an input that arrives before its instant: now.
     fn take_in(&mut self, mut input: Input) -> Result<(), RunError> {
         input.at = self.pacer.now(self.now, input.at);
         match self.crew.check(&input) {
@@ -62,7 +62,7 @@ impl Flight<'_, '_> {
         }
     }
 
-    /// Waits as long as told for a word from outside, or until it is time to look for a solver's answer.
+    /// Waits as long as `wait` says for a word from outside, or until it is time to look for a solver's answer.
     fn hear(&mut self, wait: Wait) -> Result<Option<Control>, RunError> {
         let wait = match wait {
             Wait::For(span) if self.pool.is_waiting() => Wait::For(span.min(SOLVER_LOOK)),
@@ -75,7 +75,9 @@ impl Flight<'_, '_> {
                     self.pacer.sleep(span);
                     Ok(None)
                 }
-                Wait::Paused => Err(RunError::Options("The run is paused and nobody is there to resume it.".into())),
+                Wait::Paused => {
+                    Err(RunError::Options("The run is paused and no operator is connected to resume it.".into()))
+                }
             };
         };
         let heard = match wait {

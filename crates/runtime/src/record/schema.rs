@@ -27,7 +27,7 @@ pub(super) fn create(path: &Path) -> Result<Connection, RecordError> {
     let connection = Connection::open(path).map_err(fail)?;
     connection.busy_timeout(BUSY_PATIENCE).map_err(fail)?;
     let tables: Vec<&str> = SCHEMA.iter().map(|(_, _, sql)| *sql).collect();
-    // The marks go into the main file before the write-ahead log exists: readers that look at the header only see them. No
+    // The marks go into the main file before the write-ahead log exists: readers that read the header only see them. No
     // rollback journal is left if the program is killed here; nothing is recorded yet.
     connection
         .execute_batch(&format!(
@@ -137,7 +137,7 @@ pub fn look_at_agent(connection: &Connection, agent: usize) -> rusqlite::Result<
     Ok(())
 }
 
-/// SQLite's trouble while writing, as a sentence.
+/// Converts an SQLite error while writing.
 pub(super) fn write_error(path: &Path, doing: &str, error: rusqlite::Error) -> RecordError {
     let (path, doing) = (path.to_path_buf(), doing.to_owned());
     match error.sqlite_error_code() {
@@ -147,7 +147,7 @@ pub(super) fn write_error(path: &Path, doing: &str, error: rusqlite::Error) -> R
     }
 }
 
-/// SQLite's trouble while reading, as a sentence.
+/// Converts an SQLite error while reading.
 pub(super) fn read_error(path: &Path, what: &str, error: rusqlite::Error) -> RecordError {
     RecordError::Damaged { path: path.to_path_buf(), what: format!("{what} cannot be read ({error})") }
 }

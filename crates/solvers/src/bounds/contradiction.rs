@@ -29,7 +29,7 @@ impl Contradiction {
     ) -> Option<Contradiction> {
         let slack = SAME * value.abs().max(bound.abs()).max(SAME);
         let beyond = if less_is_better { bound - value } else { value - bound };
-        // No number is no bound either.
+        // A value that is not a number is not a bound either.
         let agrees = beyond <= slack;
         let error = || Contradiction { problem: problem.clone().into(), plan: plan.clone().into(), value, bound };
         (!agrees).then(error)
@@ -48,7 +48,7 @@ impl fmt::Display for Contradiction {
 
 impl std::error::Error for Contradiction {}
 
-/// Compares what a plan states with its own value; a plan that betters its bound loses it. What is left of rounding is taken off.
+/// Compares what a plan states with its own value; a plan that betters its bound loses it. The remaining rounding error is taken off.
 pub(super) fn check(problem: &Problem, plan: &mut Plan) -> Result<(), Contradiction> {
     let (value, bound, less_is_better) = match plan {
         Plan::Surveillance(plan) => (plan.expected_cost, &mut plan.expected_cost_bound, true),

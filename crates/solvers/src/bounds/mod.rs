@@ -109,7 +109,7 @@ pub fn expected_cost_within(problem: &SurveillanceProblem, meter: &mut Meter<'_>
 }
 
 /// The problem with the least time of each leg over all departures, and with the rates that hold until the horizon. Its plans are
-/// more than those of the problem: a slow leg is a quick one and a wait, which no bound here forbids.
+/// more than those of the problem: a slow leg is a fast one and a wait, which no bound here forbids.
 fn simplified(problem: &SurveillanceProblem) -> Cow<'_, SurveillanceProblem> {
     let held = rates::held(problem);
     if problem.travel.is_constant() {

@@ -21,7 +21,7 @@ pub(crate) const NO_WAY: i32 = 1 << 29;
 const TICKS_MAX: f64 = (1_u32 << 27) as f64;
 /// More nodes than this are left to the general search: the table of legs would not fit.
 const NODES_MAX: usize = 6_000;
-/// Flights that may take longer are looked at more closely, so that ticks need not be coarser than a millisecond.
+/// Flights that may take longer are computed more exactly, so that ticks need not be coarser than a millisecond.
 const FINE_SPAN_S: f64 = 1e-3 * TICKS_MAX;
 /// Two times nearer than this share of a tick are the same.
 const SAME_TICKS: f64 = 1e-6;
@@ -144,7 +144,7 @@ impl Network {
         network
     }
 
-    /// A network with the same nodes in which every route of the problem fits, for bounds: where times are no whole ticks, those
+    /// A network with the same nodes in which every route of the problem fits, for bounds: where times are not whole ticks, those
     /// here are rounded against the vehicle, and a route may be missed by a part of a tick. None where all times are whole.
     pub(crate) fn lowered(&self, problem: &SingleVisitProblem, limit_s: f64) -> Option<Network> {
         if is_whole(problem, limit_s, self.tick_s) {
@@ -296,7 +296,7 @@ pub(crate) fn serves(schedule: &Schedule<'_>) -> bool {
     !timed && !risky && problem.precedence.is_empty() && schedule.travel.is_steady(schedule.limit_s)
 }
 
-/// How long a flight may take. Where that is so long that ticks would be coarse, and times are given, how long a flight takes that
+/// How long a flight may take. Where ticks would become coarse by that, and times are given, how long a flight takes that
 /// waits only for windows to open.
 fn span_s(schedule: &Schedule<'_>) -> f64 {
     let problem = schedule.problem;

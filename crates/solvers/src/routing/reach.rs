@@ -20,7 +20,7 @@ struct Node {
     duration_s: f64,
 }
 
-/// For each target whether no plan visits it. Only those in `suspects` are looked at.
+/// For each target whether no plan visits it. Considers only those in `suspects`.
 pub(crate) fn out_of_reach(schedule: &mut Schedule<'_>, suspects: &[usize]) -> Vec<bool> {
     let targets = schedule.problem.targets.len();
     let nodes = nodes(schedule);

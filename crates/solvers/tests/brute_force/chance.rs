@@ -1,4 +1,4 @@
-//! Chance of its own for this test: SplitMix64 (Steele, Lea and Flood 2014).
+//! Random numbers of this test alone: SplitMix64 (Steele, Lea and Flood 2014).
 
 /// A generator; equal seeds give equal numbers.
 pub(crate) struct Chance(u64);

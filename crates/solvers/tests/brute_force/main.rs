@@ -4,7 +4,7 @@
 //! `APEX_BRUTE_FORCE_PROBLEMS` says how many problems are tried (`make nightly`: 100,000), `APEX_BRUTE_FORCE_SEED` which is
 //! the first. A failure prints its seed and the problem as JSON.
 #![allow(clippy::expect_used, clippy::panic, clippy::indexing_slicing, reason = "a test")]
-#![allow(clippy::disallowed_methods, reason = "mathematics of its own, and the environment")]
+#![allow(clippy::disallowed_methods, reason = "separate mathematics, and the environment")]
 
 mod chance;
 mod known;

@@ -6,7 +6,7 @@
 use apex_model::problem::{SingleVisitProblem, TravelTimes, UNREACHABLE_S};
 
 /// The greatest sum of worths of any plan. Times have to be kept with `margin_s` to spare; a negative margin allows
-/// them to be missed by so much.
+/// them to be missed by its size.
 pub(crate) fn greatest_benefits(problem: &SingleVisitProblem, margin_s: f64) -> f64 {
     let worth_max = problem
         .targets

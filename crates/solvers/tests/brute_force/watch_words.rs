@@ -1,4 +1,4 @@
-//! Every word (sequence of visits) of a surveillance problem, by plain enumeration, with costs in closed forms of its own.
+//! Every word (sequence of visits) of a surveillance problem, by plain enumeration, with costs in separate closed forms.
 //!
 //! Nothing is shared with planners, metrics or checkers but the problem's data types and the table of legs in `visit_orders`.
 

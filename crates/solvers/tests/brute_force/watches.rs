@@ -99,7 +99,7 @@ fn claims(
                 "{who}: the bound is {bound}, {without} is possible; the plan costs {cost}, {visits} visits"
             ));
         }
-        // Who says that nothing is better says so of flights that wait, too.
+        // A claim that nothing is better includes flights that wait.
         if (cost - bound).abs() < 1e-6 * cost && waiting < cost * (1.0 - 1e-5) {
             found.push(format!("{who}: {cost} is claimed to be the least, and {waiting} is possible with waiting"));
         }

@@ -55,7 +55,7 @@ function statusOf(
     return {
       status,
       statusText,
-      statusHelp: 'the record was not closed: the flight or its program broke off',
+      statusHelp: 'the record was not closed: the flight or its program was aborted',
     };
   }
   if (ending?.failed) {

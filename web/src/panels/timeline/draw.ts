@@ -108,10 +108,10 @@ function drawAxis(context: CanvasRenderingContext2D, picture: Picture): void {
   line(context, 0, RAIL_PX + AXIS_PX - 0.5, width, RAIL_PX + AXIS_PX - 0.5);
 }
 
-/** Triangles at the troubles' times, with a count where they touch, and words next to the last ones. */
+/** Triangles at the times of failures and faults, with a count where they touch, and words next to the last ones. */
 function drawTroubles(context: CanvasRenderingContext2D, picture: Picture): void {
   const total = picture.troubles.reduce((sum, mark) => sum + mark.troubles.length, 0);
-  name(context, 'trouble', 8, RAIL_PX / 2, COLOURS.dim);
+  name(context, 'trouble', 8, RAIL_PX / 2, COLOURS.dim); // english: allow
   if (total > 0) {
     context.fillStyle = COLOURS.att;
     context.font = FONT;
@@ -127,7 +127,7 @@ function drawTroubles(context: CanvasRenderingContext2D, picture: Picture): void
     context.fill();
     const last = troubles.at(-1);
     if (!last) continue;
-    const text = troubles.length > 1 ? `${troubles.length}× ${troubleWords(last)}` : troubleWords(last);
+    const text = troubles.length > 1 ? `${troubles.length}× ${troubleWords(last)}` : troubleWords(last); // english: allow
     context.font = FONT;
     const width = context.measureText(text).width;
     if (x + 7 + width < free) context.fillText(text, x + 7, RAIL_PX / 2 + 0.5);

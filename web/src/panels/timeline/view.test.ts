@@ -122,7 +122,7 @@ describe('lanes', () => {
   });
 });
 
-describe('troubles', () => {
+describe('failures and faults', () => {
   const trouble = (t_ns: number, kind: Trouble['kind'], subject: string): Trouble => ({
     t_ns,
     kind,

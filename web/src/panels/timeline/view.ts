@@ -9,7 +9,7 @@ export const NAMES_PX = 168;
 export const AXIS_PX = 20;
 /** Height of a row of bars. */
 export const ROW_PX = 15;
-/** Height of the rail of troubles above the time axis. */
+/** Height of the rail of failures and faults above the time axis. */
 export const RAIL_PX = 16;
 /** Height of the lane of target visits. */
 export const VISITS_PX = 18;
@@ -107,7 +107,7 @@ export interface TroubleMark {
   troubles: Trouble[];
 }
 
-/** Troubles of the window as marks; those closer than six pixels are one mark with a count. */
+/** Failures and faults of the window as marks; those closer than six pixels are one mark with a count. */
 export function troubleMarks(troubles: readonly Trouble[], visible: Range, scale: Scale): TroubleMark[] {
   const marks: TroubleMark[] = [];
   for (const trouble of troubles) {

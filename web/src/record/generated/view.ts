@@ -520,7 +520,7 @@ route: Array<[number, number]>,
 left_out: Array<LeftOutTarget>, };
 
 /**
- * Kind of trouble.
+ * Kind of an entry.
  */
 export type TroubleKind = "failed" | "interrupted" | "fault" | "left-out" | "ended";
 
@@ -533,7 +533,7 @@ export type Trouble = {
  */
 t_ns: number, 
 /**
- * What kind of trouble it is.
+ * Kind of the entry.
  */
 kind: TroubleKind, 
 /**
@@ -554,7 +554,7 @@ task: number | null,
 target: string | null, };
 
 /**
- * The troubles up to an instant.
+ * Failures, interruptions and faults up to an instant.
  */
 export type Troubles = { 
 /**

@@ -87,6 +87,6 @@ pub(crate) struct Watch {
     pub(crate) task: TaskId,
     /// Whose priorities count for it.
     pub(crate) stands_for: Rc<[TaskId]>,
-    /// All who stand in its way.
+    /// All tasks that block it.
     pub(crate) rivals: Vec<Rival>,
 }

@@ -23,7 +23,7 @@ pub(crate) fn claim_of(cycle: &Cycle<'_>, id: TaskId, needs: &[Need]) -> Claim {
     let agent = &*cycle.agent;
     place_of(cycle, id, needs).map_or(Claim::Apart, |(place, varies)| {
         let expected = agent.task(id).and_then(|task| task.selection.as_ref()?.expected);
-        // What one claimant needs besides each of its resources is kept with each of them; those with one need keep none.
+        // Each resource of a claimant with several needs keeps all of them; a claimant with one need keeps none.
         let others = if needs.len() > 1 { needs.iter().map(|need| need.resource).collect() } else { Vec::new() };
         Claim::Queued { place, varies, expected, others }
     })
@@ -44,7 +44,7 @@ fn place_of(cycle: &Cycle<'_>, id: TaskId, needs: &[Need]) -> Option<(QueuePlace
         let key = RisingKey { importance: term.importance, due: term.due, begun, order };
         return alone.then_some((QueuePlace::Rising(key), brings.varies));
     }
-    // Whom one with a rank and several needs goes before can depend on claimants of other resources.
+    // The order of a claimant with a rank and several needs can depend on claimants of other resources.
     if needs.len() > 1 && brings.rank.is_some() {
         return None;
     }
@@ -76,8 +76,8 @@ struct Brings<'a> {
 }
 
 impl<'a> Brings<'a> {
-    /// None where something moves in another way, where several ranks count, or where steps of one ranked procedure can
-    /// have priorities of their own.
+    /// None if something moves in another way, if several ranks count, or if steps of one ranked procedure can have
+    /// separate priorities.
     fn of(agent: &'a Agent, id: TaskId) -> Option<Brings<'a>> {
         let mut brings = Brings::default();
         for task in successors(agent.task(id), |task| agent.task(task.parent?)) {
@@ -122,7 +122,7 @@ impl<'a> Brings<'a> {
         if step.rank.is_none() && !by_kind {
             return Some(());
         }
-        // A rank beside priorities below it can contradict them, and two ranks can contradict one another.
+        // A rank can contradict the priorities below it, and two ranks can contradict one another.
         let fixed = step.rank.as_ref().is_none_or(|expr| matches!(expr.kind, ExprKind::Constant(_)));
         if self.rank.is_some() || self.steady > 0 || self.rising.is_some() || !fixed {
             return None;

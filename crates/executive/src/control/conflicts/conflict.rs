@@ -248,7 +248,7 @@ impl<'a, 'c> Field<'a, 'c> {
         }
     }
 
-    /// All uses of a resource that was looked at.
+    /// All uses of a resource that was inspected.
     pub(crate) fn uses_of(&self, id: ResourceId) -> &[Use] {
         self.uses.get(&id).map(Vec::as_slice).unwrap_or_default()
     }

@@ -29,7 +29,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::iter::{Peekable, successors};
 use std::rc::Rc;
 
-/// Can the queues of this resource decide by themselves, as far as it alone can say?
+/// True if nothing about this resource prevents its queues from deciding alone.
 pub(crate) fn is_queued(cycle: &Cycle<'_>, id: ResourceId) -> bool {
     let agent = &*cycle.agent;
     let Some(resource) = agent.resources.get(id) else { return false };
@@ -90,7 +90,7 @@ struct Front<'a, 'c> {
     candidates: BTreeSet<QueueKey>,
     placed: BTreeSet<TaskId>,
     queues: BTreeMap<ResourceId, Queue<'a>>,
-    /// The first of each queue that finds no room, with the resource.
+    /// The first claimant of each queue that does not fit, with the resource.
     outside: Vec<(TaskId, ResourceId)>,
 }
 
@@ -110,7 +110,7 @@ impl<'a, 'c> Front<'a, 'c> {
         Front { cycle, field, gone, candidates, placed, queues: BTreeMap::new(), outside: Vec::new() }
     }
 
-    /// Finds the claimants of a resource that could find room in it.
+    /// Finds the claimants of a resource that could fit into it.
     fn look_at(&mut self, id: ResourceId) -> Option<()> {
         let resource = usable(self.cycle, id)?;
         let holders: Vec<Use> = resource
@@ -132,7 +132,7 @@ impl<'a, 'c> Front<'a, 'c> {
             let claimant = as_claimant(self.cycle, key.task());
             let amount = amount_of(&claimant, id);
             let beaten = if beats { self.beaten(&claimant, id, &holders) } else { 0.0 };
-            // Whoever comes later is weaker, but where ranks count.
+            // Later claimants are weaker, except where ranks count.
             beats = ranked || beaten > 0.0;
             let finds_room = held - beaten + claimed + amount <= resource.total + TOLERANCE;
             if finds_room {
@@ -211,7 +211,7 @@ impl<'a, 'c> Front<'a, 'c> {
         Some(())
     }
 
-    /// The first claimants without room, whose priorities may rise above those of tasks in their way.
+    /// The first claimants that do not fit, whose priorities may rise above those of tasks in their way.
     fn watched(&self, result: &Arbitration) -> Vec<Watch> {
         let agent = &*self.cycle.agent;
         let mut watched = Vec::new();
@@ -233,8 +233,8 @@ impl<'a, 'c> Front<'a, 'c> {
         watched
     }
 
-    /// Could a task be done before one in front of it can begin? Only where a resource has room that is awaited, and it is
-    /// known how long somebody takes.
+    /// True if a task could end before one in front of it can begin. This requires free capacity that another task
+    /// awaits, and a task with a known duration.
     fn may_leave_a_gap(&self, dirty: &BTreeSet<ResourceId>, result: &Arbitration) -> bool {
         let agent = &*self.cycle.agent;
         let granted: BTreeSet<TaskId> = result.granted.iter().copied().collect();

@@ -98,7 +98,7 @@ impl<'a, 'c> Turns<'a, 'c> {
         Some(next)
     }
 
-    /// Can neither `next` nor anyone after it get anything? They beat no holder, and each needs something that is taken,
+    /// True if neither `next` nor a later claimant can get anything: they beat no holder, and each needs something that is taken,
     /// or that is awaited for longer than a gap allows.
     fn is_over(&self, next: QueueKey) -> bool {
         if !self.losers.is_empty() {

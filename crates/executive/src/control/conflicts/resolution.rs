@@ -14,7 +14,7 @@ use apex_model::task::TaskId;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Arbitrates all resources in `dirty`; `fresh` says who claims them since this round. Where the first ones in queues decide
-/// for all, no others are looked at.
+/// for all, the others are not inspected.
 pub(crate) fn arbitrate(
     cycle: &Cycle<'_>,
     dirty: &BTreeSet<ResourceId>,
@@ -34,7 +34,7 @@ pub(crate) fn arbitrate(
     debug_assert!(says_the_same(cycle, &queued, &result), "the queues of {queued:?} and all their claimants disagree");
     if !rest.is_empty() {
         result.absorb(arbitrate_all(cycle, &rest));
-        // Failures are told in the order in which the tasks were made.
+        // Failures are reported in the order in which the tasks were created.
         result.impossible.sort_by_key(|each| each.0);
     }
     if orphans(cycle, &result).next().is_some() { arbitrate_all(cycle, dirty) } else { result }

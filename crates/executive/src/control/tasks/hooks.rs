@@ -54,7 +54,7 @@ pub(crate) fn run_needed(
     Ok(())
 }
 
-/// Runs a hook of a task that stops or ends: its outcome stands already, so that errors are troubles.
+/// Runs a hook of a task that stops or ends: its outcome stands already, so that errors are only reported.
 pub(crate) fn run_hook(cycle: &mut Cycle<'_>, id: TaskId, level: Level, clause: &'static str, forms: &[Expr]) {
     if let Err(because) = run_needed(cycle, id, level, clause, forms) {
         let message = because.cause.text();

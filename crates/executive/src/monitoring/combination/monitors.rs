@@ -124,7 +124,7 @@ pub(crate) fn unmet(monitor: &Monitor, context: &dyn EvalContext) -> Vec<Unmet> 
     list
 }
 
-/// Errors met while judging since the last call: to be reported as trouble.
+/// Errors met while judging since the last call: to be reported as faults.
 pub(crate) fn take_troubles(monitor: &mut Monitor) -> Vec<ConditionFault> {
     monitor.notes.as_mut().map(|notes| std::mem::take(&mut notes.troubles)).unwrap_or_default()
 }

@@ -1,4 +1,4 @@
-//! What went wrong: the entries of the trouble rail.
+//! Failures, interruptions and faults: the entries of the trouble rail. (english: allow)
 
 use super::RecordView;
 use super::index::task_number;
@@ -6,10 +6,12 @@ use crate::error::RecordError;
 use rusqlite::Connection;
 use serde::Serialize;
 
+/// Kind of the effects that report faults.
+const FAULT: &str = "trouble"; // english: allow
 /// Maximum number of entries of an answer; the latest are kept.
 const TROUBLES_MAX: usize = 500;
 
-/// The troubles up to an instant.
+/// Failures, interruptions and faults up to an instant.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Troubles {
@@ -25,7 +27,7 @@ pub struct Troubles {
 pub struct Trouble {
     /// Mission time in nanoseconds.
     pub t_ns: i64,
-    /// What kind of trouble it is.
+    /// Kind of the entry.
     pub kind: TroubleKind,
     /// The goal, target or message that it is about.
     pub subject: String,
@@ -37,7 +39,7 @@ pub struct Trouble {
     pub target: Option<String>,
 }
 
-/// Kind of trouble.
+/// Kind of an entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 #[serde(rename_all = "kebab-case")]
@@ -55,7 +57,7 @@ pub enum TroubleKind {
 }
 
 impl RecordView {
-    /// The troubles up to mission time `at_ns` (nanoseconds; none means the record's end).
+    /// The entries up to mission time `at_ns` (nanoseconds; none means the record's end).
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
@@ -95,16 +97,16 @@ impl RecordView {
 
 /// Failures, interruptions and faults. Of the tasks that one decision interrupts at an instant, the first is kept.
 fn read(connection: &Connection, until: i64) -> rusqlite::Result<Vec<Trouble>> {
-    let sql = "SELECT t_ns, kind, task, to_state, subject, text FROM effect WHERE t_ns <= ?1 AND (kind = 'trouble' \
+    let sql = "SELECT t_ns, kind, task, to_state, subject, text FROM effect WHERE t_ns <= ?1 AND (kind = ?2 \
                OR (kind = 'transition' AND (outcome = 'failure' OR to_state = 'interrupted'))) ORDER BY id";
     let mut statement = connection.prepare_cached(sql)?;
-    let mut rows = statement.query([until])?;
+    let mut rows = statement.query((until, FAULT))?;
     let mut troubles: Vec<Trouble> = Vec::new();
     while let Some(row) = rows.next()? {
         let word: String = row.get(1)?;
         let state: Option<String> = row.get(3)?;
         let kind = match (word.as_str(), state.as_deref()) {
-            ("trouble", _) => TroubleKind::Fault,
+            (FAULT, _) => TroubleKind::Fault,
             (_, Some("interrupted")) => TroubleKind::Interrupted,
             _ => TroubleKind::Failed,
         };

@@ -9,7 +9,7 @@ use apex_planning::solver::{Budget, WorkBudget};
 /// Places in the order that are tried to say why a target does not fit: those with the shortest detours.
 const GAPS_EXPLAINED: usize = 6;
 
-/// What stands in the way of single targets.
+/// What prevents visits of single targets.
 pub(super) struct Troubles {
     /// For each target why it cannot be visited as the only one; none where it can.
     alone: Vec<Option<String>>,
@@ -18,7 +18,7 @@ pub(super) struct Troubles {
 }
 
 impl Troubles {
-    /// Looks at each target alone, and proves of those in trouble which ones no plan visits.
+    /// Tries each target alone, and proves of those that cannot be visited so which ones no plan visits.
     pub(super) fn new(schedule: &mut Schedule<'_>) -> Troubles {
         let count = schedule.problem.targets.len();
         let mut alone: Vec<Option<String>> = Vec::with_capacity(count);
@@ -157,7 +157,7 @@ pub(super) fn nothing_visited(left_out: &[LeftOut], possible: bool) -> String {
     reasons.sort_by_key(|(_, names)| std::cmp::Reverse(names.len()));
     let listed: Vec<String> =
         reasons.iter().take(3).map(|(reason, names)| format!("{}: {reason}", names.join(", "))).collect();
-    let what = if possible { "No target is worth a visit." } else { "No target can be visited." };
+    let what = if possible { "No visit improves the plan." } else { "No target can be visited." };
     format!("{what} {}.", listed.join("; "))
 }
 

@@ -31,7 +31,7 @@ pub fn in_order(
             return Err(refused("it has been visited before"));
         }
         let with = added(&mut schedule, best.as_ref(), (*target, *manoeuvre), environment.budget);
-        // What stands in the way of the target alone says more than what does beside the others.
+        // What prevents a visit of the target alone says more than what prevents it with the others.
         let alone = troubles.alone(*target).filter(|_| !troubles.is_possible(*target));
         best = Some(with.map_err(|why| refused(alone.unwrap_or(&why)))?);
     }

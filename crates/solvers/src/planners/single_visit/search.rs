@@ -41,7 +41,7 @@ pub(super) struct LocalSearch<'s, 'p, 'b> {
     banned: Vec<usize>,
 }
 
-/// The best order found within the budget, over the targets without a trouble of their own: never worse than what is left of the
+/// The best order found within the budget, over the targets that can be visited: never worse than the remaining part of the
 /// plan `previous`.
 pub(super) fn run(
     schedule: &mut Schedule<'_>,

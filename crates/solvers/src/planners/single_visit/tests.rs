@@ -101,7 +101,7 @@ fn where_every_visit_costs_more_than_it_brings_none_is_flown() {
     problem.crew = vec![CrewMember { role: "pilot".into(), wage_per_hour: 1e6, fixed_hours: 1.0, flight_share: 1.0 }];
     let plan = solve(&problem, 50_000).unwrap();
     assert_eq!((plan.visits.len(), plan.benefits, plan.costs, plan.left_out.len()), (0, 0.0, 1e6, 4));
-    assert!(plan.summary.starts_with("No target is worth a visit. "), "{}", plan.summary);
+    assert!(plan.summary.starts_with("No visit improves the plan. "), "{}", plan.summary);
     let asked = Problem::SingleVisit(problem);
     assert_eq!(apex_planning::checker::violations(&asked, &Plan::SingleVisit(plan)), Vec::<String>::new());
 }

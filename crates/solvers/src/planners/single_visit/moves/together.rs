@@ -7,7 +7,7 @@ use crate::routing::schedule::{Choice, Schedule};
 /// Visits that are put in at one stroke, at most.
 const TOGETHER_MAX: usize = 6;
 
-/// Targets that are reached only after others: those in trouble alone, and those that must follow what is worth nothing, at once
+/// Targets that are reached only after others: those that cannot be visited alone, and those that must follow what is worth nothing, at once
 /// or through others.
 pub(in super::super) fn companions(schedule: &Schedule<'_>, troubles: &Troubles) -> Vec<usize> {
     let mut led = troubles.with_others();
@@ -69,7 +69,7 @@ impl LocalSearch<'_, '_, '_> {
         false
     }
 
-    /// The targets of `block` one after another, at the first place where that is better, each in its best manoeuvre first.
+    /// The targets of `block` in sequence, at the first place where that is better, each in its best manoeuvre first.
     fn insert_block(&mut self, current: &mut Candidate, block: &[usize]) -> bool {
         let Some((last, leads)) = block.split_last() else { return false };
         let leads: Vec<Choice> = leads.iter().filter_map(|target| self.choices(*target).first().copied()).collect();
