@@ -1,10 +1,14 @@
 //! The command line as clap sees it.
 
 mod fork;
+mod integrity;
+mod plan;
 mod profile;
 mod vehicle;
 
 pub use fork::ForkOptions;
+pub use integrity::{RecoverOptions, VerifyOptions};
+pub use plan::{PlanFormat, PlanOptions};
 pub use profile::{
     ProfileBuildOptions, ProfileCommand, ProfileCompareOptions, ProfileMergeOptions, ProfileShowOptions,
     ProfileUpdateOptions, ProfileWorkOptions,
@@ -201,26 +205,6 @@ pub struct ReplayOptions {
     pub json: bool,
 }
 
-/// `apex verify`
-#[derive(Args)]
-pub struct VerifyOptions {
-    /// The flight record.
-    pub record: PathBuf,
-    /// Print the result as JSON.
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// `apex recover`
-#[derive(Args)]
-pub struct RecoverOptions {
-    /// The flight record; it stays as it is.
-    pub record: PathBuf,
-    /// The new record; default is the old name with `-recovered`.
-    #[arg(long, value_name = "FILE")]
-    pub out: Option<PathBuf>,
-}
-
 /// `apex score`
 #[derive(Args)]
 pub struct ScoreOptions {
@@ -372,82 +356,6 @@ pub enum ExportFormat {
     Csv,
     /// Apache Parquet.
     Parquet,
-}
-
-/// `apex plan`
-#[derive(Args)]
-pub struct PlanOptions {
-    /// The mission's folder, or its `mission.pdl`; a problem in a file of JSON, or in a benchmark's format (TOPTW, Solomon,
-    /// OPLib, TSPLIB); or a test mission, such as `small-fixed-fixed-8-uniform` or `small-fixed-fixed-8-uniform@7`.
-    pub mission: PathBuf,
-    /// Vehicles to plan for; plans are for one, also where a benchmark's file names more.
-    #[arg(long, value_name = "NUMBER")]
-    pub vehicles: Option<usize>,
-    /// Use this solver instead of the one that solver selection chooses.
-    #[arg(long, value_name = "NAME")]
-    pub solver: Option<String>,
-    /// Choose the solver by this table instead of the one that ships; `apex profile build --table` writes one.
-    #[arg(long, value_name = "FILE", conflicts_with = "solver")]
-    pub table: Option<PathBuf>,
-    /// How long the solver may take, in the time of a flight; default is the mission's own, or 10 s.
-    #[arg(long, value_name = "TIME")]
-    pub budget: Option<String>,
-    /// How long proofs of how good any plan could be may take, in the time of a flight; default is 10 s, which is enough for all that
-    /// is known of up to 24 targets of surveillance. With `--budget` it is what planning left of that and a twentieth more, at
-    /// least 0.5 s.
-    #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
-    pub bound_budget: Option<String>,
-    /// Seed of the solver's chance; default is the mission's own, or 1.
-    #[arg(long, value_name = "NUMBER")]
-    pub seed: Option<u64>,
-    /// Do not plan: these targets in this order are a person's plan (planner `human`), to be scored and printed like any other.
-    #[arg(long, value_delimiter = ',', value_name = "TARGET,..", conflicts_with_all = ["solver", "table"])]
-    pub visits: Vec<String>,
-    /// Do not plan: this file holds a plan that somebody drew or edited, as `--json` prints them; it is planner `human`'s, to be checked,
-    /// scored and printed like any other.
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["visits", "solver", "table", "problem"])]
-    pub plan: Option<PathBuf>,
-    /// Take only the order of the plan's visits (and their manoeuvres), and make the times anew.
-    #[arg(long, requires = "plan")]
-    pub retime: bool,
-    /// Of surveillance: the visits are a round that is flown again and again.
-    #[arg(long, requires = "visits")]
-    pub repeat: bool,
-    /// Of surveillance: also tell what the plan costs if only the first event after an observation counts, where events are not rare.
-    #[arg(long)]
-    pub survival: bool,
-    /// Do not plan: print the problem as JSON.
-    #[arg(long, conflicts_with_all = ["solver", "budget", "bound_budget", "format", "json", "survival"])]
-    pub problem: bool,
-    /// How the plan is printed; default is what the name of `--out` says, or a table.
-    #[arg(long, value_enum, conflicts_with = "json")]
-    pub format: Option<PlanFormat>,
-    /// Print as JSON: short for `--format json`.
-    #[arg(long)]
-    pub json: bool,
-    /// Where the plan goes; default is standard output.
-    #[arg(long, value_name = "FILE")]
-    pub out: Option<PathBuf>,
-    /// For `--format qgc`: fly all of it so high above the start, for example `60m`; needed where the problem gives no altitudes.
-    #[arg(long, allow_hyphen_values = true, value_name = "HEIGHT")]
-    pub height: Option<String>,
-}
-
-/// How a plan is printed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum PlanFormat {
-    /// A table for operators.
-    Table,
-    /// One object with the plan, its value, bound and processor time.
-    Json,
-    /// A procedure for the mission's goal.
-    Pdl,
-    /// The path, the targets and the airspace for maps.
-    Geojson,
-    /// The same for globes.
-    Kml,
-    /// Mission items and a fence for QGroundControl.
-    Qgc,
 }
 
 /// `apex serve`

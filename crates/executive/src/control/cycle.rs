@@ -15,7 +15,7 @@ use crate::state::index::LibraryIndex;
 use crate::state::monitor_set::Found;
 use crate::state::monitors::monitor::Satisfaction;
 use crate::state::probing::ProbingId;
-use crate::state::resource::ResourceId;
+use crate::state::resource_id::ResourceId;
 use crate::state::step_clauses::StepClauses;
 use crate::state::task::{Origin, ProcedureRef, Task};
 use apex_model::because::{Because, Cause};

@@ -1,5 +1,6 @@
 //! Resources: who holds what, who waits for it, and how much is left (`pdl.md` sections 3 and 9).
 
+use crate::state::resource_id::ResourceId;
 use crate::state::waiting::Waiting;
 use apex_model::library::ResourceKind;
 use apex_model::quantity::Dimension;
@@ -7,10 +8,6 @@ use apex_model::task::TaskId;
 use apex_model::value::Value;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-
-/// Numbers a resource within one agent, in order of first use.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-pub struct ResourceId(pub u32);
 
 /// How much of a resource a task needs to be ongoing.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

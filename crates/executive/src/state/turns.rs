@@ -1,6 +1,6 @@
 //! Turns: claimants of a resource, taken from all its queues in the order in which they come before the arbiter.
 
-use crate::state::waiting::{Among, FamilyOrder, QueueKey};
+use crate::state::queue_place::{Among, FamilyOrder, QueueKey};
 use apex_model::time::Time;
 use std::collections::btree_set;
 use std::iter::Peekable;

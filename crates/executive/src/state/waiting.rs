@@ -4,90 +4,16 @@
 //! urgency in a way that never changes the order of its equals. The first ones then decide for all behind them.
 //! Others stand apart: where there is one of them, all claimants are compared.
 
-use crate::state::resource::ResourceId;
+use crate::state::queue_place::{Among, FamilyOrder, QueueKey, QueuePlace};
+use crate::state::resource_id::ResourceId;
 use crate::state::turns::{InTurn, Rest};
 use apex_model::task::TaskId;
 use apex_model::time::{Duration, Time};
 use serde::{Deserialize, Serialize};
-use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Urgency is greatest from this long before a task is due.
 pub const GREATEST_URGENCY_BEFORE: Duration = Duration(500_000_000);
-
-/// Parent, step and number: written order among siblings, creation order among others.
-pub type FamilyOrder = (TaskId, u32, TaskId);
-
-/// A rank that counts among the tasks below one parent.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct RankAmong {
-    /// The parent of the ranked steps.
-    pub parent: TaskId,
-    /// The rank.
-    pub rank: f64,
-}
-
-/// A place in a queue. The first is the greatest priority, then the lower rank, then the task that has begun, then the
-/// written order.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct QueueKey {
-    /// Priority at the time of the claim; of one that rises, now.
-    pub priority: f64,
-    /// Its rank, if one counts.
-    pub rank: Option<RankAmong>,
-    /// It has begun, and was interrupted.
-    pub begun: bool,
-    /// Parent, step and number.
-    pub order: FamilyOrder,
-}
-
-impl Eq for QueueKey {}
-
-impl PartialOrd for QueueKey {
-    fn partial_cmp(&self, other: &QueueKey) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for QueueKey {
-    fn cmp(&self, other: &QueueKey) -> Ordering {
-        let rank = match (self.rank, other.rank) {
-            (Some(own), Some(others)) => own.parent.cmp(&others.parent).then(own.rank.total_cmp(&others.rank)),
-            (own, others) => own.is_some().cmp(&others.is_some()),
-        };
-        let by_priority = other.priority.total_cmp(&self.priority).then(rank);
-        by_priority.then(other.begun.cmp(&self.begun)).then(self.order.cmp(&other.order))
-    }
-}
-
-impl QueueKey {
-    /// The claimant at this place.
-    pub fn task(&self) -> TaskId {
-        self.order.2
-    }
-}
-
-/// A place among claimants of one importance whose priorities rise with their urgency: the earlier due is the first.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct RisingKey {
-    /// From 0 to 10.
-    pub importance: f64,
-    /// When its urgency is greatest.
-    pub due: Time,
-    /// It has begun, and was interrupted.
-    pub begun: bool,
-    /// Parent, step and number.
-    pub order: FamilyOrder,
-}
-
-/// Where in a queue a claimant stands.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum QueuePlace {
-    /// At a place that time does not change.
-    Steady(QueueKey),
-    /// At one that rises.
-    Rising(RisingKey),
-}
 
 /// How a claimant waits.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -106,9 +32,6 @@ pub enum Claim {
     /// Not in a queue.
     Apart,
 }
-
-/// Begun claimants first, then in order.
-pub(super) type Among = (bool, FamilyOrder);
 
 /// Claimants of one importance, whose priorities rise.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -355,6 +278,7 @@ fn count_down<K: Ord>(counts: &mut BTreeMap<K, usize>, key: &K) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::state::queue_place::RisingKey;
 
     fn place(task: u64, priority: f64, begun: bool) -> QueueKey {
         QueueKey { priority, rank: None, begun, order: (TaskId(0), 0, TaskId(task)) }

@@ -3,21 +3,19 @@
 //! Given times need not obey the triangle inequality, so a target that cannot be flown to, or left, at once may be by way of
 //! another one. Bound: O(targets), O(targets^2) where a target cannot be the first.
 
-use super::scenario::Scenario;
 use apex_model::problem::{SurveillanceProblem, UNREACHABLE_S};
 
-/// Indices of the targets that some flight observes.
-pub(super) fn usable(scenario: &Scenario<'_>) -> Vec<usize> {
-    let count = scenario.problem().targets.len();
-    let end_s = |from: Option<usize>, ready_s: f64, to: usize| {
-        scenario.next_stop(from, ready_s, to).map_or(f64::INFINITY, |stop| stop.end_s)
-    };
+/// Indices of the targets that some flight observes, of `count`, and what it took to find them, in nanoseconds. `end_s` is when an
+/// observation of the third ends after being at the first (none: the start) at the second; infinite where it cannot be.
+pub(super) fn usable(count: usize, end_s: impl Fn(Option<usize>, f64, usize) -> f64) -> (Vec<usize>, u64) {
     let mut ends_s: Vec<f64> = (0..count).map(|target| end_s(None, 0.0, target)).collect();
+    let mut spent_ns = 0;
     if ends_s.iter().any(|end_s| end_s.is_infinite()) {
         settle(&mut ends_s, |from, ready_s, to| end_s(Some(from), ready_s, to));
-        scenario.spend((count * count) as u64 * LOOK_NS);
+        spent_ns = (count * count) as u64 * LOOK_NS;
     }
-    (0..count).filter(|target| ends_s.get(*target).is_some_and(|end_s| end_s.is_finite())).collect()
+    let usable = (0..count).filter(|target| ends_s.get(*target).is_some_and(|end_s| end_s.is_finite()));
+    (usable.collect(), spent_ns)
 }
 
 /// Least times home over all departures and any others; empty where the direct way home is always the fastest.

@@ -80,7 +80,12 @@ impl<'a> Scenario<'a> {
         let home_s = if problem.return_to_base { reach::detours_home_s(problem) } else { Vec::new() };
         let mut scenario =
             Scenario { problem, limit_s, usable: Vec::new(), typical, home_s, idle, mean_transit_s, spent_ns };
-        scenario.usable = reach::usable(&scenario);
+        let end_s = |from: Option<usize>, ready_s: f64, to: usize| {
+            scenario.next_stop(from, ready_s, to).map_or(f64::INFINITY, |stop| stop.end_s)
+        };
+        let (usable, spent_ns) = reach::usable(targets.len(), end_s);
+        scenario.usable = usable;
+        scenario.spend(spent_ns);
         Ok(scenario)
     }
 

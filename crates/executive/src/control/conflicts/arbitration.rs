@@ -4,7 +4,7 @@
 //! Bound: O(1).
 //! PDL: section 9, conflict.  Paper: section III, detecting and resolving conflicts.
 
-use crate::state::resource::ResourceId;
+use crate::state::resource_id::ResourceId;
 use apex_model::because::{ConflictRule, Strength};
 use apex_model::task::TaskId;
 use std::rc::Rc;

@@ -9,7 +9,8 @@ use crate::control::conflicts::{priority, resources};
 use crate::control::cycle::Cycle;
 use crate::planted::{self, Bug};
 use crate::state::agent::Agent;
-use crate::state::resource::{Need, ResourceId};
+use crate::state::resource::Need;
+use crate::state::resource_id::ResourceId;
 use crate::state::task::Origin;
 use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;
@@ -163,6 +164,11 @@ fn claimant_in(agent: &Agent, id: TaskId, now: Time) -> Claimant {
 /// Is the task at work, or was it interrupted there?
 pub(crate) fn has_begun(agent: &Agent, id: TaskId) -> bool {
     agent.task(id).is_some_and(|task| matches!(task.state, TaskState::Ongoing | TaskState::Interrupted))
+}
+
+/// Since when the task has been at work without a break; of one instant, the task made last is the last.
+pub(crate) fn at_work_since(agent: &Agent, id: TaskId) -> (Option<Time>, TaskId) {
+    (agent.task(id).map(|task| task.since), id)
 }
 
 /// Written order among siblings, creation order among others.

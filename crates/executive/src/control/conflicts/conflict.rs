@@ -7,7 +7,7 @@
 
 use crate::control::conflicts::arbitration::{Arbitration, Loss, Refusal, Rival};
 use crate::control::conflicts::competition::{
-    Claimant, as_claimant, has_begun, in_order, insert_in_order, order_of, rank_order, related,
+    Claimant, as_claimant, at_work_since, has_begun, in_order, insert_in_order, order_of, rank_order, related,
 };
 use crate::control::conflicts::precedence::Precedence;
 use crate::control::conflicts::priority;
@@ -16,9 +16,9 @@ use crate::control::conflicts::sharing::{TOLERANCE, Use, UseKind, any_related, h
 use crate::control::cycle::Cycle;
 use crate::expression::EvalContext;
 use crate::planted::{self, Bug};
-use crate::state::agent::Agent;
 use crate::state::clause::Level;
-use crate::state::resource::{Need, Resource, ResourceId};
+use crate::state::resource::{Need, Resource};
+use crate::state::resource_id::ResourceId;
 use apex_model::because::{ConflictRule, Strength};
 use apex_model::task::TaskId;
 use apex_model::time::Time;
@@ -444,9 +444,4 @@ impl<'a, 'c> Field<'a, 'c> {
         };
         Err(loss(rule, other, own))
     }
-}
-
-/// Since when the task has been at work without a break; of one instant, the task made last is the last.
-fn at_work_since(agent: &Agent, id: TaskId) -> (Option<Time>, TaskId) {
-    (agent.task(id).map(|task| task.since), id)
 }

@@ -1,5 +1,5 @@
 //! Gaps (TC)
-//! What: arbitrates resources that have room while somebody waits for them, in the order of turns, until no claimant that
+//! What: arbitrates resources with free capacity while tasks wait for them, in the order of turns, until no claimant that
 //! is left can get anything.
 //! Runs: contend phase, where a task that says how long it takes could be done before one in front of it can begin.
 //! Reads: ResourceTable, priorities.  Writes: nothing.
@@ -10,12 +10,13 @@
 use crate::control::conflicts::arbitration::Arbitration;
 use crate::control::conflicts::competition::{as_claimant, is_eligible};
 use crate::control::conflicts::conflict::{Field, Placement};
-use crate::control::conflicts::front::{in_turn, is_queued, key_of, key_of_loser};
 use crate::control::conflicts::priority;
+use crate::control::conflicts::queues::{in_turn, key_of, key_of_loser, usable};
 use crate::control::conflicts::sharing::{TOLERANCE, UseKind};
 use crate::control::cycle::Cycle;
-use crate::state::resource::{Resource, ResourceId};
-use crate::state::waiting::QueueKey;
+use crate::state::queue_place::QueueKey;
+use crate::state::resource::Resource;
+use crate::state::resource_id::ResourceId;
 use apex_model::task::TaskId;
 use apex_model::time::Time;
 use std::collections::{BTreeMap, BTreeSet};
@@ -68,7 +69,7 @@ impl<'a, 'c> Turns<'a, 'c> {
         let mut seen = dirty.clone();
         let (mut queues, mut resources) = (Vec::new(), BTreeMap::new());
         while let Some(id) = open.pop() {
-            let resource = agent.resources.get(id).filter(|_| is_queued(cycle, id))?;
+            let resource = usable(cycle, id)?;
             let waiting = &resource.waiting;
             let unsteady = |task: TaskId| {
                 priority::moves(agent, task) || priority::reads_inputs(agent, task) || priority::is_ranked(agent, task)

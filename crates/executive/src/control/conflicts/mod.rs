@@ -10,6 +10,7 @@ pub(crate) mod front;
 pub(crate) mod gaps;
 pub(crate) mod precedence;
 pub(crate) mod priority;
+pub(crate) mod queues;
 pub(crate) mod resolution;
 pub(crate) mod resources;
 pub(crate) mod sharing;

@@ -6,10 +6,10 @@
 
 use crate::control::conflicts::arbitration::Arbitration;
 use crate::control::conflicts::conflict::{arbitrate_all, orphans};
-use crate::control::conflicts::front;
 use crate::control::conflicts::resources::needs_of;
+use crate::control::conflicts::{front, queues};
 use crate::control::cycle::Cycle;
-use crate::state::resource::ResourceId;
+use crate::state::resource_id::ResourceId;
 use apex_model::task::TaskId;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -20,7 +20,7 @@ pub(crate) fn arbitrate(
     dirty: &BTreeSet<ResourceId>,
     fresh: &BTreeMap<ResourceId, Vec<TaskId>>,
 ) -> Arbitration {
-    let (queued, rest): (BTreeSet<_>, BTreeSet<_>) = dirty.iter().partition(|id| front::is_queued(cycle, **id));
+    let (queued, rest): (BTreeSet<_>, BTreeSet<_>) = dirty.iter().partition(|id| queues::is_queued(cycle, **id));
     let joint = |id: &ResourceId| {
         let Some(resource) = cycle.agent.resources.get(*id) else { return false };
         let mut holders = resource.holders.iter();

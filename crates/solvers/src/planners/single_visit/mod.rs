@@ -6,6 +6,7 @@
 //! order, fuel and endurance.
 //! Bound: none but the budget. A leg evaluated is two units of work, preparing a way some hundreds.
 
+mod companions;
 mod explain;
 mod in_order;
 mod moves;

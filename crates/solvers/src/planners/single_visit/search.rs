@@ -1,7 +1,7 @@
 //! The search: greedy insertion and local search (see `moves`), ruin and re-insertion; small missions exactly.
 
+use super::companions;
 use super::explain::Troubles;
-use super::moves;
 use crate::routing::schedule::{Choice, Judged, Schedule};
 use apex_model::problem::{Plan, PlannedVisit, SingleVisitPlan};
 use apex_planning::random::Generator;
@@ -52,7 +52,7 @@ pub(super) fn run(
     let seed = environment.seed;
     let report = &mut *environment.report;
     let (usable, random, budget) = (troubles.possible(), Generator::new(seed), &mut *environment.budget);
-    let companions = moves::together::companions(schedule, troubles);
+    let companions = companions::companions(schedule, troubles);
     let mut search = LocalSearch { schedule, usable, troubles, companions, budget, random, banned: Vec::new() };
     let idle = Judged { visits: Vec::new(), end_s: search.schedule.problem.start_s, score: f64::NEG_INFINITY };
     let mut best = Candidate { order: Vec::new(), judged: idle };

@@ -9,7 +9,7 @@ mod leave_out;
 mod rechoose;
 mod relocate;
 mod replace;
-pub(super) mod together;
+mod together;
 mod turn;
 
 use super::search::{Candidate, LocalSearch};

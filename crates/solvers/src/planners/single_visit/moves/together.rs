@@ -1,48 +1,11 @@
 //! Targets in at one stroke that cannot come in one by one: what is worth nothing, or out of reach, until another one is visited.
 
-use super::super::explain::Troubles;
+use super::super::companions::before;
 use super::super::search::{Candidate, LocalSearch};
-use crate::routing::schedule::{Choice, Schedule};
+use crate::routing::schedule::Choice;
 
 /// Visits that are put in at one stroke, at most.
 const TOGETHER_MAX: usize = 6;
-
-/// Targets that are reached only after others: those that cannot be visited alone, and those that must follow what is worth nothing, at once
-/// or through others.
-pub(in super::super) fn companions(schedule: &Schedule<'_>, troubles: &Troubles) -> Vec<usize> {
-    let mut led = troubles.with_others();
-    let worthless = |target: usize| {
-        let data = schedule.problem.targets.get(target);
-        data.is_some_and(|data| {
-            data.value * data.manoeuvres.iter().map(|it| it.quality.product()).fold(0.0, f64::max) <= 0.0
-        })
-    };
-    for target in troubles.possible() {
-        let before = before(schedule, target, &[]);
-        if !led.contains(&target) && before.iter().any(|earlier| worthless(*earlier) || led.contains(earlier)) {
-            led.push(target);
-        }
-    }
-    led
-}
-
-/// What must come before `target` and is not among `visited`, in an order that is allowed.
-fn before(schedule: &Schedule<'_>, target: usize, visited: &[Choice]) -> Vec<usize> {
-    let mut found: Vec<usize> = Vec::new();
-    let mut open = vec![(target, false)];
-    while let Some((next, is_left)) = open.pop() {
-        if is_left {
-            if next != target && !found.contains(&next) {
-                found.push(next);
-            }
-            continue;
-        }
-        open.push((next, true));
-        let missing = |earlier: &&usize| !visited.iter().any(|choice| choice.target == **earlier);
-        open.extend(schedule.earlier(next).iter().filter(missing).map(|earlier| (*earlier, false)));
-    }
-    found
-}
 
 impl LocalSearch<'_, '_, '_> {
     /// One missing companion with what must come before it, or behind another missing target, at the first place where that is

@@ -1,0 +1,24 @@
+//! Options of `apex verify` and `apex recover`.
+
+use clap::Args;
+use std::path::PathBuf;
+
+/// `apex verify`
+#[derive(Args)]
+pub struct VerifyOptions {
+    /// The flight record.
+    pub record: PathBuf,
+    /// Print the result as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `apex recover`
+#[derive(Args)]
+pub struct RecoverOptions {
+    /// The flight record; it stays as it is.
+    pub record: PathBuf,
+    /// The new record; default is the old name with `-recovered`.
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}

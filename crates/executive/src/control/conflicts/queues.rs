@@ -1,0 +1,97 @@
+//! Queues of claimants (TC)
+//! What: says whether the queues of a resource can decide who gets it, in which order they give turns, and which place a task
+//! has in them.
+//! Runs: contend phase.  Reads: ResourceTable, priorities, ranks, ancestors.  Writes: nothing.
+//! Bound: O(h * (h + depth)) for h holders of a resource; O(r * log c) for the place of a task that claims r resources, of c
+//! claimants.
+//! PDL: section 9, conflict.  Paper: section III, detecting and resolving conflicts.
+
+use crate::control::conflicts::arbitration::Loss;
+use crate::control::conflicts::competition::as_claimant;
+use crate::control::conflicts::curve::RisingTerm;
+use crate::control::conflicts::resources::needs_in;
+use crate::control::conflicts::{claim_queue, priority};
+use crate::control::cycle::Cycle;
+use crate::state::agent::Agent;
+use crate::state::queue_place::{QueueKey, QueuePlace};
+use crate::state::resource::Resource;
+use crate::state::resource_id::ResourceId;
+use crate::state::turns::InTurn;
+use crate::state::waiting::{Claim, Waiting};
+use apex_model::task::TaskId;
+use apex_model::time::Time;
+use std::iter::successors;
+
+/// Can the queues of this resource decide by themselves, as far as it alone can say?
+pub(crate) fn is_queued(cycle: &Cycle<'_>, id: ResourceId) -> bool {
+    let agent = &*cycle.agent;
+    let Some(resource) = agent.resources.get(id) else { return false };
+    let waiting = &resource.waiting;
+    if resource.depletable || !waiting.all_in_queues() {
+        return false;
+    }
+    let Ok(ranked) = waiting.priority_of_ranked() else { return false };
+    resource.holders.iter().all(|holding| {
+        let holder = agent.task(holding.task);
+        // What it holds for its steps it may have begun to hold when they claimed already.
+        let shares = holder.is_some_and(|task| task.extras.as_ref().is_some_and(|extras| !extras.held.is_empty()));
+        let mut above = successors(holder, |task| agent.task(task.parent?)).skip(1);
+        let holds = |id: TaskId| resource.holders.iter().any(|other| other.task == id);
+        let alone = !above.any(|task| waiting.contains(task.id) || holds(task.id));
+        !shares && alone && !may_stand_for_others(cycle, holding.task, resource, ranked)
+    })
+}
+
+/// Can the priority of claimants behind a holder with a rank count for it, or that of the holder for them? Not where it
+/// holds nothing else, and all with ranks are equally important.
+fn may_stand_for_others(cycle: &Cycle<'_>, holder: TaskId, resource: &Resource, ranked: Option<f64>) -> bool {
+    let agent = &*cycle.agent;
+    if !priority::is_ranked(agent, holder) {
+        return false;
+    }
+    let own = priority::priority(agent, holder, cycle.now);
+    let others = resource.holders.iter().map(|holding| holding.task).filter(|other| priority::is_ranked(agent, *other));
+    let mut priorities = others.map(|other| priority::priority(agent, other, cycle.now)).chain(ranked);
+    needs_in(agent, holder).len() > 1 || priorities.any(|priority| priority != own)
+}
+
+/// The resource, if its queues can decide alone.
+pub(crate) fn usable<'a>(cycle: &'a Cycle<'_>, id: ResourceId) -> Option<&'a Resource> {
+    cycle.agent.resources.get(id).filter(|_| is_queued(cycle, id))
+}
+
+/// What a priority of this importance that rises until `due` is now.
+fn risen_to<'a>(cycle: &'a Cycle<'_>) -> impl Fn(f64, Time) -> f64 + 'a {
+    let (agent, now): (&'a Agent, Time) = (cycle.agent, cycle.now);
+    move |importance, due| priority::risen(agent, RisingTerm { importance, due }, now)
+}
+
+/// Claimants of a resource, the first first.
+pub(crate) fn in_turn<'a>(cycle: &'a Cycle<'_>, waiting: &'a Waiting) -> InTurn<'a, impl Fn(f64, Time) -> f64 + 'a> {
+    waiting.in_turn(cycle.now, risen_to(cycle))
+}
+
+/// Where a task that loses what it holds stands among those that claim it; none if its place is not in a queue.
+pub(crate) fn key_of_loser(cycle: &Cycle<'_>, loss: &Loss) -> Option<QueueKey> {
+    let claimant = as_claimant(cycle, loss.loser);
+    let takes_in = |key: &QueueKey| {
+        let mut needed = claimant.needs.iter().filter_map(|need| cycle.agent.resources.get(need.resource));
+        needed.all(|resource| resource.waiting.takes_in(key))
+    };
+    match claim_queue::claim_of(cycle, loss.loser, &claimant.needs) {
+        Claim::Queued { place: QueuePlace::Steady(key), .. } => Some(key).filter(takes_in),
+        Claim::Queued { place: QueuePlace::Rising(key), .. } => {
+            let priority = risen_to(cycle)(key.importance, key.due);
+            Some(QueueKey { priority, rank: None, begun: key.begun, order: key.order })
+        }
+        Claim::Apart => None,
+    }
+}
+
+/// The place of a task that claims, if it is in a queue.
+pub(crate) fn key_of(cycle: &Cycle<'_>, task: TaskId) -> Option<QueueKey> {
+    let agent = &*cycle.agent;
+    let need = agent.task(task)?.selection.as_ref()?.needs.first().copied();
+    let need = need.or_else(|| agent.task(task)?.extras.as_ref()?.held.first().copied())?;
+    agent.resources.get(need.resource)?.waiting.key_of(task, risen_to(cycle))
+}
