@@ -162,8 +162,8 @@ class Monitor:
         t : array_like, shape (n,)
             Instants: seconds as float64, or ``timedelta64`` / ``datetime64``.
         values : array_like, shape (n,)
-            Numbers, in the declared unit if one is declared; not-a-number is a missing measurement. An array of booleans
-            hands over true and false, as :meth:`push` does.
+            Numbers, in the declared unit if one is declared; not-a-number is a missing measurement. An array of
+            booleans hands over true and false, as :meth:`push` does.
         variable : str or Variable, optional
             As in :meth:`push`.
 

@@ -137,7 +137,7 @@ fn a_simulators_mistakes_are_answered_and_change_nothing() {
     let answers = said.json_lines();
     let error = |index: usize| answers[index]["error"].as_str().unwrap_or_default().to_string();
     assert_eq!(answers[0]["agents"][0], "a");
-    assert!(error(1).contains("no JSON"), "{said:?}");
+    assert!(error(1).contains("not JSON"), "{said:?}");
     assert_eq!(answers[2]["wake"], serde_json::Value::Null);
     assert!(error(3).contains("goes back from 5s to 3s"), "{said:?}");
     assert!(error(4).contains("9s is after 6s"), "{said:?}");

@@ -62,7 +62,10 @@ fn the_largest_sampling_gap_of_a_result_is_told() {
     assert!(said.out.contains("\n  no sample of (roll-angle uav) for 14.000 s, from 6s to 20s\n"), "{}", said.out);
     let lines = desk.apex(&["monitor", condition, "--inputs", "i.jsonl", "--json"]).well().json_lines();
     assert_eq!(lines[0]["gaps"], serde_json::json!([]), "one sample");
-    let gap = serde_json::json!({"variable": "(roll-angle uav)", "start_s": 6.0, "end_s": 20.0, "length_s": 14.0});
+    let gap = serde_json::json!({
+        "variable": "(roll-angle uav)", "start_s": 6.0, "end_s": 20.0, "length_s": 14.0,
+        "start_ns": 6_000_000_000_i64, "end_ns": 20_000_000_000_i64, "length_ns": 14_000_000_000_i64,
+    });
     assert_eq!(lines[1]["gaps"], serde_json::json!([gap]));
 }
 

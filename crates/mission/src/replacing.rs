@@ -5,6 +5,9 @@ use crate::files::{read_bytes, unreadable};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+/// UTF-8's.
+const BYTE_ORDER_MARK: &[u8] = &[0xef, 0xbb, 0xbf];
+
 /// Puts `text` in place of the file that held `before`. The text is written to a temporary file in the same folder and renamed, so that a full disk
 /// cannot leave half a file; the file's permissions stay, and of a link the file behind it is replaced.
 ///
@@ -12,9 +15,15 @@ use std::path::{Path, PathBuf};
 /// The file has changed since it was read, or cannot be written; it is unchanged then.
 pub fn replace(file: &Path, before: &str, text: &str) -> MissionResult {
     let target = std::fs::canonicalize(file).map_err(|error| unreadable(file, &error))?;
-    if read_bytes(&target)? != before.as_bytes() {
-        return Err(MissionError::output(format!("{} changed while it was looked at", file.display()))
-            .because("somebody else has written it")
+    let found = read_bytes(&target)?;
+    // Readers drop the byte order mark; the file keeps it.
+    let (mark, rest) = match found.strip_prefix(BYTE_ORDER_MARK) {
+        Some(rest) if !before.as_bytes().starts_with(BYTE_ORDER_MARK) => (BYTE_ORDER_MARK, rest),
+        _ => (&[][..], found.as_slice()),
+    };
+    if rest != before.as_bytes() {
+        return Err(MissionError::output(format!("{} changed while it was read", file.display()))
+            .because("another program has written it")
             .help("the file is left as it is; run the command again"));
     }
     let permissions = std::fs::metadata(&target).map_err(|error| unreadable(file, &error))?.permissions();
@@ -26,6 +35,7 @@ pub fn replace(file: &Path, before: &str, text: &str) -> MissionResult {
     let temporary = temporary_of(&target);
     let written = std::fs::File::create_new(&temporary).and_then(|mut handle| {
         handle.set_permissions(permissions)?;
+        handle.write_all(mark)?;
         handle.write_all(text.as_bytes())?;
         handle.sync_all()?;
         std::fs::rename(&temporary, &target)

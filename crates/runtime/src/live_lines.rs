@@ -125,6 +125,6 @@ mod tests {
         assert!(matches!(open(&[]).understand("(go)", &read_value), Ok(Control::Input(EventKind::Occurrence(_)))));
         let line = r#"{"agent": "b", "measurement": "(altitude uav)", "value": 3}"#;
         assert!(matches!(open(&[]).understand(line, &read_value), Ok(Control::InputFor(..))));
-        assert!(open(&[]).understand("{", &read_value).unwrap_err().contains("no JSON"));
+        assert!(open(&[]).understand("{", &read_value).unwrap_err().contains("not JSON"));
     }
 }

@@ -10,8 +10,8 @@ use apex_mission::recorded::load_program;
 use apex_model::source::SourceFile;
 use apex_model::task::TaskState;
 use apex_model::time::Time;
-use apex_runtime::record::RecordReader;
 use apex_runtime::record::view::{EventsQuery, RecordView, TasksQuery, TimelineQuery, TrackQuery};
+use apex_runtime::record::{RecordReader, seal_rows};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -107,14 +107,12 @@ fn cut_off(record: &Path, at_ns: i64) -> PathBuf {
     for table in ["batch", "effect", "note", "snapshot", "problem", "situation", "track", "target_state"] {
         connection.execute(&format!("DELETE FROM {table} WHERE t_ns > ?1"), [at_ns]).unwrap();
     }
-    connection
-        .execute("UPDATE problem SET plan = NULL, detail = NULL, report = NULL WHERE due_ns > ?1", [at_ns])
-        .unwrap();
+    connection.execute("DELETE FROM answer WHERE due_ns > ?1", [at_ns]).unwrap();
     connection.execute("DELETE FROM task WHERE created_ns > ?1", [at_ns]).unwrap();
-    let later = "UPDATE task SET goal = 'later', method = 'later', outcome = 'later', ended_ns = 1;
-        DELETE FROM report; DELETE FROM meta WHERE key IN ('end_ns', 'end_reason');
-        UPDATE meta SET value = '0' WHERE key = 'complete';";
-    connection.execute_batch(later).unwrap();
+    let end = "DELETE FROM report; DELETE FROM seal; \
+        DELETE FROM meta WHERE key IN ('end_ns', 'end_reason') OR (key = 'complete' AND value = '1')";
+    connection.execute_batch(end).unwrap();
+    seal_rows(&connection).unwrap();
     cut
 }
 

@@ -32,6 +32,14 @@ impl Lowering {
         // Locals come first: every other clause may use them.
         let (locals, others): (Vec<&Datum>, Vec<&Datum>) =
             clauses.iter().partition(|clause| clause.head_name() == "locals");
+        // A misspelt `locals` is one mistake: the uses of its variables are not reported too.
+        for item in
+            others.iter().filter(|clause| !PRIMITIVE_CLAUSES.contains(&clause.head_name())).flat_map(|c| c.tail())
+        {
+            if let Some([name, _]) = item.as_list() {
+                self.scope.locals.extend(local_name(name));
+            }
+        }
         for clause in locals.into_iter().chain(others) {
             complete &= self.primitive_clause(clause, &mut primitive).is_some();
         }
