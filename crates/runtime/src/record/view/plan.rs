@@ -85,7 +85,7 @@ fn adopted(connection: &Connection, at_ns: i64) -> rusqlite::Result<Option<Adopt
         Ok(_) | Err(_) => None,
     };
     let plan = connection
-        .prepare_cached("SELECT plan FROM problem WHERE request = ?1")?
+        .prepare_cached("SELECT plan FROM answer WHERE request = ?1 ORDER BY position DESC LIMIT 1")?
         .query_row([request], |row| row.get::<_, Option<String>>(0))
         .optional()?;
     Ok(Some((number, adopted_ns, summary, plan.flatten())))
