@@ -9,7 +9,7 @@ use apex_executive::{Agent, step};
 use apex_model::event::Batch;
 use apex_model::task::TaskState;
 use arbitration::twin::{State, Twin};
-use arbitration::world::{FUEL, Moment, Node, RESOURCES, World, worlds};
+use arbitration::world::{FUEL, Moment, Node, RESOURCES, World, worlds, worlds_of};
 use proptest::prelude::*;
 use support::{agent, message, seconds};
 
@@ -169,6 +169,11 @@ proptest! {
 
     #[test]
     fn where_tasks_say_how_long_they_take(world in worlds(0.2, 0.9)) {
+        agree(&world)?;
+    }
+
+    #[test]
+    fn where_many_wait(world in worlds_of(2..45, 0.2, 0.05)) {
         agree(&world)?;
     }
 

@@ -30,11 +30,23 @@ struct Outcome {
     impossible: Vec<usize>,
 }
 
+/// All that decides who gets what, but for the time.
+#[derive(PartialEq)]
+struct Competition {
+    states: Vec<State>,
+    suspended: Vec<bool>,
+    failed: Vec<bool>,
+    needs: Vec<[f64; 4]>,
+    totals: [f64; 4],
+}
+
 /// All that the rules look at.
 pub struct Twin {
     nodes: Vec<Node>,
     pub states: Vec<State>,
     suspended: Vec<bool>,
+    /// Those that can never get what they need, and whose failure is not handled yet.
+    failed: Vec<bool>,
     /// Number of creation.
     born: Vec<u32>,
     /// When the last change of state was.
@@ -48,6 +60,8 @@ pub struct Twin {
     births: u32,
     /// What has arrived at this instant: tasks created now see it too.
     present: Option<Moment>,
+    /// What competed when the arbiter decided last.
+    competed: Option<Competition>,
 }
 
 impl Twin {
@@ -60,6 +74,7 @@ impl Twin {
             nodes,
             states: vec![State::Absent; count],
             suspended: vec![false; count],
+            failed: vec![false; count],
             born: vec![0; count],
             since: vec![0; count],
             worked: vec![0; count],
@@ -68,6 +83,7 @@ impl Twin {
             now: 0,
             births: 0,
             present: None,
+            competed: None,
         };
         twin.create_children(None);
         twin.settle();
@@ -141,7 +157,8 @@ impl Twin {
     }
 
     fn is_done(&self, group: usize) -> bool {
-        (0..self.nodes.len()).all(|each| self.nodes[each].parent != Some(group) || self.states[each] == State::Absent)
+        let gone = |each: usize| self.states[each] == State::Absent && !self.failed[each];
+        (0..self.nodes.len()).all(|each| self.nodes[each].parent != Some(group) || gone(each))
     }
 
     fn is_above(&self, ancestor: usize, task: usize) -> bool {
@@ -157,14 +174,19 @@ impl Twin {
         std::iter::successors(Some(task), |each| self.nodes[*each].parent)
     }
 
-    /// A task ends, with what is below it; what it had reserved is used up if it ended by itself.
-    fn end(&mut self, task: usize, used: bool) {
-        if self.states[task] == State::Absent {
-            return;
-        }
+    fn end_below(&mut self, task: usize) {
         for child in (0..self.nodes.len()).filter(|child| self.nodes[*child].parent == Some(task)).collect::<Vec<_>>() {
             self.end(child, false);
         }
+    }
+
+    /// A task ends, with what is below it; what it had reserved is used up if it ended by itself.
+    fn end(&mut self, task: usize, used: bool) {
+        self.failed[task] = false;
+        if self.states[task] == State::Absent {
+            return;
+        }
+        self.end_below(task);
         if used && self.states[task] == State::Ongoing {
             let consumed = self.needs[task][FUEL];
             self.totals[FUEL] -= consumed;
@@ -179,10 +201,18 @@ impl Twin {
         }
     }
 
-    /// Contention after contention, until nothing changes.
+    /// Contention after contention, until nothing changes. The passing of time alone gives nobody anything.
     fn settle(&mut self) {
         for _ in 0..100 {
-            if !self.contend() {
+            let competition = Competition {
+                states: self.states.clone(),
+                suspended: self.suspended.clone(),
+                failed: self.failed.clone(),
+                needs: self.needs.clone(),
+                totals: self.totals,
+            };
+            if self.competed.as_ref() == Some(&competition) || !self.contend() {
+                self.competed = Some(competition);
                 return;
             }
         }
@@ -190,10 +220,9 @@ impl Twin {
     }
 
     fn is_eligible(&self, task: usize) -> bool {
-        let parent_works = self.nodes[task].parent.is_none_or(|parent| self.states[parent] == State::Ongoing);
         let may = match self.states[task] {
             State::Interrupted => true,
-            State::Enabled => parent_works,
+            State::Enabled => self.parent_works(task),
             State::Absent | State::Pending | State::Ongoing => false,
         };
         may && self.ancestors(task).all(|each| !self.suspended[each])
@@ -209,14 +238,16 @@ impl Twin {
             }
             claimants.retain(|task| !barred.contains(task));
         };
-        let changed = !(granted.is_empty() && impossible.is_empty());
         for (task, _) in displaced {
             self.change(task, State::Interrupted);
         }
+        let changed = self.handle_failures() | !(granted.is_empty() && impossible.is_empty());
         for task in impossible {
             // What handles its failure does not begin below a task that stops working: it is looked at again when that goes on.
-            if self.nodes[task].parent.is_none_or(|parent| self.states[parent] == State::Ongoing) {
-                self.end(task, true);
+            if self.parent_works(task) {
+                self.end_below(task);
+                self.states[task] = State::Absent;
+                self.failed[task] = true;
             }
         }
         let mut begin = Vec::new();
@@ -235,6 +266,23 @@ impl Twin {
             }
         }
         changed
+    }
+
+    /// What handles failures of the round before takes this round, also where the parent has just lost what it had: the
+    /// failed task works until its failure is handled.
+    fn handle_failures(&mut self) -> bool {
+        let handled: Vec<usize> = (0..self.nodes.len()).filter(|task| self.failed[*task]).collect();
+        for task in &handled {
+            self.failed[*task] = false;
+            if let Some(parent) = self.nodes[*task].parent.filter(|parent| self.is_done(*parent)) {
+                self.end(parent, true);
+            }
+        }
+        !handled.is_empty()
+    }
+
+    fn parent_works(&self, task: usize) -> bool {
+        self.nodes[task].parent.is_none_or(|parent| self.states[parent] == State::Ongoing)
     }
 
     /// No step of a task that stops working begins: of such steps, those are out whose task stops for somebody who does begin;
