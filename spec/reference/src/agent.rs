@@ -99,7 +99,7 @@ pub(crate) struct Agent<'p> {
     /// Why suspended tasks go on, if they do in this round.
     pub(crate) resumed: BTreeMap<usize, String>,
     /// What competed when the arbiter decided last.
-    pub(crate) competed: Option<crate::arbitration::Competition>,
+    pub(crate) competed: Option<crate::competition::Competition>,
     /// Numbers alarms and watches.
     pub(crate) serial: u64,
     pub(crate) lines: Vec<Line>,

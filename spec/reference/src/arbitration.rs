@@ -1,10 +1,10 @@
 //! Who gets which resources: all claimants of all resources stand before the arbiter in every round.
 
 use crate::agent::Agent;
+use crate::competition::Competition;
 use crate::program::{Span, Time};
 use crate::task::State;
 use std::cmp::Ordering;
-use std::collections::BTreeMap;
 
 /// A share of a resource that counts against later claimants.
 #[derive(Clone, PartialEq)]
@@ -41,17 +41,6 @@ struct Field {
     impossible: Vec<usize>,
     /// All who compete, in the order in which they come before the arbiter if they claim.
     order: Vec<usize>,
-}
-
-/// All that decides who gets what, but for the time.
-#[derive(PartialEq)]
-pub(crate) struct Competition {
-    /// Who claims or works: how often its state changed, and its needs.
-    competitors: Vec<(usize, usize, Vec<(String, f64)>)>,
-    /// With what they claim and defend, the weakest first; true where it is as strong as the one before.
-    order: Vec<(usize, bool, bool)>,
-    ranks: Vec<(usize, Option<f64>)>,
-    totals: BTreeMap<String, f64>,
 }
 
 impl Agent<'_> {

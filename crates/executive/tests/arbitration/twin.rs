@@ -1,6 +1,7 @@
 //! The naive arbiter: the rules of `pdl.md` section 9 and of decisions 0008, 0010, 0013, 0023, 0029, 0031 and 0035, one by one,
 //! with every set of holders tried. It shares nothing with the executive.
 
+mod order;
 mod room;
 
 use super::world::{FUEL, Moment, Node, RESOURCES, World};
@@ -30,7 +31,7 @@ struct Outcome {
     impossible: Vec<usize>,
 }
 
-/// All that decides who gets what, but for the time.
+/// All that decides who gets what,, except for the time.
 #[derive(PartialEq)]
 struct Competition {
     states: Vec<State>,
@@ -211,10 +212,11 @@ impl Twin {
                 needs: self.needs.clone(),
                 totals: self.totals,
             };
-            if self.competed.as_ref() == Some(&competition) || !self.contend() {
-                self.competed = Some(competition);
+            if self.competed.as_ref() == Some(&competition) {
                 return;
             }
+            self.competed = Some(competition);
+            self.contend();
         }
         panic!("the twin does not come to rest");
     }
@@ -228,7 +230,7 @@ impl Twin {
         may && self.ancestors(task).all(|each| !self.suspended[each])
     }
 
-    fn contend(&mut self) -> bool {
+    fn contend(&mut self) {
         let mut claimants: Vec<usize> = (0..self.nodes.len()).filter(|task| self.is_eligible(*task)).collect();
         let Outcome { granted, displaced, impossible } = loop {
             let outcome = self.arbitrate(&claimants);
@@ -241,7 +243,7 @@ impl Twin {
         for (task, _) in displaced {
             self.change(task, State::Interrupted);
         }
-        let changed = self.handle_failures() | !(granted.is_empty() && impossible.is_empty());
+        self.handle_failures();
         for task in impossible {
             // What handles its failure does not begin below a task that stops working: it is looked at again when that goes on.
             if self.parent_works(task) {
@@ -265,12 +267,11 @@ impl Twin {
                 self.create_children(Some(task));
             }
         }
-        changed
     }
 
     /// What handles failures of the round before takes this round, also where the parent has just lost what it had: the
     /// failed task works until its failure is handled.
-    fn handle_failures(&mut self) -> bool {
+    fn handle_failures(&mut self) {
         let handled: Vec<usize> = (0..self.nodes.len()).filter(|task| self.failed[*task]).collect();
         for task in &handled {
             self.failed[*task] = false;
@@ -278,7 +279,6 @@ impl Twin {
                 self.end(parent, true);
             }
         }
-        !handled.is_empty()
     }
 
     fn parent_works(&self, task: usize) -> bool {
@@ -404,58 +404,5 @@ impl Twin {
             }
         }
         Outcome { granted, displaced, impossible }
-    }
-
-    /// Does `a` go before `b` by its rank?
-    fn goes_before(&self, a: usize, b: usize) -> bool {
-        !self.related(a, b) && self.share(a, b) && self.before_by_rank(a, b) == Some(true)
-    }
-
-    /// The greatest priority of the task and of all that wait behind it.
-    fn weight(&self, task: usize, all: &[usize]) -> f64 {
-        let mut behind = vec![task];
-        while let Some(more) = all
-            .iter()
-            .find(|each| !behind.contains(each) && behind.iter().any(|ahead| self.goes_before(*ahead, **each)))
-        {
-            behind.push(*more);
-        }
-        behind.into_iter().map(|each| self.priority(each)).fold(f64::MIN, f64::max)
-    }
-
-    /// Again and again the best of those that are left, or else the best of those that go before it, and so on.
-    fn order(&self, mut left: Vec<usize>) -> Vec<usize> {
-        let all = left.clone();
-        let better = |a: usize, b: usize| if self.key(b, &all) < self.key(a, &all) { b } else { a };
-        let mut order = Vec::new();
-        while let Some(mut next) = left.iter().copied().reduce(better) {
-            while let Some(ahead) = left.iter().copied().filter(|each| self.goes_before(*each, next)).reduce(better) {
-                next = ahead;
-            }
-            left.retain(|each| *each != next);
-            order.push(next);
-        }
-        order
-    }
-
-    /// Who yields first: who beats none of the others by rank; of these the least defence; of these the latest at work.
-    fn weakest_first(&self, mut holders: Vec<usize>, defence: &impl Fn(usize) -> f64) -> Vec<usize> {
-        let mut ordered = Vec::new();
-        while !holders.is_empty() {
-            let weaker = |a: usize, b: usize| {
-                let order = defence(a).total_cmp(&defence(b));
-                order.then((self.since[b], self.born[b]).cmp(&(self.since[a], self.born[a]))).is_lt()
-            };
-            let beats_none =
-                |task: &usize| holders.iter().all(|other| self.before_by_rank(*task, *other) != Some(true));
-            let mut candidates: Vec<usize> = holders.iter().copied().filter(beats_none).collect();
-            if candidates.is_empty() {
-                candidates.clone_from(&holders);
-            }
-            let weakest = candidates.into_iter().reduce(|a, b| if weaker(b, a) { b } else { a });
-            ordered.extend(weakest);
-            holders.retain(|each| Some(*each) != weakest);
-        }
-        ordered
     }
 }
