@@ -11,11 +11,13 @@ mod construct;
 mod explain;
 mod in_order;
 mod moves;
+mod order_value;
 mod plan;
 mod search;
 mod time_independent;
 
 pub use in_order::in_order;
+pub use order_value::{OrderValue, OrderedVisit, order_value};
 pub use plan::scored;
 
 use crate::routing::{schedule, travel};
