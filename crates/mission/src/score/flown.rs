@@ -109,6 +109,11 @@ impl FlownScore {
         self.observation.sample(sample, &self.ground);
     }
 
+    /// What has been seen so far.
+    pub(crate) fn observation(&self) -> &FlownObservation {
+        &self.observation
+    }
+
     /// What each target's looks have come to.
     pub fn results(&self) -> Vec<TargetResult> {
         self.observation.results()
