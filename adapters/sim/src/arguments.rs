@@ -159,6 +159,16 @@ impl<'a> Arguments<'a> {
         self.keyword("radius").map(|value| self.number(value, "radius", Dimension::LENGTH, "4km")).transpose()
     }
 
+    /// `:every`, m: how far apart pictures are.
+    pub(crate) fn every_keyword(&self) -> Result<f64, String> {
+        let Some(value) = self.keyword("every") else { return Err(self.wrong("`:every` is missing")) };
+        let every_m = self.number(value, "distance", Dimension::LENGTH, "20m")?;
+        if every_m <= 0.0 {
+            return Err(self.wrong(&format!("the distance {value} is not greater than zero")));
+        }
+        Ok(every_m)
+    }
+
     /// `:centre`, if given.
     pub(crate) fn centre_keyword(&self) -> Result<Option<Position>, String> {
         let read = |value| self.read_spot(value, "centre").map(|spot| spot.position);

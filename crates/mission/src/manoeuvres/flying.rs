@@ -32,7 +32,7 @@ pub(super) struct FlownLines {
     pub(super) length_m: f64,
 }
 
-/// Flies `lines` in order at `altitude_m` from `start_s` on.
+/// Flies `lines` in order at `altitude_m` from `start_s` on; on the lines at `line_airspeed_mps`, else at cruise.
 ///
 /// # Errors
 /// A line cannot be flown against the wind.
@@ -40,10 +40,11 @@ pub(super) fn fly(
     lines: &[(Position, Position)],
     altitude_m: f64,
     start_s: f64,
+    line_airspeed_mps: Option<f64>,
     model: &VehicleModel,
     field: &WindField,
 ) -> Result<FlownLines, String> {
-    let airspeed_mps = model.true_airspeed_m_s_cruise;
+    let airspeed_mps = line_airspeed_mps.unwrap_or(model.true_airspeed_m_s_cruise);
     let mut flown = FlownLines { lines: Vec::new(), duration_s: 0.0, length_m: 0.0 };
     let mut before: Option<(Position, Position)> = None;
     for (number, (from, to)) in lines.iter().copied().enumerate() {
@@ -107,3 +108,18 @@ fn join(
     let turn_s = paths.iter().find(|path| path.parts.get(1).is_some_and(|middle| middle.turn == 0.0))?.time_s;
     Some((turn_s + LEAD_IN_S, turn_s * airspeed_mps + lead_m))
 }
+
+/// Time that a rotorcraft needs beyond the way at cruise speed to come from a standstill, stop again and hang still.
+pub(super) fn arrival_s(model: &VehicleModel) -> f64 {
+    let speed_mps = model.true_airspeed_m_s_cruise;
+    let accelerate_s = 0.5 * speed_mps / model.acceleration_m_s2_max;
+    let brake_s = if model.braking_share > 0.0 {
+        0.5 * speed_mps / (model.braking_share * model.acceleration_m_s2_max)
+    } else {
+        0.0
+    };
+    accelerate_s + brake_s + HANG_S
+}
+
+/// Time in which the last metres are flown, s.
+const HANG_S: f64 = 3.0;

@@ -210,6 +210,12 @@ impl Situation {
                 self.note(at, format!("communication over {link} lost: going back"));
             }
             MissionEvent::CommunicationRegained(link) => self.note(at, format!("communication over {link} regained")),
+            // A picture of an observation that is reported by itself, or one that looks straight down at no target.
+            MissionEvent::ImageInMemory(target)
+                if target == "down"
+                    || self
+                        .open_visit()
+                        .is_some_and(|visit| visit.target.split('/').next() == Some(target.as_str())) => {}
             MissionEvent::ImageInMemory(target) => {
                 self.change(target.clone(), at, TargetState::Observed, String::new());
                 self.note(at, format!("picture of {target} in memory"));

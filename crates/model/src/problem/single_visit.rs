@@ -111,6 +111,25 @@ pub struct Manoeuvre {
     pub length_m: f64,
     /// Predicted coverage, resolution and clarity.
     pub quality: QualityFactors,
+    /// The pictures that are taken; none: a line scanner records the lines.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pictures: Option<PictureWork>,
+}
+
+/// Pictures of a manoeuvre: by distance along its lines, or a number of them from the point where its only line begins and ends.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PictureWork {
+    /// Name of the camera.
+    pub camera: String,
+    /// Name of the place to look at; none: straight down.
+    pub at: Option<String>,
+    /// Pictures in all.
+    pub count: u32,
+    /// Distance over ground between pictures; none: they are taken from a standstill.
+    pub every_m: Option<f64>,
+    /// True airspeed along the lines, m/s.
+    pub true_airspeed_mps: f64,
 }
 
 /// Factors 0..1 that discount a target's value, each with its cause.
