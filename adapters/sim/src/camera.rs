@@ -101,6 +101,8 @@ pub(crate) struct Camera {
     pub(crate) slew_until: Option<Time>,
     /// Pictures that it takes by distance.
     pub(crate) run: Option<PictureRun>,
+    /// Pictures that the present command still wants after the one in progress.
+    pub(crate) pictures_left: u32,
     /// How long the sight line has been on the target.
     aligned_s: f64,
     /// Angle between the sight line and the target.
@@ -163,6 +165,7 @@ impl Camera {
             timer: None,
             slew_until: None,
             run: None,
+            pictures_left: 0,
             aligned_s: 0.0,
             error_rad: 0.0,
         }

@@ -76,7 +76,7 @@ const COMMANDS: &[Command] = &[
     command("scanner", "(scanner on) or (scanner off)", (1, 1), &[]),
     command("camera", "(camera NAME power-up), (camera NAME power-off) or (camera NAME rest)", (2, 2), &[]),
     command("point-camera", "(point-camera NAME LOCATION) or (point-camera NAME down)", (2, 2), &[]),
-    command("take-picture", "(take-picture NAME)", (1, 1), &[]),
+    command("take-picture", "(take-picture NAME [:count N])", (1, 1), &["count"]),
     command("take-pictures", "(take-pictures NAME :every DISTANCE)", (1, 1), &["every"]),
     command("stop-pictures", "(stop-pictures NAME)", (1, 1), &[]),
     command("wait", "(wait DURATION)", (1, 1), &[]),

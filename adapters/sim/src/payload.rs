@@ -105,6 +105,7 @@ impl SimulatedWorld {
                 self.settled = false;
             }
             _ => {
+                camera.pictures_left = arguments.count_keyword()?.saturating_sub(1);
                 camera.state = CameraState::Exposing;
                 camera.timer = Some(self.now + instants::span(camera.model.picture_s));
                 camera.command = Some(id);

@@ -138,6 +138,7 @@ impl SimulatedWorld {
         for (_, command, answer) in due {
             self.answer(command, Ok(answer), inputs);
         }
+        let mut next = Vec::new();
         let mut cameras = std::mem::take(&mut self.cameras);
         for camera in cameras.iter_mut().filter(|camera| camera.slew_until.is_some_and(|at| at <= self.now)) {
             let reason = camera.fail_slew(&self.state);
@@ -147,6 +148,12 @@ impl SimulatedWorld {
         }
         for camera in cameras.iter_mut().filter(|camera| camera.timer.is_some_and(|at| at <= self.now)) {
             camera.timer = None;
+            if camera.state == CameraState::Exposing && camera.pictures_left > 0 {
+                camera.pictures_left -= 1;
+                camera.timer = Some(self.now + instants::span(camera.model.picture_s.max(camera.model.interval_s_min)));
+                next.push(camera.clone());
+                continue;
+            }
             let name = Value::symbol(&camera.model.name);
             let target = camera.aim.as_ref().map_or_else(Value::nil, Aim::given);
             let powered = camera.state == CameraState::PoweringUp;
@@ -159,6 +166,7 @@ impl SimulatedWorld {
             }
         }
         self.cameras = cameras;
+        next.iter().for_each(|camera| self.say_taken(camera, inputs));
     }
 }
 

@@ -42,7 +42,7 @@ pub mod ways;
 pub use modems::Modem;
 pub use settings::Settings;
 pub use surroundings::Airfield;
-pub use targets::{PictureTerms, Fire, Site, Target, TargetKind};
+pub use targets::{Fire, PictureTerms, Site, Target, TargetKind};
 
 use crate::error::{MissionError, MissionResult};
 use apex_model::library::{AgentDeclaration, Library};

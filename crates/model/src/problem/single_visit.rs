@@ -247,7 +247,7 @@ pub struct PlannedVisit {
     pub route: Vec<Position>,
     /// What is flown from end to end of the route, turns included: points never farther than a thousandth of the vehicle's
     /// turn radius from it. Empty where turns are not limited: the route itself.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default)] // never skipped: the flight record stores plans without the names of fields
     pub path: Vec<Position>,
     /// When the vehicle leaves the exit before (or the start); later than the visit before has ended where it holds first.
     pub depart_s: f64,
@@ -276,7 +276,7 @@ pub struct SingleVisitPlan {
     /// Way points from the last exit to the base, both included; empty where there is no base.
     pub return_route: Vec<Position>,
     /// What is flown there, as [`PlannedVisit::path`].
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default)]
     pub return_path: Vec<Position>,
     /// When the vehicle leaves the last exit for the base; later than the last visit's end where it holds first.
     pub return_depart_s: f64,
