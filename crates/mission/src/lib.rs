@@ -13,6 +13,7 @@ pub mod fixing;
 pub mod flight;
 pub mod fork;
 mod manoeuvres;
+mod link;
 mod modems;
 pub mod monitor_report;
 mod observing;
