@@ -105,6 +105,9 @@ fn wanted(mission: &Mission, situation: &Situation, flown: Option<&FlownScore>, 
     let (mut targets, mut after, mut troubles) = (Vec::new(), Vec::new(), Vec::new());
     for target in &mission.targets {
         let TargetKind::Fire(fire) = &target.kind else { continue };
+        if mission.weak_reason(&target.id).is_some() {
+            continue;
+        }
         // Not before the vehicle can be there.
         let way_s = geodesy::distance_m(start, target.position) / mission.model.true_airspeed_m_s_cruise;
         for (name, look) in fire.looks().filter(|(name, _)| is_open(name)) {
@@ -169,7 +172,12 @@ fn surveillance(mission: &Mission, situation: &Situation, at: Time) -> Result<Su
         positions.push(target.position);
         targets.push(site_target(target, site, situation, now_s));
     }
-    let travel = survey(mission, &positions, here(mission, situation), now_s).map_err(NoPlan::Fault)?.times;
+    let mut travel = survey(mission, &positions, here(mission, situation), now_s).map_err(NoPlan::Fault)?.times;
+    for (index, target) in targets.iter().enumerate() {
+        if mission.weak_reason(&target.name).is_some() {
+            travel.shut(index);
+        }
+    }
     let energy = energy(mission, situation);
     let endurance_s = situation.vehicle.endurance_s.map(|_| (energy.endurance_s - energy.reserve_s).max(0.0));
     Ok(SurveillanceProblem {

@@ -58,8 +58,12 @@ pub struct Settings {
     pub failure: FailureTerm,
     /// Money that one point of value represents: costs in mission data are money.
     pub value_unit: f64,
-    /// Radios as written.
+    /// Radios of the world as written.
     pub modems: Vec<Value>,
+    /// Radios as the planner believes in them, as written.
+    pub link_map: Vec<Value>,
+    /// What happens when a link is lost, as written.
+    pub lost_link: Vec<Value>,
     /// Structures with the functions of the program that are their costs.
     pub costs: Vec<(String, Symbol)>,
 }
@@ -92,6 +96,8 @@ const KNOWN: &[&str] = &[
     "value-unit",
     "requirements",
     "modems",
+    "link-map",
+    "lost-link",
     "costs",
     "libraries",
     "files",
@@ -161,7 +167,9 @@ pub(crate) fn read(library: &Library) -> MissionResult<Settings> {
         failure: reader.failure()?.in_points(value_unit),
         value_unit,
         requirements: reader.list("requirements")?,
-        modems: application.option("modems").and_then(Value::as_list).unwrap_or_default().to_vec(),
+        modems: reader.list("modems")?,
+        link_map: reader.list("link-map")?,
+        lost_link: reader.list("lost-link")?,
         costs: reader.costs()?,
     })
 }

@@ -2,7 +2,7 @@
 
 use crate::problem::{NoPlan, survey};
 use crate::{Mission, Target, TargetKind};
-use apex_model::problem::{Plan, Position, Problem};
+use apex_model::problem::{LeftOut, Plan, Position, Problem};
 use apex_model::time::{Duration, Time};
 use apex_planning::Registry;
 use apex_planning::solver::units_in;
@@ -160,8 +160,25 @@ pub fn validate(problem: &Problem) -> Result<(), String> {
     }
 }
 
-/// Says of sites left out because they lie in a restricted area, in which.
+/// Says of targets left out why: the link is weak there, or they lie in a restricted area.
 pub fn name_obstacles(mission: &Mission, solved: &mut Deliberation) {
+    name_zones(mission, solved);
+    let left_out = match &mut solved.plan {
+        Plan::Surveillance(plan) => &mut plan.left_out,
+        Plan::SingleVisit(plan) => &mut plan.left_out,
+    };
+    let targets = mission.targets.iter();
+    for (target, reason) in targets.filter_map(|target| Some((target, mission.weak_reason(&target.id)?))) {
+        for (name, ..) in target.plan_names() {
+            match left_out.iter_mut().find(|left_out| left_out.target == name) {
+                Some(left_out) => left_out.reason = reason.to_string(),
+                None => left_out.push(LeftOut { target: name, reason: reason.to_string() }),
+            }
+        }
+    }
+}
+
+fn name_zones(mission: &Mission, solved: &mut Deliberation) {
     let Plan::Surveillance(plan) = &mut solved.plan else { return };
     let sites: Vec<&Target> =
         mission.targets.iter().filter(|target| matches!(target.kind, TargetKind::Site(_))).collect();

@@ -14,6 +14,7 @@ pub use updates::{MissionUpdate, MissionUpdates, OperatorPlan};
 pub use visit::{VehicleState, Visit};
 
 use crate::Mission;
+use crate::link::LinkMemory;
 use crate::predicted::Predicted;
 use crate::requirements::Watch;
 use apex_model::effect::{DecisionKind, Effect, Method, SolveRequestId};
@@ -88,6 +89,8 @@ pub struct Situation {
     planned_lines: BTreeMap<String, Vec<ScanLine>>,
     /// Requirements compared with the flight.
     watch: Watch,
+    /// What was measured of radio links.
+    pub links: LinkMemory,
     /// What the last step adds to the next batch: a function of the rest, and not stored.
     #[serde(skip)]
     derived: Vec<Input>,
@@ -122,6 +125,7 @@ impl Situation {
             self.take_effect(batch.now, effect);
         }
         self.watch(mission, batch, effects);
+        self.derived.extend(self.links.observe(mission, batch, effects));
         if requests > 0 {
             // Data that planning cannot use are reported when a plan is asked for.
             for unknown in self.updates.unknown(mission) {
