@@ -1,7 +1,7 @@
 //! The mission's data in the terms of the observation model: the vehicle's scanner, and the air as forecast.
 
 use crate::Mission;
-use crate::vehicle::VehicleModel;
+use crate::vehicle::{Airframe, VehicleModel};
 use apex_geo::wind;
 use apex_model::problem::{Position, WindField};
 use apex_observation::clarity::{AttitudeHold, share_within};
@@ -135,6 +135,17 @@ pub(crate) fn camera_of(model: &VehicleModel, name: &str) -> Option<CameraSettin
         smear: RateLimits { full_pixels: motion.shift_px_valid, zero_pixels: motion.shift_px_zero },
         sun_deg_min: (!carried.model.works_by_night()).then_some(SUN_DEG_MIN),
     })
+}
+
+/// The camera that looks at sites from where the vehicle visits them: straight down from a hover, or to the side from a
+/// circle. None if the vehicle carries no camera that can.
+pub(crate) fn looks_with(model: &VehicleModel) -> Option<CameraSetting> {
+    let cameras = camera_names(model).into_iter().filter_map(|name| camera_of(model, name));
+    let can = |camera: &CameraSetting| match model.airframe {
+        Airframe::Rotorcraft => camera.sees_nadir(),
+        Airframe::FixedWing => camera.mount.pan_deg.1 > 0.0,
+    };
+    cameras.into_iter().find(can)
 }
 
 /// How the vehicle answers to turbulence.

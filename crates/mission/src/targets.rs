@@ -113,6 +113,8 @@ pub struct Site {
     pub cost: CostFunction,
     /// Time since the last look when the mission starts.
     pub initial_age_s: f64,
+    /// Wanted pixel on the ground, m: a picture of twice that size shows nothing.
+    pub resolution_m: f64,
 }
 
 impl Target {
@@ -344,6 +346,7 @@ fn site(feature: &NamedFeature) -> MissionResult<Site> {
         rate: rate(feature)?,
         cost,
         initial_age_s: feature.number("initial_age_s", 0.0, 1e9)?.unwrap_or(0.0),
+        resolution_m: feature.number("resolution_m", f64::MIN_POSITIVE, 1e6)?.unwrap_or(f64::INFINITY),
     })
 }
 

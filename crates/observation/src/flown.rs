@@ -9,7 +9,7 @@ use crate::attitude::Attitude;
 use crate::clarity::ClarityWeights;
 use crate::footprint::{Ground, OFF_NADIR_DEG_MAX};
 use crate::grid::{AreaError, GridSettings, TargetGrid};
-use crate::looks::{StripFacts, TargetLooks};
+use crate::looks::{CellLook, StripFacts, TargetLooks};
 use crate::pictures::{PictureView, add_picture};
 use crate::plane::Point;
 use crate::result::{Remark, TargetResult};
@@ -254,6 +254,17 @@ impl FlownObservation {
         let distance_m = |watched: &Watched| geodesy::distance_m(watched.grid.plane().centre(), position);
         let nearest = self.watched.iter().min_by(|a, b| distance_m(a).total_cmp(&distance_m(b)));
         nearest.map_or(0.0, |watched| watched.target.elevation_m)
+    }
+
+    /// Instants at which a target was seen clearly and with pixels that are worth something to one of its wanted looks.
+    pub fn valid_looks_s(&self, name: &str) -> Vec<f64> {
+        let Some(watched) = self.watched.iter().find(|watched| watched.target.name == name) else { return Vec::new() };
+        let wanted = &watched.target.looks;
+        let is_fine = |look: &CellLook| {
+            let (along_m, across_m) = (f64::from(look.pixel_along_m), f64::from(look.pixel_across_m));
+            wanted.iter().any(|wanted| wanted.resolution.factor(along_m, across_m) > 0.0)
+        };
+        watched.looks.valid().filter(|(look, _)| is_fine(look)).map(|(_, time_s)| time_s).collect()
     }
 
     /// The grid of a target; none for an unknown name.

@@ -35,7 +35,8 @@ fn a_rotorcraft_returns_waits_and_resumes_around_the_shadow() {
     let flown = hidden_shadow("rmax").fly();
     assert_eq!(flown.said("communication-lost").len(), 1, "{}", flown.story());
     assert_returned(&flown);
-    let at_s = |head: &str| flown.said(head).first().map(|said| said.0).unwrap_or_else(|| panic!("{head}: {}", flown.story()));
+    let at_s =
+        |head: &str| flown.said(head).first().map(|said| said.0).unwrap_or_else(|| panic!("{head}: {}", flown.story()));
     let waited_s = at_s("instructed") - at_s("awaiting-instructions");
     assert!((waited_s - 120.0).abs() < 1.0, "the deadline: {waited_s}");
     assert!(at_s("communication-lost") < at_s("communication-regained"));

@@ -10,6 +10,7 @@ use apex_portfolio::{ProfileTable, Selection};
 use apex_runtime::invocation::{Invocations, Limits};
 use apex_runtime::limits::{SOLVER_MEMORY_BYTES, SOLVER_PATIENCE};
 use apex_runtime::ports::CancelToken;
+use apex_vehicle::EnergyModel;
 use std::sync::Arc;
 
 /// What one deliberation came to.
@@ -163,6 +164,7 @@ pub fn validate(problem: &Problem) -> Result<(), String> {
 /// Says of targets left out why: the link is weak there, or they lie in a restricted area.
 pub fn name_obstacles(mission: &Mission, solved: &mut Deliberation) {
     name_zones(mission, solved);
+    name_battery(mission, solved);
     let left_out = match &mut solved.plan {
         Plan::Surveillance(plan) => &mut plan.left_out,
         Plan::SingleVisit(plan) => &mut plan.left_out,
@@ -175,6 +177,27 @@ pub fn name_obstacles(mission: &Mission, solved: &mut Deliberation) {
                 None => left_out.push(LeftOut { target: name, reason: reason.to_string() }),
             }
         }
+    }
+}
+
+/// The planner's word for the limit of a flight by energy.
+const ENDURANCE: &str = "endurance leaves";
+
+/// Names the battery where it is what limits the flight: how long it lasts above its reserve.
+fn name_battery(mission: &Mission, solved: &mut Deliberation) {
+    let (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) = (&solved.problem, &mut solved.plan) else { return };
+    if !matches!(mission.model.energy, EnergyModel::Battery(_)) {
+        return;
+    }
+    let has_s = (problem.vehicle.endurance_s - problem.vehicle.endurance_reserve_s).max(0.0);
+    let reserve_s = problem.vehicle.endurance_reserve_s;
+    for left_out in &mut plan.left_out {
+        let named = format!(
+            "the battery leaves: it has {:.0} min above its reserve of {:.0} min",
+            has_s / 60.0,
+            reserve_s / 60.0
+        );
+        left_out.reason = left_out.reason.replace(ENDURANCE, &named);
     }
 }
 

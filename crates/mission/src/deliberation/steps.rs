@@ -3,6 +3,7 @@
 use super::current_plan::{observed_lines, rounded};
 use super::operator_plan;
 use super::solve::Deliberation;
+use crate::observing::looks_with;
 use crate::problem::{survey, visit_altitude_m};
 use crate::vehicle::Airframe;
 use crate::{Mission, Target, TargetKind};
@@ -184,6 +185,7 @@ fn surveillance_steps(plan: &SurveillancePlan, mission: &Mission, from: Option<(
     }
     // Who cannot hover looks from a circle around the site.
     let circles = mission.model.airframe == Airframe::FixedWing;
+    let camera = looks_with(&mission.model).map(|camera| camera.name);
     let mut steps = Vec::new();
     let mut before = None;
     for (index, number) in order.iter().enumerate() {
@@ -198,7 +200,7 @@ fn surveillance_steps(plan: &SurveillancePlan, mission: &Mission, from: Option<(
             from: if circles { LookFrom::Circle } else { LookFrom::Point },
             at: at(target.position, altitude_m),
             dwell: Duration::from_seconds(*dwell_s),
-            camera: None,
+            camera: camera.clone(),
         };
         steps.push((Symbol::new(&format!("visit-{}-{}", index + 1, target.id)), visit));
     }

@@ -83,9 +83,12 @@ impl LinkMemory {
             }
         }
         let level = value.as_number().filter(|(_, unit)| *unit == Dimension::NONE).map(|(level, _)| level);
-        let Some((level, here)) = level.filter(|_| variable.attribute.is("signal-level")).zip(self.here) else { return };
+        let Some((level, here)) = level.filter(|_| variable.attribute.is("signal-level")).zip(self.here) else {
+            return;
+        };
         let key = variable.object.to_string().to_lowercase();
-        if self.is_on_ground || !level.is_finite() || (self.links.len() >= LINKS_MAX && !self.links.contains_key(&key)) {
+        if self.is_on_ground || !level.is_finite() || (self.links.len() >= LINKS_MAX && !self.links.contains_key(&key))
+        {
             return;
         }
         let cells = Cells::new(mission.start, mission.model.true_airspeed_m_s_cruise);

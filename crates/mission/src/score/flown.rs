@@ -1,8 +1,8 @@
 //! The fold over the batches of a flight.
 
 use super::samples::Latest;
-use crate::observing::{NoTerrain, camera_names, camera_of, scanner_of};
-use crate::{Mission, TargetKind};
+use crate::observing::{NoTerrain, camera_names, camera_of, looks_with, scanner_of};
+use crate::{Mission, Site, Target, TargetKind};
 use apex_model::event::{Batch, EventKind};
 use apex_model::problem::Position;
 use apex_model::time::Time;
@@ -14,6 +14,7 @@ use apex_observation::result::TargetResult;
 use apex_observation::sensor::camera::sight_of;
 use apex_observation::sensor::{CameraSetting, ExposureMotion};
 use apex_observation::strip::ScannerSetting;
+use apex_observation::target::{ObservedTarget, TargetArea, WantedLook};
 use apex_observation::timing::sun::solar_position;
 
 /// Longest time between two samples across which the ground counts as seen.
@@ -36,6 +37,18 @@ pub struct FlownScore {
     latest: Latest,
 }
 
+/// A site as a target of pictures: a point at the height of the thing itself, with one look of value 1.
+fn of_site(target: &Target, site: &Site) -> ObservedTarget {
+    ObservedTarget {
+        name: target.id.clone(),
+        area: TargetArea::Point(target.position),
+        elevation_m: target.elevation_m + target.height_m,
+        is_water: false,
+        looks: vec![WantedLook::new("look", 1.0, site.resolution_m)],
+        after: Vec::new(),
+    }
+}
+
 /// What has been observed, or why nothing is known of it.
 pub(crate) fn told(flown: &Result<Option<FlownScore>, String>) -> Result<&FlownScore, &str> {
     match flown {
@@ -51,8 +64,10 @@ impl FlownScore {
     /// # Errors
     /// The ground of a target makes no sense.
     pub fn new(mission: &Mission) -> Result<Option<FlownScore>, String> {
+        let is_looked_at = looks_with(&mission.model).is_some();
         let wanted = mission.targets.iter().filter_map(|target| match &target.kind {
             TargetKind::Fire(fire) => Some(fire.wanted.clone()),
+            TargetKind::Site(site) if is_looked_at => Some(of_site(target, site)),
             TargetKind::Site(_) | TargetKind::Plain | TargetKind::Base => None,
         });
         let wanted: Vec<_> = wanted.collect();
@@ -180,6 +195,11 @@ impl FlownScore {
         let Some((position, altitude_m)) = self.latest.place else { return };
         let sample = self.flight_sample(at, position, altitude_m);
         self.observation.sample(sample, &self.ground);
+    }
+
+    /// True if a picture of the target taken between two instants is worth something.
+    pub fn saw(&self, target: &str, from_s: f64, until_s: f64) -> bool {
+        self.observation.valid_looks_s(target).into_iter().any(|time_s| (from_s..=until_s).contains(&time_s))
     }
 
     /// What each target's looks have come to.

@@ -111,7 +111,14 @@ impl World {
                 }
             }
         }
-        Flown { folder, mission, events, said, commands: plans, end: (outcome.end.at.seconds(), outcome.end.reason.text()) }
+        Flown {
+            folder,
+            mission,
+            events,
+            said,
+            commands: plans,
+            end: (outcome.end.at.seconds(), outcome.end.reason.text()),
+        }
     }
 }
 

@@ -17,6 +17,8 @@ use apex_observation::target::LookAngles;
 const ASIDE_DEG: [f64; 4] = [20.0, 35.0, 50.0, 65.0];
 /// Directions to stand aside, from the one the vehicle comes from.
 const AZIMUTHS: u32 = 8;
+/// Look angles are planned inside the wanted ones by this, degrees.
+const INSIDE_DEG: f64 = 2.0;
 /// Chance that one of the pictures at least is valid, by which their number is chosen; and most pictures.
 const VALID_CHANCE: f64 = 0.98;
 const PICTURES_MAX: u32 = 10;
@@ -52,10 +54,6 @@ pub(super) fn ways(wish: &Wish<'_>, camera: &CameraSetting, place: Position) -> 
                 }
             }
         }
-        // Steeper looks are finer: flatter ones are for where those are closed.
-        if !made.is_empty() {
-            break;
-        }
     }
     match (made.is_empty(), trouble) {
         (true, Some(why)) => Err(why),
@@ -81,7 +79,10 @@ fn look_angles_deg(wish: &Wish<'_>, camera: &CameraSetting) -> Result<Vec<f64>, 
         ));
     }
     let between = ASIDE_DEG.into_iter().filter(|angle_deg| (from_deg..=to_deg).contains(angle_deg));
-    let mut angles_deg: Vec<f64> = std::iter::once(from_deg.max(0.0)).chain(between).collect();
+    // Not at the very edge of what is wanted: the vehicle hovers a little off.
+    let steepest_deg = if from_deg > 0.0 { (from_deg + INSIDE_DEG).min(0.5 * (from_deg + to_deg)) } else { 0.0 };
+    let mut angles_deg: Vec<f64> =
+        std::iter::once(steepest_deg).chain(between.filter(|angle_deg| *angle_deg > steepest_deg)).collect();
     angles_deg.sort_by(f64::total_cmp);
     angles_deg.dedup();
     Ok(angles_deg)
@@ -138,7 +139,7 @@ fn draft(
     let picture_s = model.cameras.iter().find(|one| one.name == camera.name).map_or(0.0, |one| one.picture_s);
     let nose_s = if camera.mount.pan_deg.1 > 0.0 || angle_deg < 1.0 { 0.0 } else { 90.0 / model.yaw_rate_deg_s_max };
     let point_s = nose_s + SLEW_DEG / camera.mount.rate_deg_s + camera.mount.settle_s;
-    let each_s = (picture_s + STEPS_S).max(camera.interval_s_min);
+    let each_s = picture_s.max(camera.interval_s_min);
     Draft {
         name: format!("vantage-{angle_deg:.0}deg-{height_m:.0}m"),
         altitude_m,
