@@ -65,7 +65,12 @@ pub(super) fn fly(
             ground_speed_mps: if leg_s > 0.0 { length_m / leg_s } else { triangle.ground_speed_mps },
             crab_deg: geodesy::wrap_180(triangle.heading_deg - track_deg),
         });
-        flown.duration_s += leg_s;
+        // From a standstill to the speed of the line.
+        let starts_s = match model.airframe {
+            Airframe::Rotorcraft => 0.5 * airspeed_mps / model.acceleration_m_s2_max,
+            Airframe::FixedWing => 0.0,
+        };
+        flown.duration_s += leg_s + starts_s;
         flown.length_m += length_m;
         before = Some((from, to));
     }
@@ -84,9 +89,11 @@ fn join(
     let airspeed_mps = model.true_airspeed_m_s_cruise;
     let wind = wind::at(field, from, altitude_m, now_s);
     if model.airframe == Airframe::Rotorcraft {
-        let Some((_, exit)) = before else { return Some((0.0, 0.0)) };
+        // It hangs still where a line begins, and overshoots its end.
+        let Some((_, exit)) = before else { return Some((arrival_s(model), 0.0)) };
+        let leg_m = geodesy::distance_m(exit, from);
         let leg_s = wind::leg_time_s(exit, from, altitude_m, airspeed_mps, field, now_s)?;
-        return Some((leg_s, geodesy::distance_m(exit, from)));
+        return Some((leg_s + arrival_s(model), leg_m));
     }
     let track_deg = geodesy::azimuth_deg(from, to);
     let lead_m = LEAD_IN_S * wind::triangle(track_deg, airspeed_mps, wind)?.ground_speed_mps;

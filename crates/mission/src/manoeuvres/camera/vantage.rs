@@ -17,6 +17,8 @@ use apex_observation::target::LookAngles;
 const ASIDE_DEG: [f64; 4] = [20.0, 35.0, 50.0, 65.0];
 /// Directions to stand aside, from the one the vehicle comes from.
 const AZIMUTHS: u32 = 8;
+/// Distance kept from zones, as a multiple of what the mission demands: corners of zones are nearer than their edges.
+const ZONE_MARGIN: f64 = 1.1;
 /// Look angles are planned inside the wanted ones by this, degrees.
 const INSIDE_DEG: f64 = 2.0;
 /// Chance that one of the pictures at least is valid, by which their number is chosen; and most pictures.
@@ -101,7 +103,7 @@ fn vantage_point(wish: &Wish<'_>, place: Position, altitude_m: f64, angle_deg: f
         let turn = f64::from(step.div_ceil(2)) * 360.0 / f64::from(AZIMUTHS);
         let azimuth_deg = towards_deg + if step % 2 == 0 { turn } else { -turn };
         let from = if aside_m < 1.0 { place } else { geodesy::destination(place, azimuth_deg, aside_m) };
-        match closed_by(wish, &[(from, from)], altitude_m) {
+        match closed_by(wish, &cross(from, ZONE_MARGIN * wish.mission.requirements.zone_margin_m), altitude_m) {
             None => return Ok(from),
             Some(zone) => closed = Some(zone),
         }
@@ -109,6 +111,13 @@ fn vantage_point(wish: &Wish<'_>, place: Position, altitude_m: f64, angle_deg: f
     let (name, low_m, high_m) =
         closed.map_or(("", 0.0, 0.0), |zone| (zone.name.as_str(), zone.altitude_m_min, zone.altitude_m_max));
     Err(format!("it needs {altitude_m:.0} m above sea level, zone {name} closes {low_m:.0} to {high_m:.0} m"))
+}
+
+/// Lines north to south and west to east through a place, `reach_m` to each side.
+fn cross(place: Position, reach_m: f64) -> [(Position, Position); 2] {
+    let [north, east, south, west] =
+        [0.0, 90.0, 180.0, 270.0].map(|azimuth_deg| geodesy::destination(place, azimuth_deg, reach_m));
+    [(north, south), (west, east)]
 }
 
 fn draft(
