@@ -74,9 +74,11 @@ const COMMANDS: &[Command] = &[
     command("set-speed", "(set-speed SPEED)", (1, 1), &[]),
     command("set-heading", "(set-heading HEADING)", (1, 1), &[]),
     command("scanner", "(scanner on) or (scanner off)", (1, 1), &[]),
-    command("camera", "(camera NAME power-up) or (camera NAME power-off)", (2, 2), &[]),
-    command("point-camera", "(point-camera NAME LOCATION)", (2, 2), &[]),
-    command("take-picture", "(take-picture NAME)", (1, 1), &[]),
+    command("camera", "(camera NAME power-up), (camera NAME power-off) or (camera NAME rest)", (2, 2), &[]),
+    command("point-camera", "(point-camera NAME LOCATION) or (point-camera NAME down)", (2, 2), &[]),
+    command("take-picture", "(take-picture NAME [:count N])", (1, 1), &["count"]),
+    command("take-pictures", "(take-pictures NAME :every DISTANCE)", (1, 1), &["every"]),
+    command("stop-pictures", "(stop-pictures NAME)", (1, 1), &[]),
     command("wait", "(wait DURATION)", (1, 1), &[]),
 ];
 

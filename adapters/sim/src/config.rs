@@ -1,6 +1,7 @@
 //! What a simulated world is made of: vehicle, start, weather, ground, radios, places and scripted events, as plain data.
 
 use apex_geo::geodesy;
+use apex_geo::link::{LevelLaw, LevelModel};
 use apex_model::event::StateVariable;
 use apex_model::problem::{Position, WindField};
 use apex_model::time::Time;
@@ -169,73 +170,44 @@ impl Ground {
     }
 }
 
-/// A radio link. Level in decibels over noise falls with the logarithm of distance; 0 (nothing) .. 1 (full) is published.
+/// A radio link: its level by place, with fading and drop-outs. 0 (nothing) .. 1 (full) is published.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Modem {
     /// Its name: the object of `signal-level`, for example `900MHzModem`.
     pub name: String,
-    /// Where the ground station is; none for a satellite link, whose level does not fall with distance.
-    pub station: Option<Position>,
-    /// Distance at which the level is still full.
-    pub full_level_m: f64,
-    /// Path-loss exponent: 2 free space, 3 and more near the ground.
-    pub path_loss_exponent: f64,
-    /// Decibels from full level down to nothing.
-    pub range_db: f64,
+    /// Level by place, as the world has it.
+    pub level: LevelModel,
     /// Deviation of the fading.
     pub fading_db: f64,
-    /// Hills and buildings in the way.
-    pub shadows: Vec<RadioShadow>,
     /// Spans `(from_s, until_s)` without any signal.
     pub dropouts_s: Vec<(f64, f64)>,
-}
-
-/// A round place where ground weakens a radio link.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct RadioShadow {
-    /// Its middle.
-    pub position: Position,
-    /// Its radius.
-    pub radius_m: f64,
-    /// Above this altitude the station is in sight again.
-    pub altitude_m_max: f64,
-    /// Loss inside.
-    pub loss_db: f64,
 }
 
 impl Modem {
     /// A ground radio with three dB of fading that is full within `full_level_m` and gone 40 dB below.
     pub fn at_station(name: &str, station: Position, full_level_m: f64) -> Modem {
-        Modem {
-            name: name.to_owned(),
-            station: Some(station),
-            full_level_m,
-            path_loss_exponent: 2.4,
-            range_db: 40.0,
-            fading_db: 3.0,
-            shadows: Vec::new(),
-            dropouts_s: Vec::new(),
-        }
+        let level = LevelModel::at_station(station, full_level_m);
+        Modem { name: name.to_owned(), level, fading_db: 3.0, dropouts_s: Vec::new() }
     }
 
     /// A satellite link.
     pub fn satellite(name: &str) -> Modem {
-        Modem { station: None, fading_db: 1.0, ..Modem::at_station(name, Position::default(), 1.0) }
+        let level = LevelModel::satellite();
+        Modem { name: name.to_owned(), level, fading_db: 1.0, dropouts_s: Vec::new() }
     }
 
     fn check(&self) -> Result<(), String> {
         let name = &self.name;
-        if let Some(station) = self.station {
+        if let Some(station) = self.level.station {
             check_position(&format!("the station of modem `{name}`"), station)?;
         }
-        let positive = [
-            ("full_level_m", self.full_level_m),
-            ("path_loss_exponent", self.path_loss_exponent),
-            ("range_db", self.range_db),
-        ];
-        for (field, value) in positive {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(format!("modem `{name}`: {field} is {value}; it must be a number greater than zero"));
+        if let LevelLaw::Logarithmic { full_level_m, range_m } = self.level.law {
+            for (field, value, least) in [("full_level_m", full_level_m, 0.0), ("range_m", range_m, full_level_m)] {
+                if !(value.is_finite() && value > least) {
+                    return Err(format!(
+                        "modem `{name}`: {field} is {value}; it must be a number greater than {least}"
+                    ));
+                }
             }
         }
         check_finite(&format!("modem `{name}`: fading_db"), self.fading_db)

@@ -34,6 +34,6 @@ mod way;
 mod world;
 
 pub use commands::command_names;
-pub use config::{Ground, GroundPatch, Happening, Modem, NamedPlace, RadioShadow, ScheduledEvent, Start, WorldConfig};
+pub use config::{Ground, GroundPatch, Happening, Modem, NamedPlace, ScheduledEvent, Start, WorldConfig};
 pub use packet::{Pace, VARIABLES, Variable};
 pub use world::SimulatedWorld;

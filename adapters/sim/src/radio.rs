@@ -1,10 +1,9 @@
 //! Radio links: signal level by distance, shadow, fading and drop-outs.
 
 use crate::config::Modem;
-use crate::geodesic::bearing;
 use crate::random::{Random, Wander};
+use apex_geo::link::FULL_LEVEL_DB;
 use apex_model::problem::Position;
-use libm::log10;
 
 /// A link counts as lost below the first level for the span, as regained above the second for as long.
 const LOST_LEVEL: f64 = 0.05;
@@ -47,8 +46,10 @@ impl Radio {
     pub(crate) fn listen(&mut self, here: Position, altitude_m: f64, now_s: f64, elapsed_s: f64) -> Option<LinkChange> {
         let fading_db = self.modem.fading_db * self.fading.after(elapsed_s);
         let silent = self.modem.dropouts_s.iter().any(|(from_s, until_s)| *from_s <= now_s && now_s < *until_s);
-        let loss_db = self.loss_db(here, altitude_m) + fading_db;
-        self.level = if silent { 0.0 } else { (1.0 - loss_db / self.modem.range_db).clamp(0.0, 1.0) };
+        let level = self.modem.level.level(here, altitude_m);
+        // Fading does not bring a signal back that distance or a shadow have taken.
+        let heard = if silent || level <= 0.0 { 0.0 } else { level - fading_db / FULL_LEVEL_DB };
+        self.level = heard.clamp(0.0, 1.0);
         let contrary = if self.lost { self.level > REGAINED_LEVEL } else { self.level < LOST_LEVEL };
         if !contrary {
             self.contrary_s = 0.0;
@@ -61,16 +62,6 @@ impl Radio {
         self.contrary_s = 0.0;
         self.lost = !self.lost;
         Some(if self.lost { LinkChange::Lost } else { LinkChange::Regained })
-    }
-
-    fn loss_db(&self, here: Position, altitude_m: f64) -> f64 {
-        let in_shadow = |shadow: &&crate::config::RadioShadow| {
-            altitude_m < shadow.altitude_m_max && bearing(shadow.position, here).1 < shadow.radius_m
-        };
-        let shadows_db: f64 = self.modem.shadows.iter().filter(in_shadow).map(|shadow| shadow.loss_db).sum();
-        let Some(station) = self.modem.station else { return shadows_db };
-        let ratio = (bearing(station, here).1 / self.modem.full_level_m).max(1.0);
-        10.0 * self.modem.path_loss_exponent * log10(ratio) + shadows_db
     }
 }
 

@@ -107,7 +107,7 @@ impl SimulatedWorld {
         let cameras: Vec<Camera> = model.cameras.iter().cloned().map(Camera::new).collect();
         let numbered = modems.into_iter().zip(0u64..);
         let radios: Vec<Radio> = numbered.map(|(modem, index)| Radio::new(modem, seed, index)).collect();
-        let home = radios.iter().find_map(|radio| radio.modem.station).unwrap_or(start.position);
+        let home = radios.iter().find_map(|radio| radio.modem.level.station).unwrap_or(start.position);
         let wind_now = wind::at(&wind, start.position, start.altitude_m, 0.0);
         let state = initial_state(&start, &model, wind_now);
         let mut ground = Terrain::new(ground);

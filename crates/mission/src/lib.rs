@@ -12,6 +12,7 @@ pub mod files;
 pub mod fixing;
 pub mod flight;
 pub mod fork;
+pub mod link;
 mod manoeuvres;
 mod modems;
 pub mod monitor_report;
@@ -42,7 +43,7 @@ pub mod ways;
 pub use modems::Modem;
 pub use settings::Settings;
 pub use surroundings::Airfield;
-pub use targets::{Fire, Site, Target, TargetKind};
+pub use targets::{Fire, PictureTerms, Site, Target, TargetKind};
 
 use crate::error::{MissionError, MissionResult};
 use apex_model::library::{AgentDeclaration, Library};
@@ -92,8 +93,14 @@ pub struct Mission {
     pub scenario: Vec<Input>,
     /// What the flight must keep.
     pub requirements: Requirements,
-    /// Radios.
+    /// Radios of the world.
     pub modems: Vec<Modem>,
+    /// Radios as the planner believes in them.
+    pub link_map: Vec<link::StatedLink>,
+    /// Targets that plans leave out since their link is weak, each with the reason; empty before anything is believed of links.
+    pub weak_targets: Vec<(String, String)>,
+    /// When a link is lost, and what happens then.
+    pub lost_link: link::LostLink,
     /// Data files by name with their bytes, for the record; shared, since each plan is made for a copy of the mission.
     pub data: Arc<Vec<(String, Vec<u8>)>>,
 }
@@ -167,6 +174,9 @@ impl Mission {
             start: Position::default(),
             start_altitude_m: 0.0,
             modems: Vec::new(),
+            link_map: Vec::new(),
+            weak_targets: Vec::new(),
+            lost_link: link::LostLink::default(),
             data: Arc::default(),
             library,
             settings,
@@ -177,6 +187,8 @@ impl Mission {
         (mission.start, mission.start_altitude_m) = mission.start_place()?;
         mission.check_ceiling()?;
         mission.modems = modems::read(&mission)?;
+        mission.link_map = link::stated::read(&mission)?;
+        mission.lost_link = link::lost::of_mission(&mission)?;
         requirements::check_start(&requirements::StartConditions {
             place: &mission.settings.place,
             requirements: &mission.requirements,
@@ -254,6 +266,11 @@ impl Mission {
             .chain(bases.map(|base| (&base.id, base.position)))
             .map(|(name, position)| LandingPlace { name: name.clone(), position })
             .collect()
+    }
+
+    /// Why plans leave a target out, if its link is weak.
+    pub fn weak_reason(&self, target: &str) -> Option<&str> {
+        self.weak_targets.iter().find(|(known, _)| known == target).map(|(_, reason)| reason.as_str())
     }
 
     /// A short name for files: the folder's, or the program's.

@@ -1,23 +1,29 @@
-//! `:modems ((900MHzModem :station home :full-level 2km) (satellite-link :dropouts ((6h 6.1h))))`
+//! `:modems`: the radios of the world that a mission is flown in (docs/reference/mission-data.md, "Radio links").
+//!
+//! The planner does not read them: it believes what `:link-map` states and what the flight has measured.
 
 use super::Mission;
-use crate::error::{MissionError, MissionResult};
-use apex_model::problem::Position;
+use crate::error::MissionResult;
+use crate::link::{KEYS, LevelReader, LinkForm};
+use apex_geo::link::LevelModel;
 use apex_model::quantity::Dimension;
 use apex_model::value::Value;
 
-/// Distance at which a ground radio is still full where the mission does not say.
-const FULL_LEVEL_M: f64 = 1_000.0;
+/// Deviation of the fading where the mission does not say: ground radio, satellite link.
+const FADING_DB: (f64, f64) = (3.0, 1.0);
+const FADING_DB_MAX: f64 = 30.0;
+const USAGE: &str = "`(NAME :station PLACE :full-level 2km :range 9km :shadows ((:around PLACE :radius 300m :factor 0.1)) \
+                     :fading-db 3 :dropouts ((6h 6.5h)))`, all but NAME optional; without a station it is a satellite link";
 
-/// A radio between vehicle and ground.
+/// A radio between vehicle and ground, as the world has it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Modem {
     /// Its name: the object of `signal-level`, for example `900MHzModem`.
     pub name: String,
-    /// Where the ground station is; none for a satellite link, whose level does not fall with distance.
-    pub station: Option<Position>,
-    /// Distance at which the level is still full, m.
-    pub full_level_m: f64,
+    /// Its level by place.
+    pub level: LevelModel,
+    /// Deviation of the fading.
+    pub fading_db: f64,
     /// Spans `(from_s, until_s)` without any signal.
     pub dropouts_s: Vec<(f64, f64)>,
 }
@@ -25,44 +31,45 @@ pub struct Modem {
 /// Reads the radios of a mission; none without the option.
 ///
 /// # Errors
-/// A form of another shape, a station that is no place.
+/// A form of another shape, a figure of another type or outside of its range, a station that is not a place, a name twice.
 pub(crate) fn read(mission: &Mission) -> MissionResult<Vec<Modem>> {
-    let forms = &mission.settings.modems;
-    forms.iter().map(|form| modem(mission, form)).collect()
+    let mut modems: Vec<Modem> = Vec::new();
+    for form in &mission.settings.modems {
+        let form = LinkForm { at: &mission.settings.place, option: "modems", form, usage: USAGE };
+        let modem = modem(mission, &form)?;
+        if modems.iter().any(|known| known.name.eq_ignore_ascii_case(&modem.name)) {
+            return Err(form.wrong(format!("the modem `{}` is stated twice", modem.name)));
+        }
+        modems.push(modem);
+    }
+    Ok(modems)
 }
 
-fn modem(mission: &Mission, form: &Value) -> MissionResult<Modem> {
-    let wrong = |what: String| {
-        MissionError::setting(format!("in :modems, {form}: {what}"))
-            .at(&mission.settings.place)
-            .help("write (NAME :station PLACE :full-level 2km), or (NAME) for a satellite link; :dropouts ((6h 6.5h)) is optional")
-    };
-    let items = form.as_list().unwrap_or_default();
+fn modem(mission: &Mission, form: &LinkForm<'_>) -> MissionResult<Modem> {
+    let items = form.form.as_list().unwrap_or_default();
     let Some((Value::Symbol(name), options)) = items.split_first() else {
-        return Err(wrong("it does not begin with a name".to_string()));
+        return Err(form.wrong("it does not begin with a name".to_string()));
     };
-    let mut modem =
-        Modem { name: name.printed().to_string(), station: None, full_level_m: FULL_LEVEL_M, dropouts_s: Vec::new() };
-    for pair in options.chunks(2) {
-        let [Value::Symbol(key), value] = pair else { return Err(wrong("an option has no value".to_string())) };
-        match key.folded() {
-            ":station" => {
-                let (station, _) =
-                    mission.place(value).ok_or_else(|| wrong(format!("the station `{value}` is no place")))?;
-                modem.station = Some(station);
-            }
-            ":full-level" => match value.as_number() {
-                Some((metres, Dimension::LENGTH | Dimension::NONE)) if metres > 0.0 => modem.full_level_m = metres,
-                _ => return Err(wrong(format!("`:full-level {value}` is no length"))),
+    let mut level = LevelReader::default();
+    let (mut fading_db, mut dropouts_s) = (None, Vec::new());
+    for (key, value) in form.pairs(options)? {
+        match key {
+            ":fading-db" => match value.as_number() {
+                Some((db, Dimension::NONE)) if (0.0..=FADING_DB_MAX).contains(&db) => fading_db = Some(db),
+                _ => return Err(form.wrong(format!("`:fading-db {value}` is not a number from 0 to {FADING_DB_MAX}"))),
             },
             ":dropouts" => {
-                modem.dropouts_s =
-                    dropouts(value).ok_or_else(|| wrong(format!("`:dropouts {value}` is no list of spans")))?;
+                dropouts_s = dropouts(value).ok_or_else(|| {
+                    form.wrong(format!("`:dropouts {value}` is not a list of spans, each of two durations that rise"))
+                })?;
             }
-            other => return Err(wrong(format!("unknown option {other}"))),
+            key if level.take(mission, form, key, value)? => {}
+            other => return Err(form.unknown(other, &format!("{KEYS}, :fading-db, :dropouts"))),
         }
     }
-    Ok(modem)
+    let level = level.finish(form)?;
+    let fading_db = fading_db.unwrap_or(if level.station.is_some() { FADING_DB.0 } else { FADING_DB.1 });
+    Ok(Modem { name: name.printed().to_string(), level, fading_db, dropouts_s })
 }
 
 fn dropouts(value: &Value) -> Option<Vec<(f64, f64)>> {

@@ -6,6 +6,7 @@ use super::situation::Situation;
 use super::{Mission, Site, TargetKind};
 use crate::energy::energy;
 use crate::manoeuvres::{self, Wish};
+use crate::observing::looks_with;
 use crate::score::FlownScore;
 use crate::vehicle::{Airframe, turn_radius_m};
 use apex_geo::geodesy;
@@ -105,6 +106,9 @@ fn wanted(mission: &Mission, situation: &Situation, flown: Option<&FlownScore>, 
     let (mut targets, mut after, mut troubles) = (Vec::new(), Vec::new(), Vec::new());
     for target in &mission.targets {
         let TargetKind::Fire(fire) = &target.kind else { continue };
+        if mission.weak_reason(&target.id).is_some() {
+            continue;
+        }
         // Not before the vehicle can be there.
         let way_s = geodesy::distance_m(start, target.position) / mission.model.true_airspeed_m_s_cruise;
         for (name, look) in fire.looks().filter(|(name, _)| is_open(name)) {
@@ -169,13 +173,18 @@ fn surveillance(mission: &Mission, situation: &Situation, at: Time) -> Result<Su
         positions.push(target.position);
         targets.push(site_target(target, site, situation, now_s));
     }
-    let travel = survey(mission, &positions, here(mission, situation), now_s).map_err(NoPlan::Fault)?.times;
+    let mut travel = survey(mission, &positions, here(mission, situation), now_s).map_err(NoPlan::Fault)?.times;
+    for (index, target) in targets.iter().enumerate() {
+        if mission.weak_reason(&target.name).is_some() {
+            travel.shut(index);
+        }
+    }
     let energy = energy(mission, situation);
     let endurance_s = situation.vehicle.endurance_s.map(|_| (energy.endurance_s - energy.reserve_s).max(0.0));
     Ok(SurveillanceProblem {
         targets,
         travel,
-        horizon_s: mission.settings.duration.seconds() - now_s,
+        horizon_s: (mission.settings.duration - mission.settings.watch_margin).seconds() - now_s,
         return_to_base: false,
         endurance_s,
     })
@@ -188,7 +197,7 @@ fn sites(mission: &Mission) -> impl Iterator<Item = &super::Target> {
 /// Altitude above mean sea level from which a site is looked at.
 pub fn visit_altitude_m(mission: &Mission, site: &super::Target) -> f64 {
     match mission.model.airframe {
-        Airframe::Rotorcraft => site.elevation_m + mission.model.planning.visit_height_m,
+        Airframe::Rotorcraft => site.elevation_m + hover_height_m(mission, site),
         Airframe::FixedWing => {
             let planning = &mission.model.planning;
             let highest_m = sites(mission).map(|site| site.elevation_m).fold(f64::NEG_INFINITY, f64::max);
@@ -196,6 +205,18 @@ pub fn visit_altitude_m(mission: &Mission, site: &super::Target) -> f64 {
         }
     }
 }
+
+/// Height over the ground from which a rotorcraft looks at a site: the one of its vehicle file, lower where the camera needs that
+/// for the wanted pixels, but not lower than the clearance from terrain.
+fn hover_height_m(mission: &Mission, site: &super::Target) -> f64 {
+    let usual_m = mission.model.planning.visit_height_m;
+    let (Some(camera), TargetKind::Site(wanted)) = (looks_with(&mission.model), &site.kind) else { return usual_m };
+    let fine_m = site.height_m + wanted.resolution_m / camera.pixel_rad();
+    usual_m.min(fine_m.max(mission.requirements.terrain_clearance_m.unwrap_or(0.0) + LEVEL_M))
+}
+
+/// Height by which a vehicle may leave its altitude.
+const LEVEL_M: f64 = 3.0;
 
 /// The ways between the sites at `positions`, around obstacles, for a plan that begins at `now_s`.
 ///

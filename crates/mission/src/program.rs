@@ -2,6 +2,7 @@
 
 use crate::error::{MissionError, MissionResult};
 use crate::files::read_text;
+use crate::link::lost;
 use crate::vehicle;
 use apex_executive::Agent;
 use apex_model::host::HostFunctions;
@@ -64,11 +65,19 @@ pub fn check_text_with(
     read: &mut dyn FnMut(&Path) -> MissionResult<String>,
 ) -> Checked {
     let checked = check_sources(vec![source.clone()], fragment, &mut |requirement| resolve(folder, requirement, read));
-    // The vehicle is named in the program: only now is it known whose figures its libraries need.
-    let Some(figures) = vehicle::figures_for(&checked.library, folder, read) else { return checked };
-    check_sources(vec![source], fragment, &mut |requirement| match &requirement {
-        Requirement::Library(name) if name == vehicle::FIGURES_LIBRARY => Ok(figures.clone()),
-        _ => resolve(folder, requirement, read),
+    // The vehicle and the figures of lost links are named in the program: only now are the figures known that its libraries need.
+    let vehicle = vehicle::figures_for(&checked.library, folder, read);
+    let lost_link = lost::figures_for(&checked.library);
+    if vehicle.is_none() && lost_link.is_none() {
+        return checked;
+    }
+    check_sources(vec![source], fragment, &mut |requirement| {
+        let figures = match &requirement {
+            Requirement::Library(name) if name == vehicle::FIGURES_LIBRARY => vehicle.clone(),
+            Requirement::Library(name) if name == lost::FIGURES_LIBRARY => lost_link.clone(),
+            _ => None,
+        };
+        figures.map_or_else(|| resolve(folder, requirement, read), Ok)
     })
 }
 

@@ -48,6 +48,8 @@ pub struct Settings {
     pub landing_distance_m_max: Option<f64>,
     /// Time by which a plan returns before `duration`: winds differ from the forecast and lines are flown again.
     pub end_margin: Duration,
+    /// Plans of surveillance end this long before the mission.
+    pub watch_margin: Duration,
     /// Distance that flights between fires keep from the edges of airspace zones, m.
     pub zone_margin_m: f64,
     /// Distance that flights between structures keep from obstacles, m.
@@ -58,8 +60,12 @@ pub struct Settings {
     pub failure: FailureTerm,
     /// Money that one point of value represents: costs in mission data are money.
     pub value_unit: f64,
-    /// Radios as written.
+    /// Radios of the world as written.
     pub modems: Vec<Value>,
+    /// Radios as the planner believes in them, as written.
+    pub link_map: Vec<Value>,
+    /// What happens when a link is lost, as written.
+    pub lost_link: Vec<Value>,
     /// Structures with the functions of the program that are their costs.
     pub costs: Vec<(String, Symbol)>,
 }
@@ -92,6 +98,8 @@ const KNOWN: &[&str] = &[
     "value-unit",
     "requirements",
     "modems",
+    "link-map",
+    "lost-link",
     "costs",
     "libraries",
     "files",
@@ -155,13 +163,16 @@ pub(crate) fn read(library: &Library) -> MissionResult<Settings> {
         people: reader.text("people")?,
         scenario: reader.text("scenario")?,
         landing_distance_m_max: reader.length("landing-distance")?,
-        end_margin: reader.end_margin()?,
+        end_margin: reader.end_margin()?.unwrap_or(END_MARGIN),
+        watch_margin: reader.end_margin()?.unwrap_or(Duration::ZERO),
         zone_margin_m: reader.margin_m("zone-margin", ZONE_MARGIN_M)?,
         obstacle_margin_m: reader.margin_m("obstacle-margin", OBSTACLE_MARGIN_M)?,
         failure: reader.failure()?.in_points(value_unit),
         value_unit,
         requirements: reader.list("requirements")?,
-        modems: application.option("modems").and_then(Value::as_list).unwrap_or_default().to_vec(),
+        modems: reader.list("modems")?,
+        link_map: reader.list("link-map")?,
+        lost_link: reader.list("lost-link")?,
         costs: reader.costs()?,
     })
 }
@@ -240,10 +251,12 @@ impl Reader<'_> {
         }
     }
 
-    fn end_margin(&self) -> MissionResult<Duration> {
+    fn end_margin(&self) -> MissionResult<Option<Duration>> {
         match self.application.option("end-margin") {
-            None => Ok(END_MARGIN),
-            Some(Value::Duration(margin)) if *margin >= Duration::ZERO && *margin < self.duration()? => Ok(*margin),
+            None => Ok(None),
+            Some(Value::Duration(margin)) if *margin >= Duration::ZERO && *margin < self.duration()? => {
+                Ok(Some(*margin))
+            }
             Some(other) => {
                 Err(self.wrong("end-margin", other, "a duration shorter than `:duration`: `:end-margin 1h`"))
             }

@@ -31,11 +31,12 @@ pub fn world(mission: &Mission, seed: Option<u64>) -> MissionResult<SimulatedWor
 }
 
 fn modem(modem: &apex_mission::Modem) -> Modem {
-    let simulated = match modem.station {
-        Some(station) => Modem::at_station(&modem.name, station, modem.full_level_m),
-        None => Modem::satellite(&modem.name),
-    };
-    Modem { dropouts_s: modem.dropouts_s.clone(), full_level_m: modem.full_level_m, ..simulated }
+    Modem {
+        name: modem.name.clone(),
+        level: modem.level.clone(),
+        fading_db: modem.fading_db,
+        dropouts_s: modem.dropouts_s.clone(),
+    }
 }
 
 fn ground(mission: &Mission) -> Ground {

@@ -7,6 +7,7 @@
 mod antenna;
 mod budget;
 mod diffraction;
+mod level;
 mod path_loss;
 #[cfg(test)]
 mod tests;
@@ -16,4 +17,5 @@ pub use budget::{FULL_LEVEL_DB, RadioFigures};
 pub use diffraction::{
     PROFILE_SAMPLES_MAX, diffraction_loss_db, fresnel_clearance_m, knife_edge_loss_db, knife_edge_nu, radio_horizon_m,
 };
+pub use level::{EXPONENT, LevelLaw, LevelModel, Shadow, ShadowShape};
 pub use path_loss::{free_space_loss_db, free_space_range_m, two_ray_crossover_m, two_ray_loss_db, wavelength_m};

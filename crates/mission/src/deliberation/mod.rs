@@ -10,6 +10,7 @@ pub use solve::{Deliberation, PLAN_VISITS_MAX, PlanningResources, SolveOptions, 
 pub use steps::translate;
 
 use crate::Mission;
+use crate::link::without_weak_links;
 use crate::problem::{NoPlan, here, pose};
 use crate::report::{Report, report};
 use crate::score::{FlownScore, told};
@@ -170,6 +171,8 @@ impl Question {
         at: Time,
     ) -> Question {
         let believed = situation.updates.believed(mission);
+        let here_now = here(&believed, situation);
+        let believed = without_weak_links(believed, &situation.links, here_now);
         let problem = pose(&believed, situation, flown, at);
         let previous = problem
             .as_ref()
@@ -193,7 +196,7 @@ impl Question {
             solver,
             budget: request.budget.unwrap_or(BUDGET_DEFAULT),
             seed: mission.settings.seed,
-            from: (here(&believed, situation), at),
+            from: (here_now, at),
             has_observed: situation.observed().next().is_some(),
             number: situation.posed,
             believed,
@@ -233,7 +236,7 @@ impl Question {
             }
         });
         match solved {
-            Err(NoPlan::NothingLeft(reason)) if has_observed && !is_imposed => {
+            Err(NoPlan::NothingLeft(reason)) if (has_observed || !believed.weak_targets.is_empty()) && !is_imposed => {
                 SolverAnswer { result: Ok(nothing_more(&goal, number, &reason)), charged: Duration::ZERO }
             }
             Err(none) => SolverAnswer { result: Err(none.to_string()), charged: Duration::ZERO },

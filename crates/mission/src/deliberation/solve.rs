@@ -2,7 +2,7 @@
 
 use crate::problem::{NoPlan, survey};
 use crate::{Mission, Target, TargetKind};
-use apex_model::problem::{Plan, Position, Problem};
+use apex_model::problem::{LeftOut, Plan, Position, Problem};
 use apex_model::time::{Duration, Time};
 use apex_planning::Registry;
 use apex_planning::solver::units_in;
@@ -10,6 +10,7 @@ use apex_portfolio::{ProfileTable, Selection};
 use apex_runtime::invocation::{Invocations, Limits};
 use apex_runtime::limits::{SOLVER_MEMORY_BYTES, SOLVER_TIMEOUT};
 use apex_runtime::ports::CancelToken;
+use apex_vehicle::EnergyModel;
 use std::sync::Arc;
 
 /// What one deliberation came to.
@@ -160,8 +161,47 @@ pub fn validate(problem: &Problem) -> Result<(), String> {
     }
 }
 
-/// Says of sites left out because they lie in a restricted area, in which.
+/// Says of targets left out why: the link is weak there, or they lie in a restricted area.
 pub fn name_obstacles(mission: &Mission, solved: &mut Deliberation) {
+    name_zones(mission, solved);
+    name_battery(mission, solved);
+    let left_out = match &mut solved.plan {
+        Plan::Surveillance(plan) => &mut plan.left_out,
+        Plan::SingleVisit(plan) => &mut plan.left_out,
+    };
+    let targets = mission.targets.iter();
+    for (target, reason) in targets.filter_map(|target| Some((target, mission.weak_reason(&target.id)?))) {
+        for (name, ..) in target.plan_names() {
+            match left_out.iter_mut().find(|left_out| left_out.target == name) {
+                Some(left_out) => left_out.reason = reason.to_string(),
+                None => left_out.push(LeftOut { target: name, reason: reason.to_string() }),
+            }
+        }
+    }
+}
+
+/// The planner's word for the limit of a flight by energy.
+const ENDURANCE: &str = "endurance leaves";
+
+/// Names the battery where it is what limits the flight: how long it lasts above its reserve.
+fn name_battery(mission: &Mission, solved: &mut Deliberation) {
+    let (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) = (&solved.problem, &mut solved.plan) else { return };
+    if !matches!(mission.model.energy, EnergyModel::Battery(_)) {
+        return;
+    }
+    let has_s = (problem.vehicle.endurance_s - problem.vehicle.endurance_reserve_s).max(0.0);
+    let reserve_s = problem.vehicle.endurance_reserve_s;
+    for left_out in &mut plan.left_out {
+        let named = format!(
+            "the battery leaves: it has {:.0} min above its reserve of {:.0} min",
+            has_s / 60.0,
+            reserve_s / 60.0
+        );
+        left_out.reason = left_out.reason.replace(ENDURANCE, &named);
+    }
+}
+
+fn name_zones(mission: &Mission, solved: &mut Deliberation) {
     let Plan::Surveillance(plan) = &mut solved.plan else { return };
     let sites: Vec<&Target> =
         mission.targets.iter().filter(|target| matches!(target.kind, TargetKind::Site(_))).collect();

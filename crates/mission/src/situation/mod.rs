@@ -14,6 +14,7 @@ pub use updates::{MissionUpdate, MissionUpdates, OperatorPlan};
 pub use visit::{VehicleState, Visit};
 
 use crate::Mission;
+use crate::link::LinkMemory;
 use crate::predicted::Predicted;
 use crate::requirements::Watch;
 use apex_model::effect::{DecisionKind, Effect, Method, SolveRequestId};
@@ -88,6 +89,8 @@ pub struct Situation {
     planned_lines: BTreeMap<String, Vec<ScanLine>>,
     /// Requirements compared with the flight.
     watch: Watch,
+    /// What was measured of radio links.
+    pub links: LinkMemory,
     /// What the last step adds to the next batch: a function of the rest, and not stored.
     #[serde(skip)]
     derived: Vec<Input>,
@@ -122,6 +125,7 @@ impl Situation {
             self.take_effect(batch.now, effect);
         }
         self.watch(mission, batch, effects);
+        self.derived.extend(self.links.observe(mission, batch, effects));
         if requests > 0 {
             // Data that planning cannot use are reported when a plan is asked for.
             for unknown in self.updates.unknown(mission) {
@@ -219,6 +223,12 @@ impl Situation {
                 self.note(at, format!("communication over {link} lost: going back"));
             }
             MissionEvent::CommunicationRegained(link) => self.note(at, format!("communication over {link} regained")),
+            // A picture of an observation that is reported by itself, or one that looks straight down at no target.
+            MissionEvent::ImageInMemory(target)
+                if target == "down"
+                    || self
+                        .open_visit()
+                        .is_some_and(|visit| visit.target.split('/').next() == Some(target.as_str())) => {}
             MissionEvent::ImageInMemory(target) => {
                 self.change(target.clone(), at, TargetState::Observed, String::new());
                 self.note(at, format!("picture of {target} in memory"));

@@ -66,6 +66,19 @@ impl LaterTimes {
 }
 
 impl TravelTimes {
+    /// Takes all ways to a target and from it away, at every departure.
+    pub fn shut(&mut self, target: usize) {
+        fn shut(from_start_s: &mut [f64], between_s: &mut [Vec<f64>], target: usize) {
+            from_start_s.get_mut(target).into_iter().for_each(|time_s| *time_s = UNREACHABLE_S);
+            for (from, row) in between_s.iter_mut().enumerate() {
+                let of_target = |(to, _): &(usize, &mut f64)| from == target || *to == target;
+                row.iter_mut().enumerate().filter(of_target).for_each(|(_, time_s)| *time_s = UNREACHABLE_S);
+            }
+        }
+        shut(&mut self.from_start_s, &mut self.between_s, target);
+        self.later.iter_mut().for_each(|later| shut(&mut later.from_start_s, &mut later.between_s, target));
+    }
+
     /// Does it not matter when one leaves?
     pub fn is_constant(&self) -> bool {
         self.later.is_empty()

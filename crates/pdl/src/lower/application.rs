@@ -28,6 +28,8 @@ const OPTIONS: &[&str] = &[
     "init",
     "landing-distance",
     "libraries",
+    "link-map",
+    "lost-link",
     "modems",
     "obstacle-margin",
     "people",

@@ -126,8 +126,8 @@ fn a_cycle_is_read_back_where_it_stands() {
     assert_eq!(watched(problem, &forms, 2 * forms.len() + 2, true).unwrap(), later, "laps before do not count");
     let once = watched(problem, &forms, 2, false).unwrap();
     assert_eq!((once.cycle.len(), once.visits.len()), (0, forms.len() - 2));
-    let PlannedActivity::Visit { from, at, dwell, .. } = forms[0].clone() else { panic!("it is a visit") };
-    let strange = PlannedActivity::Visit { site: "atlantis".into(), from, at, dwell };
+    let PlannedActivity::Visit { from, at, dwell, camera, .. } = forms[0].clone() else { panic!("it is a visit") };
+    let strange = PlannedActivity::Visit { site: "atlantis".into(), from, at, dwell, camera };
     let with: Vec<PlannedActivity> = [strange].into_iter().chain(forms).collect();
     assert_eq!(watched(problem, &with, 0, true).unwrap(), read, "what is no target does not count");
     assert_eq!(watched(problem, &[], 0, true), None);

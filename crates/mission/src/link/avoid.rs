@@ -1,0 +1,212 @@
+//! What plans avoid: targets whose link is known or predicted to be weak, and areas where it is, as restricted zones.
+//!
+//! Bound: O(cells + targets x losses); at most [`ZONES_MAX`] zones for each link.
+
+use super::belief::{Belief, Beliefs};
+use super::learned::{BAND_M, Cell};
+use super::memory::LinkMemory;
+use crate::problem::visit_altitude_m;
+use crate::vehicle::turn_radius_m;
+use crate::{Mission, Target, TargetKind};
+use apex_geo::geodesy;
+use apex_model::problem::{AirspaceZone, Position, TimeWindow, ZoneKind};
+use apex_model::time::Time;
+use std::collections::BTreeSet;
+
+/// Zones of one link at most; the largest count.
+const ZONES_MAX: usize = 40;
+/// Steps of the grid on which stated shadows are looked for, across the area of the mission.
+const GRID_STEPS: i32 = 40;
+/// Height over a place where the link is weak that is avoided, too, m.
+const ABOVE_M: f64 = 50.0;
+/// Zones keep so many circles away from the vehicle and the base, so that both can be left.
+const CIRCLES: f64 = 2.5;
+
+/// A rectangle of cells: first and last step north, first and last step east, band.
+type Block = (i32, i32, i32, i32, i32);
+
+/// The mission with the weak links that are known when the vehicle is `here`: zones that are added, targets that are left out.
+pub(crate) fn without_weak_links(mut mission: Mission, memory: &LinkMemory, here: Position) -> Mission {
+    let (mut zones, mut weak) = (Vec::new(), Vec::new());
+    for link in &mission.link_map {
+        let beliefs = Beliefs::new(&mission, link, memory.link(&link.name));
+        for target in mission.targets.iter().filter(|target| target.is_observable()) {
+            if weak.iter().all(|(known, _)| *known != target.id)
+                && let Some(reason) = reason(&mission, &beliefs, target)
+            {
+                weak.push((target.id.clone(), reason));
+            }
+        }
+        zones.extend(areas(&mission, &beliefs, here));
+    }
+    mission.zones.extend(zones);
+    mission.weak_targets = weak;
+    mission
+}
+
+/// Why a target is left out; `None` if its link is not known to be weak for longer than allowed.
+fn reason(mission: &Mission, beliefs: &Beliefs<'_>, target: &Target) -> Option<String> {
+    let (name, nominal) = (beliefs.name, beliefs.lost.nominal);
+    let altitude_m = altitude_m(mission, target);
+    let radius_m = match &target.kind {
+        TargetKind::Fire(fire) => fire.radius_m,
+        _ => 0.0,
+    };
+    if let Some(belief) = beliefs.weak_at(target.position, altitude_m)
+        && exposure_s(mission, beliefs, target) > beliefs.lost.weak_for_s
+    {
+        return Some(match belief {
+            Belief::Measured(level) => format!("the link over {name} is below {nominal} there: measured {level:.2}"),
+            Belief::Predicted(level, distance_m) => format!(
+                "the link over {name} is below {nominal} there: predicted {level:.2}, {:.1} km from the station",
+                distance_m / 1e3
+            ),
+        });
+    }
+    // What led to a loss is not tried again, unless the link was good there since.
+    let is_good = matches!(beliefs.at(target.position, altitude_m), Some(Belief::Measured(_)));
+    let losses = beliefs.learned.map_or(&[][..], |learned| &learned.losses);
+    let on_the_way = |goal: Position| geodesy::distance_m(goal, target.position) <= radius_m + beliefs.cells.side_m;
+    let loss = losses.iter().rev().find(|loss| loss.goal.is_some_and(on_the_way)).filter(|_| !is_good)?;
+    let Position { latitude_deg, longitude_deg } = loss.here.position;
+    Some(format!(
+        "the link over {name} was lost on the way there at {}: measured {:.2} at ({latitude_deg:.5} {longitude_deg:.5})",
+        Time::from_seconds(loss.at_s.round()),
+        loss.level
+    ))
+}
+
+/// How long the vehicle is where the target is: a look and the way across a cell.
+fn exposure_s(mission: &Mission, beliefs: &Beliefs<'_>, target: &Target) -> f64 {
+    let across_s = beliefs.cells.side_m / mission.model.true_airspeed_m_s_cruise;
+    match &target.kind {
+        TargetKind::Site(site) => site.dwell_s + across_s,
+        _ => f64::INFINITY,
+    }
+}
+
+fn altitude_m(mission: &Mission, target: &Target) -> f64 {
+    match target.kind {
+        TargetKind::Site(_) => visit_altitude_m(mission, target),
+        _ => mission.cruise_altitude_m(),
+    }
+}
+
+/// Areas where the link is weak, except where the vehicle and its base are.
+fn areas(mission: &Mission, beliefs: &Beliefs<'_>, here: Position) -> Vec<AirspaceZone> {
+    let mut weak: BTreeSet<Cell> = BTreeSet::new();
+    let cells = beliefs.cells;
+    for cell in beliefs.learned.iter().flat_map(|learned| learned.cells().keys()) {
+        let (middle, altitude_m) = cells.middle(*cell);
+        if beliefs.weak_at(middle, altitude_m).is_some() {
+            weak.insert(*cell);
+        }
+    }
+    // A goal on the way that led to a loss is not flown to again.
+    for loss in beliefs.learned.iter().flat_map(|learned| &learned.losses) {
+        if let Some(goal) = loss.goal {
+            let cell = cells.of(goal, loss.here.altitude_m);
+            let (middle, altitude_m) = cells.middle(cell);
+            if !matches!(beliefs.at(middle, altitude_m), Some(Belief::Measured(_))) {
+                weak.insert(cell);
+            }
+        }
+    }
+    weak.extend(stated(mission, beliefs));
+    let kept_m = CIRCLES * mission.model.turns.circle_width * turn_radius_m(&mission.model)
+        + mission.requirements.zone_margin_m.min(mission.requirements.obstacle_margin_m)
+        + 0.5 * cells.side_m;
+    let mut zones: Vec<AirspaceZone> = blocks(&weak)
+        .into_iter()
+        .filter(|block| [here, mission.start].iter().all(|place| away_m(&cells, block, *place) > kept_m))
+        .map(|(south, north, west, east, band)| AirspaceZone {
+            name: format!("weak link over {}", beliefs.name),
+            kind: ZoneKind::Restricted,
+            corners: [(south, west), (south, east + 1), (north + 1, east + 1), (north + 1, west)]
+                .map(|(north, east)| cells.corner(north, east))
+                .to_vec(),
+            altitude_m_min: 0.0,
+            altitude_m_max: f64::from(band + 1) * BAND_M + ABOVE_M,
+            active: TimeWindow::ALWAYS,
+        })
+        .collect();
+    zones.truncate(ZONES_MAX);
+    zones
+}
+
+/// Cells in which the stated shadows make the link weak, on a grid over the mission's targets.
+fn stated(mission: &Mission, beliefs: &Beliefs<'_>) -> BTreeSet<Cell> {
+    let mut weak = BTreeSet::new();
+    if beliefs.stated.is_none_or(|model| model.shadows.is_empty()) {
+        return weak;
+    }
+    let observable = || mission.targets.iter().filter(|target| target.is_observable());
+    let flown_m = observable().map(|target| altitude_m(mission, target)).fold(f64::NEG_INFINITY, f64::max);
+    let found =
+        observable().map(|target| target.position).chain([mission.start]).map(|place| beliefs.cells.of(place, flown_m));
+    let Some((low, high)) = found.fold(None, |span: Option<(Cell, Cell)>, cell| {
+        let (low, high) = span.unwrap_or((cell, cell));
+        Some(((low.0.min(cell.0), low.1.min(cell.1), cell.2), (high.0.max(cell.0), high.1.max(cell.1), cell.2)))
+    }) else {
+        return weak;
+    };
+    // Large areas are looked at more coarsely: a step stands for the cells up to the next.
+    let step = ((high.0 - low.0).max(high.1 - low.1) / GRID_STEPS).max(1);
+    let mut north = low.0 - step;
+    while north <= high.0 + step {
+        let mut east = low.1 - step;
+        while east <= high.1 + step {
+            let (middle, _) = beliefs.cells.middle((north, east, low.2));
+            if beliefs.weak_at(middle, flown_m).is_some() {
+                weak.extend((0..step).flat_map(|up| (0..step).map(move |right| (north + up, east + right, low.2))));
+            }
+            east += step;
+        }
+        north += step;
+    }
+    weak
+}
+
+/// Cells as rectangles, the largest first.
+fn blocks(cells: &BTreeSet<Cell>) -> Vec<Block> {
+    let mut runs: Vec<Block> = Vec::new();
+    let mut ordered: Vec<Cell> = cells.iter().copied().collect();
+    ordered.sort_by_key(|(north, east, band)| (*band, *north, *east));
+    for (north, east, band) in ordered {
+        match runs.last_mut() {
+            Some((south, _, _, last, of)) if (*south, *last + 1, *of) == (north, east, band) => *last = east,
+            _ => runs.push((north, north, east, east, band)),
+        }
+    }
+    let mut merged: Vec<Block> = Vec::new();
+    for (south, north, west, east, band) in runs {
+        let below =
+            merged.iter_mut().find(|block| (block.1 + 1, block.2, block.3, block.4) == (south, west, east, band));
+        match below {
+            Some(block) => block.1 = north,
+            None => merged.push((south, north, west, east, band)),
+        }
+    }
+    let area = |block: &Block| (block.1 - block.0 + 1) * (block.3 - block.2 + 1);
+    merged.sort_by_key(|block| (-area(block), *block));
+    merged
+}
+
+/// Distance of a place from a rectangle, m; 0 inside.
+fn away_m(cells: &super::learned::Cells, block: &Block, place: Position) -> f64 {
+    let (north, east) = cells.steps(place);
+    let off = |at: f64, low: i32, high: i32| (f64::from(low) - at).max(at - f64::from(high + 1)).max(0.0);
+    cells.side_m * libm::hypot(off(north, block.0, block.1), off(east, block.2, block.3))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_become_few_rectangles() {
+        let square = (0..3).flat_map(|north| (0..4).map(move |east| (north, east, 0)));
+        let cells: BTreeSet<Cell> = square.chain([(9, 9, 0), (0, 0, 1)]).collect();
+        assert_eq!(blocks(&cells), [(0, 2, 0, 3, 0), (0, 0, 0, 0, 1), (9, 9, 9, 9, 0)]);
+    }
+}

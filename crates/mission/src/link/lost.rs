@@ -1,0 +1,189 @@
+//! `:lost-link`: when a link counts as lost, and what the flight does then (paper, section IV, example 2).
+//!
+//! The times and levels are constants of PDL in the library `lost-link-figures`, whose shipped text has the defaults. What the flight does
+//! without an instruction, and where its contingency route ends, the situation says when a link is lost.
+
+use super::form::LinkForm;
+use crate::Mission;
+use crate::error::MissionResult;
+use apex_model::library::Library;
+use apex_model::quantity::Dimension;
+use apex_model::value::Value;
+use apex_pdl::SourceText;
+use std::fmt::Write;
+
+/// The library of constants that the setting defines.
+pub(crate) const FIGURES_LIBRARY: &str = "lost-link-figures";
+const FIGURES_NAME: &str = "generated/lost-link-figures.pdl";
+const SHIPPED_FIGURES_NAME: &str = "library/lost-link-figures.pdl";
+const TIME_S_MAX: f64 = 86_400.0;
+const LOSSES_MAX: f64 = 100.0;
+const USAGE: &str = "`:lost-link (:nominal 0.2 :good 0.3 :weak-for 20s :good-for 10s :regain-within 2min :instructions-within 2min \
+                     :default resume :losses-max 5 :contingency PLACE)`, each optional";
+
+/// What the flight does when no instruction comes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LostDefault {
+    /// Plan again around the weak link and go on.
+    Resume,
+    /// Fly the contingency route.
+    GoHome,
+}
+
+impl LostDefault {
+    /// The word in PDL.
+    pub fn word(self) -> &'static str {
+        match self {
+            LostDefault::Resume => "resume",
+            LostDefault::GoHome => "go-home",
+        }
+    }
+}
+
+/// Figures of lost links.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LostLink {
+    /// Below this level a link is weak, 0 to 1.
+    pub nominal: f64,
+    /// From this level on it is good; above `nominal`.
+    pub good: f64,
+    /// A link that is weak for longer than this is lost, s.
+    pub weak_for_s: f64,
+    /// A link that is good for so long is known to be good there, s.
+    pub good_for_s: f64,
+    /// How long the aircraft waits for the link where it was good, s.
+    pub regain_within_s: f64,
+    /// How long it waits for instructions then, s.
+    pub instructions_within_s: f64,
+    /// What it does without one.
+    pub default: LostDefault,
+    /// From this number of losses on it flies the contingency route without one.
+    pub losses_max: u32,
+    /// Where the contingency route ends; `None` for the nearest landing place whose link is not known to be weak.
+    pub contingency: Option<Value>,
+}
+
+impl Default for LostLink {
+    fn default() -> LostLink {
+        LostLink {
+            nominal: 0.2,
+            good: 0.3,
+            weak_for_s: 20.0,
+            good_for_s: 10.0,
+            regain_within_s: 120.0,
+            instructions_within_s: 120.0,
+            default: LostDefault::Resume,
+            losses_max: 5,
+            contingency: None,
+        }
+    }
+}
+
+/// Reads the figures of the items of `:lost-link`; `place` is that of the application.
+///
+/// # Errors
+/// A key that is unknown or given twice, a figure of another type or outside of its range, `:good` that is not above `:nominal`.
+pub(crate) fn read(items: &[Value], place: &str) -> MissionResult<LostLink> {
+    let whole = Value::list(items.iter().cloned());
+    let form = LinkForm { at: place, option: "lost-link", form: &whole, usage: USAGE };
+    let mut figures = LostLink::default();
+    let mut good = None;
+    for (key, value) in form.pairs(items)? {
+        let time = |most: f64| form.figure(key, value, Dimension::TIME, most);
+        match key {
+            ":nominal" => figures.nominal = form.share(key, value)?,
+            ":good" => good = Some(form.share(key, value)?),
+            ":weak-for" => figures.weak_for_s = time(TIME_S_MAX)?,
+            ":good-for" => figures.good_for_s = time(TIME_S_MAX)?,
+            ":regain-within" => figures.regain_within_s = time(TIME_S_MAX)?,
+            ":instructions-within" => figures.instructions_within_s = time(TIME_S_MAX)?,
+            ":default" => {
+                let words = [LostDefault::Resume, LostDefault::GoHome];
+                let found = words.into_iter().find(|word| value.as_symbol().is_some_and(|said| said.is(word.word())));
+                figures.default =
+                    found.ok_or_else(|| form.wrong(format!("`:default {value}` is not resume or go-home")))?;
+            }
+            ":losses-max" => {
+                let losses = form.figure(key, value, Dimension::NONE, LOSSES_MAX)?;
+                if losses.fract() != 0.0 {
+                    return Err(form.wrong(format!("`:losses-max {value}` is not a whole number")));
+                }
+                figures.losses_max = losses as u32;
+            }
+            ":contingency" => figures.contingency = Some(value.clone()),
+            other => {
+                let known = ":nominal, :good, :weak-for, :good-for, :regain-within, :instructions-within, :default, :losses-max, :contingency";
+                return Err(form.unknown(other, known));
+            }
+        }
+    }
+    if figures.nominal <= 0.0 {
+        return Err(form.wrong("`:nominal 0` never finds a link weak: expected a level above 0".to_string()));
+    }
+    figures.good = good.unwrap_or_else(|| (figures.nominal + 0.1).min(1.0));
+    if figures.good <= figures.nominal {
+        let (good, nominal) = (figures.good, figures.nominal);
+        return Err(
+            form.wrong(format!("the link is good from {good} on, which is not above the nominal level of {nominal}"))
+        );
+    }
+    Ok(figures)
+}
+
+/// As [`read`] for a mission, whose `:contingency` must be one of its places.
+///
+/// # Errors
+/// As [`read`]; a place that the mission does not have.
+pub(crate) fn of_mission(mission: &Mission) -> MissionResult<LostLink> {
+    let figures = read(&mission.settings.lost_link, &mission.settings.place)?;
+    if let Some(place) = &figures.contingency {
+        let whole = Value::list(mission.settings.lost_link.iter().cloned());
+        let form = LinkForm { at: &mission.settings.place, option: "lost-link", form: &whole, usage: USAGE };
+        form.place(mission, ":contingency", place)?;
+    }
+    Ok(figures)
+}
+
+/// Returns the text that has to replace the library of figures in a program: `None` if the program does not use that library, or
+/// states nothing else than the shipped text. Errors of the setting are reported when the mission is loaded.
+pub(crate) fn figures_for(library: &Library) -> Option<SourceText> {
+    let shipped = library.sources.iter().find(|source| &*source.name == SHIPPED_FIGURES_NAME)?;
+    let items = library.application.as_ref()?.option("lost-link")?.as_list()?;
+    let text = figures(&read(items, "").ok()?);
+    (text != *shipped.text).then(|| SourceText { name: FIGURES_NAME.to_string(), text })
+}
+
+/// The figures as a library of PDL.
+fn figures(lost: &LostLink) -> String {
+    let constants = [
+        ("nominal", lost.nominal, ""),
+        ("good", lost.good, ""),
+        ("weak-for", lost.weak_for_s, "s"),
+        ("good-for", lost.good_for_s, "s"),
+        ("regain-within", lost.regain_within_s, "s"),
+        ("instructions-within", lost.instructions_within_s, "s"),
+    ];
+    let mut text = ";;; Figures of lost links. What a mission states as `:lost-link` replaces this text; these are the defaults. Generated:\n\
+                    ;;; docs/reference/mission-data.md describes each.\n\n\
+                    (in-apex-bundle :lost-link-figures)\n\n"
+        .to_string();
+    for (name, value, unit) in constants {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "(defconstant +lost-link-{name}+ {value}{unit})");
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a failed test should stop")]
+
+    use super::*;
+    use std::path::Path;
+
+    #[test]
+    fn the_shipped_figures_are_the_defaults() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(SHIPPED_FIGURES_NAME);
+        assert_eq!(crate::files::read_text(&path).unwrap(), figures(&LostLink::default()));
+    }
+}

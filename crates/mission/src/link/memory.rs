@@ -1,0 +1,155 @@
+//! The links of a flight as the situation remembers them, and what it publishes of them.
+//!
+//! Published as inputs of the next batch, so that the record holds them: `(good-link-place MODEM)` as the vehicle moves on, and
+//! `(contingency-place MODEM)` and `(lost-link-default MODEM)` when the link is lost.
+
+use super::learned::{Cells, Learned};
+use crate::Mission;
+use apex_geo::geodesy;
+use apex_model::effect::{CommandId, Effect};
+use apex_model::event::{Batch, EventKind, StateVariable};
+use apex_model::planned::Location;
+use apex_model::problem::Position;
+use apex_model::quantity::Dimension;
+use apex_model::symbol::Symbol;
+use apex_model::time::Time;
+use apex_model::value::Value;
+use apex_runtime::ports::Input;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// A good place is published when it has moved by this flight time at cruise, or at least so far.
+const MOVED_S: f64 = 2.0;
+const MOVED_M_MIN: f64 = 50.0;
+/// Links that are remembered at most.
+const LINKS_MAX: usize = 16;
+/// Commands that lead the vehicle somewhere.
+const FLIGHTS: [&str; 6] = ["fly-to", "fly-line", "join-line", "loiter", "hover", "land"];
+
+/// Everything remembered of links.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct LinkMemory {
+    links: BTreeMap<String, Link>,
+    here: Option<Location>,
+    is_on_ground: bool,
+    /// The flight command that was sent last, and where it leads.
+    goal: Option<(CommandId, Position)>,
+}
+
+/// One link.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Link {
+    /// The name as reported.
+    name: String,
+    pub(crate) learned: Learned,
+    published: Option<Location>,
+}
+
+impl LinkMemory {
+    /// Observes a step of the agent that flies; returns what enters the next batch.
+    pub(crate) fn observe(&mut self, mission: &Mission, batch: &Batch, effects: &[Effect]) -> Vec<Input> {
+        let mut inputs = Vec::new();
+        for event in &batch.events {
+            match &event.kind {
+                EventKind::Measurement(variable, value) => {
+                    self.measure(mission, batch.now, (variable, value), &mut inputs);
+                }
+                EventKind::Occurrence(form) => self.hear(mission, batch.now, form, &mut inputs),
+                _ => {}
+            }
+        }
+        for effect in effects {
+            match effect {
+                Effect::Command { command, form, .. } => self.take_command(mission, *command, form),
+                Effect::Inform { form, .. } => self.hear(mission, batch.now, form, &mut inputs),
+                _ => {}
+            }
+        }
+        inputs
+    }
+
+    fn measure(
+        &mut self,
+        mission: &Mission,
+        at: Time,
+        (variable, value): (&StateVariable, &Value),
+        inputs: &mut Vec<Input>,
+    ) {
+        if variable.object.as_symbol() == Some(&mission.agent.name) {
+            match variable.attribute.folded() {
+                "location" => self.here = Location::from_value(value).or(self.here),
+                "on-ground" => self.is_on_ground = value.is_true(),
+                _ => {}
+            }
+        }
+        let level = value.as_number().filter(|(_, unit)| *unit == Dimension::NONE).map(|(level, _)| level);
+        let Some((level, here)) = level.filter(|_| variable.attribute.is("signal-level")).zip(self.here) else {
+            return;
+        };
+        let key = variable.object.to_string().to_lowercase();
+        if self.is_on_ground || !level.is_finite() || (self.links.len() >= LINKS_MAX && !self.links.contains_key(&key))
+        {
+            return;
+        }
+        let cells = Cells::new(mission.start, mission.model.true_airspeed_m_s_cruise);
+        let link = self.links.entry(key).or_default();
+        link.name = variable.object.to_string();
+        link.learned.measure(&mission.lost_link, &cells, (at.seconds(), here), level);
+        let moved_m = (MOVED_S * mission.model.true_airspeed_m_s_cruise).max(MOVED_M_MIN);
+        let Some(good) = link.learned.good_place else { return };
+        let has_moved = |before: Location| geodesy::distance_m(before.position, good.position) >= moved_m;
+        if link.published.is_none_or(has_moved) {
+            link.published = Some(good);
+            inputs.push(sample(at, "good-link-place", &link.name, good.value()));
+        }
+    }
+
+    fn hear(&mut self, mission: &Mission, at: Time, form: &Value, inputs: &mut Vec<Input>) {
+        let Some([Value::Symbol(head), name, ..]) = form.as_list() else { return };
+        if !head.is("communication-lost") {
+            return;
+        }
+        let (here, goal) = (self.here, self.goal.map(|(_, goal)| goal));
+        let (Some(here), Some(link)) = (here, self.links.get_mut(&name.to_string().to_lowercase())) else { return };
+        link.learned.lose(at.seconds(), here, goal);
+        let cells = Cells::new(mission.start, mission.model.true_airspeed_m_s_cruise);
+        let default = link.learned.default_of(&mission.lost_link, &cells);
+        let name = link.name.clone();
+        let place = contingency_place(mission, here.position);
+        inputs.push(sample(at, "contingency-place", &name, place));
+        inputs.push(sample(at, "lost-link-default", &name, Value::symbol(default.word())));
+    }
+
+    fn take_command(&mut self, mission: &Mission, command: CommandId, form: &Value) {
+        let Some([Value::Symbol(head), items @ ..]) = form.as_list() else { return };
+        if !FLIGHTS.iter().any(|name| head.is(name)) {
+            return;
+        }
+        let is_option = |item: &&Value| item.as_symbol().is_some_and(|symbol| symbol.folded().starts_with(':'));
+        let places = items.iter().take_while(|item| !is_option(item)).filter_map(|item| mission.place(item));
+        if let Some((goal, _)) = places.last() {
+            self.goal = Some((command, goal));
+        }
+    }
+
+    /// A link by its name.
+    pub(crate) fn link(&self, name: &str) -> Option<&Learned> {
+        self.links.get(&name.to_lowercase()).map(|link| &link.learned)
+    }
+}
+
+/// The place of `:contingency`; else the landing place nearest to `here`; else where the mission started.
+fn contingency_place(mission: &Mission, here: Position) -> Value {
+    if let Some(place) = &mission.lost_link.contingency {
+        return place.clone();
+    }
+    let places = mission.landing_places();
+    let distance_m = |place: &apex_model::problem::LandingPlace| geodesy::distance_m(here, place.position);
+    let nearest = places.iter().min_by(|a, b| distance_m(a).total_cmp(&distance_m(b)));
+    nearest.map_or_else(|| mission.settings.start.clone(), |place| Value::symbol(&place.name))
+}
+
+fn sample(at: Time, attribute: &str, name: &str, value: Value) -> Input {
+    let variable = StateVariable::new(Symbol::new(attribute), Value::symbol(name));
+    Input::new(at, EventKind::Measurement(variable, value))
+}

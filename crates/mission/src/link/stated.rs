@@ -1,0 +1,62 @@
+//! `:link-map`: the radios as the planner believes in them before it has measured anything.
+
+use super::form::LinkForm;
+use super::level::{KEYS, LevelReader};
+use crate::Mission;
+use crate::error::MissionResult;
+use apex_geo::link::LevelModel;
+use apex_model::problem::Position;
+use apex_model::value::Value;
+
+const USAGE: &str = "`(NAME :station PLACE :full-level 2km :range 9km :shadows ((:around PLACE :radius 300m :factor 0.1)))`, \
+                     all but NAME and :station optional";
+
+/// A radio as the mission states it to the planner.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StatedLink {
+    /// Its name, as in `signal-level`.
+    pub name: String,
+    /// Where its station is.
+    pub station: Position,
+    /// Its level by place; `None` where the mission states nothing, and the flight finds it out.
+    pub level: Option<LevelModel>,
+}
+
+/// Reads the link map of a mission. Of a ground radio of `:modems` that it does not name, only the station is believed.
+///
+/// # Errors
+/// A form of another shape, a figure of another type or outside of its range, no station, a name twice.
+pub(crate) fn read(mission: &Mission) -> MissionResult<Vec<StatedLink>> {
+    let mut links: Vec<StatedLink> = Vec::new();
+    for form in &mission.settings.link_map {
+        let form = LinkForm { at: &mission.settings.place, option: "link-map", form, usage: USAGE };
+        let items = form.form.as_list().unwrap_or_default();
+        let Some((Value::Symbol(name), options)) = items.split_first() else {
+            return Err(form.wrong("it does not begin with a name".to_string()));
+        };
+        let mut reader = LevelReader::default();
+        for (key, value) in form.pairs(options)? {
+            if !reader.take(mission, &form, key, value)? {
+                return Err(form.unknown(key, KEYS));
+            }
+        }
+        let level = reader.finish(&form)?;
+        let Some(station) = level.station else {
+            return Err(form.wrong(
+                "it has no `:station`: the level of a satellite link does not depend on the place".to_string(),
+            ));
+        };
+        if links.iter().any(|known| known.name.eq_ignore_ascii_case(name.folded())) {
+            return Err(form.wrong(format!("the link `{name}` is stated twice")));
+        }
+        links.push(StatedLink { name: name.printed().to_string(), station, level: Some(level) });
+    }
+    // Of other ground radios only the place of the station is known: the figures are the world's.
+    for modem in &mission.modems {
+        let is_known = links.iter().any(|known| known.name.eq_ignore_ascii_case(&modem.name));
+        if let Some(station) = modem.level.station.filter(|_| !is_known) {
+            links.push(StatedLink { name: modem.name.clone(), station, level: None });
+        }
+    }
+    Ok(links)
+}

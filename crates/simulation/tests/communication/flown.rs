@@ -1,0 +1,214 @@
+//! Missions over made-up sites, and what their records say.
+
+use apex_mission::Mission;
+use apex_mission::deliberation::PlanningResources;
+use apex_mission::flight::MissionFlight;
+use apex_mission::recorded;
+use apex_model::effect::Effect;
+use apex_model::event::EventKind;
+use apex_model::time::Time;
+use apex_model::value::Value;
+use apex_runtime::record::RecordReader;
+use std::fmt::Write;
+use std::sync::Arc;
+
+const HOME: (f64, f64) = (37.4, -121.1);
+const DEGREE_M: f64 = 111_195.0;
+
+/// A mission in the making.
+pub(crate) struct World {
+    vehicle: String,
+    sites: Vec<(String, f64, f64)>,
+    modem: String,
+    options: String,
+    scenario: String,
+    program: &'static str,
+}
+
+pub(crate) const PLANNED: &str = "(solver auto (index (patrol the sites)) :budget 100ms)
+(procedure
+  (index (fly the mission))
+  (step up (take off to 110m))
+  (step patrol (patrol the sites) (waitfor (end ?up)) (restart-when (new plan)))
+  (step plan (keep planning (patrol the sites)))
+  (step touch (keep in touch over 900MHzModem))
+  (step clock (wait 25min))
+  (step home (return to home at 110m) (waitfor (end ?clock)) (priority 10))
+  (step finish (terminate) (waitfor (end ?home))))";
+
+impl World {
+    pub(crate) fn new(vehicle: &str) -> World {
+        let (modem, options, scenario) = (String::new(), String::new(), String::new());
+        World { vehicle: vehicle.to_string(), sites: Vec::new(), modem, options, scenario, program: PLANNED }
+    }
+
+    /// A site so far east and north of home.
+    pub(crate) fn site(mut self, id: &str, east_m: f64, north_m: f64) -> World {
+        self.sites.push((id.to_string(), east_m, north_m));
+        self
+    }
+
+    /// Options of the modem in the world.
+    pub(crate) fn modem(mut self, options: &str) -> World {
+        self.modem = options.to_string();
+        self
+    }
+
+    /// Further options of the application.
+    pub(crate) fn options(mut self, options: &str) -> World {
+        self.options = options.to_string();
+        self
+    }
+
+    /// Events of the scenario: seconds and PDL.
+    pub(crate) fn event(mut self, at_s: f64, event: &str) -> World {
+        writeln!(self.scenario, "{{\"t\": {at_s}, \"event\": \"{event}\"}}").unwrap();
+        self
+    }
+
+    pub(crate) fn load(&self, folder: &std::path::Path) -> Result<Mission, apex_mission::error::MissionError> {
+        let text = format!(
+            "(defapplication \"Touch\" :type native-sim :libraries (\"vehicle\" \"contingencies\" \"replanning\")\n\
+             :vehicle (sim :model {} :at home) :duration 30min :end-margin 1min :targets \"sites.geojson\" :scenario \"scenario.jsonl\"\n\
+             :modems ((900MHzModem {})) {}\n:agents ((agent uav-1 :initial-task (fly the mission))))\n{}",
+            self.vehicle, self.modem, self.options, self.program
+        );
+        std::fs::write(folder.join("mission.pdl"), text).unwrap();
+        std::fs::write(folder.join("scenario.jsonl"), &self.scenario).unwrap();
+        let feature = |id: &str, kind: &str, at: (f64, f64)| {
+            format!(
+                "{{\"type\": \"Feature\", \"properties\": {{\"id\": \"{id}\", \"kind\": \"{kind}\"}}, \"geometry\": \
+                 {{\"type\": \"Point\", \"coordinates\": [{:.6}, {:.6}]}}}}",
+                at.1, at.0
+            )
+        };
+        let sites = self.sites.iter().map(|(id, east_m, north_m)| feature(id, "structure", at(*east_m, *north_m)));
+        let features: Vec<String> = std::iter::once(feature("home", "base", HOME)).chain(sites).collect();
+        let collection = format!("{{\"type\": \"FeatureCollection\", \"features\": [{}]}}", features.join(",\n"));
+        std::fs::write(folder.join("sites.geojson"), collection).unwrap();
+        Mission::load(folder)
+    }
+
+    pub(crate) fn fly(&self) -> Flown {
+        let folder = tempfile::tempdir().unwrap();
+        let mission = Arc::new(self.load(folder.path()).unwrap_or_else(|error| panic!("{error:?}")));
+        let record = folder.path().join("flight.apex");
+        let mut recorder = apex_simulation::create_record(&record, &mission, None).unwrap();
+        let terms = MissionFlight::terms(&mission, None);
+        let means = PlanningResources::of(&Arc::new(apex_solvers::shipped()));
+        let outcome = apex_simulation::fly(Arc::clone(&mission), means, None, terms, &mut recorder, &mut []).unwrap();
+        drop(recorder);
+        let reader = RecordReader::open(&record).unwrap();
+        let (mut events, mut said, mut plans) = (Vec::new(), Vec::new(), Vec::new());
+        for step in reader.steps_of_all(Time::END).unwrap() {
+            let step = step.unwrap();
+            events.extend(step.batch.events.iter().map(|event| (event.at.seconds(), event.kind.clone())));
+            for effect in &step.decoded_effects().unwrap() {
+                match effect {
+                    Effect::Inform { form, .. } => said.push((step.batch.now.seconds(), form.clone())),
+                    Effect::Command { form, .. } => plans.push((step.batch.now.seconds(), form.to_string())),
+                    _ => {}
+                }
+            }
+        }
+        Flown {
+            folder,
+            mission,
+            events,
+            said,
+            commands: plans,
+            end: (outcome.end.at.seconds(), outcome.end.reason.text()),
+        }
+    }
+}
+
+/// Latitude and longitude so far east and north of home.
+pub(crate) fn at(east_m: f64, north_m: f64) -> (f64, f64) {
+    (HOME.0 + north_m / DEGREE_M, HOME.1 + east_m / (DEGREE_M * HOME.0.to_radians().cos()))
+}
+
+fn apart_m(a: (f64, f64), b: (f64, f64)) -> f64 {
+    ((a.0 - b.0) * DEGREE_M).hypot((a.1 - b.1) * DEGREE_M * a.0.to_radians().cos())
+}
+
+/// A flight as its record tells it.
+pub(crate) struct Flown {
+    folder: tempfile::TempDir,
+    pub(crate) mission: Arc<Mission>,
+    events: Vec<(f64, EventKind)>,
+    said: Vec<(f64, Value)>,
+    pub(crate) commands: Vec<(f64, String)>,
+    pub(crate) end: (f64, String),
+}
+
+impl Flown {
+    /// What the agent said that begins so.
+    pub(crate) fn said(&self, head: &str) -> Vec<(f64, String)> {
+        let of = self.said.iter().filter(|(_, form)| form.head().is_some_and(|word| word.is(head)));
+        of.map(|(at_s, form)| (*at_s, form.to_string())).collect()
+    }
+
+    /// Everything that was said, and where the vehicle was sent.
+    pub(crate) fn story(&self) -> String {
+        let said = self.said.iter().map(|(at_s, form)| (*at_s, form.to_string()));
+        let failed = self.events.iter().filter_map(|(at_s, kind)| match kind {
+            EventKind::CommandAcknowledged(_, Err(reason)) => Some((*at_s, format!("failed: {reason}"))),
+            _ => None,
+        });
+        let mut all: Vec<(f64, String)> = said.chain(self.commands.iter().cloned()).chain(failed).collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        all.push(self.end.clone());
+        all.iter().map(|(at_s, text)| format!("{at_s:8.1} {text}\n")).collect()
+    }
+
+    /// Time and place of each report.
+    pub(crate) fn track(&self) -> Vec<(f64, (f64, f64), f64)> {
+        let location = |(at_s, kind): &(f64, EventKind)| match kind {
+            EventKind::Measurement(variable, Value::List(items)) if variable.attribute.is("location") => {
+                let number = |index: usize| items[index].as_number().unwrap().0;
+                Some((*at_s, (number(0), number(1)), number(2)))
+            }
+            _ => None,
+        };
+        self.events.iter().filter_map(location).collect()
+    }
+
+    /// Time and level of each sample.
+    pub(crate) fn levels(&self) -> Vec<(f64, f64)> {
+        let level = |(at_s, kind): &(f64, EventKind)| match kind {
+            EventKind::Measurement(variable, value) if variable.attribute.is("signal-level") => {
+                Some((*at_s, value.as_number().unwrap().0))
+            }
+            _ => None,
+        };
+        self.events.iter().filter_map(level).collect()
+    }
+
+    /// The last place before `until_s` at the end of ten seconds in which no sample was below 0.3.
+    pub(crate) fn last_good_place(&self, until_s: f64) -> (f64, f64) {
+        let mut since_s = None;
+        let mut good_s = None;
+        for (at_s, level) in self.levels().into_iter().filter(|(at_s, _)| *at_s < until_s) {
+            if level < 0.3 {
+                since_s = None;
+            } else if at_s - *since_s.get_or_insert(at_s) >= 10.0 {
+                good_s = Some(at_s);
+            }
+        }
+        let good_s = good_s.unwrap_or_else(|| panic!("never good before {until_s} s"));
+        self.track().into_iter().rfind(|(at_s, ..)| *at_s <= good_s).unwrap().1
+    }
+
+    /// Least distance from a place between two instants.
+    pub(crate) fn nearest_m(&self, place: (f64, f64), (from_s, until_s): (f64, f64)) -> f64 {
+        let within = |(at_s, ..): &(f64, (f64, f64), f64)| (from_s..=until_s).contains(at_s);
+        self.track().into_iter().filter(within).map(|(_, here, _)| apart_m(place, here)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Replay poses the problems, derives the readings and repeats the decisions.
+    pub(crate) fn assert_replays(&self) {
+        let reader = RecordReader::open(&self.folder.path().join("flight.apex")).unwrap();
+        let report = recorded::replay(&reader).unwrap();
+        assert_eq!(report.difference, None, "{report}");
+    }
+}
