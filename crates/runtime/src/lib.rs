@@ -5,8 +5,10 @@
 
 pub mod agent_group;
 pub mod answer_lines;
+pub mod asker;
 pub mod effect_describer;
 pub mod error;
+pub mod escaping;
 pub mod explain;
 mod flight;
 pub mod foreign;

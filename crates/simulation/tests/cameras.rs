@@ -61,10 +61,7 @@ fn targets(hovers: bool, pixel_m: f64, scale: f64) -> Vec<String> {
 /// A mission of one vehicle in a folder of its own.
 fn mission(folder: &Path, model: &str, winds: &str, targets: &[String], more: &str) -> Mission {
     let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
-    write(
-        "targets.geojson",
-        &format!(r#"{{"type": "FeatureCollection", "features": [{}]}}"#, targets.join(",\n")),
-    );
+    write("targets.geojson", &format!(r#"{{"type": "FeatureCollection", "features": [{}]}}"#, targets.join(",\n")));
     write("winds.csv", winds);
     write(
         "mission.pdl",

@@ -2,11 +2,11 @@
 
 use crate::error::{CliError, CliResult};
 use crate::options::FlyOptions;
-use crate::text::{plain_duration, shell_word};
 use crate::{commands, output, sources, stopping};
 use apex_mission::Mission;
 use apex_mission::deliberation::PlanningResources;
 use apex_mission::flight::{FlightOutcome, MissionFlight};
+use apex_mission::text::{plain_duration, shell_word};
 use apex_model::effect::Effect;
 use apex_model::event::Batch;
 use apex_model::time::{Duration, Time};
