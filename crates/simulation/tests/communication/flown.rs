@@ -9,6 +9,7 @@ use apex_model::event::EventKind;
 use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_runtime::record::RecordReader;
+use apex_runtime::target_state::TargetChange;
 use std::fmt::Write;
 use std::sync::Arc;
 
@@ -111,7 +112,8 @@ impl World {
                 }
             }
         }
-        Flown { folder, mission, events, said, commands: plans, end: (outcome.end.at.seconds(), outcome.end.reason.text()) }
+        let changes = recorded::situation_at(&reader, &mission, Time::END).unwrap().target_changes;
+        Flown { folder, changes, events, said, commands: plans, end: (outcome.end.at.seconds(), outcome.end.reason.text()) }
     }
 }
 
@@ -120,17 +122,18 @@ pub(crate) fn at(east_m: f64, north_m: f64) -> (f64, f64) {
     (HOME.0 + north_m / DEGREE_M, HOME.1 + east_m / (DEGREE_M * HOME.0.to_radians().cos()))
 }
 
-fn apart_m(a: (f64, f64), b: (f64, f64)) -> f64 {
+/// Metres between two places.
+pub(crate) fn apart_m(a: (f64, f64), b: (f64, f64)) -> f64 {
     ((a.0 - b.0) * DEGREE_M).hypot((a.1 - b.1) * DEGREE_M * a.0.to_radians().cos())
 }
 
 /// A flight as its record tells it.
 pub(crate) struct Flown {
     folder: tempfile::TempDir,
-    pub(crate) mission: Arc<Mission>,
     events: Vec<(f64, EventKind)>,
     said: Vec<(f64, Value)>,
     pub(crate) commands: Vec<(f64, String)>,
+    changes: Vec<TargetChange>,
     pub(crate) end: (f64, String),
 }
 
@@ -196,6 +199,39 @@ impl Flown {
     pub(crate) fn nearest_m(&self, place: (f64, f64), (from_s, until_s): (f64, f64)) -> f64 {
         let within = |(at_s, ..): &(f64, (f64, f64), f64)| (from_s..=until_s).contains(at_s);
         self.track().into_iter().filter(within).map(|(_, here, _)| apart_m(place, here)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Greatest distance from a place between two instants.
+    pub(crate) fn farthest_m(&self, place: (f64, f64), (from_s, until_s): (f64, f64)) -> f64 {
+        let within = |(at_s, ..): &(f64, (f64, f64), f64)| (from_s..=until_s).contains(at_s);
+        self.track().into_iter().filter(within).map(|(_, here, _)| apart_m(place, here)).fold(0.0, f64::max)
+    }
+
+    /// How often the vehicle came within `near_m` of a place between two instants.
+    pub(crate) fn passes(&self, place: (f64, f64), near_m: f64, (from_s, until_s): (f64, f64)) -> usize {
+        let mut was_near = false;
+        let mut passes = 0;
+        for (_, here, _) in self.track().into_iter().filter(|(at_s, ..)| (from_s..=until_s).contains(at_s)) {
+            let is_near = apart_m(place, here) <= near_m;
+            passes += usize::from(is_near && !was_near);
+            was_near = is_near;
+        }
+        passes
+    }
+
+    /// True if the vehicle reported that it is on the ground at the end.
+    pub(crate) fn landed(&self) -> bool {
+        let on_ground = |(_, kind): &(f64, EventKind)| match kind {
+            EventKind::Measurement(variable, value) if variable.attribute.is("on-ground") => Some(value.is_true()),
+            _ => None,
+        };
+        self.events.iter().filter_map(on_ground).next_back() == Some(true)
+    }
+
+    /// Why the last plan left a target out, as the report has it.
+    pub(crate) fn reason_left_out(&self, target: &str) -> String {
+        let changes = self.changes.iter().rev().filter(|change| change.target == target);
+        changes.map(|change| change.detail.clone()).next().unwrap_or_default()
     }
 
     /// Replay poses the problems, derives the readings and repeats the decisions.
