@@ -157,7 +157,8 @@ impl SimulatedWorld {
         let altitude_m = altitude_keyword.or(spot_altitude_m);
         let way = Way::new(arguments.way_keyword()?, &self.situation());
         let hold = arguments.hold_keyword()?;
-        if let Some(altitude_m) = altitude_m {
+        // An approach is low on purpose.
+        if let Some(altitude_m) = altitude_m.filter(|_| !matches!(order, Order::Land { .. })) {
             self.check_altitude(arguments, altitude_m)?;
         }
         if let Some(speed) = speed {

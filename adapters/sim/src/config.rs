@@ -204,7 +204,9 @@ impl Modem {
         if let LevelLaw::Logarithmic { full_level_m, range_m } = self.level.law {
             for (field, value, least) in [("full_level_m", full_level_m, 0.0), ("range_m", range_m, full_level_m)] {
                 if !(value.is_finite() && value > least) {
-                    return Err(format!("modem `{name}`: {field} is {value}; it must be a number greater than {least}"));
+                    return Err(format!(
+                        "modem `{name}`: {field} is {value}; it must be a number greater than {least}"
+                    ));
                 }
             }
         }

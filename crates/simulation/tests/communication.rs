@@ -69,10 +69,30 @@ fn a_fixed_wing_circles_through_the_good_place_while_it_waits() {
     let flown = hidden_shadow("fixed-wing-mapper").fly();
     let good = flown.last_good_place(first_s(&flown, "communication-lost"));
     let (from_s, until_s) = (first_s(&flown, "awaiting-instructions"), first_s(&flown, "instructed"));
-    let passes = flown.passes(good, 200.0, (from_s, until_s));
-    assert!(passes >= 2, "{passes} passes in {} s\n{}", until_s - from_s, flown.story());
+    let middle_s = 0.5 * (from_s + until_s);
+    for half in [(from_s, middle_s), (middle_s, until_s)] {
+        let nearest_m = flown.nearest_m(good, half);
+        assert!(nearest_m <= 200.0, "{nearest_m:.0} m from {half:?}\n{}", flown.story());
+    }
     let farthest_m = flown.farthest_m(good, (from_s, until_s));
     assert!(farthest_m < 800.0, "{farthest_m:.0} m away");
+}
+
+/// A large fixed wing: its circle is 6 km across.
+#[test]
+fn a_large_fixed_wing_comes_by_the_good_place_in_every_circle() {
+    let world = World::new("predator-b")
+        .site("barn", 8_000.0, 3_000.0)
+        .site("mill", 42_000.0, 0.0)
+        .modem(":station home :full-level 20km :shadows ((:around mill :radius 14km :factor 0.05))")
+        .options(":lost-link (:instructions-within 7min)")
+        .lasting("2h");
+    let flown = world.fly();
+    assert!(!flown.said("communication-lost").is_empty(), "{}", flown.story());
+    assert_returned(&flown);
+    let good = flown.last_good_place(first_s(&flown, "communication-lost"));
+    let passes = flown.passes(good, 500.0, (first_s(&flown, "communication-lost"), first_s(&flown, "instructed")));
+    assert!(passes >= 2, "{passes} passes\n{}", flown.story());
 }
 
 #[test]

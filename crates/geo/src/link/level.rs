@@ -35,7 +35,10 @@ pub enum LevelLaw {
 impl LevelLaw {
     /// The logarithmic law of a path-loss exponent: [`FULL_LEVEL_DB`] from full level down to nothing.
     pub fn with_exponent(full_level_m: f64, exponent: f64) -> LevelLaw {
-        LevelLaw::Logarithmic { full_level_m, range_m: full_level_m * libm::pow(10.0, FULL_LEVEL_DB / (10.0 * exponent)) }
+        LevelLaw::Logarithmic {
+            full_level_m,
+            range_m: full_level_m * libm::pow(10.0, FULL_LEVEL_DB / (10.0 * exponent)),
+        }
     }
 
     /// The level at a distance from the station.
@@ -48,7 +51,8 @@ impl LevelLaw {
             }
             LevelLaw::Table(points) => {
                 let after = points.iter().position(|(far_m, _)| distance_m < *far_m);
-                let before = after.map_or(points.len(), |after| after).checked_sub(1).and_then(|index| points.get(index));
+                let before =
+                    after.map_or(points.len(), |after| after).checked_sub(1).and_then(|index| points.get(index));
                 match (before, after.and_then(|after| points.get(after))) {
                     (Some((near_m, near)), Some((far_m, far))) => {
                         near + (far - near) * (distance_m - near_m) / (far_m - near_m)

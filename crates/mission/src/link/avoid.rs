@@ -142,7 +142,8 @@ fn stated(mission: &Mission, beliefs: &Beliefs<'_>) -> BTreeSet<Cell> {
     }
     let observable = || mission.targets.iter().filter(|target| target.is_observable());
     let flown_m = observable().map(|target| altitude_m(mission, target)).fold(f64::NEG_INFINITY, f64::max);
-    let found = observable().map(|target| target.position).chain([mission.start]).map(|place| beliefs.cells.of(place, flown_m));
+    let found =
+        observable().map(|target| target.position).chain([mission.start]).map(|place| beliefs.cells.of(place, flown_m));
     let Some((low, high)) = found.fold(None, |span: Option<(Cell, Cell)>, cell| {
         let (low, high) = span.unwrap_or((cell, cell));
         Some(((low.0.min(cell.0), low.1.min(cell.1), cell.2), (high.0.max(cell.0), high.1.max(cell.1), cell.2)))
@@ -179,7 +180,8 @@ fn blocks(cells: &BTreeSet<Cell>) -> Vec<Block> {
     }
     let mut merged: Vec<Block> = Vec::new();
     for (south, north, west, east, band) in runs {
-        let below = merged.iter_mut().find(|block| (block.1 + 1, block.2, block.3, block.4) == (south, west, east, band));
+        let below =
+            merged.iter_mut().find(|block| (block.1 + 1, block.2, block.3, block.4) == (south, west, east, band));
         match below {
             Some(block) => block.1 = north,
             None => merged.push((south, north, west, east, band)),

@@ -85,9 +85,10 @@ impl<'a> Beliefs<'a> {
             }
             Some(_) => {}
             None => {
-                let points = heard.iter().filter(|(.., level)| *level <= SATURATED).map(|(place, _, level)| {
-                    (libm::log10(geodesy::distance_m(link.station, *place).max(1.0)), *level)
-                });
+                let points = heard
+                    .iter()
+                    .filter(|(.., level)| *level <= SATURATED)
+                    .map(|(place, _, level)| (libm::log10(geodesy::distance_m(link.station, *place).max(1.0)), *level));
                 beliefs.fit = line(&points.collect::<Vec<_>>());
             }
         }
@@ -138,7 +139,8 @@ mod tests {
 
     #[test]
     fn a_law_is_fitted_to_levels_that_fall_with_distance() {
-        let points: Vec<(f64, f64)> = (1..=8).map(|step| (2.5 + 0.1 * f64::from(step), 0.9 - 0.06 * f64::from(step))).collect();
+        let points: Vec<(f64, f64)> =
+            (1..=8).map(|step| (2.5 + 0.1 * f64::from(step), 0.9 - 0.06 * f64::from(step))).collect();
         let (a, b) = line(&points).unwrap_or_default();
         assert!((b + 0.6).abs() < 1e-9 && (a + b * 3.0 - 0.6).abs() < 1e-9, "{a} {b}");
         assert_eq!(line(&points[..4]), None, "too few");

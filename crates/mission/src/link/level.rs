@@ -40,7 +40,13 @@ impl LevelReader {
     ///
     /// # Errors
     /// A value of another type or outside of its range.
-    pub(crate) fn take(&mut self, mission: &Mission, form: &LinkForm<'_>, key: &str, value: &Value) -> MissionResult<bool> {
+    pub(crate) fn take(
+        &mut self,
+        mission: &Mission,
+        form: &LinkForm<'_>,
+        key: &str,
+        value: &Value,
+    ) -> MissionResult<bool> {
         match key {
             ":station" => self.station = Some(form.place(mission, key, value)?),
             ":full-level" => self.full_level_m = Some(form.figure(key, value, Dimension::LENGTH, RANGE_M_MAX)?),
@@ -80,9 +86,8 @@ impl LevelReader {
             if let Some((key, _)) = stated.iter().find(|(_, is_stated)| *is_stated) {
                 return Err(form.wrong(format!("`{key}` needs a `:station`: a satellite link is full everywhere")));
             }
-            let of_station = |shadow: &&Shadow| {
-                matches!(shadow.shape, ShadowShape::Sector { .. } | ShadowShape::Ridge { .. })
-            };
+            let of_station =
+                |shadow: &&Shadow| matches!(shadow.shape, ShadowShape::Sector { .. } | ShadowShape::Ridge { .. });
             if self.shadows.iter().any(|shadow| of_station(&shadow)) {
                 return Err(form.wrong("shadows by `:sector` and `:ridge` need a `:station`".to_string()));
             }
@@ -99,7 +104,9 @@ impl LevelReader {
             (Some(points), _) => LevelLaw::Table(points),
             (None, Some(range_m)) if range_m > full_level_m => LevelLaw::Logarithmic { full_level_m, range_m },
             (None, Some(range_m)) => {
-                return Err(form.wrong(format!("`:range` of {range_m} m is not beyond the {full_level_m} m of full level")));
+                return Err(
+                    form.wrong(format!("`:range` of {range_m} m is not beyond the {full_level_m} m of full level"))
+                );
             }
             (None, None) => LevelLaw::with_exponent(full_level_m, self.exponent.unwrap_or(EXPONENT)),
         };
@@ -151,7 +158,11 @@ fn shadow(mission: &Mission, form: &LinkForm<'_>, item: &Value) -> MissionResult
             ":top" => top_m = Some(form.figure(key, value, Dimension::LENGTH, 10_000.0)?),
             ":below" => below_m = Some(form.figure(key, value, Dimension::LENGTH, 100_000.0)?),
             ":factor" => factor = Some(form.share(key, value)?),
-            other => return Err(form.unknown(other, ":around, :radius, :corners, :sector, :beyond, :ridge, :top, :below, :factor")),
+            other => {
+                return Err(
+                    form.unknown(other, ":around, :radius, :corners, :sector, :beyond, :ridge, :top, :below, :factor")
+                );
+            }
         }
     }
     let place = |value: &Value| form.place(mission, "shadow", value).map(|(position, _)| position);
@@ -162,13 +173,16 @@ fn shadow(mission: &Mission, form: &LinkForm<'_>, item: &Value) -> MissionResult
         () if radius_m.is_some() && head != ":around" => return misplaced(":radius", ":around"),
         () if beyond_m.is_some() && head != ":sector" => return misplaced(":beyond", ":sector"),
         () if top_m.is_some() && head != ":ridge" => return misplaced(":top", ":ridge"),
-        () if factor.is_some() && head == ":ridge" => return Err(form.wrong("a ridge computes its own loss: leave `:factor` out".to_string())),
+        () if factor.is_some() && head == ":ridge" => {
+            return Err(form.wrong("a ridge computes its own loss: leave `:factor` out".to_string()));
+        }
         () => {}
     }
     let shape = match shape {
-        Some((":around", value)) => {
-            ShadowShape::Disc { position: place(value)?, radius_m: radius_m.ok_or_else(|| needs(":radius", ":around"))? }
-        }
+        Some((":around", value)) => ShadowShape::Disc {
+            position: place(value)?,
+            radius_m: radius_m.ok_or_else(|| needs(":radius", ":around"))?,
+        },
         Some((":corners", value)) => {
             let corners = form.list(":corners", value)?.iter().map(place).collect::<MissionResult<Vec<_>>>()?;
             if !(3..=ENTRIES_MAX).contains(&corners.len()) {
@@ -182,15 +196,22 @@ fn shadow(mission: &Mission, form: &LinkForm<'_>, item: &Value) -> MissionResult
                 to_deg: form.angle_deg(":sector", to)?,
                 beyond_m: beyond_m.unwrap_or(0.0),
             },
-            _ => return Err(form.wrong(format!("`:sector {value}`: expected two directions, for example (40deg 80deg)"))),
+            _ => {
+                return Err(form.wrong(format!("`:sector {value}`: expected two directions, for example (40deg 80deg)")));
+            }
         },
         Some((_, value)) => match form.list(":ridge", value)? {
-            [first, second] => {
-                ShadowShape::Ridge { ends: (place(first)?, place(second)?), top_m: top_m.ok_or_else(|| needs(":top", ":ridge"))? }
-            }
+            [first, second] => ShadowShape::Ridge {
+                ends: (place(first)?, place(second)?),
+                top_m: top_m.ok_or_else(|| needs(":top", ":ridge"))?,
+            },
             _ => return Err(form.wrong(format!("`:ridge {value}`: expected its two ends"))),
         },
-        None => return Err(form.wrong(format!("the shadow {item} has no shape; expected :around, :corners, :sector or :ridge"))),
+        None => {
+            return Err(
+                form.wrong(format!("the shadow {item} has no shape; expected :around, :corners, :sector or :ridge"))
+            );
+        }
     };
     Ok(Shadow { shape, altitude_m_max: below_m.unwrap_or(f64::INFINITY), factor: factor.unwrap_or(0.0) })
 }

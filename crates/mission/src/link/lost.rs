@@ -100,7 +100,8 @@ pub(crate) fn read(items: &[Value], place: &str) -> MissionResult<LostLink> {
             ":default" => {
                 let words = [LostDefault::Resume, LostDefault::GoHome];
                 let found = words.into_iter().find(|word| value.as_symbol().is_some_and(|said| said.is(word.word())));
-                figures.default = found.ok_or_else(|| form.wrong(format!("`:default {value}` is not resume or go-home")))?;
+                figures.default =
+                    found.ok_or_else(|| form.wrong(format!("`:default {value}` is not resume or go-home")))?;
             }
             ":losses-max" => {
                 let losses = form.figure(key, value, Dimension::NONE, LOSSES_MAX)?;
@@ -122,7 +123,9 @@ pub(crate) fn read(items: &[Value], place: &str) -> MissionResult<LostLink> {
     figures.good = good.unwrap_or_else(|| (figures.nominal + 0.1).min(1.0));
     if figures.good <= figures.nominal {
         let (good, nominal) = (figures.good, figures.nominal);
-        return Err(form.wrong(format!("the link is good from {good} on, which is not above the nominal level of {nominal}")));
+        return Err(
+            form.wrong(format!("the link is good from {good} on, which is not above the nominal level of {nominal}"))
+        );
     }
     Ok(figures)
 }

@@ -42,7 +42,9 @@ pub(crate) fn read(mission: &Mission) -> MissionResult<Vec<StatedLink>> {
         }
         let level = reader.finish(&form)?;
         let Some(station) = level.station else {
-            return Err(form.wrong("it has no `:station`: the level of a satellite link does not depend on the place".to_string()));
+            return Err(form.wrong(
+                "it has no `:station`: the level of a satellite link does not depend on the place".to_string(),
+            ));
         };
         if links.iter().any(|known| known.name.eq_ignore_ascii_case(name.folded())) {
             return Err(form.wrong(format!("the link `{name}` is stated twice")));

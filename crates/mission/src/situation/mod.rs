@@ -214,6 +214,16 @@ impl Situation {
                 self.note(at, format!("communication over {link} lost: going back"));
             }
             MissionEvent::CommunicationRegained(link) => self.note(at, format!("communication over {link} regained")),
+            MissionEvent::CommunicationNotRegained(link) => {
+                self.note(at, format!("communication over {link} not regained where it was good"));
+            }
+            MissionEvent::AwaitingInstructions { link, default } => {
+                self.note(at, format!("awaiting instructions over {link}; without one: {default}"));
+            }
+            MissionEvent::Instructed { instruction, .. } => self.note(at, format!("instructed: {instruction}")),
+            MissionEvent::ContingencyRoute { link, place, why } => {
+                self.note(at, format!("contingency route to {place}: {link} {why}"));
+            }
             MissionEvent::ImageInMemory(target) => {
                 self.change(target.clone(), at, TargetState::Observed, String::new());
                 self.note(at, format!("picture of {target} in memory"));

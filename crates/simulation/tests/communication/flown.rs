@@ -23,6 +23,7 @@ pub(crate) struct World {
     modem: String,
     options: String,
     scenario: String,
+    duration: String,
     program: &'static str,
 }
 
@@ -33,14 +34,22 @@ pub(crate) const PLANNED: &str = "(solver auto (index (patrol the sites)) :budge
   (step patrol (patrol the sites) (waitfor (end ?up)) (restart-when (new plan)))
   (step plan (keep planning (patrol the sites)))
   (step touch (keep in touch over 900MHzModem))
-  (step clock (wait 25min))
+  (step clock (wait CLOCK))
   (step home (return to home at 110m) (waitfor (end ?clock)) (priority 10))
   (step finish (terminate) (waitfor (end ?home))))";
 
 impl World {
     pub(crate) fn new(vehicle: &str) -> World {
         let (modem, options, scenario) = (String::new(), String::new(), String::new());
-        World { vehicle: vehicle.to_string(), sites: Vec::new(), modem, options, scenario, program: PLANNED }
+        World {
+            vehicle: vehicle.to_string(),
+            sites: Vec::new(),
+            modem,
+            options,
+            scenario,
+            duration: "30min".to_string(),
+            program: PLANNED,
+        }
     }
 
     /// A site so far east and north of home.
@@ -61,6 +70,12 @@ impl World {
         self
     }
 
+    /// The mission's duration, when home is not called before.
+    pub(crate) fn lasting(mut self, duration: &str) -> World {
+        self.duration = duration.to_string();
+        self
+    }
+
     /// Events of the scenario: seconds and PDL.
     pub(crate) fn event(mut self, at_s: f64, event: &str) -> World {
         writeln!(self.scenario, "{{\"t\": {at_s}, \"event\": \"{event}\"}}").unwrap();
@@ -70,9 +85,13 @@ impl World {
     pub(crate) fn load(&self, folder: &std::path::Path) -> Result<Mission, apex_mission::error::MissionError> {
         let text = format!(
             "(defapplication \"Touch\" :type native-sim :libraries (\"vehicle\" \"contingencies\" \"replanning\")\n\
-             :vehicle (sim :model {} :at home) :duration 30min :end-margin 1min :targets \"sites.geojson\" :scenario \"scenario.jsonl\"\n\
+             :vehicle (sim :model {} :at home) :duration {} :end-margin 1min :targets \"sites.geojson\" :scenario \"scenario.jsonl\"\n\
              :modems ((900MHzModem {})) {}\n:agents ((agent uav-1 :initial-task (fly the mission))))\n{}",
-            self.vehicle, self.modem, self.options, self.program
+            self.vehicle,
+            self.duration,
+            self.modem,
+            self.options,
+            self.program.replace("CLOCK", if self.duration == "30min" { "25min" } else { "100min" })
         );
         std::fs::write(folder.join("mission.pdl"), text).unwrap();
         std::fs::write(folder.join("scenario.jsonl"), &self.scenario).unwrap();
@@ -113,7 +132,14 @@ impl World {
             }
         }
         let changes = recorded::situation_at(&reader, &mission, Time::END).unwrap().target_changes;
-        Flown { folder, changes, events, said, commands: plans, end: (outcome.end.at.seconds(), outcome.end.reason.text()) }
+        Flown {
+            folder,
+            changes,
+            events,
+            said,
+            commands: plans,
+            end: (outcome.end.at.seconds(), outcome.end.reason.text()),
+        }
     }
 }
 
@@ -180,17 +206,19 @@ impl Flown {
         self.events.iter().filter_map(level).collect()
     }
 
-    /// The last place before `until_s` at the end of ten seconds in which no sample was below 0.3.
+    /// The last place before `until_s` at which no sample of ten seconds before and five seconds after was below 0.3: not the edge.
     pub(crate) fn last_good_place(&self, until_s: f64) -> (f64, f64) {
-        let mut since_s = None;
-        let mut good_s = None;
-        for (at_s, level) in self.levels().into_iter().filter(|(at_s, _)| *at_s < until_s) {
-            if level < 0.3 {
-                since_s = None;
-            } else if at_s - *since_s.get_or_insert(at_s) >= 10.0 {
-                good_s = Some(at_s);
-            }
-        }
+        let levels: Vec<(f64, f64)> = self.levels().into_iter().filter(|(at_s, _)| *at_s < until_s).collect();
+        let is_good = |from_s: f64, to_s: f64| {
+            let mut within = levels.iter().filter(|(at_s, _)| (from_s..=to_s).contains(at_s));
+            within.all(|(_, level)| *level >= 0.3)
+        };
+        // A later sample that is good says how long it stayed so.
+        let stays = |at_s: f64| {
+            let later = levels.iter().find(|(later_s, _)| *later_s >= at_s + 5.0).map(|(later_s, _)| *later_s);
+            later.is_some_and(|later_s| is_good(at_s - 10.0, later_s))
+        };
+        let good_s = levels.iter().rev().map(|(at_s, _)| *at_s).find(|at_s| stays(*at_s));
         let good_s = good_s.unwrap_or_else(|| panic!("never good before {until_s} s"));
         self.track().into_iter().rfind(|(at_s, ..)| *at_s <= good_s).unwrap().1
     }
