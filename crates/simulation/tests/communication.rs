@@ -34,6 +34,18 @@ fn assert_returned(flown: &Flown) {
     }
 }
 
+/// After each loss the aircraft comes within 200 m of the place that it names, and the link was good there: ten seconds of samples
+/// around the pass before the loss have a mean above 0.3. Near the range of a radio fading hides the edge.
+fn assert_returned_to_the_goal(flown: &Flown) {
+    for (lost_s, _) in flown.said("communication-lost") {
+        let goal = flown.goal_after(lost_s);
+        let nearest_m = flown.nearest_m(goal, (lost_s, lost_s + 600.0));
+        assert!(nearest_m <= 200.0, "{nearest_m:.0} m from the place after {lost_s} s\n{}", flown.story());
+        let level = flown.mean_level_near(goal, lost_s);
+        assert!(level > 0.3, "{level:.2} at the place after {lost_s} s\n{}", flown.story());
+    }
+}
+
 fn first_s(flown: &Flown, head: &str) -> f64 {
     flown.said(head).first().map(|said| said.0).unwrap_or_else(|| panic!("no {head}\n{}", flown.story()))
 }
@@ -91,7 +103,7 @@ fn a_large_fixed_wing_comes_by_the_good_place_in_every_circle() {
     assert!(!flown.said("communication-lost").is_empty(), "{}", flown.story());
     assert_returned(&flown);
     let good = flown.last_good_place(first_s(&flown, "communication-lost"));
-    let passes = flown.passes(good, 500.0, (first_s(&flown, "communication-lost"), first_s(&flown, "instructed")));
+    let passes = flown.passes(good, 600.0, (first_s(&flown, "communication-lost"), first_s(&flown, "instructed")));
     assert!(passes >= 2, "{passes} passes\n{}", flown.story());
 }
 
@@ -194,7 +206,7 @@ fn losses_are_bounded_whatever_the_world_hides() {
         let most = (shadows + 1).min(5);
         let what = format!("seed {seed}, {vehicle}, {modem}\n{sites:?}");
         assert!(losses <= most, "{losses} losses, more than {most}: {what}\n{}", flown.story());
-        assert_returned(&flown);
+        assert_returned_to_the_goal(&flown);
         if seed % 4 == 0 {
             flown.assert_replays();
         }

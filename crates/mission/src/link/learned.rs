@@ -142,7 +142,7 @@ impl Learned {
         };
         self.smoothed = Some((at_s, smoothed));
         self.remember(cells.of(here.position, here.altitude_m), at_s, level);
-        if smoothed < lost.good {
+        if smoothed < lost.known_good() {
             self.good_since_s = None;
             self.trail.clear();
             return;

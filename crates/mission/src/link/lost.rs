@@ -79,6 +79,14 @@ impl Default for LostLink {
     }
 }
 
+impl LostLink {
+    /// The mean level from which on a place is one to return to: as far above `good` as that is above `nominal`, so that fading does not
+    /// take the signal away again; at most halfway to full.
+    pub(crate) fn known_good(&self) -> f64 {
+        (2.0 * self.good - self.nominal).min(0.5 * (1.0 + self.good))
+    }
+}
+
 /// Reads the figures of the items of `:lost-link`; `place` is that of the application.
 ///
 /// # Errors

@@ -229,6 +229,29 @@ impl Flown {
         self.track().into_iter().filter(within).map(|(_, here, _)| apart_m(place, here)).fold(f64::INFINITY, f64::min)
     }
 
+    /// Where the first flight after an instant leads.
+    pub(crate) fn goal_after(&self, at_s: f64) -> (f64, f64) {
+        let to = self.commands.iter().find(|(then_s, text)| *then_s >= at_s && text.starts_with("(fly-to ("));
+        let text = &to.unwrap_or_else(|| panic!("no flight after {at_s} s\n{}", self.story())).1;
+        let numbers: Vec<f64> =
+            text["(fly-to (".len()..].split([' ', ')']).map_while(|word| word.parse().ok()).take(2).collect();
+        (numbers[0], numbers[1])
+    }
+
+    /// Mean of the samples within five seconds of the last pass of a place before an instant.
+    pub(crate) fn mean_level_near(&self, place: (f64, f64), before_s: f64) -> f64 {
+        let track = self.track();
+        let before = track.iter().filter(|(at_s, ..)| *at_s < before_s);
+        let pass = before.min_by(|a, b| apart_m(place, a.1).total_cmp(&apart_m(place, b.1))).unwrap();
+        let near: Vec<f64> = self
+            .levels()
+            .into_iter()
+            .filter(|(at_s, _)| (at_s - pass.0).abs() <= 5.0)
+            .map(|(_, level)| level)
+            .collect();
+        near.iter().sum::<f64>() / near.len() as f64
+    }
+
     /// Greatest distance from a place between two instants.
     pub(crate) fn farthest_m(&self, place: (f64, f64), (from_s, until_s): (f64, f64)) -> f64 {
         let within = |(at_s, ..): &(f64, (f64, f64), f64)| (from_s..=until_s).contains(at_s);
