@@ -159,6 +159,26 @@ impl<'a> Arguments<'a> {
         self.keyword("radius").map(|value| self.number(value, "radius", Dimension::LENGTH, "4km")).transpose()
     }
 
+    /// `:count`, how many: 1 if not given.
+    pub(crate) fn count_keyword(&self) -> Result<u32, String> {
+        let Some(value) = self.keyword("count") else { return Ok(1) };
+        let count = self.number(value, "count", Dimension::NONE, "3")?;
+        if count.fract() != 0.0 || !(1.0..=1_000.0).contains(&count) {
+            return Err(self.wrong(&format!("the count {value} is not a whole number from 1 to 1000")));
+        }
+        Ok(count as u32)
+    }
+
+    /// `:every`, m: how far apart pictures are.
+    pub(crate) fn every_keyword(&self) -> Result<f64, String> {
+        let Some(value) = self.keyword("every") else { return Err(self.wrong("`:every` is missing")) };
+        let every_m = self.number(value, "distance", Dimension::LENGTH, "20m")?;
+        if every_m <= 0.0 {
+            return Err(self.wrong(&format!("the distance {value} is not greater than zero")));
+        }
+        Ok(every_m)
+    }
+
     /// `:centre`, if given.
     pub(crate) fn centre_keyword(&self) -> Result<Option<Position>, String> {
         let read = |value| self.read_spot(value, "centre").map(|spot| spot.position);

@@ -10,6 +10,7 @@ use crate::path::bearing;
 use apex_geo::geodesy::RAD_PER_DEG;
 use apex_model::effect::CommandId;
 use apex_model::time::Time;
+use apex_model::value::Value;
 use apex_vehicle::CameraModel;
 use libm::{atan2, cos, sin, sqrt};
 use std::f64::consts::FRAC_PI_2;
@@ -53,9 +54,35 @@ impl CameraState {
 
 /// What the camera points at.
 #[derive(Clone, Debug)]
-pub(crate) struct Aim {
-    pub(crate) spot: Spot,
-    pub(crate) altitude_m: f64,
+pub(crate) enum Aim {
+    /// Straight down, rows of the picture across the heading.
+    Down,
+    /// A place at this altitude.
+    At(Spot, f64),
+}
+
+impl Aim {
+    /// What it points at, as the command gave it.
+    pub(crate) fn given(&self) -> Value {
+        match self {
+            Aim::Down => Value::symbol(DOWN),
+            Aim::At(spot, _) => spot.given.clone(),
+        }
+    }
+}
+
+/// The word of commands and events for [`Aim::Down`].
+pub(crate) const DOWN: &str = "down";
+
+/// Pictures by distance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PictureRun {
+    /// Distance over ground from one picture to the next.
+    pub(crate) every_m: f64,
+    /// Distance flown since the last one.
+    pub(crate) flown_m: f64,
+    /// When the last one was taken.
+    pub(crate) last: Option<Time>,
 }
 
 /// One camera.
@@ -72,6 +99,10 @@ pub(crate) struct Camera {
     pub(crate) timer: Option<Time>,
     /// When the slew in progress counts as failed.
     pub(crate) slew_until: Option<Time>,
+    /// Pictures that it takes by distance.
+    pub(crate) run: Option<PictureRun>,
+    /// Pictures that the present command still wants after the one in progress.
+    pub(crate) pictures_left: u32,
     /// How long the sight line has been on the target.
     aligned_s: f64,
     /// Angle between the sight line and the target.
@@ -133,6 +164,8 @@ impl Camera {
             command: None,
             timer: None,
             slew_until: None,
+            run: None,
+            pictures_left: 0,
             aligned_s: 0.0,
             error_rad: 0.0,
         }
@@ -151,9 +184,9 @@ impl Camera {
     /// The direction the nose must have for this mount to see its target; `None` if the mount pans, or the target is so near the
     /// nadir that the picture holds it at any heading.
     pub(crate) fn nose_rad(&self, state: &State) -> Option<f64> {
-        let aim = self.aim.as_ref().filter(|_| !self.pans())?;
-        let (azimuth_rad, distance_m) = bearing(state.position, aim.spot.position);
-        let below_m = state.altitude_m - aim.altitude_m;
+        let Some(Aim::At(spot, altitude_m)) = self.aim.as_ref().filter(|_| !self.pans()) else { return None };
+        let (azimuth_rad, distance_m) = bearing(state.position, spot.position);
+        let below_m = state.altitude_m - altitude_m;
         let off_nadir_rad = atan2(distance_m, below_m);
         (distance_m > 1.0 && off_nadir_rad > self.nadir_cone_rad()).then_some(azimuth_rad)
     }
@@ -187,8 +220,13 @@ impl Camera {
 
     /// Why the mount cannot ever see `aim` from here, however the aircraft turns.
     pub(crate) fn refusal(&self, aim: &Aim, state: &State) -> Option<String> {
-        let (_, distance_m) = bearing(state.position, aim.spot.position);
-        let elevation_deg = atan2(aim.altitude_m - state.altitude_m, distance_m.max(0.1)) / RAD_PER_DEG;
+        let elevation_deg = match aim {
+            Aim::Down => -90.0,
+            Aim::At(spot, altitude_m) => {
+                let (_, distance_m) = bearing(state.position, spot.position);
+                atan2(altitude_m - state.altitude_m, distance_m.max(0.1)) / RAD_PER_DEG
+            }
+        };
         let (low, high) = (self.model.tilt_deg_min, self.model.tilt_deg_max);
         let outside = elevation_deg > high || elevation_deg < low - 1.0;
         let name = &self.model.name;
@@ -201,9 +239,10 @@ impl Camera {
 
     /// Direction of the target.
     fn sight(aim: &Aim, state: &State) -> Sight {
-        let (azimuth_rad, distance_m) = bearing(state.position, aim.spot.position);
+        let Aim::At(spot, altitude_m) = aim else { return Sight { forward: 0.0, right: 0.0, down: 1.0 } };
+        let (azimuth_rad, distance_m) = bearing(state.position, spot.position);
         let relative = azimuth_rad - state.heading_rad;
-        let down = state.altitude_m - aim.altitude_m;
+        let down = state.altitude_m - altitude_m;
         Sight { forward: distance_m * cos(relative), right: distance_m * sin(relative), down }
     }
 
@@ -212,8 +251,11 @@ impl Camera {
         let pan_max = self.model.pan_deg_max * RAD_PER_DEG;
         let level = sqrt(sight.forward * sight.forward + sight.right * sight.right);
         let near_nadir = atan2(level, sight.down) < self.nadir_cone_rad();
+        let is_down = matches!(self.aim, Some(Aim::Down));
         let pan_rad = match (self.pans(), near_nadir) {
             (false, _) => 0.0,
+            // Rows across the heading: the mount turns where there is time, and its sight line stays.
+            (true, true) if is_down => 0.0,
             (true, true) => self.pan_rad,
             (true, false) => atan2(sight.right, sight.forward).clamp(-pan_max, pan_max),
         };
@@ -254,7 +296,7 @@ impl Camera {
             Some(aim) => {
                 let left = self.angles(Camera::sight(aim, state)).left_rad;
                 let (off, limit) = (self.error_rad / RAD_PER_DEG, self.tolerance_rad() / RAD_PER_DEG);
-                let target = &aim.spot.given;
+                let target = aim.given();
                 let why = if left > self.left_rad_max(Camera::sight(aim, state)) {
                     format!(
                         "the mount cannot come closer than {:.1} degrees from here; turn or fly another way",
@@ -269,8 +311,28 @@ impl Camera {
                 )
             }
         };
-        (self.state, self.aim, self.slew_until) = (CameraState::Ready, None, None);
+        self.rest();
         reason
+    }
+
+    /// Points at nothing and takes no more pictures.
+    pub(crate) fn rest(&mut self) {
+        (self.state, self.aim, self.slew_until, self.run) = (CameraState::Ready, None, None, None);
+    }
+
+    /// Counts the distance flown in `dt` seconds at this speed over ground; true when a picture of a run is due.
+    pub(crate) fn is_picture_due(&mut self, ground_speed: f64, dt: f64, now: Time) -> bool {
+        let Some(run) = &mut self.run else { return false };
+        run.flown_m += ground_speed * dt;
+        let rested = run.last.is_none_or(|last| (now - last).seconds() >= self.model.interval_s_min);
+        let due = run.last.is_none() || run.flown_m >= run.every_m;
+        if !due || !rested || self.state != CameraState::Pointing {
+            return false;
+        }
+        // What was flown too far counts for the next one, so that the mean distance is kept.
+        run.flown_m = (run.flown_m - run.every_m).clamp(0.0, run.every_m);
+        run.last = Some(now);
+        true
     }
 
     /// Slews for `dt` seconds.

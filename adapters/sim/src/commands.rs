@@ -6,7 +6,7 @@ use crate::fixed_wing::true_airspeed_min;
 use crate::flight::{ActiveOrder, Order};
 use crate::instants;
 use crate::names::unknown_name;
-use crate::way::Way;
+use crate::way::{Way, with_goal};
 use crate::world::{Setpoint, SimulatedWorld};
 use apex_model::effect::CommandId;
 use apex_model::quantity::Dimension;
@@ -74,9 +74,11 @@ const COMMANDS: &[Command] = &[
     command("set-speed", "(set-speed SPEED)", (1, 1), &[]),
     command("set-heading", "(set-heading HEADING)", (1, 1), &[]),
     command("scanner", "(scanner on) or (scanner off)", (1, 1), &[]),
-    command("camera", "(camera NAME power-up) or (camera NAME power-off)", (2, 2), &[]),
-    command("point-camera", "(point-camera NAME LOCATION)", (2, 2), &[]),
-    command("take-picture", "(take-picture NAME)", (1, 1), &[]),
+    command("camera", "(camera NAME power-up), (camera NAME power-off) or (camera NAME rest)", (2, 2), &[]),
+    command("point-camera", "(point-camera NAME LOCATION) or (point-camera NAME down)", (2, 2), &[]),
+    command("take-picture", "(take-picture NAME [:count N])", (1, 1), &["count"]),
+    command("take-pictures", "(take-pictures NAME :every DISTANCE)", (1, 1), &["every"]),
+    command("stop-pictures", "(stop-pictures NAME)", (1, 1), &[]),
     command("wait", "(wait DURATION)", (1, 1), &[]),
 ];
 
@@ -155,7 +157,12 @@ impl SimulatedWorld {
         let speed = arguments.speed_keyword()?;
         let (order, spot_altitude_m) = self.read_order(name, arguments, altitude_keyword.is_some())?;
         let altitude_m = altitude_keyword.or(spot_altitude_m);
-        let way = Way::new(arguments.way_keyword()?, &self.situation());
+        let points = arguments.way_keyword()?;
+        let points = match &order {
+            Order::FlyTo { to, .. } if self.situation().fixed() => with_goal(points, to.position),
+            _ => points,
+        };
+        let way = Way::new(points, &self.situation());
         let hold = arguments.hold_keyword()?;
         // An approach is low on purpose.
         if let Some(altitude_m) = altitude_m.filter(|_| !matches!(order, Order::Land { .. })) {

@@ -1,9 +1,10 @@
 //! Commands to the payload: scanner and cameras.
 
 use crate::arguments::Arguments;
-use crate::camera::{Aim, Camera, CameraState};
+use crate::camera::{Aim, Camera, CameraState, DOWN, PictureRun};
 use crate::instants;
 use crate::names::unknown_name;
+use crate::packet::Extent;
 use crate::world::SimulatedWorld;
 use apex_geo::geodesy::RAD_PER_DEG;
 use apex_model::effect::CommandId;
@@ -33,7 +34,7 @@ impl SimulatedWorld {
         Ok(())
     }
 
-    /// `camera`, `point-camera` and `take-picture`.
+    /// `camera`, `point-camera`, `take-picture`, `take-pictures` and `stop-pictures`.
     pub(crate) fn use_camera(
         &mut self,
         id: CommandId,
@@ -66,15 +67,21 @@ impl SimulatedWorld {
                 camera.command = Some(id);
             }
             ("camera", Some("power-off")) => {
-                (camera.state, camera.timer, camera.aim, camera.slew_until) = (CameraState::Off, None, None, None);
+                camera.rest();
+                (camera.state, camera.timer) = (CameraState::Off, None);
                 answer = Some(Value::symbol(&camera.model.name));
             }
-            ("camera", _) => return Err(arguments.wrong("a camera is told power-up or power-off")),
+            ("camera", Some("rest")) => {
+                if ready {
+                    camera.rest();
+                    camera.timer = None;
+                }
+                answer = Some(Value::symbol(&camera.model.name));
+            }
+            ("camera", _) => return Err(arguments.wrong("a camera is told power-up, power-off or rest")),
             (_, _) if !ready => return Err(arguments.wrong(&format!("{name} is not powered up"))),
             ("point-camera", _) => {
-                let spot = arguments.spot(1, "target")?;
-                let ground_m = self.ground.elevation_m_at(spot.position);
-                let aim = Aim { altitude_m: spot.thing_altitude_m.unwrap_or(ground_m), spot };
+                let aim = self.aim(arguments)?;
                 if let Some(reason) = camera.refusal(&aim, &self.state) {
                     return Err(arguments.wrong(&reason));
                 }
@@ -84,10 +91,21 @@ impl SimulatedWorld {
                 camera.slew_until = Some(self.now + instants::span(slew_s));
                 camera.command = Some(id);
             }
+            ("stop-pictures", _) => {
+                camera.run = None;
+                answer = Some(Value::symbol(&camera.model.name));
+            }
             _ if camera.state == CameraState::Slewing || camera.aim.is_none() => {
                 return Err(arguments.wrong(&format!("{name} does not point at anything yet: use point-camera first")));
             }
+            ("take-pictures", _) => {
+                let every_m = arguments.every_keyword()?;
+                camera.run = Some(PictureRun { every_m, flown_m: 0.0, last: None });
+                answer = Some(Value::symbol(&camera.model.name));
+                self.settled = false;
+            }
             _ => {
+                camera.pictures_left = arguments.count_keyword()?.saturating_sub(1);
                 camera.state = CameraState::Exposing;
                 camera.timer = Some(self.now + instants::span(camera.model.picture_s));
                 camera.command = Some(id);
@@ -106,9 +124,20 @@ impl SimulatedWorld {
         Ok(())
     }
 
-    /// The exposure begins: its instant is that of the position and attitude that the image has.
-    fn say_taken(&self, camera: &Camera, inputs: &mut Vec<Input>) {
-        let target = camera.aim.as_ref().map_or_else(Value::nil, |aim| aim.spot.given.clone());
+    fn aim(&self, arguments: &Arguments) -> Result<Aim, String> {
+        if arguments.at(1).and_then(Value::as_symbol).is_some_and(|symbol| symbol.is(DOWN)) {
+            return Ok(Aim::Down);
+        }
+        let spot = arguments.spot(1, "target")?;
+        let ground_m = self.ground.elevation_m_at(spot.position);
+        let altitude_m = spot.thing_altitude_m.unwrap_or(ground_m);
+        Ok(Aim::At(spot, altitude_m))
+    }
+
+    /// The exposure begins: position, attitude and angles of the mount at its instant belong to the image, and are reported with it.
+    pub(crate) fn say_taken(&mut self, camera: &Camera, inputs: &mut Vec<Input>) {
+        self.report(Extent::Attitude, inputs);
+        let target = camera.aim.as_ref().map_or_else(Value::nil, Aim::given);
         let form = [Value::symbol("image-taken"), Value::symbol(&camera.model.name), target];
         inputs.push(Input::new(self.now, EventKind::Occurrence(Value::list(form))));
     }

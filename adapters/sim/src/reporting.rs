@@ -1,7 +1,7 @@
 //! What the world says: packets of state, radio links, cameras and timers.
 
 use crate::atmosphere::Air;
-use crate::camera::{Camera, CameraState, Pointing};
+use crate::camera::{Aim, Camera, CameraState, Pointing};
 use crate::instants;
 use crate::packet::{ATTITUDE_S, Extent, Snapshot};
 use crate::phase::Phase;
@@ -99,18 +99,22 @@ impl SimulatedWorld {
     /// Slews the cameras for `dt` seconds.
     pub(crate) fn move_cameras(&mut self, dt: f64, inputs: &mut Vec<Input>) {
         let mut cameras = std::mem::take(&mut self.cameras);
+        let mut taken = Vec::new();
         for camera in &mut cameras {
+            if camera.is_picture_due(self.state.ground_speed(), dt, self.now) {
+                taken.push(camera.clone());
+            }
             match camera.follow(&self.state, dt) {
                 Pointing::Same => {}
                 Pointing::Aligned => {
                     self.changed = true;
-                    let target = camera.aim.as_ref().map_or_else(Value::nil, |aim| aim.spot.given.clone());
+                    let target = camera.aim.as_ref().map_or_else(Value::nil, Aim::given);
                     if let Some(command) = camera.command.take() {
                         self.answer(command, Ok(target), inputs);
                     }
                 }
                 Pointing::OutOfView => {
-                    let target = camera.aim.as_ref().map_or_else(Value::nil, |aim| aim.spot.given.clone());
+                    let target = camera.aim.as_ref().map_or_else(Value::nil, Aim::given);
                     let name = Value::symbol(&camera.model.name);
                     let form = Value::list([Value::symbol("out-of-view"), name, target]);
                     inputs.push(Input::new(self.now, EventKind::Occurrence(form)));
@@ -119,6 +123,10 @@ impl SimulatedWorld {
             }
         }
         self.cameras = cameras;
+        for camera in &taken {
+            self.changed = true;
+            self.say_taken(camera, inputs);
+        }
         let slewing = self.cameras.iter().any(|camera| camera.aim.is_some());
         self.settled = self.settled && !slewing;
     }
@@ -130,6 +138,7 @@ impl SimulatedWorld {
         for (_, command, answer) in due {
             self.answer(command, Ok(answer), inputs);
         }
+        let mut next = Vec::new();
         let mut cameras = std::mem::take(&mut self.cameras);
         for camera in cameras.iter_mut().filter(|camera| camera.slew_until.is_some_and(|at| at <= self.now)) {
             let reason = camera.fail_slew(&self.state);
@@ -139,8 +148,14 @@ impl SimulatedWorld {
         }
         for camera in cameras.iter_mut().filter(|camera| camera.timer.is_some_and(|at| at <= self.now)) {
             camera.timer = None;
+            if camera.state == CameraState::Exposing && camera.pictures_left > 0 {
+                camera.pictures_left -= 1;
+                camera.timer = Some(self.now + instants::span(camera.model.picture_s.max(camera.model.interval_s_min)));
+                next.push(camera.clone());
+                continue;
+            }
             let name = Value::symbol(&camera.model.name);
-            let target = camera.aim.as_ref().map_or_else(Value::nil, |aim| aim.spot.given.clone());
+            let target = camera.aim.as_ref().map_or_else(Value::nil, Aim::given);
             let powered = camera.state == CameraState::PoweringUp;
             let (event, object, answer) =
                 if powered { ("ready", name.clone(), name) } else { ("image-in-memory", target.clone(), target) };
@@ -151,6 +166,7 @@ impl SimulatedWorld {
             }
         }
         self.cameras = cameras;
+        next.iter().for_each(|camera| self.say_taken(camera, inputs));
     }
 }
 

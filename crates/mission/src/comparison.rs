@@ -78,11 +78,11 @@ impl Comparison<'_> {
         let score = |part: fn(&FlightScore) -> f64| {
             move |report: &Report| match &report.value {
                 MissionValue::Score(score) => Some(format!("{:.1}", part(score))),
-                MissionValue::Ignorance(_) | MissionValue::None => None,
+                MissionValue::Ignorance(..) | MissionValue::None => None,
             }
         };
         let ignorance = |report: &Report| match &report.value {
-            MissionValue::Ignorance(cost) => Some(format!("{:.4}", cost.total)),
+            MissionValue::Ignorance(cost, _) => Some(format!("{:.4}", cost.total)),
             MissionValue::Score(_) | MissionValue::None => None,
         };
         let rows = [
@@ -191,7 +191,7 @@ fn observation(report: &Report, id: &str) -> String {
             let points = score.looks.iter().find(|look| look.id == id).map(|look| look.flown.points);
             format!("{} {:>6.1}", whole(first.begin), points.unwrap_or(0.0))
         }
-        MissionValue::Ignorance(_) | MissionValue::None => format!("{} x{}", whole(first.begin), 1 + visits.count()),
+        MissionValue::Ignorance(..) | MissionValue::None => format!("{} x{}", whole(first.begin), 1 + visits.count()),
     }
 }
 

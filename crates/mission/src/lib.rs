@@ -43,7 +43,7 @@ pub mod ways;
 pub use modems::Modem;
 pub use settings::Settings;
 pub use surroundings::Airfield;
-pub use targets::{Fire, Site, Target, TargetKind};
+pub use targets::{Fire, PictureTerms, Site, Target, TargetKind};
 
 use crate::error::{MissionError, MissionResult};
 use apex_model::library::{AgentDeclaration, Library};

@@ -1,25 +1,27 @@
 //! The mission's data in the terms of the observation model: the vehicle's scanner, and the air as forecast.
 
 use crate::Mission;
-use crate::vehicle::VehicleModel;
+use crate::vehicle::{Airframe, VehicleModel};
 use apex_geo::wind;
 use apex_model::problem::{Position, WindField};
 use apex_observation::clarity::{AttitudeHold, share_within};
 use apex_observation::footprint::Ground;
 use apex_observation::predict::{AirConditions, Conditions, PredictedScanner};
 use apex_observation::result::LossCause;
-use apex_observation::sensor::{RollLimits, ScannerMode};
+use apex_observation::sensor::{CameraSetting, Gimbal, RateLimits, RollLimits, ScannerMode};
 use apex_observation::strip::ScannerSetting;
+use apex_vehicle::{Mount, Optics};
 
 /// Losses by which coverage falls below 1.
 pub(crate) const COVERAGE: [LossCause; 1] = [LossCause::NotSeen];
 /// Losses by which clarity falls below 1.
-pub(crate) const CLARITY: [LossCause; 8] = [
+pub(crate) const CLARITY: [LossCause; 9] = [
     LossCause::AttitudeNotRecorded,
     LossCause::Roll,
     LossCause::Rates,
     LossCause::LineGaps,
     LossCause::Smear,
+    LossCause::TooDark,
     LossCause::SensorNotReady,
     LossCause::Cloud,
     LossCause::Glint,
@@ -78,12 +80,81 @@ pub(crate) fn scanner_of(model: &VehicleModel) -> Option<PredictedScanner> {
     let roll = RollLimits { valid_deg: model.level_roll_deg_max, zero_deg: None };
     Some(PredictedScanner {
         setting: ScannerSetting { mode, roll: Some(roll), rates: None, scan_rate_hz: None, is_ready: true },
-        hold: AttitudeHold {
-            roll_deg_per_edr: model.attitude_hold.roll_deg_per_edr,
-            natural_frequency_rad_s: Some(model.attitude_hold.natural_frequency_rad_s),
-            damping_ratio: model.attitude_hold.damping_ratio,
-        },
+        hold: hold_of(model),
     })
+}
+
+/// Exposure of a video camera, which its file does not state: a usual electronic shutter in daylight, s.
+const VIDEO_EXPOSURE_S: f64 = 0.002;
+/// Least elevation of the sun for a camera without a band for the night.
+const SUN_DEG_MIN: f64 = 0.0;
+
+/// Names of the cameras that a vehicle carries.
+pub(crate) fn camera_names(model: &VehicleModel) -> Vec<&str> {
+    model.cameras.iter().map(|camera| camera.name.as_str()).collect()
+}
+
+/// True if the vehicle carries a line scanner: pictures of a frame camera are not one.
+pub(crate) fn carries_scanner(model: &VehicleModel) -> bool {
+    model.sensors.iter().any(|sensor| sensor.scanner_mode().is_some())
+}
+
+/// A camera of the vehicle by its name; none if it carries no such camera.
+pub(crate) fn camera_of(model: &VehicleModel, name: &str) -> Option<CameraSetting> {
+    let carried = model.sensors.iter().find(|sensor| sensor.name.eq_ignore_ascii_case(name))?;
+    let commanded = carried.camera()?;
+    let (pixel_rad, wide_deg, high_deg, exposure_s) = match &carried.model.optics {
+        Optics::LineScanner { .. } => return None,
+        Optics::Frame(frame) => {
+            (frame.pixel_rad(), frame.field_of_view_deg(), frame.field_of_view_along_deg(), frame.exposure_s)
+        }
+        Optics::Video(video) => {
+            (video.pixel_rad(), video.field_of_view_deg, video.field_of_view_along_deg(), VIDEO_EXPOSURE_S)
+        }
+    };
+    let (is_stabilised, settle_s) = match carried.model.mount {
+        Mount::Fixed { .. } => (false, 0.0),
+        Mount::Gimbal { settle_s, .. } => (true, settle_s),
+    };
+    let motion = &carried.model.motion;
+    Some(CameraSetting {
+        name: carried.name.clone(),
+        wide_deg,
+        high_deg,
+        pixel_mrad: pixel_rad * 1e3,
+        exposure_s,
+        interval_s_min: commanded.interval_s_min,
+        mount: Gimbal {
+            tilt_deg: (commanded.tilt_deg_min, commanded.tilt_deg_max),
+            pan_deg: (-commanded.pan_deg_max, commanded.pan_deg_max),
+            rate_deg_s: commanded.slew_rate_deg_s,
+            settle_s,
+        },
+        is_stabilised,
+        roll: RollLimits { valid_deg: motion.roll_deg_valid, zero_deg: Some(motion.roll_deg_zero) },
+        smear: RateLimits { full_pixels: motion.shift_px_valid, zero_pixels: motion.shift_px_zero },
+        sun_deg_min: (!carried.model.works_by_night()).then_some(SUN_DEG_MIN),
+    })
+}
+
+/// The camera that looks at sites from where the vehicle visits them: straight down from a hover, or to the side from a
+/// circle. None if the vehicle carries no camera that can.
+pub(crate) fn looks_with(model: &VehicleModel) -> Option<CameraSetting> {
+    let cameras = camera_names(model).into_iter().filter_map(|name| camera_of(model, name));
+    let can = |camera: &CameraSetting| match model.airframe {
+        Airframe::Rotorcraft => camera.sees_nadir(),
+        Airframe::FixedWing => camera.mount.pan_deg.1 > 0.0,
+    };
+    cameras.into_iter().find(can)
+}
+
+/// How the vehicle answers to turbulence.
+pub(crate) fn hold_of(model: &VehicleModel) -> AttitudeHold {
+    AttitudeHold {
+        roll_deg_per_edr: model.attitude_hold.roll_deg_per_edr,
+        natural_frequency_rad_s: Some(model.attitude_hold.natural_frequency_rad_s),
+        damping_ratio: model.attitude_hold.damping_ratio,
+    }
 }
 
 /// The air as the mission believes it.

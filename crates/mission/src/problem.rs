@@ -6,6 +6,7 @@ use super::situation::Situation;
 use super::{Mission, Site, TargetKind};
 use crate::energy::energy;
 use crate::manoeuvres::{self, Wish};
+use crate::observing::looks_with;
 use crate::score::FlownScore;
 use crate::vehicle::{Airframe, turn_radius_m};
 use apex_geo::geodesy;
@@ -183,7 +184,7 @@ fn surveillance(mission: &Mission, situation: &Situation, at: Time) -> Result<Su
     Ok(SurveillanceProblem {
         targets,
         travel,
-        horizon_s: mission.settings.duration.seconds() - now_s,
+        horizon_s: (mission.settings.duration - mission.settings.watch_margin).seconds() - now_s,
         return_to_base: false,
         endurance_s,
     })
@@ -196,7 +197,7 @@ fn sites(mission: &Mission) -> impl Iterator<Item = &super::Target> {
 /// Altitude above mean sea level from which a site is looked at.
 pub fn visit_altitude_m(mission: &Mission, site: &super::Target) -> f64 {
     match mission.model.airframe {
-        Airframe::Rotorcraft => site.elevation_m + mission.model.planning.visit_height_m,
+        Airframe::Rotorcraft => site.elevation_m + hover_height_m(mission, site),
         Airframe::FixedWing => {
             let planning = &mission.model.planning;
             let highest_m = sites(mission).map(|site| site.elevation_m).fold(f64::NEG_INFINITY, f64::max);
@@ -204,6 +205,18 @@ pub fn visit_altitude_m(mission: &Mission, site: &super::Target) -> f64 {
         }
     }
 }
+
+/// Height over the ground from which a rotorcraft looks at a site: the one of its vehicle file, lower where the camera needs that
+/// for the wanted pixels, but not lower than the clearance from terrain.
+fn hover_height_m(mission: &Mission, site: &super::Target) -> f64 {
+    let usual_m = mission.model.planning.visit_height_m;
+    let (Some(camera), TargetKind::Site(wanted)) = (looks_with(&mission.model), &site.kind) else { return usual_m };
+    let fine_m = site.height_m + wanted.resolution_m / camera.pixel_rad();
+    usual_m.min(fine_m.max(mission.requirements.terrain_clearance_m.unwrap_or(0.0) + LEVEL_M))
+}
+
+/// Height by which a vehicle may leave its altitude.
+const LEVEL_M: f64 = 3.0;
 
 /// The ways between the sites at `positions`, around obstacles, for a plan that begins at `now_s`.
 ///

@@ -4,6 +4,7 @@ use super::problem::{pose, trouble};
 use super::score::{FlightScore, FlownScore, flight_score};
 use super::situation::{Note, Situation, Visit};
 use super::{Mission, Target, TargetKind};
+use crate::observing::looks_with;
 use apex_metrics::eci::{ExpectedCost, expected_cost};
 use apex_model::problem::{Problem, SurveillanceVisit};
 use apex_model::time::Time;
@@ -34,9 +35,26 @@ pub enum MissionValue {
     /// Single visits: the mission score.
     Score(FlightScore),
     /// Surveillance: the expected cost of ignorance.
-    Ignorance(ExpectedCost),
+    Ignorance(ExpectedCost, Vec<SiteLooks>),
     /// Neither.
     None,
+}
+
+/// What the camera saw of a site.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SiteLooks {
+    /// The site's id.
+    pub target: String,
+    /// Visits that ended.
+    pub visits: usize,
+    /// Visits in which a valid picture was taken: only these count as observations.
+    pub seen: usize,
+    /// Mean pixel on the ground of the pictures that count, m; none without one.
+    pub pixel_m: Option<f64>,
+    /// Their mean angle off the vertical, degrees.
+    pub look_angle_deg: Option<f64>,
+    /// Coverage, clarity and resolution of the best picture, 0 to 1.
+    pub quality: f64,
 }
 
 /// Makes the report of a flight that ended in this situation, at this time and for this reason; `flown` is what it observed,
@@ -106,10 +124,30 @@ fn value(mission: &Mission, situation: &Situation, flown: Result<&FlownScore, &s
     if problem.targets.is_empty() {
         return MissionValue::None;
     }
+    // With a camera, a visit without a valid picture has seen nothing.
+    let score = flown.ok().filter(|_| looks_with(&mission.model).is_some());
+    let is_seen = |visit: &Visit| {
+        let end_s = visit.end.map(Time::seconds);
+        end_s.is_some_and(|end_s| score.is_none_or(|score| score.saw(&visit.target, visit.begin.seconds(), end_s)))
+    };
     let flown = |visit: &Visit| {
         let end_s = visit.end?.seconds();
         Some(SurveillanceVisit { target: visit.target.clone(), arrive_s: visit.begin.seconds(), end_s })
     };
-    let visits: Vec<SurveillanceVisit> = situation.observed().filter_map(flown).collect();
-    MissionValue::Ignorance(expected_cost(&problem, &visits))
+    let visits: Vec<SurveillanceVisit> =
+        situation.observed().filter(|visit| is_seen(visit)).filter_map(flown).collect();
+    let results = score.map(FlownScore::results).unwrap_or_default();
+    let looks = results.into_iter().filter_map(|result| {
+        let best = result.looks.into_iter().next()?;
+        let of_site = || situation.observed().filter(|visit| visit.target == result.name);
+        Some(SiteLooks {
+            visits: of_site().count(),
+            seen: of_site().filter(|visit| is_seen(visit)).count(),
+            pixel_m: best.seen.pixel_m_mean,
+            look_angle_deg: best.seen.look_angle_deg_mean,
+            quality: best.factors.product(),
+            target: result.name,
+        })
+    });
+    MissionValue::Ignorance(expected_cost(&problem, &visits), looks.collect())
 }

@@ -1,6 +1,6 @@
 //! The report as text for the terminal, and as JSON for the record and other programs.
 
-use super::report::{MissionValue, Report};
+use super::report::{MissionValue, Report, SiteLooks};
 use super::situation::Visit;
 use crate::text::{name_width, named};
 use apex_metrics::eci::ExpectedCost;
@@ -37,7 +37,7 @@ impl Report {
     fn value_json(&self) -> Value {
         match &self.value {
             MissionValue::Score(score) => score.json(),
-            MissionValue::Ignorance(cost) => json!({
+            MissionValue::Ignorance(cost, looks) => json!({
                 "kind": "expected-cost-of-ignorance",
                 "total": cost.total,
                 "targets": cost.targets.iter().map(|target| json!({
@@ -45,6 +45,14 @@ impl Report {
                     "expected_cost": target.expected_cost,
                     "observations": target.observations,
                     "longest_gap_s": target.longest_gap_s,
+                })).collect::<Vec<_>>(),
+                "pictures": looks.iter().map(|site| json!({
+                    "target": site.target,
+                    "visits": site.visits,
+                    "seen": site.seen,
+                    "pixel_m": site.pixel_m,
+                    "look_angle_deg": site.look_angle_deg,
+                    "quality": site.quality,
                 })).collect::<Vec<_>>(),
             }),
             MissionValue::None => Value::Null,
@@ -63,7 +71,10 @@ impl Report {
         writeln!(out, "\n{}: ended at {} because {}", self.mission, whole_seconds(self.end.0), self.end.1)?;
         match &self.value {
             MissionValue::Score(score) => score.write(out)?,
-            MissionValue::Ignorance(cost) => write_ignorance(out, cost)?,
+            MissionValue::Ignorance(cost, looks) => {
+                write_ignorance(out, cost)?;
+                write_pictures(out, looks)?;
+            }
             MissionValue::None => {}
         }
         self.write_visits(out)?;
@@ -90,7 +101,7 @@ impl Report {
     }
 
     fn write_visits(&self, out: &mut String) -> std::fmt::Result {
-        if self.visits.is_empty() || matches!(self.value, MissionValue::Ignorance(_)) {
+        if self.visits.is_empty() || matches!(self.value, MissionValue::Ignorance(..)) {
             return Ok(());
         }
         writeln!(out, "\nVisits")?;
@@ -148,6 +159,35 @@ fn write_ignorance(out: &mut String, cost: &ExpectedCost) -> std::fmt::Result {
             target.observations,
             gap.to_string(),
             target.expected_cost
+        )?;
+    }
+    Ok(())
+}
+
+fn write_pictures(out: &mut String, looks: &[SiteLooks]) -> std::fmt::Result {
+    if looks.is_empty() {
+        return Ok(());
+    }
+    writeln!(out, "\nPictures by site: visits without a valid picture are no observations")?;
+    let width = name_width("site", looks.iter().map(|site| site.target.as_str()));
+    writeln!(
+        out,
+        "  {:<width$} {:>6} {:>5} {:>8} {:>10} {:>8}",
+        "site", "visits", "seen", "pixel", "look angle", "quality"
+    )?;
+    for site in looks {
+        let figure = |figure: Option<f64>, digits: usize, unit: &str| {
+            figure.map_or_else(|| "-".to_string(), |figure| format!("{figure:.digits$} {unit}"))
+        };
+        writeln!(
+            out,
+            "  {:<width$} {:>6} {:>5} {:>8} {:>10} {:>8.2}",
+            site.target,
+            site.visits,
+            site.seen,
+            figure(site.pixel_m.map(|pixel_m| 100.0 * pixel_m), 1, "cm"),
+            figure(site.look_angle_deg, 0, "deg"),
+            site.quality
         )?;
     }
     Ok(())

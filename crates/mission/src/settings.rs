@@ -48,6 +48,8 @@ pub struct Settings {
     pub landing_distance_m_max: Option<f64>,
     /// Time by which a plan returns before `duration`: winds differ from the forecast and lines are flown again.
     pub end_margin: Duration,
+    /// Plans of surveillance end this long before the mission.
+    pub watch_margin: Duration,
     /// Distance that flights between fires keep from the edges of airspace zones, m.
     pub zone_margin_m: f64,
     /// Distance that flights between structures keep from obstacles, m.
@@ -161,7 +163,8 @@ pub(crate) fn read(library: &Library) -> MissionResult<Settings> {
         people: reader.text("people")?,
         scenario: reader.text("scenario")?,
         landing_distance_m_max: reader.length("landing-distance")?,
-        end_margin: reader.end_margin()?,
+        end_margin: reader.end_margin()?.unwrap_or(END_MARGIN),
+        watch_margin: reader.end_margin()?.unwrap_or(Duration::ZERO),
         zone_margin_m: reader.margin_m("zone-margin", ZONE_MARGIN_M)?,
         obstacle_margin_m: reader.margin_m("obstacle-margin", OBSTACLE_MARGIN_M)?,
         failure: reader.failure()?.in_points(value_unit),
@@ -248,10 +251,12 @@ impl Reader<'_> {
         }
     }
 
-    fn end_margin(&self) -> MissionResult<Duration> {
+    fn end_margin(&self) -> MissionResult<Option<Duration>> {
         match self.application.option("end-margin") {
-            None => Ok(END_MARGIN),
-            Some(Value::Duration(margin)) if *margin >= Duration::ZERO && *margin < self.duration()? => Ok(*margin),
+            None => Ok(None),
+            Some(Value::Duration(margin)) if *margin >= Duration::ZERO && *margin < self.duration()? => {
+                Ok(Some(*margin))
+            }
             Some(other) => {
                 Err(self.wrong("end-margin", other, "a duration shorter than `:duration`: `:end-margin 1h`"))
             }

@@ -61,6 +61,21 @@ pub struct Fire {
     pub wanted: ObservedTarget,
     /// Its ground cut into cells: what predictions count.
     pub(crate) grid: Arc<TargetGrid>,
+    /// How pictures of it are taken.
+    pub(crate) pictures: PictureTerms,
+}
+
+/// What a target says about its pictures.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PictureTerms {
+    /// The camera that looks; none: what the vehicle carries.
+    pub camera: Option<String>,
+    /// Share of a picture that the next one of the line sees, too.
+    pub overlap: f64,
+    /// Share of a line's width that the next line sees, too.
+    pub sidelap: f64,
+    /// Pictures of a point; none: as many as turbulence demands.
+    pub count: Option<u32>,
 }
 
 impl Fire {
@@ -98,6 +113,8 @@ pub struct Site {
     pub cost: CostFunction,
     /// Time since the last look when the mission starts.
     pub initial_age_s: f64,
+    /// Wanted pixel on the ground, m: a picture of twice that size shows nothing.
+    pub resolution_m: f64,
 }
 
 impl Target {
@@ -167,9 +184,21 @@ pub(crate) fn read(file: &DataFile, terms: Terms) -> MissionResult<Vec<Target>> 
 
 fn target(feature: &NamedFeature, terms: Terms) -> MissionResult<Target> {
     let polygons = feature.polygons()?;
-    let kind = feature.word("kind", &["fire", "structure", "target", "base"])?;
-    let kind = match kind.unwrap_or(if polygons.is_empty() { "target" } else { "fire" }) {
+    let kind = feature.word("kind", &["fire", "inspection", "structure", "target", "base"])?;
+    let is_line = !feature.line()?.is_empty();
+    let usual = match (polygons.is_empty(), is_line) {
+        (_, true) => "inspection",
+        (true, false) => "target",
+        (false, false) => "fire",
+    };
+    let kind = match kind.unwrap_or(usual) {
+        "fire" if is_line => {
+            return Err(feature
+                .trouble("a fire that is a LineString")
+                .help("draw its perimeter as a Polygon, or write `\"kind\": \"inspection\"`"));
+        }
         "fire" => TargetKind::Fire(fire(feature, &polygons, terms)?),
+        "inspection" => TargetKind::Fire(inspection(feature, &polygons, terms)?),
         "structure" => TargetKind::Site(site(feature)?),
         "base" => TargetKind::Base,
         _ => TargetKind::Plain,
@@ -213,15 +242,57 @@ fn fire(feature: &NamedFeature, polygons: &[Vec<Position>], terms: Terms) -> Mis
         looks: looks::read(feature, position, terms)?,
         after: looks::after(feature)?,
     };
-    let grid = TargetGrid::new(&wanted, GridSettings { cells: PLANNING_CELLS, ..GridSettings::default() }).map_err(
-        |error| {
-            feature
-                .trouble("its ground cannot be cut into cells")
-                .because(error)
-                .help("give the corners of each outline in order, each once; outlines do not overlap")
-        },
-    )?;
-    Ok(Fire { radius_m, wanted, grid: Arc::new(grid) })
+    Ok(Fire { radius_m, grid: grid(feature, &wanted)?, wanted, pictures: picture_terms(feature)? })
+}
+
+fn grid(feature: &NamedFeature, wanted: &ObservedTarget) -> MissionResult<Arc<TargetGrid>> {
+    let settings = GridSettings { cells: PLANNING_CELLS, ..GridSettings::default() };
+    TargetGrid::new(wanted, settings).map(Arc::new).map_err(|error| {
+        feature
+            .trouble("its ground cannot be cut into cells")
+            .because(error)
+            .help("give the corners of each outline in order, each once; outlines do not overlap")
+    })
+}
+
+/// A point, a line or an area that a camera looks at. A point is at the height of the thing itself.
+fn inspection(feature: &NamedFeature, polygons: &[Vec<Position>], terms: Terms) -> MissionResult<Fire> {
+    let position = feature.position()?;
+    let line = feature.line()?;
+    let (area, reach) = match (polygons.is_empty(), line.is_empty()) {
+        (false, _) => {
+            let reach: Vec<Position> = polygons.iter().flatten().copied().collect();
+            (area(feature, polygons, position, 0.0)?, reach)
+        }
+        (true, false) => (TargetArea::Line(line.clone()), line),
+        (true, true) => (TargetArea::Point(position), Vec::new()),
+    };
+    let height_m = feature.number("height_m", 0.0, 9_000.0)?.unwrap_or(0.0);
+    let wanted = ObservedTarget {
+        name: feature.id.clone(),
+        area,
+        elevation_m: elevation_m(feature)? + height_m,
+        is_water: feature.flag("water")?.unwrap_or(false),
+        looks: looks::read(feature, position, terms)?,
+        after: looks::after(feature)?,
+    };
+    let radius_m = reach.iter().map(|place| geodesy::distance_m(position, *place)).fold(0.0, f64::max);
+    Ok(Fire { radius_m, grid: grid(feature, &wanted)?, wanted, pictures: picture_terms(feature)? })
+}
+
+/// Overlap of the pictures of a line, and of neighbouring lines, where the mission states none: enough to join the pictures.
+const OVERLAP: f64 = 0.6;
+const SIDELAP: f64 = 0.3;
+/// Greatest overlap.
+const OVERLAP_MAX: f64 = 0.95;
+
+fn picture_terms(feature: &NamedFeature) -> MissionResult<PictureTerms> {
+    Ok(PictureTerms {
+        camera: feature.text("camera")?,
+        overlap: feature.number("overlap", 0.0, OVERLAP_MAX)?.unwrap_or(OVERLAP),
+        sidelap: feature.number("sidelap", 0.0, OVERLAP_MAX)?.unwrap_or(SIDELAP),
+        count: feature.number("pictures", 1.0, 100.0)?.map(|count| libm::round(count) as u32),
+    })
 }
 
 /// What of a fire must be seen.
@@ -275,6 +346,7 @@ fn site(feature: &NamedFeature) -> MissionResult<Site> {
         rate: rate(feature)?,
         cost,
         initial_age_s: feature.number("initial_age_s", 0.0, 1e9)?.unwrap_or(0.0),
+        resolution_m: feature.number("resolution_m", f64::MIN_POSITIVE, 1e6)?.unwrap_or(f64::INFINITY),
     })
 }
 

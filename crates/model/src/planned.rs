@@ -4,6 +4,7 @@
 //! how an activity is written as a goal of `library/aerial-observation.pdl`.
 
 use crate::problem::{Plan, Position};
+use crate::quantity::Dimension;
 use crate::source::SourceFile;
 use crate::symbol::Symbol;
 use crate::time::Duration;
@@ -84,6 +85,36 @@ pub enum PlannedActivity {
         /// When the plan expects the end, since the mission's start; `None` if it is not stated.
         due: Option<Duration>,
     },
+    /// Fly every line over a target and take pictures by distance.
+    Photograph {
+        /// The target's id.
+        target: String,
+        /// Ends of each line, in the order flown.
+        lines: Vec<(Location, Location)>,
+        /// The camera.
+        camera: String,
+        /// Distance over ground between pictures.
+        every_m: f64,
+        /// True airspeed along the lines.
+        speed_mps: f64,
+        /// When the plan expects the end, since the mission's start.
+        due: Duration,
+    },
+    /// Fly to a point and take pictures from there.
+    Inspect {
+        /// The target's id.
+        target: String,
+        /// Where the vehicle hovers.
+        from: Location,
+        /// The camera.
+        camera: String,
+        /// Name of the place that it points at.
+        at: String,
+        /// Number of pictures.
+        count: u32,
+        /// When the plan expects the end, since the mission's start.
+        due: Duration,
+    },
     /// Fly to a site and look at it.
     Visit {
         /// The site's id.
@@ -94,6 +125,8 @@ pub enum PlannedActivity {
         at: Location,
         /// How long the look takes.
         dwell: Duration,
+        /// The camera that looks; `None`: the vehicle carries none.
+        camera: Option<String>,
     },
     /// Fly to a point.
     FlyTo(Location),
@@ -119,7 +152,9 @@ impl PlannedActivity {
     /// The target that the activity observes; `None` for a transit.
     pub fn target(&self) -> Option<&str> {
         match self {
-            PlannedActivity::Observe { target, .. } => Some(target),
+            PlannedActivity::Observe { target, .. }
+            | PlannedActivity::Photograph { target, .. }
+            | PlannedActivity::Inspect { target, .. } => Some(target),
             PlannedActivity::Visit { site, .. } => Some(site),
             PlannedActivity::FlyTo(_)
             | PlannedActivity::Loiter { .. }
@@ -138,13 +173,27 @@ impl PlannedActivity {
                 let due = due.iter().flat_map(|due| [word("due"), Value::Duration(*due)]);
                 Value::list([word("observe"), word(target), word("along"), lines].into_iter().chain(due))
             }
-            PlannedActivity::Visit { site, from, at, dwell } => {
+            PlannedActivity::Photograph { target, lines, camera, every_m, speed_mps, due } => {
+                let lines = lines.iter().map(|(from, to)| Value::list([from.value(), to.value()]));
+                let every = Value::measured(*every_m, Dimension::LENGTH);
+                let speed = Value::measured(*speed_mps, Dimension::SPEED);
+                let head = [word("photograph"), word(target), word("along"), Value::list(lines)];
+                let how = [word("with"), word(camera), word("every"), every, word("at"), speed];
+                Value::list(head.into_iter().chain(how).chain([word("due"), Value::Duration(*due)]))
+            }
+            PlannedActivity::Inspect { target, from, camera, at, count, due } => {
+                let head = [word("inspect"), word(target), word("from"), from.value(), word("with"), word(camera)];
+                let how = [word("pointed"), word("at"), word(at), word("taking"), Value::Integer(i64::from(*count))];
+                Value::list(head.into_iter().chain(how).chain([word("due"), Value::Duration(*due)]))
+            }
+            PlannedActivity::Visit { site, from, at, dwell, camera } => {
                 let from = word(match from {
                     LookFrom::Point => "at",
                     LookFrom::Circle => "around",
                 });
-                let dwell = Value::Duration(*dwell);
-                Value::list([word("visit"), word(site), from, at.value(), word("for"), dwell])
+                let head = [word("visit"), word(site), from, at.value(), word("for"), Value::Duration(*dwell)];
+                let with = camera.iter().flat_map(|camera| [word("with"), word(camera)]);
+                Value::list(head.into_iter().chain(with))
             }
             PlannedActivity::FlyTo(to) => Value::list([word("fly"), word("to"), to.value()]),
             PlannedActivity::Loiter { at, time } => {
@@ -163,6 +212,53 @@ impl PlannedActivity {
     }
 }
 
+/// True if the words at these places of a list are these.
+fn has_words(items: &[Value], words: &[(usize, &str)]) -> bool {
+    let is = |(index, word): &(usize, &str)| {
+        items.get(*index).and_then(Value::as_symbol).is_some_and(|symbol| symbol.is(word))
+    };
+    words.iter().all(is)
+}
+
+fn photograph(goal: &Value) -> Option<PlannedActivity> {
+    let items = goal.as_list()?;
+    let [_, target, _, lines, _, camera, _, every, _, speed, _, Value::Duration(due)] = items else { return None };
+    let measured = |value: &Value, dimension: Dimension| match value.as_number()? {
+        (number, found) if found == dimension => Some(number),
+        _ => None,
+    };
+    let ends = |line: &Value| match line.as_list()? {
+        [from, to] => Some((Location::from_value(from)?, Location::from_value(to)?)),
+        _ => None,
+    };
+    has_words(items, &[(2, "along"), (4, "with"), (6, "every"), (8, "at"), (10, "due")]).then_some(())?;
+    Some(PlannedActivity::Photograph {
+        target: target.to_string(),
+        lines: lines.as_list()?.iter().map(ends).collect::<Option<_>>()?,
+        camera: camera.to_string(),
+        every_m: measured(every, Dimension::LENGTH)?,
+        speed_mps: measured(speed, Dimension::SPEED)?,
+        due: *due,
+    })
+}
+
+fn inspect(goal: &Value) -> Option<PlannedActivity> {
+    let items = goal.as_list()?;
+    let [_, target, _, from, _, camera, _, _, at, _, Value::Integer(count), _, Value::Duration(due)] = items else {
+        return None;
+    };
+    has_words(items, &[(2, "from"), (4, "with"), (6, "pointed"), (7, "at"), (9, "taking"), (11, "due")])
+        .then_some(())?;
+    Some(PlannedActivity::Inspect {
+        target: target.to_string(),
+        from: Location::from_value(from)?,
+        camera: camera.to_string(),
+        at: at.to_string(),
+        count: u32::try_from(*count).ok()?,
+        due: *due,
+    })
+}
+
 fn known_goal(goal: &Value) -> Option<PlannedActivity> {
     let is = |value: &Value, word: &str| value.as_symbol().is_some_and(|symbol| symbol.is(word));
     match goal.as_list()? {
@@ -179,14 +275,21 @@ fn known_goal(goal: &Value) -> Option<PlannedActivity> {
             let lines = lines.as_list()?.iter().map(ends).collect::<Option<_>>()?;
             Some(PlannedActivity::Observe { target: target.to_string(), lines, due })
         }
-        [head, site, from, at, time, Value::Duration(dwell)] if is(head, "visit") && is(time, "for") => {
+        [head, ..] if is(head, "photograph") => photograph(goal),
+        [head, ..] if is(head, "inspect") => inspect(goal),
+        [head, site, from, at, time, Value::Duration(dwell), rest @ ..] if is(head, "visit") && is(time, "for") => {
+            let camera = match rest {
+                [] => None,
+                [with, camera] if is(with, "with") => Some(camera.to_string()),
+                _ => return None,
+            };
             let from = match from.as_symbol()? {
                 word if word.is("at") => LookFrom::Point,
                 word if word.is("around") => LookFrom::Circle,
                 _ => return None,
             };
             let at = Location::from_value(at)?;
-            Some(PlannedActivity::Visit { site: site.to_string(), from, at, dwell: *dwell })
+            Some(PlannedActivity::Visit { site: site.to_string(), from, at, dwell: *dwell, camera })
         }
         [head, to, place] if is(head, "fly") && is(to, "to") => Location::from_value(place).map(PlannedActivity::FlyTo),
         [head, word, place, span, Value::Duration(time)] if is(head, "loiter") && is(word, "at") && is(span, "for") => {
@@ -213,13 +316,38 @@ mod tests {
     fn every_activity_is_read_back_from_its_goal() {
         let minute = Duration::from_seconds(60.0);
         let lines = vec![(location(34.5), location(34.75)), (location(35.0), location(35.5))];
-        let look = |from| PlannedActivity::Visit { site: "barn".into(), from, at: location(1.5), dwell: minute };
+        let visit = |from, camera: Option<&str>| PlannedActivity::Visit {
+            site: "barn".into(),
+            from,
+            at: location(1.5),
+            dwell: minute,
+            camera: camera.map(str::to_owned),
+        };
+        let look = |from| visit(from, None);
+        let camera = || "camera-1".to_owned();
         let observe = |due| PlannedActivity::Observe { target: "butler-2".into(), lines: lines.clone(), due };
         let all = [
             observe(Some(minute)),
             observe(None),
             look(LookFrom::Point),
             look(LookFrom::Circle),
+            visit(LookFrom::Point, Some("camera-1")),
+            PlannedActivity::Photograph {
+                target: "dam".into(),
+                lines: lines.clone(),
+                camera: camera(),
+                every_m: 12.5,
+                speed_mps: 5.0,
+                due: minute,
+            },
+            PlannedActivity::Inspect {
+                target: "valve-3".into(),
+                from: location(1.5),
+                camera: camera(),
+                at: "valve-3".into(),
+                count: 2,
+                due: minute,
+            },
             PlannedActivity::FlyTo(location(2.5)),
             PlannedActivity::Loiter { at: location(3.5), time: minute },
             PlannedActivity::LoiterUntil { at: location(3.5), until: minute },

@@ -148,6 +148,11 @@ pub fn clear_probability(clear_share: f64, tangent_look_angle: f64) -> f64 {
     }
 }
 
+/// Weight of what older records do not hold.
+fn fully() -> f64 {
+    1.0
+}
+
 /// Weights of one line or picture that do not depend on the cell.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -160,6 +165,9 @@ pub struct ClarityWeights {
     pub line_gaps: f64,
     /// Smear of a picture.
     pub smear: f64,
+    /// 1 when there is enough light for the exposure of a picture.
+    #[serde(default = "fully")]
+    pub exposed: f64,
     /// 1 when the sensor is ready.
     pub ready: f64,
     /// 1 when the attitude is known.
@@ -175,13 +183,14 @@ impl ClarityWeights {
         rates: 1.0,
         line_gaps: 1.0,
         smear: 1.0,
+        exposed: 1.0,
         ready: 1.0,
         attitude_known: 1.0,
         clear_share: 1.0,
     };
 
-    /// The product of the weights that are not chances: rates, gaps, smear, readiness and knowledge of the attitude.
+    /// The product of the weights that are not chances: rates, gaps, smear, exposure, readiness and knowledge of the attitude.
     pub fn steady(&self) -> f64 {
-        self.rates * self.line_gaps * self.smear * self.ready * self.attitude_known
+        self.rates * self.line_gaps * self.smear * self.exposed * self.ready * self.attitude_known
     }
 }

@@ -5,11 +5,12 @@
 //! are rasterised. Bound: O(targets) per sample, O(cells of the swath) where a target is near.
 
 use crate::assess::{AssessContext, Product, assess};
-use crate::attitude::{Attitude, Vector};
+use crate::attitude::Attitude;
 use crate::clarity::ClarityWeights;
-use crate::footprint::{self, Ground, OFF_NADIR_DEG_MAX};
+use crate::footprint::{Ground, OFF_NADIR_DEG_MAX};
 use crate::grid::{AreaError, GridSettings, TargetGrid};
-use crate::looks::{SeenGround, StripFacts, TargetLooks};
+use crate::looks::{CellLook, StripFacts, TargetLooks};
+use crate::pictures::{PictureView, add_picture};
 use crate::plane::Point;
 use crate::result::{Remark, TargetResult};
 use crate::sensor::GimbalAngles;
@@ -116,10 +117,26 @@ pub struct Picture {
     pub vertical_field_deg: f64,
     /// Angle of one pixel.
     pub pixel_mrad: f64,
-    /// Worth of the picture by its smear, 0..1.
-    pub smear_weight: f64,
-    /// False while the camera is not ready.
-    pub is_ready: bool,
+    /// True if the mount keeps tilt to the horizon and pan to the heading, whatever the body does.
+    pub is_stabilised: bool,
+    /// Weights of clarity by motion, readiness and light.
+    pub weights: ClarityWeights,
+}
+
+impl Picture {
+    fn view(&self) -> PictureView {
+        PictureView {
+            time_s: self.sample.time_s,
+            position: self.sample.position,
+            altitude_m: self.sample.altitude_m,
+            attitude: self.sample.attitude.unwrap_or_default(),
+            angles: self.angles,
+            is_stabilised: self.is_stabilised,
+            wide_deg: self.horizontal_field_deg,
+            high_deg: self.vertical_field_deg,
+            pixel_mrad: self.pixel_mrad,
+        }
+    }
 }
 
 /// A target with its grid and what has been seen of it.
@@ -230,6 +247,24 @@ impl FlownObservation {
     /// What has been seen of a target so far; none for an unknown name.
     pub fn looks(&self, name: &str) -> Option<&TargetLooks> {
         self.watched.iter().find(|watched| watched.target.name == name).map(|watched| &watched.looks)
+    }
+
+    /// Elevation of the target whose middle is nearest to a position; 0 without targets.
+    pub fn elevation_m_near(&self, position: Position) -> f64 {
+        let distance_m = |watched: &Watched| geodesy::distance_m(watched.grid.plane().centre(), position);
+        let nearest = self.watched.iter().min_by(|a, b| distance_m(a).total_cmp(&distance_m(b)));
+        nearest.map_or(0.0, |watched| watched.target.elevation_m)
+    }
+
+    /// Instants at which a target was seen clearly and with pixels that are worth something to one of its wanted looks.
+    pub fn valid_looks_s(&self, name: &str) -> Vec<f64> {
+        let Some(watched) = self.watched.iter().find(|watched| watched.target.name == name) else { return Vec::new() };
+        let wanted = &watched.target.looks;
+        let is_fine = |look: &CellLook| {
+            let (along_m, across_m) = (f64::from(look.pixel_along_m), f64::from(look.pixel_across_m));
+            wanted.iter().any(|wanted| wanted.resolution.factor(along_m, across_m) > 0.0)
+        };
+        watched.looks.valid().filter(|(look, _)| is_fine(look)).map(|(_, time_s)| time_s).collect()
     }
 
     /// The grid of a target; none for an unknown name.
@@ -362,44 +397,16 @@ impl Watched {
 
     fn picture(&mut self, picture: &Picture, ground: &dyn Ground, zero_unix_s: f64) {
         let sample = &picture.sample;
-        let body = sample.attitude.unwrap_or_default().rotation();
-        let mount = Attitude { heading_deg: picture.angles.pan_deg, pitch_deg: picture.angles.tilt_deg, roll_deg: 0.0 };
-        let mount = mount.rotation();
-        let sight = |ray: Vector| body.to_ground(mount.to_ground(ray));
-        let wide_rad = picture.horizontal_field_deg * RAD_PER_DEG;
-        let high_rad = picture.vertical_field_deg * RAD_PER_DEG;
-        let fallback_m = self.target.elevation_m;
-        let plane = self.grid.plane();
-        let corner = |ray: &Vector| {
-            let hit = footprint::hit_terrain(*ray, sample.position, sample.altitude_m, ground, fallback_m)?;
-            Some(plane.project(footprint::offset_position(sample.position, hit.north_m, hit.east_m)))
-        };
-        let rays = footprint::picture_rays(sight, wide_rad, high_rad);
-        let polygon: Vec<Point> = rays.iter().filter_map(corner).collect();
-        let foot = plane.project(sample.position);
         self.begin(sample.time_s);
-        let mut weights = ClarityWeights {
-            smear: picture.smear_weight.clamp(0.0, 1.0),
-            ready: if picture.is_ready { 1.0 } else { 0.0 },
-            ..ClarityWeights::CLEAR
-        };
+        let mut weights = picture.weights;
         if sample.attitude.is_none() {
             weights.attitude_known = 0.0;
             self.looks.remarks.insert(Remark::AttitudeNotRecorded);
         }
         weights.clear_share = self.clear_share(sample);
         let facts = StripFacts { time_s: sample.time_s, weights, is_flown: true, on_ground_s: None };
-        let seen = SeenGround {
-            polygon: &polygon,
-            foot: [foot, foot],
-            altitude_m: [sample.altitude_m, sample.altitude_m],
-            first_line: None,
-            last_left: foot,
-            pixel_rad: picture.pixel_mrad * 1e-3,
-            sun: self.sun(zero_unix_s + sample.time_s),
-        };
-        let terrain = (self.grid.slope_max() > 0.0).then_some(ground);
-        if self.looks.add(&self.grid, &seen, facts, terrain) {
+        let target = (&self.target, &self.grid);
+        if add_picture(&mut self.looks, target, &picture.view(), facts, ground, zero_unix_s) {
             self.last_seen_s = sample.time_s;
         }
     }

@@ -217,15 +217,19 @@ impl TargetLooks {
 
     /// First instant at which a wanted cell was seen clearly: a valid look.
     pub fn first_valid_s(&self) -> Option<f64> {
-        let valid = self.passes.iter().flat_map(|pass| {
+        self.valid().map(|(_, time_s)| time_s).reduce(f64::min)
+    }
+
+    /// Looks that were seen clearly, with their instants.
+    pub(crate) fn valid(&self) -> impl Iterator<Item = (&CellLook, f64)> {
+        self.passes.iter().flat_map(|pass| {
             pass.looks.iter().filter_map(|look| {
                 let strip = pass.strip(look)?;
                 let weights = &strip.weights;
                 let worth = weights.roll * weights.steady() * weights.clear_share * f64::from(look.glint);
-                (worth > 0.0).then_some(strip.time_s)
+                (worth > 0.0).then_some((look, strip.time_s))
             })
-        });
-        valid.reduce(f64::min)
+        })
     }
 }
 

@@ -41,6 +41,8 @@ pub enum LossCause {
     LineGaps,
     /// Smear of a picture.
     Smear,
+    /// Too dark for the exposure of a picture.
+    TooDark,
     /// The sensor was not ready.
     SensorNotReady,
     /// Cloud between sensor and ground.
@@ -69,13 +71,14 @@ pub enum LossCause {
 
 impl LossCause {
     /// All causes, in the order in which the factors are chained.
-    pub const ALL: [LossCause; 18] = [
+    pub const ALL: [LossCause; 19] = [
         LossCause::NotSeen,
         LossCause::AttitudeNotRecorded,
         LossCause::Roll,
         LossCause::Rates,
         LossCause::LineGaps,
         LossCause::Smear,
+        LossCause::TooDark,
         LossCause::SensorNotReady,
         LossCause::Cloud,
         LossCause::Glint,
@@ -99,6 +102,7 @@ impl LossCause {
             LossCause::Rates => "angular rates",
             LossCause::LineGaps => "gaps between lines",
             LossCause::Smear => "smear",
+            LossCause::TooDark => "too dark for the camera",
             LossCause::SensorNotReady => "sensor not ready",
             LossCause::Cloud => "cloud",
             LossCause::Glint => "glint",

@@ -7,7 +7,7 @@ mod support;
 use apex_geo::geodesy::{self, Position};
 use apex_observation::assess::Product;
 use apex_observation::attitude::Attitude;
-use apex_observation::clarity::AttitudeHold;
+use apex_observation::clarity::{AttitudeHold, ClarityWeights};
 use apex_observation::flown::{FlightSample, FlownObservation, FlownSettings, ObservationError, Picture, SensorState};
 use apex_observation::footprint::{FlatGround, Ground};
 use apex_observation::grid::GridSettings;
@@ -407,8 +407,8 @@ fn a_picture_straight_down_sees_a_point() {
         horizontal_field_deg: 60.0,
         vertical_field_deg: 45.0,
         pixel_mrad: 0.5,
-        smear_weight: 1.0,
-        is_ready: true,
+        is_stabilised: false,
+        weights: ClarityWeights::CLEAR,
     };
     flown.picture(&picture, &FlatGround::default());
     let look = result(&flown, 0);

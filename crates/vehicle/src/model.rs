@@ -126,6 +126,8 @@ pub struct CameraModel {
     pub power_up_s: f64,
     /// From the command to the image in memory.
     pub picture_s: f64,
+    /// Least time from one picture to the next.
+    pub interval_s_min: f64,
 }
 
 /// How often state is reported.

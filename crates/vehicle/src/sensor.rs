@@ -225,10 +225,10 @@ impl CarriedSensor {
 
     /// The sensor as a camera of commands; `None` for a line scanner. A fixed mount has equal limits and turns at once.
     pub fn camera(&self) -> Option<CameraModel> {
-        let field_of_view_deg = match &self.model.optics {
+        let (field_of_view_deg, interval_s_min) = match &self.model.optics {
             Optics::LineScanner { .. } => return None,
-            Optics::Frame(frame) => frame.field_of_view_deg(),
-            Optics::Video(video) => video.field_of_view_deg,
+            Optics::Frame(frame) => (frame.field_of_view_deg(), frame.interval_s_min),
+            Optics::Video(video) => (video.field_of_view_deg, 1.0 / video.frame_rate_hz),
         };
         let (tilt_deg_min, tilt_deg_max, pan_deg_max, slew_rate_deg_s) = match self.model.mount {
             Mount::Fixed { tilt_deg, .. } => (tilt_deg, tilt_deg, 0.0, FIXED_SLEW_DEG_S),
@@ -245,6 +245,7 @@ impl CarriedSensor {
             field_of_view_deg,
             power_up_s: self.model.start_up_s,
             picture_s: self.model.picture_s,
+            interval_s_min,
         })
     }
 }

@@ -17,6 +17,7 @@ fn model(pan_deg_max: f64) -> CameraModel {
         field_of_view_deg: 20.0,
         power_up_s: 10.0,
         picture_s: 0.5,
+        interval_s_min: 0.5,
     }
 }
 

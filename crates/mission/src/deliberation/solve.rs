@@ -8,8 +8,9 @@ use apex_planning::Registry;
 use apex_planning::solver::units_in;
 use apex_portfolio::{ProfileTable, Selection};
 use apex_runtime::invocation::{Invocations, Limits};
-use apex_runtime::limits::{SOLVER_MEMORY_BYTES, SOLVER_PATIENCE};
+use apex_runtime::limits::{SOLVER_MEMORY_BYTES, SOLVER_TIMEOUT};
 use apex_runtime::ports::CancelToken;
+use apex_vehicle::EnergyModel;
 use std::sync::Arc;
 
 /// What one deliberation came to.
@@ -39,7 +40,7 @@ pub struct PlanningResources {
     /// By which one is chosen; none is the table that ships.
     pub table: Option<Arc<ProfileTable>>,
     /// Wall time until a solver is abandoned.
-    pub patience: std::time::Duration,
+    pub timeout: std::time::Duration,
     /// Bytes by which the program may grow while a solver works.
     pub memory_bytes: u64,
 }
@@ -50,7 +51,7 @@ impl PlanningResources {
         PlanningResources {
             planners: Arc::clone(planners),
             table: None,
-            patience: SOLVER_PATIENCE,
+            timeout: SOLVER_TIMEOUT,
             memory_bytes: SOLVER_MEMORY_BYTES,
         }
     }
@@ -98,15 +99,15 @@ pub fn solve(
     }
     validate(&problem).map_err(NoPlan::Fault)?;
     let problem = Arc::new(problem);
-    let limits = Limits { units, patience: wish.means.patience, memory_bytes: wish.means.memory_bytes };
+    let limits = Limits { units, timeout: wish.means.timeout, memory_bytes: wish.means.memory_bytes };
     let answer = invocations.solve(solver, &problem, wish.previous, wish.seed, limits, cancel);
     // Who misbehaves and has no plan does not say that nothing is left.
-    let misconduct = answer.misconduct;
-    let no_plan = |why| if misconduct.is_some() { NoPlan::Fault(why) } else { NoPlan::NothingLeft(why) };
+    let violation = answer.violation;
+    let no_plan = |why| if violation.is_some() { NoPlan::Fault(why) } else { NoPlan::NothingLeft(why) };
     let mut plan = answer.plan.map_err(no_plan)?;
     usable(&name, &problem, &plan).map_err(NoPlan::Fault)?;
-    if let Some(misconduct) = misconduct {
-        reason = format!("{reason}; {misconduct}, and its best plan until then is used");
+    if let Some(violation) = violation {
+        reason = format!("{reason}; {violation}, and its best plan until then is used");
     }
     if let Err(contradiction) = apex_solvers::bounds::state(&problem, &mut plan) {
         // The plan is checked and can be flown; what is said of its bound is not.
@@ -163,6 +164,7 @@ pub fn validate(problem: &Problem) -> Result<(), String> {
 /// Says of targets left out why: the link is weak there, or they lie in a restricted area.
 pub fn name_obstacles(mission: &Mission, solved: &mut Deliberation) {
     name_zones(mission, solved);
+    name_battery(mission, solved);
     let left_out = match &mut solved.plan {
         Plan::Surveillance(plan) => &mut plan.left_out,
         Plan::SingleVisit(plan) => &mut plan.left_out,
@@ -175,6 +177,27 @@ pub fn name_obstacles(mission: &Mission, solved: &mut Deliberation) {
                 None => left_out.push(LeftOut { target: name, reason: reason.to_string() }),
             }
         }
+    }
+}
+
+/// The planner's word for the limit of a flight by energy.
+const ENDURANCE: &str = "endurance leaves";
+
+/// Names the battery where it is what limits the flight: how long it lasts above its reserve.
+fn name_battery(mission: &Mission, solved: &mut Deliberation) {
+    let (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) = (&solved.problem, &mut solved.plan) else { return };
+    if !matches!(mission.model.energy, EnergyModel::Battery(_)) {
+        return;
+    }
+    let has_s = (problem.vehicle.endurance_s - problem.vehicle.endurance_reserve_s).max(0.0);
+    let reserve_s = problem.vehicle.endurance_reserve_s;
+    for left_out in &mut plan.left_out {
+        let named = format!(
+            "the battery leaves: it has {:.0} min above its reserve of {:.0} min",
+            has_s / 60.0,
+            reserve_s / 60.0
+        );
+        left_out.reason = left_out.reason.replace(ENDURANCE, &named);
     }
 }
 

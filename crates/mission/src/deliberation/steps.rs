@@ -3,14 +3,15 @@
 use super::current_plan::{observed_lines, rounded};
 use super::operator_plan;
 use super::solve::Deliberation;
+use crate::observing::looks_with;
 use crate::problem::{survey, visit_altitude_m};
 use crate::vehicle::Airframe;
 use crate::{Mission, Target, TargetKind};
 use apex_geo::sun::is_light;
 use apex_model::planned::{Location, LookFrom, PlannedActivity, PlannedProcedure, PlannedStep};
 use apex_model::problem::{
-    Manoeuvre, Plan, PlannedVisit, Position, Problem, SingleVisitPlan, SingleVisitProblem, SingleVisitTarget,
-    SurveillancePlan,
+    Manoeuvre, PictureWork, Plan, PlannedVisit, Position, Problem, SingleVisitPlan, SingleVisitProblem,
+    SingleVisitTarget, SurveillancePlan,
 };
 use apex_model::source::SourceFile;
 use apex_model::symbol::Symbol;
@@ -88,16 +89,30 @@ fn single_visit_steps(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> V
         if target.is_some_and(|target| waits(problem, target, manoeuvre, visit)) {
             wait(&mut steps, &visit.route, altitude_m, visit.begin_s);
         }
-        let observe = PlannedActivity::Observe {
-            target: visit.target.clone(),
-            lines: observed_lines(manoeuvre),
-            due: Some(Duration::from_seconds(visit.end_s.round())),
-        };
-        steps.push((Symbol::new(&format!("observe-{}", visit.target)), observe));
+        steps.push(observation(visit, manoeuvre));
     }
     hold(&mut steps, &plan.return_route, altitude_m, plan.return_depart_s - ready_s);
     detour(&mut steps, &plan.return_route, problem.vehicle.cruise_altitude_m);
     steps
+}
+
+/// The step that observes the target of a visit: with the scanner, or with a camera.
+fn observation(visit: &PlannedVisit, manoeuvre: &Manoeuvre) -> Step {
+    let target = visit.target.clone();
+    let due = Duration::from_seconds(visit.end_s.round());
+    let lines = observed_lines(manoeuvre);
+    let (verb, activity) = match (&manoeuvre.pictures, lines.first()) {
+        (Some(PictureWork { camera, at: Some(at), count, .. }), Some((from, _))) => {
+            let (from, camera, at) = (*from, camera.clone(), at.clone());
+            ("inspect", PlannedActivity::Inspect { target, from, camera, at, count: *count, due })
+        }
+        (Some(PictureWork { camera, every_m: Some(every_m), true_airspeed_mps, .. }), _) => {
+            let (camera, every_m, speed_mps) = (camera.clone(), *every_m, *true_airspeed_mps);
+            ("photograph", PlannedActivity::Photograph { target, lines, camera, every_m, speed_mps, due })
+        }
+        _ => ("observe", PlannedActivity::Observe { target, lines, due: Some(due) }),
+    };
+    (Symbol::new(&format!("{verb}-{}", visit.target)), activity)
 }
 
 /// Whether the observation waits for its instant: the plan waits, or an arrival earlier than planned would find the wrong
@@ -170,6 +185,7 @@ fn surveillance_steps(plan: &SurveillancePlan, mission: &Mission, from: Option<(
     }
     // Who cannot hover looks from a circle around the site.
     let circles = mission.model.airframe == Airframe::FixedWing;
+    let camera = looks_with(&mission.model).map(|camera| camera.name);
     let mut steps = Vec::new();
     let mut before = None;
     for (index, number) in order.iter().enumerate() {
@@ -184,6 +200,7 @@ fn surveillance_steps(plan: &SurveillancePlan, mission: &Mission, from: Option<(
             from: if circles { LookFrom::Circle } else { LookFrom::Point },
             at: at(target.position, altitude_m),
             dwell: Duration::from_seconds(*dwell_s),
+            camera: camera.clone(),
         };
         steps.push((Symbol::new(&format!("visit-{}-{}", index + 1, target.id)), visit));
     }

@@ -250,11 +250,27 @@ impl NamedFeature {
         }
         match self.geometry() {
             Some(GeometryValue::Point { coordinates }) => self.checked(coordinates.as_slice()),
+            Some(GeometryValue::LineString { .. }) => Ok(middle(&self.line()?)),
             Some(other) => Err(self
                 .trouble(format!("its geometry is a {}", other.type_name()))
-                .help("use a Point, a Polygon or a MultiPolygon")),
-            None => Err(self.trouble("it has no geometry").help("use a Point or a Polygon")),
+                .help("use a Point, a LineString, a Polygon or a MultiPolygon")),
+            None => Err(self.trouble("it has no geometry").help("use a Point, a LineString or a Polygon")),
         }
+    }
+
+    /// The positions of a LineString; empty for other geometries. It has a length.
+    pub(crate) fn line(&self) -> MissionResult<Vec<Position>> {
+        let Some(GeometryValue::LineString { coordinates }) = self.geometry() else { return Ok(Vec::new()) };
+        let places = coordinates.iter().map(|place| self.checked(place.as_slice()));
+        let mut places = places.collect::<MissionResult<Vec<_>>>()?;
+        places.dedup();
+        if length_m(&places) < LINE_M_MIN {
+            return Err(self
+                .trouble(format!("its line is {:.1} m long", length_m(&places)))
+                .because(format!("a line to observe is at least {LINE_M_MIN} m long"))
+                .help("give two positions or more that differ, or use a Point"));
+        }
+        Ok(places)
     }
 
     fn geometry(&self) -> Option<&GeometryValue> {
@@ -327,6 +343,26 @@ impl NamedFeature {
             .trouble(format!("impossible coordinates: latitude {latitude_deg}, longitude {longitude_deg}"))
             .help(help))
     }
+}
+
+/// Shortest line to observe.
+const LINE_M_MIN: f64 = 1.0;
+
+fn length_m(line: &[Position]) -> f64 {
+    line.iter().zip(line.iter().skip(1)).map(|(from, to)| geodesy::distance_m(*from, *to)).sum()
+}
+
+/// The point halfway along a line.
+fn middle(line: &[Position]) -> Position {
+    let mut left_m = 0.5 * length_m(line);
+    for (from, to) in line.iter().zip(line.iter().skip(1)) {
+        let piece_m = geodesy::distance_m(*from, *to);
+        if piece_m >= left_m && piece_m > 0.0 {
+            return geodesy::interpolate(*from, *to, left_m / piece_m);
+        }
+        left_m -= piece_m;
+    }
+    line.last().copied().unwrap_or_default()
 }
 
 /// Lower case, every run of other characters a hyphen.

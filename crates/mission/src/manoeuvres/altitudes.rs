@@ -83,7 +83,7 @@ fn face_height_m(wish: &Wish<'_>) -> f64 {
 
 /// The altitudes that permitted zones around the target leave. Empty where none is around it: then everything is permitted, or
 /// the planner finds that the target lies outside.
-fn permitted_bands(wish: &Wish<'_>, face_m: f64) -> Vec<(f64, f64)> {
+pub(super) fn permitted_bands(wish: &Wish<'_>, face_m: f64) -> Vec<(f64, f64)> {
     let here = wish.mission.zones.iter().filter(|zone| {
         zone.kind == ZoneKind::Permitted
             && zone.active.until_s > wish.from_s
@@ -95,7 +95,7 @@ fn permitted_bands(wish: &Wish<'_>, face_m: f64) -> Vec<(f64, f64)> {
 }
 
 /// Restricted zones that the lines over the target may meet.
-fn zones_near<'a>(wish: &'a Wish<'_>) -> impl Iterator<Item = &'a AirspaceZone> {
+pub(super) fn zones_near<'a>(wish: &'a Wish<'_>) -> impl Iterator<Item = &'a AirspaceZone> {
     let reach_m = wish.fire.radius_m + wish.mission.settings.zone_margin_m;
     let near = move |zone: &&AirspaceZone| {
         zone.kind == ZoneKind::Restricted && distance_m(zone, wish.target.position) < 2.0 * reach_m

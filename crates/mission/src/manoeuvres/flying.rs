@@ -32,7 +32,7 @@ pub(super) struct FlownLines {
     pub(super) length_m: f64,
 }
 
-/// Flies `lines` in order at `altitude_m` from `start_s` on.
+/// Flies `lines` in order at `altitude_m` from `start_s` on; on the lines at `line_airspeed_mps`, else at cruise.
 ///
 /// # Errors
 /// A line cannot be flown against the wind.
@@ -40,10 +40,11 @@ pub(super) fn fly(
     lines: &[(Position, Position)],
     altitude_m: f64,
     start_s: f64,
+    line_airspeed_mps: Option<f64>,
     model: &VehicleModel,
     field: &WindField,
 ) -> Result<FlownLines, String> {
-    let airspeed_mps = model.true_airspeed_m_s_cruise;
+    let airspeed_mps = line_airspeed_mps.unwrap_or(model.true_airspeed_m_s_cruise);
     let mut flown = FlownLines { lines: Vec::new(), duration_s: 0.0, length_m: 0.0 };
     let mut before: Option<(Position, Position)> = None;
     for (number, (from, to)) in lines.iter().copied().enumerate() {
@@ -64,7 +65,12 @@ pub(super) fn fly(
             ground_speed_mps: if leg_s > 0.0 { length_m / leg_s } else { triangle.ground_speed_mps },
             crab_deg: geodesy::wrap_180(triangle.heading_deg - track_deg),
         });
-        flown.duration_s += leg_s;
+        // From a standstill to the speed of the line.
+        let starts_s = match model.airframe {
+            Airframe::Rotorcraft => 0.5 * airspeed_mps / model.acceleration_m_s2_max,
+            Airframe::FixedWing => 0.0,
+        };
+        flown.duration_s += leg_s + starts_s;
         flown.length_m += length_m;
         before = Some((from, to));
     }
@@ -83,9 +89,11 @@ fn join(
     let airspeed_mps = model.true_airspeed_m_s_cruise;
     let wind = wind::at(field, from, altitude_m, now_s);
     if model.airframe == Airframe::Rotorcraft {
-        let Some((_, exit)) = before else { return Some((0.0, 0.0)) };
+        // It hangs still where a line begins, and overshoots its end.
+        let Some((_, exit)) = before else { return Some((arrival_s(model), 0.0)) };
+        let leg_m = geodesy::distance_m(exit, from);
         let leg_s = wind::leg_time_s(exit, from, altitude_m, airspeed_mps, field, now_s)?;
-        return Some((leg_s, geodesy::distance_m(exit, from)));
+        return Some((leg_s + arrival_s(model), leg_m));
     }
     let track_deg = geodesy::azimuth_deg(from, to);
     let lead_m = LEAD_IN_S * wind::triangle(track_deg, airspeed_mps, wind)?.ground_speed_mps;
@@ -99,11 +107,26 @@ fn join(
         turn_radius_m: JOIN_WIDTH * turn_radius_m(model),
         wind_mps: Point { x: wind.east_mps, y: wind.north_mps },
     };
-    let paths = flyer.paths(
+    // The autopilot turns, flies straight and turns; it knows no third turn.
+    let path = flyer.quickest_with_straight(
         Pose { point: plane.project(exit)?, track_rad: direction(out_deg) },
         Pose { point: plane.project(lead_in)?, track_rad: direction(track_deg) },
     );
-    // The autopilot turns, flies straight and turns; it knows no third turn.
-    let turn_s = paths.iter().find(|path| path.parts.get(1).is_some_and(|middle| middle.turn == 0.0))?.time_s;
+    let turn_s = path?.time_s;
     Some((turn_s + LEAD_IN_S, turn_s * airspeed_mps + lead_m))
 }
+
+/// Time that a rotorcraft needs beyond the way at cruise speed to come from a standstill, stop again and hang still.
+pub(super) fn arrival_s(model: &VehicleModel) -> f64 {
+    let speed_mps = model.true_airspeed_m_s_cruise;
+    let accelerate_s = 0.5 * speed_mps / model.acceleration_m_s2_max;
+    let brake_s = if model.braking_share > 0.0 {
+        0.5 * speed_mps / (model.braking_share * model.acceleration_m_s2_max)
+    } else {
+        0.0
+    };
+    accelerate_s + brake_s + HANG_S
+}
+
+/// Time in which the last metres are flown, s.
+const HANG_S: f64 = 3.0;

@@ -1,12 +1,14 @@
 //! Ways to observe a wanted look, each with what it is predicted to give: the planner chooses among them.
 
 mod altitudes;
+mod camera;
 mod flying;
 mod scanner;
 mod wish;
 
 pub(crate) use wish::Wish;
 
+use crate::observing::carries_scanner;
 use apex_model::problem::Manoeuvre;
 
 /// Ways that planners are given at most.
@@ -17,10 +19,11 @@ const MANOEUVRES_MAX: usize = 8;
 /// # Errors
 /// Why there is none, with what comes nearest.
 pub(crate) fn of(wish: &Wish<'_>) -> Result<Vec<Manoeuvre>, String> {
-    if wish.mission.model.scanner.is_none() {
-        return Err(format!("the vehicle `{}` carries no line scanner", wish.mission.model.name));
-    }
-    let made = scanner::sweeps(wish)?;
+    let model = &wish.mission.model;
+    let made = match &wish.fire.pictures.camera {
+        None if carries_scanner(model) => scanner::sweeps(wish)?,
+        _ => camera::ways(wish)?,
+    };
     Ok(best(made))
 }
 

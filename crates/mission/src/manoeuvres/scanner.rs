@@ -93,7 +93,8 @@ fn draft(
     // Crabbed lines are skewed: they begin and end later by this on one side.
     let crab = (libm::hypot(wind.east_mps, wind.north_mps) / mission.model.true_airspeed_m_s_cruise).min(1.0);
     let settings = SweepSettings { swath_m, overlap, track_deg: None, run_in_m: 0.5 * swath_m * crab };
-    let flown = |lines: &[(Position, Position)]| fly(lines, altitude_m, wish.from_s, &mission.model, &mission.forecast);
+    let flown =
+        |lines: &[(Position, Position)]| fly(lines, altitude_m, wish.from_s, None, &mission.model, &mission.forecast);
     let mut entry = wish.approach;
     let (mut lines, mut along) = (Vec::new(), false);
     for ground in grounds(&fire.wanted) {
@@ -121,7 +122,7 @@ fn draft(
 }
 
 /// The grounds of a target in order.
-fn grounds(wanted: &ObservedTarget) -> Vec<Ground> {
+pub(super) fn grounds(wanted: &ObservedTarget) -> Vec<Ground> {
     match &wanted.area {
         TargetArea::Circle { centre, radius_m } => vec![Ground::Circle { centre: *centre, radius_m: *radius_m }],
         TargetArea::Polygons(polygons) | TargetArea::Perimeter { polygons, .. } => {
@@ -183,11 +184,12 @@ fn predicted(wish: &Wish<'_>, scanner: &PredictedScanner, draft: Draft) -> Optio
         duration_s: draft.flown.duration_s,
         length_m: draft.flown.length_m,
         quality,
+        pictures: None,
     })
 }
 
 /// Predicted factors with their causes.
-fn quality(look: &LookResult) -> QualityFactors {
+pub(super) fn quality(look: &LookResult) -> QualityFactors {
     let points = |causes: &[LossCause]| {
         let losses = look.losses.iter().filter(|loss| causes.contains(&loss.cause) && loss.points > 0.0);
         let told: Vec<String> =

@@ -1,17 +1,27 @@
 //! The fold over the batches of a flight.
 
 use super::samples::Latest;
-use crate::observing::{NoTerrain, scanner_of};
-use crate::{Mission, TargetKind};
+use crate::observing::{NoTerrain, camera_names, camera_of, looks_with, scanner_of};
+use crate::{Mission, Site, Target, TargetKind};
 use apex_model::event::{Batch, EventKind};
+use apex_model::problem::Position;
 use apex_model::time::Time;
-use apex_observation::flown::{FlightSample, FlownObservation, FlownSettings, SensorState};
+use apex_model::value::Value;
+use apex_observation::attitude::Vector;
+use apex_observation::flown::{FlightSample, FlownObservation, FlownSettings, Picture, SensorState};
 use apex_observation::grid::GridSettings;
 use apex_observation::result::TargetResult;
+use apex_observation::sensor::camera::sight_of;
+use apex_observation::sensor::{CameraSetting, ExposureMotion};
 use apex_observation::strip::ScannerSetting;
+use apex_observation::target::{ObservedTarget, TargetArea, WantedLook};
+use apex_observation::timing::sun::solar_position;
 
 /// Longest time between two samples across which the ground counts as seen.
 const SAMPLE_GAP_S_MAX: f64 = 2.5;
+
+/// Least vertical part of the middle of a picture for which its distance to the ground is counted.
+const STEEPNESS_MIN: f64 = 0.2;
 
 /// What has been observed so far: a fold over the batches of a flight.
 #[derive(Clone)]
@@ -20,7 +30,23 @@ pub struct FlownScore {
     ground: NoTerrain,
     /// What the scanner is set to while it is on; none: the vehicle carries none.
     scanner: Option<ScannerSetting>,
+    /// The cameras that the vehicle carries.
+    cameras: Vec<CameraSetting>,
+    /// Civil time of the mission's beginning, where it states one: without it nothing is known of the sun.
+    epoch_unix_s: Option<f64>,
     latest: Latest,
+}
+
+/// A site as a target of pictures: a point at the height of the thing itself, with one look of value 1.
+fn of_site(target: &Target, site: &Site) -> ObservedTarget {
+    ObservedTarget {
+        name: target.id.clone(),
+        area: TargetArea::Point(target.position),
+        elevation_m: target.elevation_m + target.height_m,
+        is_water: false,
+        looks: vec![WantedLook::new("look", 1.0, site.resolution_m)],
+        after: Vec::new(),
+    }
 }
 
 /// What has been observed, or why nothing is known of it.
@@ -38,8 +64,10 @@ impl FlownScore {
     /// # Errors
     /// The ground of a target makes no sense.
     pub fn new(mission: &Mission) -> Result<Option<FlownScore>, String> {
+        let is_looked_at = looks_with(&mission.model).is_some();
         let wanted = mission.targets.iter().filter_map(|target| match &target.kind {
             TargetKind::Fire(fire) => Some(fire.wanted.clone()),
+            TargetKind::Site(site) if is_looked_at => Some(of_site(target, site)),
             TargetKind::Site(_) | TargetKind::Plain | TargetKind::Base => None,
         });
         let wanted: Vec<_> = wanted.collect();
@@ -55,20 +83,29 @@ impl FlownScore {
         };
         let observation = FlownObservation::new(wanted, settings, &ground).map_err(|error| error.to_string())?;
         let scanner = scanner.map(|scanner| scanner.setting);
-        Ok(Some(FlownScore { observation, ground, scanner, latest: Latest::default() }))
+        let cameras =
+            camera_names(&mission.model).into_iter().filter_map(|name| camera_of(&mission.model, name)).collect();
+        let epoch_unix_s = mission.settings.epoch_unix_s;
+        Ok(Some(FlownScore { observation, ground, scanner, cameras, epoch_unix_s, latest: Latest::default() }))
     }
 
     /// Takes the measurements of a batch of the agent that flies.
     pub fn observe(&mut self, batch: &Batch) {
         let mut pending: Option<Time> = None;
         for event in &batch.events {
-            let EventKind::Measurement(variable, value) = &event.kind else { continue };
+            let (variable, value) = match &event.kind {
+                EventKind::Measurement(variable, value) => (variable, value),
+                EventKind::Occurrence(form) => {
+                    self.occurrence(form, event.at);
+                    continue;
+                }
+                _ => continue,
+            };
             if pending.is_some_and(|at| at != event.at) {
                 self.sample(pending.take());
             }
-            let attribute = variable.attribute.folded();
             let was_on = self.latest.is_on;
-            if self.latest.take(attribute, value, event.at) {
+            if self.latest.take(variable, value, event.at) {
                 pending = Some(event.at);
             }
             match (was_on, self.latest.is_on) {
@@ -86,6 +123,60 @@ impl FlownScore {
         self.sample(pending);
     }
 
+    /// `(image-taken CAMERA TARGET)`: position, attitude and the angles of the mount were reported just before.
+    fn occurrence(&mut self, form: &Value, at: Time) {
+        let Some([Value::Symbol(head), camera, ..]) = form.as_list() else { return };
+        if !head.is("image-taken") {
+            return;
+        }
+        let name = camera.to_string();
+        let Some(camera) = self.cameras.iter().find(|camera| camera.name.eq_ignore_ascii_case(&name)).cloned() else {
+            return;
+        };
+        if let Some(picture) = self.picture(&camera, at) {
+            self.observation.picture(&picture, &self.ground);
+        }
+    }
+
+    /// A picture as recorded; none where the position or the angles of the mount are not known.
+    fn picture(&mut self, camera: &CameraSetting, at: Time) -> Option<Picture> {
+        self.latest.turn(at);
+        let (position, altitude_m) = self.latest.place?;
+        let angles = self.latest.angles(&camera.name)?;
+        let attitude = self.latest.attitude(at);
+        let sight = sight_of(&attitude.unwrap_or_default(), angles, camera.is_stabilised);
+        let down = sight(Vector::new(1.0, 0.0, 0.0)).z.max(STEEPNESS_MIN);
+        let sun_deg = self.epoch_unix_s.map(|zero| solar_position(position, zero + at.seconds()).elevation_deg);
+        let ground_m = self.observation.elevation_m_near(position);
+        let motion = ExposureMotion {
+            roll_deg: attitude.map(|attitude| attitude.roll_deg),
+            ground_speed_mps: self.latest.ground_speed_mps(at),
+            rotation_rad_s: self.latest.rotation_rad_s(),
+            slant_m: ((altitude_m - ground_m) / down).max(1.0),
+            sun_deg,
+        };
+        Some(Picture {
+            sample: self.flight_sample(at, position, altitude_m),
+            angles,
+            horizontal_field_deg: camera.wide_deg,
+            vertical_field_deg: camera.high_deg,
+            pixel_mrad: camera.pixel_mrad,
+            is_stabilised: camera.is_stabilised,
+            weights: camera.weights(&motion),
+        })
+    }
+
+    fn flight_sample(&self, at: Time, position: Position, altitude_m: f64) -> FlightSample {
+        FlightSample {
+            time_s: at.seconds(),
+            position,
+            altitude_m,
+            attitude: self.latest.attitude(at),
+            ground_speed_mps: self.latest.ground_speed_mps(at),
+            clear_share: self.latest.clear_share,
+        }
+    }
+
     /// The scanner was switched.
     fn switch(&mut self) {
         let state = match &self.scanner {
@@ -96,17 +187,24 @@ impl FlownScore {
     }
 
     fn sample(&mut self, at: Option<Time>) {
-        let Some(at) = at.filter(|_| self.latest.is_on) else { return };
+        let Some(at) = at else { return };
+        self.latest.turn(at);
+        if !self.latest.is_on {
+            return;
+        }
         let Some((position, altitude_m)) = self.latest.place else { return };
-        let sample = FlightSample {
-            time_s: at.seconds(),
-            position,
-            altitude_m,
-            attitude: self.latest.attitude(at),
-            ground_speed_mps: self.latest.ground_speed_mps(at),
-            clear_share: self.latest.clear_share,
-        };
+        let sample = self.flight_sample(at, position, altitude_m);
         self.observation.sample(sample, &self.ground);
+    }
+
+    /// What has been seen so far.
+    pub(crate) fn observation(&self) -> &FlownObservation {
+        &self.observation
+    }
+
+    /// True if a picture of the target taken between two instants is worth something.
+    pub fn saw(&self, target: &str, from_s: f64, until_s: f64) -> bool {
+        self.observation.valid_looks_s(target).into_iter().any(|time_s| (from_s..=until_s).contains(&time_s))
     }
 
     /// What each target's looks have come to.

@@ -1,11 +1,15 @@
 //! The vehicle as last measured, as far as it matters for what a sensor sees.
 
+use apex_model::event::StateVariable;
 use apex_model::planned::Location;
 use apex_model::problem::Position;
 use apex_model::quantity::Dimension;
 use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_observation::attitude::Attitude;
+use apex_observation::sensor::GimbalAngles;
+use apex_observation::strip::AngularRates;
+use std::collections::BTreeMap;
 
 /// An angle or speed older than this is not known any more.
 const AGE_S_MAX: f64 = 2.5;
@@ -23,6 +27,11 @@ pub(super) struct Latest {
     pitch_deg: Option<Measured>,
     heading_deg: Option<Measured>,
     speed_mps: Option<Measured>,
+    /// Angles of the mounts of cameras by their names.
+    tilts_deg: BTreeMap<String, f64>,
+    pans_deg: BTreeMap<String, f64>,
+    /// The last two samples of roll, pitch and heading: the rate at which the body turns.
+    turns: [Option<(Attitude, Time)>; 2],
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -33,7 +42,8 @@ struct Measured {
 
 impl Latest {
     /// Takes one measurement; is it a new position?
-    pub(super) fn take(&mut self, attribute: &str, value: &Value, at: Time) -> bool {
+    pub(super) fn take(&mut self, variable: &StateVariable, value: &Value, at: Time) -> bool {
+        let (attribute, object) = (variable.attribute.folded(), &variable.object);
         let angle_deg = || match value {
             Value::Quantity(angle) if angle.dimension == Dimension::ANGLE => {
                 Some(Measured { value: angle.si.to_degrees(), at })
@@ -41,6 +51,11 @@ impl Latest {
             _ => None,
         };
         match attribute {
+            "camera-tilt" | "camera-pan" => {
+                let Some(angle) = angle_deg() else { return false };
+                let angles = if attribute == "camera-tilt" { &mut self.tilts_deg } else { &mut self.pans_deg };
+                angles.insert(object.to_string().to_lowercase(), angle.value);
+            }
             "location" => {
                 let Some(location) = Location::from_value(value) else { return false };
                 self.place = Some((location.position, location.altitude_m));
@@ -65,6 +80,32 @@ impl Latest {
             pitch_deg: known(self.pitch_deg, at)?,
             roll_deg: known(self.roll_deg, at)?,
         })
+    }
+
+    /// Angles of a camera's mount; none before they were reported.
+    pub(super) fn angles(&self, camera: &str) -> Option<GimbalAngles> {
+        let name = camera.to_lowercase();
+        Some(GimbalAngles { pan_deg: *self.pans_deg.get(&name)?, tilt_deg: *self.tilts_deg.get(&name)? })
+    }
+
+    /// Keeps the attitude at `at` for the rate at which it changes.
+    pub(super) fn turn(&mut self, at: Time) {
+        let Some(attitude) = self.attitude(at) else { return };
+        let [_, last] = self.turns;
+        if last.is_none_or(|(_, before)| before < at) {
+            self.turns = [last, Some((attitude, at))];
+        }
+    }
+
+    /// Angular rate of the body at the last sample, rad/s; 0 where samples are too far apart to tell.
+    pub(super) fn rotation_rad_s(&self) -> f64 {
+        let [Some((first, from)), Some((last, to))] = self.turns else { return 0.0 };
+        let span_s = (to - from).seconds();
+        if span_s <= 0.0 || span_s > AGE_S_MAX {
+            return 0.0;
+        }
+        let rates = AngularRates::between(&first, &last, span_s);
+        libm::sqrt(rates.roll * rates.roll + rates.pitch * rates.pitch + rates.yaw * rates.yaw)
     }
 
     /// Speed over ground at `at`; 0 if it is not in the record.

@@ -111,6 +111,25 @@ pub struct Manoeuvre {
     pub length_m: f64,
     /// Predicted coverage, resolution and clarity.
     pub quality: QualityFactors,
+    /// The pictures that are taken; none: a line scanner records the lines.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pictures: Option<PictureWork>,
+}
+
+/// Pictures of a manoeuvre: by distance along its lines, or a number of them from the point where its only line begins and ends.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PictureWork {
+    /// Name of the camera.
+    pub camera: String,
+    /// Name of the place to look at; none: straight down.
+    pub at: Option<String>,
+    /// Pictures in all.
+    pub count: u32,
+    /// Distance over ground between pictures; none: they are taken from a standstill.
+    pub every_m: Option<f64>,
+    /// True airspeed along the lines, m/s.
+    pub true_airspeed_mps: f64,
 }
 
 /// Factors 0..1 that discount a target's value, each with its cause.
@@ -228,7 +247,7 @@ pub struct PlannedVisit {
     pub route: Vec<Position>,
     /// What is flown from end to end of the route, turns included: points never farther than a thousandth of the vehicle's
     /// turn radius from it. Empty where turns are not limited: the route itself.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default)] // never skipped: the flight record stores plans without the names of fields
     pub path: Vec<Position>,
     /// When the vehicle leaves the exit before (or the start); later than the visit before has ended where it holds first.
     pub depart_s: f64,
@@ -257,7 +276,7 @@ pub struct SingleVisitPlan {
     /// Way points from the last exit to the base, both included; empty where there is no base.
     pub return_route: Vec<Position>,
     /// What is flown there, as [`PlannedVisit::path`].
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default)]
     pub return_path: Vec<Position>,
     /// When the vehicle leaves the last exit for the base; later than the last visit's end where it holds first.
     pub return_depart_s: f64,

@@ -135,6 +135,7 @@ impl<'a> StripWorth<'a> {
             (LossCause::Rates, weights.rates),
             (LossCause::LineGaps, weights.line_gaps),
             (LossCause::Smear, weights.smear),
+            (LossCause::TooDark, weights.exposed),
             (LossCause::SensorNotReady, weights.ready),
             (LossCause::Cloud, flown(clear_of(look, strip))),
             (LossCause::Glint, f64::from(look.glint)),

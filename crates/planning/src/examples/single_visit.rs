@@ -42,6 +42,7 @@ pub fn manoeuvres(position: Position) -> Vec<Manoeuvre> {
             duration_s: 190.0,
             length_m: 18_000.0,
             quality: QualityFactors { resolution: coarse, ..QualityFactors::default() },
+            pictures: None,
         },
         Manoeuvre {
             name: "line-5000m".to_string(),
@@ -50,6 +51,7 @@ pub fn manoeuvres(position: Position) -> Vec<Manoeuvre> {
             duration_s: 560.0,
             length_m: 46_000.0,
             quality: QualityFactors::default(),
+            pictures: None,
         },
     ]
 }

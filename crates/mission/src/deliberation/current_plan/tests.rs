@@ -93,7 +93,7 @@ fn planners_begin_from_the_adopted_plan_only() {
 fn solved(mission: &Mission, solver: Option<&str>) -> Deliberation {
     let problem = pose(mission, &Situation::default(), None, Time::ZERO).unwrap();
     let means = PlanningResources::of(&Arc::new(apex_solvers::shipped()));
-    let wish = SolveOptions { means: &means, solver, budget: Duration::from_seconds(1.0), seed: 1, previous: None };
+    let wish = SolveOptions { means: &means, solver, budget: Duration::from_seconds(0.3), seed: 1, previous: None };
     solve(problem, wish, &mut Invocations::new(), &CancelToken::new()).unwrap()
 }
 
@@ -126,8 +126,8 @@ fn a_cycle_is_read_back_where_it_stands() {
     assert_eq!(watched(problem, &forms, 2 * forms.len() + 2, true).unwrap(), later, "laps before do not count");
     let once = watched(problem, &forms, 2, false).unwrap();
     assert_eq!((once.cycle.len(), once.visits.len()), (0, forms.len() - 2));
-    let PlannedActivity::Visit { from, at, dwell, .. } = forms[0].clone() else { panic!("it is a visit") };
-    let strange = PlannedActivity::Visit { site: "atlantis".into(), from, at, dwell };
+    let PlannedActivity::Visit { from, at, dwell, camera, .. } = forms[0].clone() else { panic!("it is a visit") };
+    let strange = PlannedActivity::Visit { site: "atlantis".into(), from, at, dwell, camera };
     let with: Vec<PlannedActivity> = [strange].into_iter().chain(forms).collect();
     assert_eq!(watched(problem, &with, 0, true).unwrap(), read, "what is no target does not count");
     assert_eq!(watched(problem, &[], 0, true), None);

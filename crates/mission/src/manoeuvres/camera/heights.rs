@@ -1,0 +1,75 @@
+//! Heights from which a camera looks: as low as the mission permits, as high as the wanted pixels allow, and between.
+
+use super::super::altitudes::{permitted_bands, zones_near};
+use super::super::wish::Wish;
+use apex_geo::geodesy::RAD_PER_DEG;
+use apex_observation::sensor::CameraSetting;
+
+/// Height by which a vehicle may leave its altitude, in addition to what it must keep from ground and zones.
+const LEVEL_M: f64 = 3.0;
+/// Heights closer than this share are one.
+const APART_SHARE: f64 = 0.04;
+/// A picture at the height at which pixels are worth nothing is not planned; this share of it is.
+const WORTH_SHARE: f64 = 0.95;
+
+/// The altitudes to try above mean sea level, rising, for looks at this angle off the vertical.
+///
+/// # Errors
+/// None is possible: what is needed, what stands against it, and what would do.
+pub(super) fn of(wish: &Wish<'_>, camera: &CameraSetting, look_angle_deg: f64) -> Result<Vec<f64>, String> {
+    let Wish { mission, look, .. } = wish;
+    let (model, ground_m, seen_m) = (&mission.model, wish.target.elevation_m, wish.fire.wanted.elevation_m);
+    let clearance_m = mission.requirements.terrain_clearance_m.unwrap_or(0.0);
+    let lowest_m = ground_m.max(seen_m) + clearance_m + LEVEL_M;
+    let ceiling_m = model.ceiling_m * model.planning.ceiling_share;
+    let cosine = libm::cos(look_angle_deg * RAD_PER_DEG);
+    // The worst direction of a pixel grows with the square of the distance over the height.
+    let height_m = |pixel_m: f64| pixel_m * cosine * cosine / camera.pixel_rad();
+    let wanted_m = look.resolution.wanted_m;
+    let coarsest_m = WORTH_SHARE * look.resolution.zero_multiple.max(1.0 / WORTH_SHARE) * wanted_m;
+    let highest_m = seen_m + height_m(coarsest_m);
+    if lowest_m > highest_m {
+        let finest_m = (lowest_m - seen_m) / height_m(1.0);
+        return Err(format!(
+            "`{}` needs {:.0} m above it or lower for pixels of {wanted_m} m, the vehicle stays {:.0} m above it (requirement \
+             terrain); {finest_m:.3} m works",
+            camera.name,
+            highest_m - seen_m,
+            lowest_m - seen_m,
+        ));
+    }
+    if lowest_m > ceiling_m {
+        return Err(format!("the ground lies at {ground_m:.0} m, the vehicle flies no higher than {ceiling_m:.0} m"));
+    }
+    let top_m = highest_m.min(ceiling_m);
+    let mut found = vec![lowest_m, ground_m + model.planning.visit_height_m, mission.cruise_altitude_m()];
+    if wanted_m.is_finite() {
+        let corner_rad = 0.5 * libm::hypot(camera.wide_deg, camera.high_deg) * RAD_PER_DEG;
+        let at_corner = libm::cos(corner_rad);
+        let full_m = height_m(wanted_m);
+        found.extend([seen_m + full_m, seen_m + full_m * at_corner * at_corner, top_m]);
+    }
+    let face_m = mission.requirements.airspace.map_or(0.0, |buffer| buffer.vertical_m) + LEVEL_M;
+    for zone in zones_near(wish) {
+        found.extend([zone.altitude_m_max + face_m, zone.altitude_m_min - face_m]);
+    }
+    let bands = permitted_bands(wish, face_m);
+    found.extend(bands.iter().flat_map(|(low_m, high_m)| [*low_m, *high_m]));
+    found.retain(|altitude_m| (lowest_m..=top_m).contains(altitude_m));
+    if !bands.is_empty() {
+        found.retain(|altitude_m| bands.iter().any(|(low_m, high_m)| (*low_m..=*high_m).contains(altitude_m)));
+        if let (true, Some((low_m, high_m))) = (found.is_empty(), bands.first()) {
+            return Err(format!(
+                "`{}` needs {:.0} m to {:.0} m above it, the permitted area leaves {:.0} m to {:.0} m",
+                camera.name,
+                lowest_m - seen_m,
+                top_m - seen_m,
+                low_m - seen_m,
+                high_m - seen_m
+            ));
+        }
+    }
+    found.sort_by(f64::total_cmp);
+    found.dedup_by(|next, before| *next - *before < APART_SHARE * (*before - seen_m).max(1.0));
+    Ok(found)
+}
