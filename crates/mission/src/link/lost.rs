@@ -18,7 +18,7 @@ const FIGURES_NAME: &str = "generated/lost-link-figures.pdl";
 const SHIPPED_FIGURES_NAME: &str = "library/lost-link-figures.pdl";
 const TIME_S_MAX: f64 = 86_400.0;
 const LOSSES_MAX: f64 = 100.0;
-const USAGE: &str = "`:lost-link (:nominal 0.2 :good 0.3 :weak-for 20s :good-for 10s :regain-within 2min :instructions-within 2min \
+const USAGE: &str = "`:lost-link (:nominal 0.2 :good 0.3 :weak-for 20s :good-for 10s :regain-within 10min :instructions-within 2min \
                      :default resume :losses-max 5 :contingency PLACE)`, each optional";
 
 /// What the flight does when no instruction comes.
@@ -70,7 +70,7 @@ impl Default for LostLink {
             good: 0.3,
             weak_for_s: 20.0,
             good_for_s: 10.0,
-            regain_within_s: 120.0,
+            regain_within_s: 600.0,
             instructions_within_s: 120.0,
             default: LostDefault::Resume,
             losses_max: 5,
