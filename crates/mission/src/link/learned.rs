@@ -3,7 +3,7 @@
 //! Folded from `(signal-level MODEM)` and the locations of the record alone. Bound: O(log cells) per sample; memory is bounded by
 //! [`CELLS_MAX`] cells, of which the oldest is dropped, and [`LOSSES_MAX`] losses.
 
-use super::lost::{LostDefault, LostLink};
+use crate::lost_link::{LostDefault, LostLink};
 use apex_geo::geodesy;
 use apex_model::planned::Location;
 use apex_model::problem::Position;
