@@ -110,14 +110,15 @@ fn a_large_fixed_wing_comes_by_the_good_place_in_every_circle() {
 #[test]
 fn an_instruction_is_obeyed_before_the_deadline() {
     for vehicle in ["rmax", "fixed-wing-mapper"] {
-        let flown = hidden_shadow(vehicle).event(560.0, "(instruction (skip mill))").fly();
+        let told_s = (first_s(&hidden_shadow(vehicle).fly(), "awaiting-instructions") + 20.0).round();
+        let flown = hidden_shadow(vehicle).event(told_s, "(instruction (skip mill))").fly();
         let at_s = first_s(&flown, "instructed");
-        assert_eq!(at_s, 560.0, "{vehicle}\n{}", flown.story());
+        assert_eq!(at_s, told_s, "{vehicle}\n{}", flown.story());
         assert_eq!(flown.said("communication-lost").len(), 1, "{vehicle}\n{}", flown.story());
         assert!(flown.said("observing").iter().all(|(_, text)| !text.contains("mill")), "{vehicle}");
 
-        let flown = hidden_shadow(vehicle).event(560.0, "(instruction go-home)").fly();
-        assert_eq!(first_s(&flown, "contingency-route"), 560.0, "{vehicle}\n{}", flown.story());
+        let flown = hidden_shadow(vehicle).event(told_s, "(instruction go-home)").fly();
+        assert_eq!(first_s(&flown, "contingency-route"), told_s, "{vehicle}\n{}", flown.story());
         assert_landed_at_home(&flown);
     }
 }
