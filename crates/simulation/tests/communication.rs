@@ -37,7 +37,8 @@ fn assert_returned(flown: &Flown) {
 /// After each loss the aircraft comes within 200 m of the place that it names, and the link was good there: ten seconds of samples
 /// around the pass before the loss have a mean above 0.3. Near the range of a radio fading hides the edge.
 fn assert_returned_to_the_goal(flown: &Flown) {
-    for (lost_s, _) in flown.said("communication-lost") {
+    // At 25 minutes the mission calls home, which outranks the return.
+    for (lost_s, _) in flown.said("communication-lost").into_iter().filter(|(at_s, _)| *at_s < 1_500.0 - 300.0) {
         let goal = flown.goal_after(lost_s);
         let nearest_m = flown.nearest_m(goal, (lost_s, lost_s + 600.0));
         assert!(nearest_m <= 200.0, "{nearest_m:.0} m from the place after {lost_s} s\n{}", flown.story());
