@@ -164,7 +164,8 @@ impl SimulatedWorld {
         };
         let way = Way::new(points, &self.situation());
         let hold = arguments.hold_keyword()?;
-        if let Some(altitude_m) = altitude_m {
+        // An approach is low on purpose.
+        if let Some(altitude_m) = altitude_m.filter(|_| !matches!(order, Order::Land { .. })) {
             self.check_altitude(arguments, altitude_m)?;
         }
         if let Some(speed) = speed {

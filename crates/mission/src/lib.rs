@@ -13,6 +13,10 @@ pub mod fixing;
 pub mod flight;
 pub mod fork;
 pub mod link;
+mod link_form;
+mod link_level;
+pub mod link_map;
+pub mod lost_link;
 mod manoeuvres;
 mod modems;
 pub mod monitor_report;
@@ -50,6 +54,7 @@ use apex_model::library::{AgentDeclaration, Library};
 use apex_model::planned::Location;
 use apex_model::problem::{AirspaceZone, CrewMember, FailureTerm, LandingPlace, Position, WindField};
 use apex_model::source::SourceFile;
+use apex_model::value::Value;
 use apex_runtime::ports::Input;
 use requirements::Requirements;
 use sources::{DataFile, Sources};
@@ -95,12 +100,12 @@ pub struct Mission {
     pub requirements: Requirements,
     /// Radios of the world.
     pub modems: Vec<Modem>,
-    /// Radios as the planner believes in them.
-    pub link_map: Vec<link::StatedLink>,
-    /// Targets that plans leave out since their link is weak, each with the reason; empty before anything is believed of links.
+    /// Radios as the planner assumes them.
+    pub link_map: Vec<link_map::StatedLink>,
+    /// Targets that plans leave out since their link is weak, each with the reason; empty before anything is assumed of links.
     pub weak_targets: Vec<(String, String)>,
     /// When a link is lost, and what happens then.
-    pub lost_link: link::LostLink,
+    pub lost_link: lost_link::LostLink,
     /// Data files by name with their bytes, for the record; shared, since each plan is made for a copy of the mission.
     pub data: Arc<Vec<(String, Vec<u8>)>>,
 }
@@ -176,7 +181,7 @@ impl Mission {
             modems: Vec::new(),
             link_map: Vec::new(),
             weak_targets: Vec::new(),
-            lost_link: link::LostLink::default(),
+            lost_link: lost_link::LostLink::default(),
             data: Arc::default(),
             library,
             settings,
@@ -187,8 +192,7 @@ impl Mission {
         (mission.start, mission.start_altitude_m) = mission.start_place()?;
         mission.check_ceiling()?;
         mission.modems = modems::read(&mission)?;
-        mission.link_map = link::stated::read(&mission)?;
-        mission.lost_link = link::lost::of_mission(&mission)?;
+        mission.read_links()?;
         requirements::check_start(&requirements::StartConditions {
             place: &mission.settings.place,
             requirements: &mission.requirements,
@@ -200,6 +204,16 @@ impl Mission {
         })?;
         mission.data = Arc::new(files.data);
         Ok(mission)
+    }
+
+    /// What is assumed of radio links, and what happens when one is lost.
+    fn read_links(&mut self) -> MissionResult {
+        let (place_of, at) = (|value: &Value| self.place(value), self.settings.place.as_str());
+        let stations = self.modems.iter().filter_map(|modem| Some((modem.name.clone(), modem.level.station?)));
+        let links = link_map::read((&self.settings.link_map, at), &place_of, stations)?;
+        let lost = lost_link::read((&self.settings.lost_link, at), Some(&place_of))?;
+        (self.link_map, self.lost_link) = (links, lost);
+        Ok(())
     }
 
     /// The vehicle must be able to fly above the place where it starts, and above every target.

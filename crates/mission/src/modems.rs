@@ -1,10 +1,11 @@
 //! `:modems`: the radios of the world that a mission is flown in (docs/reference/mission-data.md, "Radio links").
 //!
-//! The planner does not read them: it believes what `:link-map` states and what the flight has measured.
+//! The planner does not read them: it assumes what `:link-map` states and uses what the flight has measured.
 
 use super::Mission;
 use crate::error::MissionResult;
-use crate::link::{KEYS, LevelReader, LinkForm};
+use crate::link_form::LinkForm;
+use crate::link_level::{KEYS, LevelReader};
 use apex_geo::link::LevelModel;
 use apex_model::quantity::Dimension;
 use apex_model::value::Value;
@@ -35,8 +36,9 @@ pub struct Modem {
 pub(crate) fn read(mission: &Mission) -> MissionResult<Vec<Modem>> {
     let mut modems: Vec<Modem> = Vec::new();
     for form in &mission.settings.modems {
-        let form = LinkForm { at: &mission.settings.place, option: "modems", form, usage: USAGE };
-        let modem = modem(mission, &form)?;
+        let place_of = |value: &Value| mission.place(value);
+        let form = LinkForm { at: &mission.settings.place, option: "modems", form, usage: USAGE, place_of: &place_of };
+        let modem = modem(&form)?;
         if modems.iter().any(|known| known.name.eq_ignore_ascii_case(&modem.name)) {
             return Err(form.wrong(format!("the modem `{}` is stated twice", modem.name)));
         }
@@ -45,7 +47,7 @@ pub(crate) fn read(mission: &Mission) -> MissionResult<Vec<Modem>> {
     Ok(modems)
 }
 
-fn modem(mission: &Mission, form: &LinkForm<'_>) -> MissionResult<Modem> {
+fn modem(form: &LinkForm<'_>) -> MissionResult<Modem> {
     let items = form.form.as_list().unwrap_or_default();
     let Some((Value::Symbol(name), options)) = items.split_first() else {
         return Err(form.wrong("it does not begin with a name".to_string()));
@@ -63,7 +65,7 @@ fn modem(mission: &Mission, form: &LinkForm<'_>) -> MissionResult<Modem> {
                     form.wrong(format!("`:dropouts {value}` is not a list of spans, each of two durations that rise"))
                 })?;
             }
-            key if level.take(mission, form, key, value)? => {}
+            key if level.take(form, key, value)? => {}
             other => return Err(form.unknown(other, &format!("{KEYS}, :fading-db, :dropouts"))),
         }
     }

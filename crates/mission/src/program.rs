@@ -2,7 +2,7 @@
 
 use crate::error::{MissionError, MissionResult};
 use crate::files::read_text;
-use crate::link::lost;
+use crate::lost_link;
 use crate::vehicle;
 use apex_executive::Agent;
 use apex_model::host::HostFunctions;
@@ -67,14 +67,14 @@ pub fn check_text_with(
     let checked = check_sources(vec![source.clone()], fragment, &mut |requirement| resolve(folder, requirement, read));
     // The vehicle and the figures of lost links are named in the program: only now are the figures known that its libraries need.
     let vehicle = vehicle::figures_for(&checked.library, folder, read);
-    let lost_link = lost::figures_for(&checked.library);
-    if vehicle.is_none() && lost_link.is_none() {
+    let lost = lost_link::figures_for(&checked.library);
+    if vehicle.is_none() && lost.is_none() {
         return checked;
     }
     check_sources(vec![source], fragment, &mut |requirement| {
         let figures = match &requirement {
             Requirement::Library(name) if name == vehicle::FIGURES_LIBRARY => vehicle.clone(),
-            Requirement::Library(name) if name == lost::FIGURES_LIBRARY => lost_link.clone(),
+            Requirement::Library(name) if name == lost_link::FIGURES_LIBRARY => lost.clone(),
             _ => None,
         };
         figures.map_or_else(|| resolve(folder, requirement, read), Ok)

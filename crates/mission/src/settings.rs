@@ -62,7 +62,7 @@ pub struct Settings {
     pub value_unit: f64,
     /// Radios of the world as written.
     pub modems: Vec<Value>,
-    /// Radios as the planner believes in them, as written.
+    /// Radios as the planner assumes them, as written.
     pub link_map: Vec<Value>,
     /// What happens when a link is lost, as written.
     pub lost_link: Vec<Value>,

@@ -153,6 +153,7 @@ pub fn figures(model: &VehicleModel) -> String {
         CruiseLevel::Altitude(altitude_m) => ("cruise-altitude", altitude_m, "m"),
         CruiseLevel::Height(height_m) => ("cruise-height", height_m, "m"),
     };
+    let circle_m = (model.turns.circle_width * turn_radius_m(model)).round();
     let reserve_share = (model.reserve() / model.stored_full() * 1e4).round() / 1e4;
     let constants = [
         ("level-roll-max", model.level_roll_deg_max, "deg"),
@@ -162,6 +163,7 @@ pub fn figures(model: &VehicleModel) -> String {
         ("climb-rate-max", model.climb_rate_m_s_max, "m/s"),
         ("descent-rate-max", model.descent_rate_m_s_max, "m/s"),
         ("ceiling", model.ceiling_m, "m"),
+        ("circle-radius", circle_m, "m"),
         ("wind-max", model.wind_m_s_max, "m/s"),
         cruise,
         ("fuel-capacity", capacity_kg, "kg"),

@@ -1,6 +1,6 @@
 //! Signal level of a ground radio at a place: falls with distance, less inside of shadows.
 //!
-//! A level is 0 (nothing) to 1 (full). The simulated world and the planner's belief are two values of one type: what the world has and
+//! A level is 0 (nothing) to 1 (full). The simulated world and the planner's assumption are two values of one type: what the world has and
 //! the mission does not state is learned in flight.
 //! Bound: O(shadows x corners) per level.
 

@@ -1,16 +1,16 @@
-//! The level that is believed at a place: measured there, else as stated and corrected, else fitted to what was measured.
+//! The level that is assumed at a place: measured there, else as stated and corrected, else fitted to what was measured.
 //!
 //! Bound: O(cells) once for each plan, O(log cells + shadows) per place.
 
 use super::learned::{Cells, Learned};
-use super::lost::LostLink;
-use super::stated::StatedLink;
 use crate::Mission;
+use crate::link_map::StatedLink;
+use crate::lost_link::LostLink;
 use apex_geo::geodesy;
 use apex_geo::link::LevelModel;
 use apex_model::problem::Position;
 
-/// Samples of a cell that are believed.
+/// Samples from which the mean of a cell is used.
 const SAMPLES_MIN: u32 = 2;
 /// Cells from which a level is corrected, and to which a law is fitted, at least.
 const CORRECTED_MIN: usize = 3;
@@ -38,7 +38,7 @@ impl Belief {
     }
 }
 
-/// What is believed of one link.
+/// What is assumed of one link.
 pub(crate) struct Beliefs<'a> {
     pub(crate) name: &'a str,
     pub(crate) cells: Cells,
@@ -53,7 +53,7 @@ pub(crate) struct Beliefs<'a> {
 }
 
 impl<'a> Beliefs<'a> {
-    /// What is believed of a link after what `learned` says.
+    /// What is assumed of a link after what `learned` says.
     pub(crate) fn new(mission: &'a Mission, link: &'a StatedLink, learned: Option<&'a Learned>) -> Beliefs<'a> {
         let cells = Cells::new(mission.start, mission.model.true_airspeed_m_s_cruise);
         let stated = link.level.as_ref();

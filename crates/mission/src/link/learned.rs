@@ -3,7 +3,7 @@
 //! Folded from `(signal-level MODEM)` and the locations of the record alone. Bound: O(log cells) per sample; memory is bounded by
 //! [`CELLS_MAX`] cells, of which the oldest is dropped, and [`LOSSES_MAX`] losses.
 
-use super::lost::{LostDefault, LostLink};
+use crate::lost_link::{LostDefault, LostLink};
 use apex_geo::geodesy;
 use apex_model::planned::Location;
 use apex_model::problem::Position;
@@ -142,7 +142,7 @@ impl Learned {
         };
         self.smoothed = Some((at_s, smoothed));
         self.remember(cells.of(here.position, here.altitude_m), at_s, level);
-        if smoothed < lost.good {
+        if smoothed < lost.known_good() {
             self.good_since_s = None;
             self.trail.clear();
             return;

@@ -3,13 +3,14 @@
 //! Published as inputs of the next batch, so that the record holds them: `(good-link-place MODEM)` as the vehicle moves on, and
 //! `(contingency-place MODEM)` and `(lost-link-default MODEM)` when the link is lost.
 
+use super::belief::Beliefs;
 use super::learned::{Cells, Learned};
 use crate::Mission;
 use apex_geo::geodesy;
 use apex_model::effect::{CommandId, Effect};
 use apex_model::event::{Batch, EventKind, StateVariable};
 use apex_model::planned::Location;
-use apex_model::problem::Position;
+use apex_model::problem::{LandingPlace, Position};
 use apex_model::quantity::Dimension;
 use apex_model::symbol::Symbol;
 use apex_model::time::Time;
@@ -115,7 +116,7 @@ impl LinkMemory {
         let cells = Cells::new(mission.start, mission.model.true_airspeed_m_s_cruise);
         let default = link.learned.default_of(&mission.lost_link, &cells);
         let name = link.name.clone();
-        let place = contingency_place(mission, here.position);
+        let place = contingency_place(mission, &name, &link.learned, here);
         inputs.push(sample(at, "contingency-place", &name, place));
         inputs.push(sample(at, "lost-link-default", &name, Value::symbol(default.word())));
     }
@@ -138,14 +139,21 @@ impl LinkMemory {
     }
 }
 
-/// The place of `:contingency`; else the landing place nearest to `here`; else where the mission started.
-fn contingency_place(mission: &Mission, here: Position) -> Value {
+/// The place of `:contingency`; else the nearest landing place whose link is not known to be weak, else the nearest; else where the
+/// mission started.
+fn contingency_place(mission: &Mission, name: &str, learned: &Learned, here: Location) -> Value {
     if let Some(place) = &mission.lost_link.contingency {
         return place.clone();
     }
+    let stated = mission.link_map.iter().find(|link| link.name.eq_ignore_ascii_case(name));
+    let beliefs = stated.map(|link| Beliefs::new(mission, link, Some(learned)));
+    let is_weak = |place: &LandingPlace| {
+        beliefs.as_ref().is_some_and(|beliefs| beliefs.weak_at(place.position, here.altitude_m).is_some())
+    };
     let places = mission.landing_places();
-    let distance_m = |place: &apex_model::problem::LandingPlace| geodesy::distance_m(here, place.position);
-    let nearest = places.iter().min_by(|a, b| distance_m(a).total_cmp(&distance_m(b)));
+    let distance_m = |place: &LandingPlace| geodesy::distance_m(here.position, place.position);
+    let nearest =
+        places.iter().min_by(|a, b| is_weak(a).cmp(&is_weak(b)).then(distance_m(a).total_cmp(&distance_m(b))));
     nearest.map_or_else(|| mission.settings.start.clone(), |place| Value::symbol(&place.name))
 }
 

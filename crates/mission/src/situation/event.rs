@@ -34,6 +34,31 @@ pub enum MissionEvent {
     CommunicationLost(String),
     /// `(communication-regained LINK)`.
     CommunicationRegained(String),
+    /// `(communication-not-regained LINK)`.
+    CommunicationNotRegained(String),
+    /// `(awaiting-instructions LINK DEFAULT)`.
+    AwaitingInstructions {
+        /// The link that is good again.
+        link: String,
+        /// What follows without an instruction.
+        default: String,
+    },
+    /// `(instructed LINK INSTRUCTION)`: by the operator or by default.
+    Instructed {
+        /// The link.
+        link: String,
+        /// What the aircraft does.
+        instruction: String,
+    },
+    /// `(contingency-route LINK PLACE WHY)`.
+    ContingencyRoute {
+        /// The link.
+        link: String,
+        /// Where the flight ends.
+        place: String,
+        /// `silent` or `instructed`.
+        why: String,
+    },
     /// `(image-in-memory TARGET)`: a picture has been taken.
     ImageInMemory(String),
     /// `(low-fuel VEHICLE)`.
@@ -54,6 +79,7 @@ impl MissionEvent {
     pub fn read(form: &Value) -> Option<MissionEvent> {
         let [Value::Symbol(head), items @ ..] = form.as_list()? else { return None };
         let subject = items.first()?.to_string();
+        let item = |index: usize| items.get(index).map(Value::to_string).unwrap_or_default();
         Some(match head.folded() {
             "observing" => MissionEvent::Observing(subject),
             "observed" => MissionEvent::Observed(subject),
@@ -69,6 +95,10 @@ impl MissionEvent {
             }
             "replan-wanted" => MissionEvent::ReplanWanted(subject),
             "communication-lost" => MissionEvent::CommunicationLost(subject),
+            "communication-not-regained" => MissionEvent::CommunicationNotRegained(subject),
+            "awaiting-instructions" => MissionEvent::AwaitingInstructions { link: subject, default: item(1) },
+            "instructed" => MissionEvent::Instructed { link: subject, instruction: item(1) },
+            "contingency-route" => MissionEvent::ContingencyRoute { link: subject, place: item(1), why: item(2) },
             "communication-regained" => MissionEvent::CommunicationRegained(subject),
             "image-in-memory" => MissionEvent::ImageInMemory(subject),
             "low-fuel" => MissionEvent::LowFuel,

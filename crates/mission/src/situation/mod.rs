@@ -223,6 +223,16 @@ impl Situation {
                 self.note(at, format!("communication over {link} lost: going back"));
             }
             MissionEvent::CommunicationRegained(link) => self.note(at, format!("communication over {link} regained")),
+            MissionEvent::CommunicationNotRegained(link) => {
+                self.note(at, format!("communication over {link} not regained where it was good"));
+            }
+            MissionEvent::AwaitingInstructions { link, default } => {
+                self.note(at, format!("awaiting instructions over {link}; without one: {default}"));
+            }
+            MissionEvent::Instructed { instruction, .. } => self.note(at, format!("instructed: {instruction}")),
+            MissionEvent::ContingencyRoute { link, place, why } => {
+                self.note(at, format!("contingency route to {place}: {link} {why}"));
+            }
             // A picture of an observation that is reported by itself, or one that looks straight down at no target.
             MissionEvent::ImageInMemory(target)
                 if target == "down"

@@ -9,6 +9,7 @@ use apex_model::event::EventKind;
 use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_runtime::record::RecordReader;
+use apex_runtime::target_state::TargetChange;
 use std::fmt::Write;
 use std::sync::Arc;
 
@@ -22,6 +23,7 @@ pub(crate) struct World {
     modem: String,
     options: String,
     scenario: String,
+    duration: String,
     program: &'static str,
 }
 
@@ -32,14 +34,22 @@ pub(crate) const PLANNED: &str = "(solver auto (index (patrol the sites)) :budge
   (step patrol (patrol the sites) (waitfor (end ?up)) (restart-when (new plan)))
   (step plan (keep planning (patrol the sites)))
   (step touch (keep in touch over 900MHzModem))
-  (step clock (wait 25min))
+  (step clock (wait CLOCK))
   (step home (return to home at 110m) (waitfor (end ?clock)) (priority 10))
   (step finish (terminate) (waitfor (end ?home))))";
 
 impl World {
     pub(crate) fn new(vehicle: &str) -> World {
         let (modem, options, scenario) = (String::new(), String::new(), String::new());
-        World { vehicle: vehicle.to_string(), sites: Vec::new(), modem, options, scenario, program: PLANNED }
+        World {
+            vehicle: vehicle.to_string(),
+            sites: Vec::new(),
+            modem,
+            options,
+            scenario,
+            duration: "30min".to_string(),
+            program: PLANNED,
+        }
     }
 
     /// A site so far east and north of home.
@@ -60,6 +70,12 @@ impl World {
         self
     }
 
+    /// The mission's duration, when home is not called before.
+    pub(crate) fn lasting(mut self, duration: &str) -> World {
+        self.duration = duration.to_string();
+        self
+    }
+
     /// Events of the scenario: seconds and PDL.
     pub(crate) fn event(mut self, at_s: f64, event: &str) -> World {
         writeln!(self.scenario, "{{\"t\": {at_s}, \"event\": \"{event}\"}}").unwrap();
@@ -69,9 +85,13 @@ impl World {
     pub(crate) fn load(&self, folder: &std::path::Path) -> Result<Mission, apex_mission::error::MissionError> {
         let text = format!(
             "(defapplication \"Touch\" :type native-sim :libraries (\"vehicle\" \"contingencies\" \"replanning\")\n\
-             :vehicle (sim :model {} :at home) :duration 30min :end-margin 1min :targets \"sites.geojson\" :scenario \"scenario.jsonl\"\n\
+             :vehicle (sim :model {} :at home) :duration {} :end-margin 1min :targets \"sites.geojson\" :scenario \"scenario.jsonl\"\n\
              :modems ((900MHzModem {})) {}\n:agents ((agent uav-1 :initial-task (fly the mission))))\n{}",
-            self.vehicle, self.modem, self.options, self.program
+            self.vehicle,
+            self.duration,
+            self.modem,
+            self.options,
+            self.program.replace("CLOCK", if self.duration == "30min" { "25min" } else { "100min" })
         );
         std::fs::write(folder.join("mission.pdl"), text).unwrap();
         std::fs::write(folder.join("scenario.jsonl"), &self.scenario).unwrap();
@@ -111,9 +131,10 @@ impl World {
                 }
             }
         }
+        let changes = recorded::situation_at(&reader, &mission, Time::END).unwrap().target_changes;
         Flown {
             folder,
-            mission,
+            changes,
             events,
             said,
             commands: plans,
@@ -127,17 +148,18 @@ pub(crate) fn at(east_m: f64, north_m: f64) -> (f64, f64) {
     (HOME.0 + north_m / DEGREE_M, HOME.1 + east_m / (DEGREE_M * HOME.0.to_radians().cos()))
 }
 
-fn apart_m(a: (f64, f64), b: (f64, f64)) -> f64 {
+/// Metres between two places.
+pub(crate) fn apart_m(a: (f64, f64), b: (f64, f64)) -> f64 {
     ((a.0 - b.0) * DEGREE_M).hypot((a.1 - b.1) * DEGREE_M * a.0.to_radians().cos())
 }
 
 /// A flight as its record tells it.
 pub(crate) struct Flown {
     folder: tempfile::TempDir,
-    pub(crate) mission: Arc<Mission>,
     events: Vec<(f64, EventKind)>,
     said: Vec<(f64, Value)>,
     pub(crate) commands: Vec<(f64, String)>,
+    changes: Vec<TargetChange>,
     pub(crate) end: (f64, String),
 }
 
@@ -184,17 +206,19 @@ impl Flown {
         self.events.iter().filter_map(level).collect()
     }
 
-    /// The last place before `until_s` at the end of ten seconds in which no sample was below 0.3.
+    /// The last place before `until_s` at which no sample of ten seconds before and five seconds after was below 0.3: not the edge.
     pub(crate) fn last_good_place(&self, until_s: f64) -> (f64, f64) {
-        let mut since_s = None;
-        let mut good_s = None;
-        for (at_s, level) in self.levels().into_iter().filter(|(at_s, _)| *at_s < until_s) {
-            if level < 0.3 {
-                since_s = None;
-            } else if at_s - *since_s.get_or_insert(at_s) >= 10.0 {
-                good_s = Some(at_s);
-            }
-        }
+        let levels: Vec<(f64, f64)> = self.levels().into_iter().filter(|(at_s, _)| *at_s < until_s).collect();
+        let is_good = |from_s: f64, to_s: f64| {
+            let mut within = levels.iter().filter(|(at_s, _)| (from_s..=to_s).contains(at_s));
+            within.all(|(_, level)| *level >= 0.3)
+        };
+        // A later sample that is good says how long it stayed so.
+        let stays = |at_s: f64| {
+            let later = levels.iter().find(|(later_s, _)| *later_s >= at_s + 5.0).map(|(later_s, _)| *later_s);
+            later.is_some_and(|later_s| is_good(at_s - 10.0, later_s))
+        };
+        let good_s = levels.iter().rev().map(|(at_s, _)| *at_s).find(|at_s| stays(*at_s));
         let good_s = good_s.unwrap_or_else(|| panic!("never good before {until_s} s"));
         self.track().into_iter().rfind(|(at_s, ..)| *at_s <= good_s).unwrap().1
     }
@@ -203,6 +227,62 @@ impl Flown {
     pub(crate) fn nearest_m(&self, place: (f64, f64), (from_s, until_s): (f64, f64)) -> f64 {
         let within = |(at_s, ..): &(f64, (f64, f64), f64)| (from_s..=until_s).contains(at_s);
         self.track().into_iter().filter(within).map(|(_, here, _)| apart_m(place, here)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Where the first flight after an instant leads.
+    pub(crate) fn goal_after(&self, at_s: f64) -> (f64, f64) {
+        let to = self.commands.iter().find(|(then_s, text)| *then_s >= at_s && text.starts_with("(fly-to ("));
+        let text = &to.unwrap_or_else(|| panic!("no flight after {at_s} s\n{}", self.story())).1;
+        let numbers: Vec<f64> =
+            text["(fly-to (".len()..].split([' ', ')']).map_while(|word| word.parse().ok()).take(2).collect();
+        (numbers[0], numbers[1])
+    }
+
+    /// Mean of the samples within five seconds of the last pass of a place before an instant.
+    pub(crate) fn mean_level_near(&self, place: (f64, f64), before_s: f64) -> f64 {
+        let track = self.track();
+        let before = track.iter().filter(|(at_s, ..)| *at_s < before_s);
+        let pass = before.min_by(|a, b| apart_m(place, a.1).total_cmp(&apart_m(place, b.1))).unwrap();
+        let near: Vec<f64> = self
+            .levels()
+            .into_iter()
+            .filter(|(at_s, _)| (at_s - pass.0).abs() <= 5.0)
+            .map(|(_, level)| level)
+            .collect();
+        near.iter().sum::<f64>() / near.len() as f64
+    }
+
+    /// Greatest distance from a place between two instants.
+    pub(crate) fn farthest_m(&self, place: (f64, f64), (from_s, until_s): (f64, f64)) -> f64 {
+        let within = |(at_s, ..): &(f64, (f64, f64), f64)| (from_s..=until_s).contains(at_s);
+        self.track().into_iter().filter(within).map(|(_, here, _)| apart_m(place, here)).fold(0.0, f64::max)
+    }
+
+    /// How often the vehicle came within `near_m` of a place between two instants.
+    pub(crate) fn passes(&self, place: (f64, f64), near_m: f64, (from_s, until_s): (f64, f64)) -> usize {
+        let mut was_near = false;
+        let mut passes = 0;
+        for (_, here, _) in self.track().into_iter().filter(|(at_s, ..)| (from_s..=until_s).contains(at_s)) {
+            let is_near = apart_m(place, here) <= near_m;
+            passes += usize::from(is_near && !was_near);
+            was_near = is_near;
+        }
+        passes
+    }
+
+    /// True if the vehicle reported that it is on the ground at the end.
+    pub(crate) fn landed(&self) -> bool {
+        let on_ground = |(_, kind): &(f64, EventKind)| match kind {
+            EventKind::Measurement(variable, value) if variable.attribute.is("on-ground") => Some(value.is_true()),
+            _ => None,
+        };
+        self.events.iter().filter_map(on_ground).next_back() == Some(true)
+    }
+
+    /// Why the last plan left a target out, as the report has it.
+    pub(crate) fn reason_left_out(&self, target: &str) -> String {
+        let changes = self.changes.iter().rev().filter(|change| change.target == target);
+        changes.map(|change| change.detail.clone()).next().unwrap_or_default()
     }
 
     /// Replay poses the problems, derives the readings and repeats the decisions.

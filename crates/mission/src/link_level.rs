@@ -1,10 +1,9 @@
 //! Reads the level of a radio by place: `:station home :full-level 1500m :range 5km :shadows ((:around barn :radius 300m :factor 0.1))`.
 //!
-//! `:modems` states so what the world has, `:link-map` what the planner believes.
+//! `:modems` states so what the world has, `:link-map` what the planner assumes.
 
-use super::form::LinkForm;
-use crate::Mission;
 use crate::error::MissionResult;
+use crate::link_form::LinkForm;
 use apex_geo::link::{EXPONENT, LevelLaw, LevelModel, Shadow, ShadowShape};
 use apex_model::problem::Position;
 use apex_model::quantity::Dimension;
@@ -40,15 +39,9 @@ impl LevelReader {
     ///
     /// # Errors
     /// A value of another type or outside of its range.
-    pub(crate) fn take(
-        &mut self,
-        mission: &Mission,
-        form: &LinkForm<'_>,
-        key: &str,
-        value: &Value,
-    ) -> MissionResult<bool> {
+    pub(crate) fn take(&mut self, form: &LinkForm<'_>, key: &str, value: &Value) -> MissionResult<bool> {
         match key {
-            ":station" => self.station = Some(form.place(mission, key, value)?),
+            ":station" => self.station = Some(form.place(key, value)?),
             ":full-level" => self.full_level_m = Some(form.figure(key, value, Dimension::LENGTH, RANGE_M_MAX)?),
             ":range" => self.range_m = Some(form.figure(key, value, Dimension::LENGTH, RANGE_M_MAX)?),
             ":exponent" => {
@@ -64,7 +57,7 @@ impl LevelReader {
                 if items.len() > ENTRIES_MAX {
                     return Err(form.wrong(format!("it has more than {ENTRIES_MAX} shadows")));
                 }
-                self.shadows = items.iter().map(|item| shadow(mission, form, item)).collect::<MissionResult<_>>()?;
+                self.shadows = items.iter().map(|item| shadow(form, item)).collect::<MissionResult<_>>()?;
             }
             _ => return Ok(false),
         }
@@ -143,7 +136,7 @@ fn table(form: &LinkForm<'_>, value: &Value) -> MissionResult<Vec<(f64, f64)>> {
 
 /// `(:around PLACE :radius 300m | :corners (PLACE ..) | :sector (40deg 80deg) [:beyond 2km] | :ridge (PLACE PLACE) :top 140m)`
 /// with `[:below 120m] [:factor 0.1]`.
-fn shadow(mission: &Mission, form: &LinkForm<'_>, item: &Value) -> MissionResult<Shadow> {
+fn shadow(form: &LinkForm<'_>, item: &Value) -> MissionResult<Shadow> {
     let mut shape: Option<(&str, &Value)> = None;
     let (mut radius_m, mut beyond_m, mut top_m, mut below_m, mut factor) = (None, None, None, None, None);
     for (key, value) in form.pairs_of(item)? {
@@ -165,18 +158,15 @@ fn shadow(mission: &Mission, form: &LinkForm<'_>, item: &Value) -> MissionResult
             }
         }
     }
-    let place = |value: &Value| form.place(mission, "shadow", value).map(|(position, _)| position);
-    let misplaced = |key: &str, of: &str| Err(form.wrong(format!("`{key}` belongs to a shadow with `{of}`")));
+    let place = |value: &Value| form.place("shadow", value).map(|(position, _)| position);
     let needs = |key: &str, of: &str| form.wrong(format!("a shadow with `{of}` needs `{key}`"));
     let head = shape.map_or("", |(key, _)| key);
-    match () {
-        () if radius_m.is_some() && head != ":around" => return misplaced(":radius", ":around"),
-        () if beyond_m.is_some() && head != ":sector" => return misplaced(":beyond", ":sector"),
-        () if top_m.is_some() && head != ":ridge" => return misplaced(":top", ":ridge"),
-        () if factor.is_some() && head == ":ridge" => {
-            return Err(form.wrong("a ridge computes its own loss: leave `:factor` out".to_string()));
-        }
-        () => {}
+    let stated = [(":radius", ":around", radius_m), (":beyond", ":sector", beyond_m), (":top", ":ridge", top_m)];
+    if let Some((key, of, _)) = stated.iter().find(|(_, of, figure)| figure.is_some() && head != *of) {
+        return Err(form.wrong(format!("`{key}` belongs to a shadow with `{of}`")));
+    }
+    if factor.is_some() && head == ":ridge" {
+        return Err(form.wrong("a ridge computes its own loss: leave `:factor` out".to_string()));
     }
     let shape = match shape {
         Some((":around", value)) => ShadowShape::Disc {

@@ -1,9 +1,8 @@
-//! `:link-map`: the radios as the planner believes in them before it has measured anything.
+//! `:link-map`: the radios as the planner assumes them before anything is measured.
 
-use super::form::LinkForm;
-use super::level::{KEYS, LevelReader};
-use crate::Mission;
 use crate::error::MissionResult;
+use crate::link_form::{LinkForm, PlaceOf};
+use crate::link_level::{KEYS, LevelReader};
 use apex_geo::link::LevelModel;
 use apex_model::problem::Position;
 use apex_model::value::Value;
@@ -22,21 +21,25 @@ pub struct StatedLink {
     pub level: Option<LevelModel>,
 }
 
-/// Reads the link map of a mission. Of a ground radio of `:modems` that it does not name, only the station is believed.
+/// Reads the forms of a mission's link map; `at` is the place of the application. Of the ground radios with `stations` that it does not name, only these are assumed.
 ///
 /// # Errors
 /// A form of another shape, a figure of another type or outside of its range, no station, a name twice.
-pub(crate) fn read(mission: &Mission) -> MissionResult<Vec<StatedLink>> {
+pub(crate) fn read(
+    (forms, at): (&[Value], &str),
+    place_of: PlaceOf<'_>,
+    stations: impl Iterator<Item = (String, Position)>,
+) -> MissionResult<Vec<StatedLink>> {
     let mut links: Vec<StatedLink> = Vec::new();
-    for form in &mission.settings.link_map {
-        let form = LinkForm { at: &mission.settings.place, option: "link-map", form, usage: USAGE };
+    for form in forms {
+        let form = LinkForm { at, option: "link-map", form, usage: USAGE, place_of };
         let items = form.form.as_list().unwrap_or_default();
         let Some((Value::Symbol(name), options)) = items.split_first() else {
             return Err(form.wrong("it does not begin with a name".to_string()));
         };
         let mut reader = LevelReader::default();
         for (key, value) in form.pairs(options)? {
-            if !reader.take(mission, &form, key, value)? {
+            if !reader.take(&form, key, value)? {
                 return Err(form.unknown(key, KEYS));
             }
         }
@@ -52,10 +55,9 @@ pub(crate) fn read(mission: &Mission) -> MissionResult<Vec<StatedLink>> {
         links.push(StatedLink { name: name.printed().to_string(), station, level: Some(level) });
     }
     // Of other ground radios only the place of the station is known: the figures are the world's.
-    for modem in &mission.modems {
-        let is_known = links.iter().any(|known| known.name.eq_ignore_ascii_case(&modem.name));
-        if let Some(station) = modem.level.station.filter(|_| !is_known) {
-            links.push(StatedLink { name: modem.name.clone(), station, level: None });
+    for (name, station) in stations {
+        if !links.iter().any(|known| known.name.eq_ignore_ascii_case(&name)) {
+            links.push(StatedLink { name, station, level: None });
         }
     }
     Ok(links)

@@ -3,9 +3,8 @@
 //! The times and levels are constants of PDL in the library `lost-link-figures`, whose shipped text has the defaults. What the flight does
 //! without an instruction, and where its contingency route ends, the situation says when a link is lost.
 
-use super::form::LinkForm;
-use crate::Mission;
 use crate::error::MissionResult;
+use crate::link_form::{LinkForm, PlaceOf};
 use apex_model::library::Library;
 use apex_model::quantity::Dimension;
 use apex_model::value::Value;
@@ -18,7 +17,7 @@ const FIGURES_NAME: &str = "generated/lost-link-figures.pdl";
 const SHIPPED_FIGURES_NAME: &str = "library/lost-link-figures.pdl";
 const TIME_S_MAX: f64 = 86_400.0;
 const LOSSES_MAX: f64 = 100.0;
-const USAGE: &str = "`:lost-link (:nominal 0.2 :good 0.3 :weak-for 20s :good-for 10s :regain-within 2min :instructions-within 2min \
+const USAGE: &str = "`:lost-link (:nominal 0.2 :good 0.3 :weak-for 20s :good-for 10s :regain-within 10min :instructions-within 2min \
                      :default resume :losses-max 5 :contingency PLACE)`, each optional";
 
 /// What the flight does when no instruction comes.
@@ -49,7 +48,7 @@ pub struct LostLink {
     pub good: f64,
     /// A link that is weak for longer than this is lost, s.
     pub weak_for_s: f64,
-    /// A link that is good for so long is known to be good there, s.
+    /// A link that is good for this time is known to be good there, s.
     pub good_for_s: f64,
     /// How long the aircraft waits for the link where it was good, s.
     pub regain_within_s: f64,
@@ -70,7 +69,7 @@ impl Default for LostLink {
             good: 0.3,
             weak_for_s: 20.0,
             good_for_s: 10.0,
-            regain_within_s: 120.0,
+            regain_within_s: 600.0,
             instructions_within_s: 120.0,
             default: LostDefault::Resume,
             losses_max: 5,
@@ -79,13 +78,24 @@ impl Default for LostLink {
     }
 }
 
-/// Reads the figures of the items of `:lost-link`; `place` is that of the application.
+impl LostLink {
+    /// The mean level from which on a place is one to return to: as far above `good` as that is above `nominal`, so that fading does not
+    /// take the signal away again; at most halfway to full.
+    pub(crate) fn known_good(&self) -> f64 {
+        (2.0 * self.good - self.nominal).min(0.5 * (1.0 + self.good))
+    }
+}
+
+/// Reads the figures of the items of `:lost-link`; `at` is the place of the application. Without `place_of` the place of
+/// `:contingency` is not looked up.
 ///
 /// # Errors
-/// A key that is unknown or given twice, a figure of another type or outside of its range, `:good` that is not above `:nominal`.
-pub(crate) fn read(items: &[Value], place: &str) -> MissionResult<LostLink> {
+/// A key that is unknown or given twice, a figure of another type or outside of its range, `:good` that is not above `:nominal`, a place
+/// that the mission does not have.
+pub(crate) fn read((items, at): (&[Value], &str), place_of: Option<PlaceOf<'_>>) -> MissionResult<LostLink> {
     let whole = Value::list(items.iter().cloned());
-    let form = LinkForm { at: place, option: "lost-link", form: &whole, usage: USAGE };
+    let form =
+        LinkForm { at, option: "lost-link", form: &whole, usage: USAGE, place_of: place_of.unwrap_or(&|_| None) };
     let mut figures = LostLink::default();
     let mut good = None;
     for (key, value) in form.pairs(items)? {
@@ -110,7 +120,12 @@ pub(crate) fn read(items: &[Value], place: &str) -> MissionResult<LostLink> {
                 }
                 figures.losses_max = losses as u32;
             }
-            ":contingency" => figures.contingency = Some(value.clone()),
+            ":contingency" => {
+                if place_of.is_some() {
+                    form.place(key, value)?;
+                }
+                figures.contingency = Some(value.clone());
+            }
             other => {
                 let known = ":nominal, :good, :weak-for, :good-for, :regain-within, :instructions-within, :default, :losses-max, :contingency";
                 return Err(form.unknown(other, known));
@@ -130,26 +145,12 @@ pub(crate) fn read(items: &[Value], place: &str) -> MissionResult<LostLink> {
     Ok(figures)
 }
 
-/// As [`read`] for a mission, whose `:contingency` must be one of its places.
-///
-/// # Errors
-/// As [`read`]; a place that the mission does not have.
-pub(crate) fn of_mission(mission: &Mission) -> MissionResult<LostLink> {
-    let figures = read(&mission.settings.lost_link, &mission.settings.place)?;
-    if let Some(place) = &figures.contingency {
-        let whole = Value::list(mission.settings.lost_link.iter().cloned());
-        let form = LinkForm { at: &mission.settings.place, option: "lost-link", form: &whole, usage: USAGE };
-        form.place(mission, ":contingency", place)?;
-    }
-    Ok(figures)
-}
-
 /// Returns the text that has to replace the library of figures in a program: `None` if the program does not use that library, or
 /// states nothing else than the shipped text. Errors of the setting are reported when the mission is loaded.
 pub(crate) fn figures_for(library: &Library) -> Option<SourceText> {
     let shipped = library.sources.iter().find(|source| &*source.name == SHIPPED_FIGURES_NAME)?;
     let items = library.application.as_ref()?.option("lost-link")?.as_list()?;
-    let text = figures(&read(items, "").ok()?);
+    let text = figures(&read((items, ""), None).ok()?);
     (text != *shipped.text).then(|| SourceText { name: FIGURES_NAME.to_string(), text })
 }
 

@@ -1,10 +1,12 @@
 //! A form of a setting about radio links: its keys and figures, with errors that name them.
 
-use crate::Mission;
 use crate::error::{MissionError, MissionResult};
 use apex_model::problem::Position;
 use apex_model::quantity::Dimension;
 use apex_model::value::Value;
+
+/// Finds a location or a named place, with its elevation.
+pub(crate) type PlaceOf<'a> = &'a dyn Fn(&Value) -> Option<(Position, f64)>;
 
 /// A form such as `(900MHzModem :station home)` of an option such as `modems`.
 pub(crate) struct LinkForm<'a> {
@@ -16,6 +18,8 @@ pub(crate) struct LinkForm<'a> {
     pub(crate) form: &'a Value,
     /// How such a form is written.
     pub(crate) usage: &'static str,
+    /// The places of the mission.
+    pub(crate) place_of: PlaceOf<'a>,
 }
 
 impl<'a> LinkForm<'a> {
@@ -93,7 +97,7 @@ impl<'a> LinkForm<'a> {
     }
 
     /// A location or the name of a place, with its elevation.
-    pub(crate) fn place(&self, mission: &Mission, key: &str, value: &Value) -> MissionResult<(Position, f64)> {
-        mission.place(value).ok_or_else(|| self.wrong(format!("`{key}`: `{value}` is no place of the mission")))
+    pub(crate) fn place(&self, key: &str, value: &Value) -> MissionResult<(Position, f64)> {
+        (self.place_of)(value).ok_or_else(|| self.wrong(format!("`{key}`: `{value}` is no place of the mission")))
     }
 }
