@@ -59,12 +59,9 @@ fn targets(hovers: bool, pixel_m: f64, scale: f64) -> Vec<String> {
 }
 
 /// A mission of one vehicle in a folder of its own.
-fn mission(folder: &Path, model: &str, winds: &str, targets: &[String], more: &str) -> Mission {
+fn mission(folder: &Path, model: &str, winds: &str, targets: &[String]) -> Mission {
     let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
-    write(
-        "targets.geojson",
-        &format!(r#"{{"type": "FeatureCollection", "features": [{}]}}"#, targets.join(",\n")),
-    );
+    write("targets.geojson", &format!(r#"{{"type": "FeatureCollection", "features": [{}]}}"#, targets.join(",\n")));
     write("winds.csv", winds);
     write(
         "mission.pdl",
@@ -78,7 +75,6 @@ fn mission(folder: &Path, model: &str, winds: &str, targets: &[String], more: &s
   :end-margin 5min
   :targets "targets.geojson"
   :forecast "winds.csv"
-  {more}
   :agents ((agent uav-1 :initial-task (see everything))))
 (solver auto (index (look at the targets)) :budget 300ms)
 (procedure :sequential
@@ -140,7 +136,7 @@ fn pictures_give_what_the_plan_predicted_in_the_time_that_it_predicted() {
             let folder = tempfile::tempdir().unwrap();
             let wanted = targets(hovers, pixel_m, scale);
             let path = folder.path().join("flight.apex");
-            let loaded = mission(folder.path(), model, winds, &wanted, "");
+            let loaded = mission(folder.path(), model, winds, &wanted);
             let flown = fly(loaded, &path);
             println!("{}", flown.report.text());
             let looks = compare(&format!("{model}, {share}"), &flown.report, share);
@@ -155,11 +151,12 @@ fn pictures_give_what_the_plan_predicted_in_the_time_that_it_predicted() {
     }
 }
 
-/// The reason of a mission's only target, where it cannot be observed.
-fn reason(model: &str, target: &str, more: &str) -> String {
+/// The reason why the only target that a mission does not observe is left out.
+fn reason(model: &str, targets: &[String]) -> String {
     let folder = tempfile::tempdir().unwrap();
     let pad = feature(r#""id": "pad", "kind": "base""#, "Point", &place(0.0, 0.0));
-    let loaded = mission(folder.path(), model, STILL, &[pad, target.to_string()], more);
+    let all: Vec<String> = std::iter::once(&pad).chain(targets).cloned().collect();
+    let loaded = mission(folder.path(), model, STILL, &all);
     let flown = fly(loaded, &folder.path().join("flight.apex"));
     let [(_, reason)] = flown.report.left_out.as_slice() else { panic!("{}", flown.report.text()) };
     reason.clone()
@@ -170,21 +167,21 @@ fn a_camera_that_does_not_fit_is_named_with_what_would_do() {
     let point = |properties: &str| {
         feature(&format!(r#""id": "valve", "kind": "inspection", {properties}"#), "Point", &place(300.0, 0.0))
     };
-    let fine = reason("quadrotor", &point(r#""resolution_m": 0.001"#), "");
+    let fine = reason("quadrotor", &[point(r#""resolution_m": 0.001"#)]);
     assert!(fine.contains("`camera-1` needs 15 m above it or lower for pixels of 0.001 m"), "{fine}");
     assert!(fine.contains("the vehicle stays 39 m above it (requirement terrain); 0.005 m works"), "{fine}");
-    let steep = reason("rmax", &point(r#""look_angle_deg": [0, 5], "camera": "camera-2""#), "");
+    let steep = reason("rmax", &[point(r#""look_angle_deg": [0, 5], "camera": "camera-2""#)]);
     assert!(steep.contains("`camera` is `camera-2`, the vehicle `rmax` carries: camera-1"), "{steep}");
-    let fixed = reason("fixed-wing-mapper", &point(r#""look_angle_deg": [30, 50]"#), "");
+    let fixed = reason("fixed-wing-mapper", &[point(r#""look_angle_deg": [30, 50]"#)]);
     assert!(fixed.contains("look straight down, `look_angle_deg` wants 30 degrees at least"), "{fixed}");
     let line = feature(
         r#""id": "wall", "kind": "inspection", "look_angle_deg": [40, 60]"#,
         "LineString",
         &format!("[{}, {}]", place(100.0, 0.0), place(300.0, 0.0)),
     );
-    let line = reason("quadrotor", &line, "");
+    let line = reason("quadrotor", &[line]);
     assert!(line.contains("give points for oblique looks"), "{line}");
     let far = feature(r#""id": "dam", "kind": "inspection""#, "Point", &place(26_000.0, 0.0));
-    let far = reason("quadrotor", &far, "");
+    let far = reason("quadrotor", &[point(r#""resolution_m": 0.02"#), far]);
     assert!(far.contains("the battery leaves: it has") && far.contains("above its reserve"), "{far}");
 }

@@ -197,7 +197,9 @@ fn shadow(mission: &Mission, form: &LinkForm<'_>, item: &Value) -> MissionResult
                 beyond_m: beyond_m.unwrap_or(0.0),
             },
             _ => {
-                return Err(form.wrong(format!("`:sector {value}`: expected two directions, for example (40deg 80deg)")));
+                return Err(
+                    form.wrong(format!("`:sector {value}`: expected two directions, for example (40deg 80deg)"))
+                );
             }
         },
         Some((_, value)) => match form.list(":ridge", value)? {
