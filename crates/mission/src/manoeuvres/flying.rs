@@ -133,6 +133,6 @@ pub(super) fn arrival_s(model: &VehicleModel) -> f64 {
 }
 
 /// Share of the time of a full stop that it takes to turn from the end of a line to the next one.
-const TURN_SHARE: f64 = 0.7;
+const TURN_SHARE: f64 = 0.5;
 /// Time in which the last metres are flown, s.
 const HANG_S: f64 = 3.0;
