@@ -21,6 +21,8 @@ use apex_observation::target::TargetArea;
 const GROUND_SPEED_M_S_MIN: f64 = 1.0;
 /// Interval between pictures is planned longer than the least one of the camera by this.
 const INTERVAL_MARGIN: f64 = 1.1;
+/// A fixed wing turns for this time after the last line, until the camera rests and the next way is known.
+const LEAVE_S: f64 = 5.0;
 /// Pictures of one way at most: beyond, a target is split.
 const PICTURES_MAX: f64 = 20_000.0;
 /// The line across a point is as long as this many pictures.
@@ -152,7 +154,7 @@ fn draft(
         name: format!("{kind}-{height_m:.0}m"),
         altitude_m,
         lines,
-        duration_s: flown.duration_s,
+        duration_s: flown.duration_s + if model.airframe == Airframe::FixedWing { LEAVE_S } else { 0.0 },
         length_m: flown.length_m,
         work: PictureWork {
             camera: camera.name.clone(),
