@@ -48,7 +48,7 @@ impl Means {
             inner.table = Some(Arc::new(read?));
         }
         if let Some(timeout_s) = solver_timeout_s {
-            inner.patience = std::time::Duration::from_secs_f64(positive(timeout_s, "solver_timeout_s")?);
+            inner.timeout = std::time::Duration::from_secs_f64(positive(timeout_s, "solver_timeout_s")?);
         }
         if let Some(mebibytes) = solver_memory_mib {
             inner.memory_bytes = u64::from(mebibytes) << 20;

@@ -45,8 +45,8 @@ pub(crate) fn measured(
                 python.check_signals()?;
                 let one = python.detach(|| measure::mission(&row.cell, number, solver.as_ref(), &profile.budgets));
                 measured.push(one.map_err(|why| {
-                    let given_up = MissionError::planning("the measurement was given up").because(why);
-                    failed(python, given_up.help("correct the planner"))
+                    let abandoned = MissionError::planning("the measurement was abandoned").because(why);
+                    failed(python, abandoned.help("correct the planner"))
                 })?);
             }
         }

@@ -122,7 +122,7 @@ class Bad(Planner):
     ("name", "named"),
     [
         ("raises", "ValueError: no idea left"),
-        ("loops", "the solver loops gave no answer within 0.5 s and was given up"),
+        ("loops", "the solver loops gave no answer within 0.5 s and was abandoned"),
         ("overruns", "the solver overruns went on after its 1000 units of work"),
         ("hoards", "the solver hoards took more than 64 MiB of memory"),
         ("dreams", "it visits atlantis, which is no target"),

@@ -6,7 +6,7 @@ use crate::fixed_wing::true_airspeed_min;
 use crate::flight::{ActiveOrder, Order};
 use crate::instants;
 use crate::names::unknown_name;
-use crate::way::Way;
+use crate::way::{Way, with_goal};
 use crate::world::{Setpoint, SimulatedWorld};
 use apex_model::effect::CommandId;
 use apex_model::quantity::Dimension;
@@ -157,7 +157,12 @@ impl SimulatedWorld {
         let speed = arguments.speed_keyword()?;
         let (order, spot_altitude_m) = self.read_order(name, arguments, altitude_keyword.is_some())?;
         let altitude_m = altitude_keyword.or(spot_altitude_m);
-        let way = Way::new(arguments.way_keyword()?, &self.situation());
+        let points = arguments.way_keyword()?;
+        let points = match &order {
+            Order::FlyTo { to, .. } if self.situation().fixed() => with_goal(points, to.position),
+            _ => points,
+        };
+        let way = Way::new(points, &self.situation());
         let hold = arguments.hold_keyword()?;
         if let Some(altitude_m) = altitude_m {
             self.check_altitude(arguments, altitude_m)?;

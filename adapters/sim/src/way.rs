@@ -26,6 +26,19 @@ const CHORD_SHARE: f64 = 0.5;
 /// A rotorcraft is at a point of its way within this distance.
 const ROTORCRAFT_NEAR_M: f64 = 3.0;
 
+/// A goal nearer than this to the last point of its way is that point.
+const SAME_PLACE_M: f64 = 1.0;
+
+/// The points of a way with the place that they lead to. A fixed wing follows the last leg as a line: if it turned towards the
+/// place itself, an error of some degrees at the beginning of a short leg would put the place inside its turning circle, and it
+/// would come round where no way was looked for.
+pub(crate) fn with_goal(mut points: Vec<WayPoint>, goal: Position) -> Vec<WayPoint> {
+    if points.last().is_some_and(|last| bearing(last.position, goal).1 > SAME_PLACE_M) {
+        points.push(WayPoint { position: goal, altitude_m: None });
+    }
+    points
+}
+
 impl Way {
     /// The way over `points` from where the vehicle is; `None` for no points.
     pub(crate) fn new(points: Vec<WayPoint>, here: &Situation) -> Option<Way> {

@@ -365,3 +365,20 @@ fn a_slew_that_the_mount_cannot_end_fails_by_its_deadline() {
     let lost = run.inputs.iter().find(|input| matches!(&input.kind, apex_model::event::EventKind::Occurrence(form) if form.to_string().starts_with("(out-of-view camera-1")));
     assert!(lost.is_some());
 }
+
+/// The bend is the end of a turn whose chord was flown instead: the place lies 9 degrees aside of the track, 1.6 km ahead. Whoever
+/// turned towards it would pass it at 250 m, and come round.
+#[test]
+fn a_short_leg_after_a_bend_is_followed_to_its_end() {
+    let mut run = {
+        let mut config = predator(Start::in_flight(40.585_890_9, -116.021_259, 4_353.0, 299.0));
+        config.wind = wind(7.679, -6.272, 0.0);
+        Run::new(config)
+    };
+    let bend = Value::list([location(40.591_072, -116.028_489)]);
+    let goal = Position::new(40.602_34, -116.039_99);
+    let hop = form("fly-to", [location(goal.latitude_deg, goal.longitude_deg), word(":via"), bend]);
+    run.carry_out(hop, 400.0).unwrap();
+    assert!(run.now.seconds() < 60.0, "{} s for two kilometres", run.now.seconds());
+    assert!(geodesy::distance_m(run.world.position(), goal) < 200.0);
+}

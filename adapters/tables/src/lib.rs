@@ -2,9 +2,11 @@
 
 mod csv_writer;
 mod parquet_writer;
+mod result_writer;
 
 pub use csv_writer::CsvWriter;
 pub use parquet_writer::ParquetWriter;
+pub use result_writer::ResultWriter;
 
 use apex_executive::state::recorded::Recorded;
 use apex_model::event::StateVariable;

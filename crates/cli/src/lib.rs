@@ -11,7 +11,6 @@
 mod commands;
 mod console;
 mod error;
-mod escaping;
 mod external_simulator;
 mod monitor;
 mod options;
@@ -19,7 +18,7 @@ mod output;
 mod recording;
 mod sources;
 mod stopping;
-mod text;
+mod table_file;
 
 pub use apex_planning::Registry;
 pub use apex_solvers::shipped;

@@ -176,8 +176,8 @@ pub struct FlyOptions {
     #[arg(long, value_name = "FILE")]
     pub table: Option<PathBuf>,
     /// Wall time after which a solver that does not return is abandoned; default is 5 minutes.
-    #[arg(long, value_name = "TIME")]
-    pub solver_patience: Option<String>,
+    #[arg(long, alias = "solver-patience", value_name = "TIME")]
+    pub solver_timeout: Option<String>,
     /// Mebibytes by which the program may grow while a solver works; default is 1024.
     #[arg(long, value_name = "NUMBER")]
     pub solver_memory: Option<u32>,

@@ -2,7 +2,7 @@
 //! disk is one, and never a panic.
 
 use crate::error::{CliError, CliResult};
-use crate::escaping::Escaped;
+use apex_runtime::escaping::Escaped;
 use std::cell::Cell;
 use std::fmt;
 use std::io::{self, BufWriter, ErrorKind, IsTerminal, Write};

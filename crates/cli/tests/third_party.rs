@@ -173,7 +173,7 @@ fn misconduct_is_named_in_the_record_and_the_flight_goes_on() {
     for (name, named) in [
         ("panics", "the solver panics broke down: no idea left"),
         ("loops", "the solver loops went on after its 1000 units of work"),
-        ("hangs", "the solver hangs gave no answer within 0.2 s and was given up"),
+        ("hangs", "the solver hangs gave no answer within 0.2 s and was abandoned"),
         ("hoards", "the solver hoards took more than 64 MiB of memory"),
         ("lies", "before it can be there"),
         ("dreams", "visits atlantis, which is no target"),
@@ -181,10 +181,10 @@ fn misconduct_is_named_in_the_record_and_the_flight_goes_on() {
         ("floods", "200000 visits, more than 100000"),
         ("boasts", "claims an expected cost of -1"),
     ] {
-        // Only who hangs needs an end of patience: a slow machine must not give up the others.
-        let patience = if name == "hangs" { "0.2s" } else { "60s" };
+        // Only the solver that hangs needs a timeout: a slow machine must not abandon the others.
+        let timeout = if name == "hangs" { "0.2s" } else { "60s" };
         let memory = if name == "hoards" { "64" } else { "100000" };
-        let desk = fly_with(name, &["--until", "5min", "--solver-patience", patience, "--solver-memory", memory]);
+        let desk = fly_with(name, &["--until", "5min", "--solver-timeout", timeout, "--solver-memory", memory]);
         let trace = desk.apex(&["trace", "r.apex"]).well();
         assert!(trace.out.contains(named), "{name}: `{named}` is not in\n{}", trace.out);
         // The executive goes on: it handles the failure, watches the radio, and flies until the time is up.
@@ -196,8 +196,8 @@ fn misconduct_is_named_in_the_record_and_the_flight_goes_on() {
 
 #[test]
 fn a_paced_flight_does_not_wait_for_a_planner_that_hangs() {
-    // Were it waited for, a minute of patience would pass on the wall, an hour in flight.
-    let desk = fly_with("hangs", &["--until", "2min", "--pace", "60", "--solver-patience", "60s"]);
+    // Were it waited for, the timeout would pass, a minute on the wall, an hour in flight.
+    let desk = fly_with("hangs", &["--until", "2min", "--pace", "60", "--solver-timeout", "60s"]);
     let trace = desk.apex(&["trace", "r.apex"]).well();
     assert!(trace.out.contains("(without-a-plan)"), "{}", trace.out);
     let timed_out = "no answer within";

@@ -68,7 +68,7 @@ impl MissionFlight {
         drive: impl FnOnce(&mut [Agent], &mut dyn Deliberator, FlyOptions) -> Result<RunEnd, RunError>,
     ) -> MissionResult<FlightOutcome> {
         // A solver times out before the thread that runs its job.
-        let terms = FlyOptions { solver_timeout: self.means.patience + 10 * SOLVER_GRACE, ..terms };
+        let terms = FlyOptions { solver_timeout: self.means.timeout + 10 * SOLVER_GRACE, ..terms };
         let mut deliberator = MissionDeliberator::new(Arc::clone(&self.mission), self.means.clone());
         let mut agents = crew::crew_of_mission(&self.mission)?;
         let end =

@@ -57,7 +57,7 @@ impl Fork<'_> {
         let mut inputs = MissionFlight::terms(&mission, None).inputs;
         inputs.extend(imposed(&changes.plan, at));
         inputs.extend(changes.inputs);
-        let terms = FlyOptions { inputs, solver_timeout: means.patience + 10 * SOLVER_GRACE, ..terms };
+        let terms = FlyOptions { inputs, solver_timeout: means.timeout + 10 * SOLVER_GRACE, ..terms };
         let mut deliberator = MissionDeliberator::new(Arc::clone(&mission), means);
         let program = reader.load(&|sources| crew::load_recorded_mission(&mission, sources)).map_err(read)?;
         let flown =

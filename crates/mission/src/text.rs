@@ -65,6 +65,15 @@ pub fn named(name: &str, width: usize, text: &str) -> String {
     format!("  {name:<width$}  {}", wrapped(&words, " ", width + 4, &" ".repeat(width + 4)))
 }
 
+/// Quotes a word if the shell would interpret it.
+pub fn shell_word(word: &str) -> String {
+    let plain = |character: char| character.is_alphanumeric() || "-_./+,:@".contains(character);
+    if !word.is_empty() && word.chars().all(plain) {
+        return word.to_string();
+    }
+    format!("'{}'", word.replace('\'', "'\\''"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -99,5 +108,12 @@ mod tests {
         assert!(lines[1].starts_with("                word"), "{text}");
         assert_eq!(wrapped_line("short"), "short");
         assert_eq!(wrapped_line(""), "");
+    }
+
+    #[test]
+    fn words_are_quoted_for_the_shell_where_needed() {
+        assert_eq!(shell_word("a/b-1.apex"), "a/b-1.apex");
+        assert_eq!(shell_word("my flight.apex"), "'my flight.apex'");
+        assert_eq!(shell_word("it's"), "'it'\\''s'");
     }
 }

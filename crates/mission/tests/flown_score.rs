@@ -9,16 +9,22 @@
 )]
 
 use apex_mission::Mission;
+use apex_mission::deliberation::{MissionDeliberator, PlanningResources};
 use apex_mission::report::{MissionValue, report};
 use apex_mission::score::{FlightScore, FlownScore, ScoredLook};
 use apex_mission::situation::Situation;
-use apex_model::event::{Batch, Event, EventKind, StateVariable};
+use apex_model::because::{Because, Cause};
+use apex_model::effect::{Decision, DecisionKind, Effect, SolveRequest, SolveRequestId};
+use apex_model::event::{Batch, Event, EventKind, SolverReport, StateVariable};
 use apex_model::quantity::{Quantity, UNITS};
 use apex_model::symbol::Symbol;
+use apex_model::task::TaskId;
 use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_observation::result::LossCause;
+use apex_runtime::ports::{CancelToken, Deliberator};
 use std::path::Path;
+use std::sync::Arc;
 
 /// Where the fires lie: near Zaca.
 const LATITUDE_DEG: f64 = 34.7;
@@ -321,4 +327,109 @@ fn targets_that_make_no_sense_are_refused_by_name() {
         assert!(told.contains(words), "{properties}: {told}");
         assert!(told.contains("fires.geojson: feature 1 `here"), "{told}");
     }
+}
+
+/// Turbulence that the aircraft measures: none, so that predictions are those of the closed forms.
+fn calm(batch: &mut Batch) {
+    let kind = measured("edr", Value::Real(0.0));
+    batch.events.push(Event { sequence: 0, at: batch.now, kind });
+}
+
+/// How the mission answers about 1 km that lost its data on the last of the lines, where another fire could be observed until
+/// `until_h`: whether it is flown again, the gain, the price, and the words.
+fn weighed(lines: &[Line], until_h: f64) -> (bool, f64, f64, String) {
+    let here = fire("here", &box_of(GROUND.0, GROUND.1), r#""value": 100, "resolution_m": 10"#);
+    let wanted = format!(r#""value": 5, "resolution_m": 10, "windows_h": [[0, {until_h}]]"#);
+    let next = fire("next", &box_of([35_000.0, 45_000.0], GROUND.1), &wanted);
+    let mission = Arc::new(mission(&[here, next]).unwrap());
+    let mut deliberator =
+        MissionDeliberator::new(Arc::clone(&mission), PlanningResources::of(&Arc::new(apex_solvers::shipped())));
+    adopt_plan(&mut deliberator, lines[0].begin_s - 600.0);
+    let lost_s = lines.last().unwrap().begin_s + 60.0;
+    let mut batches = batches(lines);
+    batches.retain(|batch| batch.now.seconds() <= lost_s);
+    let line = lines.last().unwrap();
+    let (end, sign) = (batches.len() - 1, (line.to_m - line.from_m).signum());
+    let place = |east_m: f64| {
+        let (latitude_deg, longitude_deg) = position(east_m, line.north_m);
+        Value::list([latitude_deg, longitude_deg, line.height_m].map(Value::Real))
+    };
+    let lost = Value::list([
+        Value::symbol("segment-lost"),
+        Value::symbol("here"),
+        place(line.from_m + sign * 5_000.0),
+        place(line.from_m + sign * 6_000.0),
+        place(line.to_m),
+    ]);
+    let said = [Effect::Inform { form: lost, task: TaskId(1) }];
+    for (number, batch) in batches.iter_mut().enumerate() {
+        calm(batch);
+        deliberator.observe(0, batch, if number == end { &said } else { &[] });
+        let derived = deliberator.derive();
+        let answer = derived.iter().find_map(|input| match &input.kind {
+            EventKind::Occurrence(form) => {
+                form.as_list().filter(|items| items[0].as_symbol().is_some_and(|head| head.is("segment-weighed")))
+            }
+            _ => None,
+        });
+        if let Some([_, target, _, _, verdict, gain, price, Value::Text(text)]) = answer {
+            assert_eq!((number, target.to_string().as_str()), (end, "here"));
+            let number = |value: &Value| value.as_number().unwrap().0;
+            return (verdict.as_symbol().unwrap().is("again"), number(gain), number(price), text.to_string());
+        }
+    }
+    panic!("no answer");
+}
+
+/// The plan for the fires, as if the executive had adopted it.
+fn adopt_plan(deliberator: &mut MissionDeliberator, at_s: f64) {
+    let now = Time::from_seconds(at_s);
+    let (latitude_deg, longitude_deg) = position(-20_000.0, 0.0);
+    let place = measured("location", Value::list([latitude_deg, longitude_deg, 7_000.0].map(Value::Real)));
+    let step = |kinds: Vec<EventKind>, effects: &[Effect], deliberator: &mut MissionDeliberator| {
+        let events = kinds.into_iter().map(|kind| Event { sequence: 0, at: now, kind }).collect();
+        deliberator.observe(0, &Batch { now, events }, effects);
+    };
+    let goal = Value::list(["map", "the", "fires"].map(Value::symbol));
+    let (request, solver) = (SolveRequestId(1), Symbol::new("auto"));
+    let budget = Some(apex_model::time::Duration::from_seconds(0.2));
+    let request = SolveRequest { request, task: TaskId(1), goal, solver, budget };
+    step(vec![place], &[Effect::Solve(request.clone())], deliberator);
+    let answer = deliberator.pose(&request, now).job.run(&CancelToken::new()).result.unwrap();
+    let kind = DecisionKind::ProcedureAdded { request: request.request, summary: "a".into(), pdl: "b".into() };
+    let because = Because::new(Cause::PlanArrived { request: request.request, solver: Symbol::new("auto") }, None);
+    let adopted = Effect::Decided(Decision { task: None, kind, because });
+    let reported = EventKind::SolverReported(request.request, SolverReport::Plan(answer));
+    step(vec![reported], &[adopted], deliberator);
+    assert!(deliberator.situation().plan.is_some());
+}
+
+/// A kilometre with a low wing, between 5 and 6 km of the line.
+fn low_wing(flown_m: f64) -> f64 {
+    if (5_000.0..6_000.0).contains(&flown_m) { 5.0 } else { 0.0 }
+}
+
+#[test]
+fn a_segment_is_flown_again_where_it_is_worth_more_than_what_it_displaces() {
+    let begin_s = MIDNIGHT_S;
+    // One line over the middle: nothing else sees the segment, which is worth a tenth of the fire.
+    let alone = [Line { roll_deg: low_wing, ..Line::new(0.0, -5_500.0, 5_500.0, begin_s) }];
+    // Two lines that overlap: the other one has seen most of it.
+    let [first, second] = two_lines(begin_s);
+    let overlapped = [first, Line { roll_deg: low_wing, ..second }];
+    // The other fire can wait: its time is free.
+    let (again, gain, price, words) = weighed(&alone, 23.0);
+    assert!(again && price < 0.5, "{words}");
+    near(gain, 9.9, 0.2);
+    let (again, gain, price, words) = weighed(&overlapped, 23.0);
+    assert!(again && price < 0.5, "{words}");
+    near(gain, 1.0, 0.1);
+    // Its window closes: the segment that another line has seen is left, the only look at a tenth of the fire is not.
+    let (again, gain, price, words) = weighed(&overlapped, 6.3);
+    assert!(!again && words.ends_with("(one target less, next)"), "{words}");
+    near(gain, 1.0, 0.1);
+    near(price, 5.0, 0.3);
+    let (again, gain, price, words) = weighed(&alone, 6.2);
+    assert!(again && price > 1.0, "{words}");
+    near(gain, 9.9, 0.2);
 }

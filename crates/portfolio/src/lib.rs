@@ -8,6 +8,7 @@ pub mod cell;
 pub mod features;
 pub mod format_error;
 pub mod formats;
+pub mod parallel;
 pub mod profile;
 pub mod table;
 pub mod test_missions;

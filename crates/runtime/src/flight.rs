@@ -6,7 +6,7 @@ mod waiting;
 
 pub(crate) use resume::OpenAnswer;
 
-use crate::crew::{Crew, Numbering};
+use crate::agent_group::{AgentGroup, Numbering};
 use crate::error::RunError;
 use crate::limits::{LATENESS_TOLD_MIN, STEPS_PER_INSTANT_MAX};
 use crate::outbox;
@@ -26,7 +26,7 @@ pub(crate) type Step = fn(&mut Agent, &Batch) -> Vec<Effect>;
 /// Everything that a run consists of.
 pub(crate) struct Flight<'a, 'o> {
     step: Step,
-    crew: Crew<'a>,
+    group: AgentGroup<'a>,
     vehicle: &'a mut dyn Vehicle,
     deliberator: &'a mut dyn Deliberator,
     observers: &'a mut [&'o mut dyn Observer],
@@ -72,12 +72,12 @@ impl<'a, 'o> Flight<'a, 'o> {
         // Inputs of one instant keep their order: sorted stably first, then turned round for popping.
         scheduled.sort_by_key(|input| input.at);
         scheduled.reverse();
-        let crew = Crew::new(agents);
-        scheduled.iter().try_for_each(|input| crew.check(input))?;
+        let group = AgentGroup::new(agents);
+        scheduled.iter().try_for_each(|input| group.check(input))?;
         let late = Lateness::default();
         Ok(Flight {
             step,
-            crew,
+            group,
             vehicle,
             deliberator,
             observers,
@@ -104,7 +104,7 @@ impl<'a, 'o> Flight<'a, 'o> {
             return Ok(reason);
         }
         loop {
-            if let Some(reason) = self.crew.finish() {
+            if let Some(reason) = self.group.finish() {
                 return Ok(EndReason::Application(reason));
             }
             let Some(instant) = self.next_instant() else { return Ok(EndReason::Quiescent) };
@@ -116,7 +116,7 @@ impl<'a, 'o> Flight<'a, 'o> {
                     return Ok(EndReason::Stopped);
                 }
                 Waited::Changed => {}
-                Waited::Reached(at) if beyond && at >= self.until && self.crew.is_idle() => {
+                Waited::Reached(at) if beyond && at >= self.until && self.group.is_idle() => {
                     self.now = self.now.max(self.until);
                     return Ok(EndReason::Until);
                 }
@@ -143,7 +143,7 @@ impl<'a, 'o> Flight<'a, 'o> {
             if let Some(reason) = self.live_instant(at, false)? {
                 return Ok(Some(reason));
             }
-            if let Some(reason) = self.crew.finish() {
+            if let Some(reason) = self.group.finish() {
                 return Ok(Some(EndReason::Application(reason)));
             }
         }
@@ -158,12 +158,12 @@ impl<'a, 'o> Flight<'a, 'o> {
 
     /// The names of the agents.
     pub(crate) fn names(&self) -> Vec<String> {
-        (0..self.crew.len()).filter_map(|index| Some(self.crew.agent(index)?.name.printed().to_string())).collect()
+        (0..self.group.len()).filter_map(|index| Some(self.group.agent(index)?.name.printed().to_string())).collect()
     }
 
     /// Checks that an input is for an agent that exists.
     pub(crate) fn check(&self, input: &Input) -> Result<(), RunError> {
-        self.crew.check(input)
+        self.group.check(input)
     }
 
     /// Lets the observers keep everything up to now safe.
@@ -196,7 +196,7 @@ impl<'a, 'o> Flight<'a, 'o> {
     fn next_instant(&self) -> Option<Time> {
         let report = self.vehicle.next_report();
         let poll = self.poll.filter(|_| report.is_none()).map(|poll| self.now + poll.max(Duration(1)));
-        let wake = self.crew.next_wake();
+        let wake = self.group.next_wake();
         let scheduled = self.scheduled.last().map(|input| input.at);
         let people = self.controls.is_some() && self.expecting && self.pacer.is_paced();
         let listening = (people || self.pool.is_expecting()).then_some(Time::END);
@@ -223,15 +223,15 @@ impl<'a, 'o> Flight<'a, 'o> {
     fn live_instant(&mut self, at: Time, first: bool) -> Result<Option<EndReason>, RunError> {
         if at > self.now {
             self.steps_at_now = 0;
-            self.crew.new_instant();
+            self.group.new_instant();
         }
         self.now = at;
         let cause = self.collect()?;
         let mut forced = first;
         loop {
             let mut anything = false;
-            for index in 0..self.crew.len() {
-                let batch = match self.crew.take(index, self.now) {
+            for index in 0..self.group.len() {
+                let batch = match self.group.take(index, self.now) {
                     Some(batch) => batch,
                     None if forced => Batch { now: self.now, events: Vec::new() },
                     None => continue,
@@ -243,7 +243,7 @@ impl<'a, 'o> Flight<'a, 'o> {
                 }
             }
             forced = false;
-            self.crew.end_round(self.now)?;
+            self.group.end_round(self.now)?;
             if !anything {
                 return Ok(None);
             }
@@ -256,8 +256,8 @@ impl<'a, 'o> Flight<'a, 'o> {
 
     /// Cuts what the agents other than `except` still do, in good order.
     fn stop_all(&mut self, except: Option<usize>, reason: &str) -> Result<(), RunError> {
-        for index in self.crew.stop(except, self.now, reason)? {
-            if let Some(batch) = self.crew.take(index, self.now) {
+        for index in self.group.stop(except, self.now, reason)? {
+            if let Some(batch) = self.group.take(index, self.now) {
                 self.execute(index, &batch)?;
             }
         }
@@ -277,19 +277,19 @@ impl<'a, 'o> Flight<'a, 'o> {
         for mut input in inputs {
             // A vehicle that runs ahead of us must not make the executive believe in the future.
             input.at = input.at.min(now);
-            self.crew.deliver(input)?;
+            self.group.deliver(input)?;
         }
-        Ok(self.crew.wake(now)?.unwrap_or_else(|| cause.to_owned()))
+        Ok(self.group.wake(now)?.unwrap_or_else(|| cause.to_owned()))
     }
 
     /// One executive step of one agent with everything around it. Some: the application is over.
     fn execute(&mut self, index: usize, batch: &Batch) -> Result<Option<String>, RunError> {
         let now = batch.now;
-        if self.crew.len() > 1 {
+        if self.group.len() > 1 {
             self.each_observer(now, |observer| observer.turn(index))?;
         }
         self.each_observer(now, |observer| observer.begin(batch))?;
-        let Some(agent) = self.crew.agent_mut(index) else { return Ok(None) };
+        let Some(agent) = self.group.agent_mut(index) else { return Ok(None) };
         let effects = (self.step)(agent, batch);
         self.end.steps += 1;
         self.end.events += batch.events.len() as u64;
@@ -301,18 +301,18 @@ impl<'a, 'o> Flight<'a, 'o> {
             if leaves { observer.flush() } else { Ok(()) }
         })?;
         self.deliberator.observe(index, batch, &effects);
-        self.deliberator.derive().into_iter().try_for_each(|input| self.crew.deliver(input))?;
-        let numbering = Numbering::new(index, self.crew.len());
+        self.deliberator.derive().into_iter().try_for_each(|input| self.group.deliver(input))?;
+        let numbering = Numbering::new(index, self.group.len());
         let sent = outbox::send(&effects, numbering, now, self.vehicle, &mut self.pool);
         for request in &sent.requests {
             self.pose(request, now)?;
         }
-        let undelivered = self.crew.post(index, sent.told);
+        let undelivered = self.group.post(index, sent.told);
         self.answer(index, &effects, now);
         for text in sent.notes.iter().chain(&undelivered) {
             self.each_observer(now, |observer| observer.note(now, text))?;
         }
-        if let Some(agent) = self.crew.agent(index) {
+        if let Some(agent) = self.group.agent(index) {
             for observer in self.observers.iter_mut() {
                 let inspected = observer.inspect(agent, &*self.deliberator, now);
                 inspected.map_err(|message| RunError::Observer { at: now, message })?;
@@ -345,7 +345,7 @@ impl<'a, 'o> Flight<'a, 'o> {
     fn answer(&mut self, index: usize, effects: &[Effect], now: Time) {
         for effect in effects {
             let Effect::Ask { question, text, .. } = effect else { continue };
-            let Some(agent) = self.crew.agent(index).map(|agent| agent.name.clone()) else { continue };
+            let Some(agent) = self.group.agent(index).map(|agent| agent.name.clone()) else { continue };
             let asked = text.to_lowercase();
             let fits = |answer: &ScriptedAnswer| {
                 asked.contains(&answer.question.to_lowercase())

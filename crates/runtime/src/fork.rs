@@ -3,7 +3,7 @@
 //!
 //! Requests that are open at the instant keep their recorded answers: those were made from the situation before it.
 
-use crate::crew::Numbering;
+use crate::agent_group::Numbering;
 use crate::error::{RecordError, RunError};
 use crate::flight::{Flight, OpenAnswer};
 use crate::outbox;

@@ -4,7 +4,7 @@
 //! the caller has an answer in bounded time: a panic, work beyond the budget, endless work, memory beyond the limit are named
 //! in the answer, and the best plan reported before counts. Nothing of a plan is believed here: the checker looks at it next.
 //!
-//! Work is counted, so what is decided by count is the same in every run; patience and memory are the machine's, far off, and
+//! Work is counted, so what is decided by count is the same in every run; timeout and memory are the machine's, far off, and
 //! recorded with the answer. A thread that calls neither `charge` nor `report` cannot be stopped, only left behind.
 
 use crate::limits::{SOLVER_GRACE, SOLVER_LOOK, SOLVER_OVERRUN_UNITS, SOLVER_STACK_BYTES, SOLVERS_LEFT_BEHIND_MAX};
@@ -26,7 +26,7 @@ pub struct Limits {
     /// Work units.
     pub units: u64,
     /// Wall time until it is abandoned, pauses not counted.
-    pub patience: Duration,
+    pub timeout: Duration,
     /// Bytes by which the program may grow meanwhile.
     pub memory_bytes: u64,
 }
@@ -41,7 +41,7 @@ pub struct Answer {
     /// Processor seconds of the solver's thread; none where the system does not tell, or where it was left behind.
     pub cpu_s: Option<f64>,
     /// What the solver did that it must not do.
-    pub misconduct: Option<String>,
+    pub violation: Option<String>,
 }
 
 /// Why a solver has to stop.
@@ -49,7 +49,7 @@ pub struct Answer {
 enum Stop {
     Cancelled,
     Overran(u64),
-    Patience(Duration),
+    TimedOut(Duration),
     Memory(u64),
 }
 
@@ -59,8 +59,8 @@ impl Stop {
         match self {
             Stop::Cancelled => None,
             Stop::Overran(units) => Some(format!("went on after its {units} units of work")),
-            Stop::Patience(patience) => {
-                Some(format!("gave no answer within {} s and was given up", patience.as_secs_f64()))
+            Stop::TimedOut(timeout) => {
+                Some(format!("gave no answer within {} s and was abandoned", timeout.as_secs_f64()))
             }
             Stop::Memory(bytes) => Some(format!("took more than {} MiB of memory", bytes >> 20)),
         }
@@ -116,8 +116,8 @@ impl Shared {
     }
 }
 
-/// Thrown through a solver that does not stop; no panic, so nothing is printed.
-struct Thrown;
+/// The payload that unwinds a solver that does not stop; no panic, so nothing is printed.
+struct UnwindPayload;
 
 struct WatchedBudget {
     shared: Arc<Shared>,
@@ -147,7 +147,7 @@ impl Budget for WatchedBudget {
             self.overdue = u64::MAX;
         }
         if self.overdue > SOLVER_OVERRUN_UNITS {
-            resume_unwind(Box::new(Thrown));
+            resume_unwind(Box::new(UnwindPayload));
         }
     }
     fn exhausted(&self) -> bool {
@@ -163,7 +163,7 @@ impl Budget for WatchedBudget {
 
 enum Ended {
     Answered(Result<Plan, String>),
-    Thrown,
+    Stopped,
     BrokeDown(String),
     LeftBehind,
 }
@@ -234,7 +234,7 @@ impl Invocation {
         self.shared.stop(Stop::Cancelled);
     }
 
-    /// Waits for the answer, within patience, or until it is told to stop because nobody wants it any more.
+    /// Waits for the answer until the timeout, or until the solver must stop because its answer is no longer wanted.
     pub fn finish(self, cancel: &CancelToken) -> Answer {
         let mut stopped_at: Option<Instant> = None;
         let (ended, cpu_s) = loop {
@@ -260,8 +260,8 @@ impl Invocation {
             self.cancel();
         }
         let paused_for = self.shared.state().paused_for;
-        if self.begun.elapsed().saturating_sub(paused_for) > self.limits.patience {
-            self.shared.stop(Stop::Patience(self.limits.patience));
+        if self.begun.elapsed().saturating_sub(paused_for) > self.limits.timeout {
+            self.shared.stop(Stop::TimedOut(self.limits.timeout));
         }
         let grown = self.grown_from.zip(resident_bytes()).map(|(from, now)| now.saturating_sub(from));
         if grown.is_some_and(|bytes| bytes > self.limits.memory_bytes) {
@@ -272,18 +272,18 @@ impl Invocation {
     fn answer(&self, ended: Ended, cpu_s: Option<f64>) -> Answer {
         let name = self.solver.name();
         let stop = self.shared.state().stop.as_ref().and_then(Stop::words);
-        let (plan, misconduct) = match ended {
+        let (plan, violation) = match ended {
             Ended::Answered(plan) => (plan, stop),
-            Ended::Thrown => (Err("it was stopped".into()), stop),
+            Ended::Stopped => (Err("it was stopped".into()), stop),
             Ended::BrokeDown(why) => (Err("it broke down".into()), Some(format!("broke down: {why}"))),
             Ended::LeftBehind => (Err("it did not stop".into()), stop.or(Some("did not stop when told to".into()))),
         };
-        let misconduct = misconduct.map(|what| format!("the solver {name} {what}"));
+        let violation = violation.map(|what| format!("the solver {name} {what}"));
         let plan = plan.or_else(|why| match self.best() {
             Some(best) => Ok(best),
-            None => Err(misconduct.clone().unwrap_or(why)),
+            None => Err(violation.clone().unwrap_or(why)),
         });
-        Answer { plan, used: self.used(), cpu_s, misconduct }
+        Answer { plan, used: self.used(), cpu_s, violation }
     }
 }
 
@@ -303,7 +303,7 @@ fn solve(
     let outcome = catch_unwind(AssertUnwindSafe(|| solver.solve(problem, &mut environment)));
     match outcome {
         Ok(plan) => Ended::Answered(plan),
-        Err(payload) if payload.is::<Thrown>() => Ended::Thrown,
+        Err(payload) if payload.is::<UnwindPayload>() => Ended::Stopped,
         Err(payload) => Ended::BrokeDown(panic_text(&*payload)),
     }
 }
@@ -355,7 +355,7 @@ impl Invocations {
         limits: Limits,
         cancel: &CancelToken,
     ) -> Answer {
-        let refused = |why: String| Answer { plan: Err(why), used: 0, cpu_s: None, misconduct: None };
+        let refused = |why: String| Answer { plan: Err(why), used: 0, cpu_s: None, violation: None };
         let name = solver.name();
         self.left_behind.retain(|_, shared| !shared.ended.load(Ordering::Acquire));
         if self.left_behind.contains_key(name) {

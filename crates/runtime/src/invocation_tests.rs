@@ -95,7 +95,7 @@ fn problem(start_s: f64) -> Arc<Problem> {
     Arc::new(Problem::SingleVisit(SingleVisitProblem { start_s, ..SingleVisitProblem::default() }))
 }
 
-const LIMITS: Limits = Limits { units: 1_000, patience: Duration::from_secs(60), memory_bytes: 1 << 40 };
+const LIMITS: Limits = Limits { units: 1_000, timeout: Duration::from_secs(60), memory_bytes: 1 << 40 };
 
 fn solve_with(name: &'static str, limits: Limits) -> Answer {
     let solver: Arc<dyn Solver> = Arc::new(Bad(name));
@@ -106,7 +106,7 @@ fn solve_with(name: &'static str, limits: Limits) -> Answer {
 fn a_panic_is_named_and_the_best_plan_so_far_counts() {
     let answer = solve_with("panics", LIMITS);
     assert_eq!(answer.plan.map(|plan| score(&plan)), Ok(1.0));
-    assert_eq!(answer.misconduct.as_deref(), Some("the solver panics broke down: ran out of ideas"));
+    assert_eq!(answer.violation.as_deref(), Some("the solver panics broke down: ran out of ideas"));
     let nothing = solve_with("mute", LIMITS);
     assert_eq!(nothing.plan, Err("the solver mute broke down: ran out of ideas".into()));
 }
@@ -114,7 +114,7 @@ fn a_panic_is_named_and_the_best_plan_so_far_counts() {
 #[test]
 fn a_refusal_is_its_own_answer_unless_a_plan_was_reported() {
     let answer = solve_with("honest", LIMITS);
-    assert_eq!((answer.plan.map(|plan| score(&plan)), answer.misconduct), (Ok(1.0), None));
+    assert_eq!((answer.plan.map(|plan| score(&plan)), answer.violation), (Ok(1.0), None));
 }
 
 #[test]
@@ -123,20 +123,20 @@ fn work_beyond_the_budget_ends_at_the_same_unit_in_every_run() {
     for answer in answers {
         assert_eq!(answer.plan.map(|plan| score(&plan)), Ok(1.0));
         assert_eq!(answer.used, 2 * LIMITS.units + SOLVER_OVERRUN_UNITS);
-        assert_eq!(answer.misconduct.as_deref(), Some("the solver overruns went on after its 1000 units of work"));
+        assert_eq!(answer.violation.as_deref(), Some("the solver overruns went on after its 1000 units of work"));
     }
 }
 
 #[test]
 fn who_hangs_is_left_behind_and_others_are_served() {
     let mut invocations = Invocations::new();
-    let limits = Limits { patience: Duration::from_millis(50), ..LIMITS };
+    let limits = Limits { timeout: Duration::from_millis(50), ..LIMITS };
     let gate = Arc::new(AtomicBool::new(false));
     let sleeper: Arc<dyn Solver> = Arc::new(Sleeper(Arc::clone(&gate)));
     let mut solve =
         |solver: &Arc<dyn Solver>| invocations.solve(solver, &problem(0.0), None, 1, limits, &CancelToken::new());
     let first = solve(&sleeper);
-    assert_eq!(first.misconduct.as_deref(), Some("the solver sleeps gave no answer within 0.05 s and was given up"));
+    assert_eq!(first.violation.as_deref(), Some("the solver sleeps gave no answer within 0.05 s and was abandoned"));
     assert_eq!(first.plan.map(|plan| score(&plan)), Ok(1.0), "its report counts");
     assert_eq!(solve(&sleeper).plan, Err("the solver sleeps still hangs at an earlier problem".into()));
     let other: Arc<dyn Solver> = Arc::new(Bad("honest"));
@@ -154,7 +154,7 @@ fn memory_beyond_the_limit_ends_the_work() {
         return;
     }
     let answer = solve_with("hoards", Limits { units: u64::MAX / 4, memory_bytes: 100 << 20, ..LIMITS });
-    assert_eq!(answer.misconduct.as_deref(), Some("the solver hoards took more than 100 MiB of memory"));
+    assert_eq!(answer.violation.as_deref(), Some("the solver hoards took more than 100 MiB of memory"));
     assert_eq!(answer.plan.map(|plan| score(&plan)), Ok(1.0));
 }
 
@@ -178,7 +178,7 @@ fn a_solver_is_polled_paused_and_cancelled() {
     begun.cancel();
     let answer = begun.finish(&CancelToken::new());
     assert!(answer.plan.is_ok(), "the best plan until then");
-    assert_eq!(answer.misconduct, None);
+    assert_eq!(answer.violation, None);
 }
 
 #[test]
@@ -188,7 +188,7 @@ fn who_is_not_wanted_any_more_stops_with_what_it_has() {
     let cancel = CancelToken::new();
     cancel.clone().cancel();
     let answer = begun.finish(&cancel);
-    assert_eq!((answer.plan.map(|plan| score(&plan)), answer.misconduct), (Ok(4.0), None));
+    assert_eq!((answer.plan.map(|plan| score(&plan)), answer.violation), (Ok(4.0), None));
 }
 
 /// Never comes back while the gate is shut.
@@ -209,7 +209,7 @@ impl Solver for Named {
 #[test]
 fn not_more_than_a_few_are_left_behind() {
     let mut invocations = Invocations::new();
-    let limits = Limits { patience: Duration::from_millis(10), ..LIMITS };
+    let limits = Limits { timeout: Duration::from_millis(10), ..LIMITS };
     let gate = Arc::new(AtomicBool::new(false));
     for number in 0..SOLVERS_LEFT_BEHIND_MAX {
         let sleeper: Arc<dyn Solver> = Arc::new(Named(format!("sleeper-{number}"), Arc::clone(&gate)));

@@ -3,10 +3,12 @@
 //! Everything impure of Apex that is not an adapter, the web server or the command line lives here. The executive is
 //! called in one place only (`mission_loop.rs`; `replay.rs` and `record/restore.rs` call it again with recorded input).
 
+pub mod agent_group;
 pub mod answer_lines;
-pub mod crew;
+pub mod asker;
 pub mod effect_describer;
 pub mod error;
+pub mod escaping;
 pub mod explain;
 mod flight;
 pub mod foreign;

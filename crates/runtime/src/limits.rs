@@ -21,7 +21,7 @@ pub const SOLVER_GRACE: std::time::Duration = std::time::Duration::from_secs(1);
 /// Work units that a solver may charge after its budget's double, or after it was told to stop, before it is thrown out.
 pub const SOLVER_OVERRUN_UNITS: u64 = 1_000_000;
 /// Wall time after which a solver that does not return is abandoned; its budget is counted in work, so this is far off.
-pub const SOLVER_PATIENCE: std::time::Duration = std::time::Duration::from_secs(300);
+pub const SOLVER_TIMEOUT: std::time::Duration = std::time::Duration::from_secs(300);
 /// Solvers left behind at one time, each with a thread that may take a processor: with more, nothing else gets its turn.
 pub const SOLVERS_LEFT_BEHIND_MAX: usize = 4;
 /// Bytes by which the program may grow while a solver works: a matrix of 5,000 targets takes a fifth of it.

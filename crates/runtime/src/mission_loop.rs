@@ -29,7 +29,7 @@ pub fn fly(
 }
 
 /// As [`fly`], with all agents of an application at one clock, in the order of their declarations: see
-/// [`crate::crew`]. The run is over when `(end-application)` says so, or when all agents are done.
+/// [`crate::agent_group`]. The run is over when `(end-application)` says so, or when all agents are done.
 ///
 /// # Errors
 /// As [`fly`], and when an input is for an agent that does not exist.

@@ -3,7 +3,7 @@
 //! Commands and withdrawals go to the vehicle, requests to the solver pool. Decisions, `inform`, `print` and `ask` are
 //! for observers, who have seen the whole list of effects before anything is sent.
 
-use crate::crew::Numbering;
+use crate::agent_group::Numbering;
 use crate::pool::SolverPool;
 use crate::ports::Vehicle;
 use apex_model::effect::{CommandId, Effect, SolveRequest, SolveRequestId};

@@ -2,7 +2,7 @@
 //! inputs and effects. With the mission's deliberator it also poses every planning problem again. Solvers never run again; their
 //! answers are inputs.
 
-use crate::crew::Numbering;
+use crate::agent_group::Numbering;
 use crate::effect_describer::{EffectDescriber, EffectRow};
 use crate::error::RecordError;
 use crate::outbox;

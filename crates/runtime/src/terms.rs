@@ -1,6 +1,6 @@
 //! The terms of a run: what it is told beforehand, what people may say while it goes on, how it ends.
 
-use crate::limits::{SOLVER_GRACE, SOLVER_PATIENCE};
+use crate::limits::{SOLVER_GRACE, SOLVER_TIMEOUT};
 use crate::pacing::{Clock, WallClock};
 use crate::ports::Input;
 use apex_model::event::EventKind;
@@ -41,7 +41,7 @@ impl Default for FlyOptions {
             answers: Vec::new(),
             controls: None,
             poll: None,
-            solver_timeout: SOLVER_PATIENCE + 10 * SOLVER_GRACE,
+            solver_timeout: SOLVER_TIMEOUT + 10 * SOLVER_GRACE,
         }
     }
 }

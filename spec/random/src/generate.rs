@@ -54,6 +54,7 @@ pub(crate) struct Taste {
     pub(crate) hold: usize,
     pub(crate) nesting: usize,
     pub(crate) late: usize,
+    pub(crate) crowds: usize,
 }
 
 fn taste(dice: &mut Dice) -> Taste {
@@ -83,6 +84,7 @@ fn taste(dice: &mut Dice) -> Taste {
         nesting: liking(60),
         // What comes late is judged by when the agent was stepped before: not compared yet.
         late: 0,
+        crowds: liking(25),
     }
 }
 

@@ -32,6 +32,9 @@ impl Maker<'_> {
             results.extend(step.binds.clone());
             steps.push(step);
         }
+        if self.dice.chance(self.taste.crowds) {
+            steps.extend(self.crowd());
+        }
         if kind == Kind::Concurrent && self.dice.chance(25) {
             let tags: Vec<String> = tags.clone();
             let mut last = Step::plain("stop", Activity::Terminate { tag: None, outcome: None, value: None });
@@ -40,6 +43,27 @@ impl Maker<'_> {
             let mut bound = Vec::new();
             last.waitfor = vec![self.condition(&around, &mut bound, 1)];
             steps.push(last);
+        }
+        steps
+    }
+
+    /// Many steps that want the same at once and say how long they take.
+    fn crowd(&mut self) -> Vec<Step> {
+        let lasting: Vec<Goal> = self.primitives.iter().filter(|goal| goal.lasts).cloned().collect();
+        let Some(goal) = self.dice.pick(&lasting) else { return Vec::new() };
+        let urgent = self.dice.chance(30);
+        let mut steps = Vec::new();
+        for number in 0..self.dice.between(3, 8) {
+            let activity = self.phrase(&goal, &[]);
+            let mut step = Step::plain(&format!("c{number}"), activity);
+            step.profile = self.profile(true);
+            if urgent {
+                let [urgency, importance] = [self.dice.between(6, 8) as f64, self.dice.between(1, 3) as f64];
+                step.priority.push(Priority::Urgency(urgency, importance));
+            } else if self.dice.chance(self.taste.priorities / 2) {
+                step.priority.push(Priority::Number(small_number(self.dice)));
+            }
+            steps.push(step);
         }
         steps
     }

@@ -98,6 +98,8 @@ pub(crate) struct Agent<'p> {
     pub(crate) ended: VecDeque<usize>,
     /// Why suspended tasks go on, if they do in this round.
     pub(crate) resumed: BTreeMap<usize, String>,
+    /// What competed when the arbiter decided last.
+    pub(crate) competed: Option<crate::competition::Competition>,
     /// Numbers alarms and watches.
     pub(crate) serial: u64,
     pub(crate) lines: Vec<Line>,
@@ -128,6 +130,7 @@ pub fn run(program: &Program, inputs: &[Input], until: Time) -> Run {
         resuming: BTreeSet::new(),
         ended: VecDeque::new(),
         resumed: BTreeMap::new(),
+        competed: None,
         serial: 0,
         lines: Vec::new(),
         changed: false,

@@ -1,6 +1,7 @@
 //! Who gets which resources: all claimants of all resources stand before the arbiter in every round.
 
 use crate::agent::Agent;
+use crate::competition::Competition;
 use crate::program::{Span, Time};
 use crate::task::State;
 use std::cmp::Ordering;
@@ -58,7 +59,41 @@ impl Agent<'_> {
         starts && !task.forgotten && !self.line(id).iter().any(|each| self.tasks[*each].suspended)
     }
 
+    /// Arbitrates if the competition is another one than last time. The passing of time alone gives nobody anything: it only lets
+    /// estimates of when somebody can begin differ.
     pub(crate) fn contend_and_commit(&mut self) {
+        let competition = self.competition();
+        if self.competed.as_ref() != Some(&competition) {
+            self.competed = Some(competition);
+            self.arbitrate();
+        }
+        self.resumed.clear();
+    }
+
+    fn competition(&self) -> Competition {
+        let takes_part = |id: &usize| self.tasks[*id].state == State::Ongoing || self.is_eligible(*id);
+        let ids: Vec<usize> = (0..self.tasks.len()).filter(takes_part).collect();
+        let field = Field { order: ids.clone(), ..Field::default() };
+        let mut strengths: Vec<(f64, bool, usize)> = Vec::new();
+        for id in &ids {
+            for claim in [self.priority(*id, self.now), self.weight(&field, *id)] {
+                strengths.extend([(claim, false, *id), (claim + self.interrupt_cost(*id), true, *id)]);
+            }
+        }
+        strengths.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+        let mut before = None;
+        let order = strengths.into_iter().map(|(strength, defends, id)| {
+            let equal = before.replace(strength) == Some(strength);
+            (id, defends, equal)
+        });
+        let order = order.collect();
+        let ranks = ids.iter().flat_map(|id| self.line(*id)).map(|id| (id, self.rank(id))).collect();
+        let moved = |id: usize| self.moves.iter().filter(|each| each.task == id).count();
+        let competitors = ids.iter().map(|id| (*id, moved(*id), self.tasks[*id].needs())).collect();
+        Competition { competitors, order, ranks, totals: self.totals.clone() }
+    }
+
+    fn arbitrate(&mut self) {
         let mut orphans = Vec::new();
         loop {
             let field = self.contend(&orphans);
@@ -121,7 +156,6 @@ impl Agent<'_> {
                 self.starting.push(id);
             }
         }
-        self.resumed.clear();
     }
 
     /// Priority, then work that has begun, then written order among siblings and creation order among others.

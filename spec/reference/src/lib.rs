@@ -10,6 +10,7 @@ mod arbitration;
 mod binding;
 mod choosing;
 mod clauses;
+mod competition;
 mod creation;
 mod ending;
 mod evidence;

@@ -4,7 +4,7 @@ use crate::error::{CliError, CliResult, read_text};
 use crate::monitor::input::Source;
 use crate::options::{ExportFormat, ExportOptions};
 use crate::output::Listened;
-use crate::sources;
+use crate::{sources, table_file};
 use apex_executive::MonitorSession;
 use apex_model::event::{EventKind, Message, StateVariable};
 use apex_model::library::Library;
@@ -12,8 +12,6 @@ use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_pdl::SourceText;
 use apex_tables::{CsvWriter, ParquetWriter, Row, TableWriter};
-use std::fs::File;
-use std::io::BufWriter;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -25,31 +23,35 @@ pub fn run(options: &ExportOptions) -> CliResult {
         .map_err(|reason| CliError::user("the library cannot be used").because(reason))?;
     let out = options.out.as_deref().filter(|path| path.as_os_str() != "-");
     if let Some(path) = out {
-        refuse_to_overwrite(path, &options.inputs)?;
+        table_file::refuse_to_overwrite(path, std::slice::from_ref(&options.inputs), "--out")?;
     }
     let format = format_of(options, out)?;
     let standard = Listened::standard();
     let gone = standard.gone();
     let writer: Box<dyn TableWriter> = match (format, out) {
-        (ExportFormat::Csv, None) => Box::new(CsvWriter::new(standard).map_err(|error| unwritten(None, &error))?),
+        (ExportFormat::Csv, None) => {
+            Box::new(CsvWriter::new(standard).map_err(|error| table_file::unwritten(None, &error))?)
+        }
         (ExportFormat::Csv, Some(path)) => {
-            Box::new(CsvWriter::new(created(path)?).map_err(|error| unwritten(out, &error))?)
+            Box::new(CsvWriter::new(table_file::created(path)?).map_err(|error| table_file::unwritten(out, &error))?)
         }
-        (ExportFormat::Parquet, Some(path)) => {
-            Box::new(ParquetWriter::new(created(path)?, facts(&library)).map_err(|error| unwritten(out, &error))?)
-        }
+        (ExportFormat::Parquet, Some(path)) => Box::new(
+            ParquetWriter::new(table_file::created(path)?, facts(&library))
+                .map_err(|error| table_file::unwritten(out, &error))?,
+        ),
         (ExportFormat::Parquet, None) => {
             return Err(CliError::user("a Parquet table needs a file").help("name it with `--out FILE.parquet`"));
         }
     };
     let mut table = Table { session, writer, rows: 0, now: Time::BEGINNING };
-    let fed = source.feed(&library, &mut |at, kind| table.take(at, kind).map_err(|error| unwritten(out, &error)));
+    let fed =
+        source.feed(&library, &mut |at, kind| table.take(at, kind).map_err(|error| table_file::unwritten(out, &error)));
     if gone.get() {
         return Ok(());
     }
     // What was read before a fault is in the table.
     let rows = table.rows;
-    table.writer.finish().map_err(|error| unwritten(out, &error))?;
+    table.writer.finish().map_err(|error| table_file::unwritten(out, &error))?;
     fed?;
     if let Some(path) = out {
         crate::output::print_error(format_args!("{rows} rows in {}", path.display()));
@@ -146,25 +148,4 @@ fn facts(library: &Library) -> Vec<(String, String)> {
     let mut facts: Vec<(String, String)> = library.state_variables.iter().filter_map(unit).collect();
     facts.push(("t_ns".into(), "nanoseconds of mission time".into()));
     facts
-}
-
-fn refuse_to_overwrite(out: &Path, inputs: &Path) -> CliResult {
-    let real = |path: &Path| std::fs::canonicalize(path).ok();
-    if real(out).is_some() && real(out) == real(inputs) {
-        return Err(CliError::user(format!("the table would be written over its source, {}", out.display()))
-            .help("give `--out` another file"));
-    }
-    Ok(())
-}
-
-fn created(path: &Path) -> CliResult<BufWriter<File>> {
-    let file = File::create(path).map_err(|error| unwritten(Some(path), &error))?;
-    Ok(BufWriter::new(file))
-}
-
-fn unwritten(path: Option<&Path>, error: &std::io::Error) -> CliError {
-    let name = path.map_or_else(|| "standard output".to_string(), |path| path.display().to_string());
-    CliError::failure(format!("cannot write {name}"))
-        .because(error)
-        .help("the table is incomplete; look at the place and the space there")
 }

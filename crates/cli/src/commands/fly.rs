@@ -2,11 +2,11 @@
 
 use crate::error::{CliError, CliResult};
 use crate::options::FlyOptions;
-use crate::text::{plain_duration, shell_word};
 use crate::{commands, output, sources, stopping};
 use apex_mission::Mission;
 use apex_mission::deliberation::PlanningResources;
 use apex_mission::flight::{FlightOutcome, MissionFlight};
+use apex_mission::text::{plain_duration, shell_word};
 use apex_model::effect::Effect;
 use apex_model::event::Batch;
 use apex_model::time::{Duration, Time};
@@ -114,13 +114,13 @@ fn check_port(port: u16) -> CliResult {
 fn means(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult<PlanningResources> {
     let mut means = PlanningResources::of(planners);
     means.table = options.table.as_deref().map(commands::profile::table).transpose()?;
-    if let Some(text) = &options.solver_patience {
-        let time = sources::parse_time(text, "--solver-patience")? - Time::ZERO;
+    if let Some(text) = &options.solver_timeout {
+        let time = sources::parse_time(text, "--solver-timeout")? - Time::ZERO;
         if time <= Duration::ZERO {
-            return Err(CliError::user(format!("`--solver-patience {text}` gives no solver a chance"))
+            return Err(CliError::user(format!("`--solver-timeout {text}` gives no solver a chance"))
                 .help("write a time above 0, for example `30s`"));
         }
-        means.patience = std::time::Duration::from_secs_f64(time.seconds());
+        means.timeout = std::time::Duration::from_secs_f64(time.seconds());
     }
     if let Some(mebibytes) = options.solver_memory {
         means.memory_bytes = u64::from(mebibytes) << 20;

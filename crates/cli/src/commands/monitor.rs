@@ -2,10 +2,9 @@
 
 use crate::error::{CliError, CliResult, read_text};
 use crate::monitor::input::Source;
-use crate::monitor::result_table::ResultTable;
 use crate::options::MonitorOptions;
 use crate::output::Listened;
-use crate::{output, sources};
+use crate::{output, sources, table_file};
 use apex_executive::MonitorSession;
 use apex_executive::state::clause::MonitorId;
 use apex_executive::state::monitors::monitor::Interest;
@@ -16,16 +15,26 @@ use apex_model::library::Library;
 use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 use apex_pdl::{CheckedConditions, SourceText};
+use apex_tables::ResultWriter;
 use std::collections::BTreeSet;
-use std::io::Write;
+use std::fs::File;
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+type ResultTable = ResultWriter<BufWriter<File>>;
 
 /// Watches the conditions over the input and prints what comes of them.
 pub fn run(options: &MonitorOptions) -> CliResult {
     let standard = [PathBuf::from("-")];
     let inputs = if options.inputs.is_empty() { standard.as_slice() } else { options.inputs.as_slice() };
-    let mut table = options.results.as_deref().map(|path| ResultTable::create(path, inputs)).transpose()?;
+    let results = options.results.as_deref();
+    let unwritten = |error| table_file::unwritten(results, &error);
+    let mut table = None;
+    if let Some(path) = results {
+        table_file::refuse_to_overwrite(path, inputs, "--results")?;
+        table = Some(ResultWriter::new(table_file::created(path)?).map_err(unwritten)?);
+    }
     let mut verdicts = Vec::new();
     for path in inputs {
         let name = (inputs.len() > 1).then(|| path.display().to_string());
@@ -34,7 +43,7 @@ pub fn run(options: &MonitorOptions) -> CliResult {
             None => return Ok(()),
         }
     }
-    table.map_or(Ok(()), ResultTable::finish)?;
+    table.map_or(Ok(()), ResultWriter::finish).map_err(unwritten)?;
     match &options.expect {
         Some(expected) if !options.fields && verdicts.iter().any(|verdict| verdict != expected) => {
             Err(CliError::failure(format!("not every verdict is `{expected}`")).because(verdicts.join(", ")))
@@ -74,8 +83,9 @@ fn watch(
         .map(|session| if style.live { session } else { session.over_a_log() })
         .map_err(|reason| CliError::user("the library cannot be used").because(reason))?;
     let out = Listened::standard();
+    let results = options.results.as_deref();
     let mut watching =
-        Watching { session, conditions, created, span, style, name, table, out, heard: false, over: false };
+        Watching { session, conditions, created, span, style, name, table, results, out, heard: false, over: false };
     let gone = watching.out.gone();
     let fed = source.feed(&library, &mut |at, kind| watching.take(at, kind));
     // A reader such as `head` that has seen enough.
@@ -144,6 +154,8 @@ struct Watching<'a> {
     /// The input's name, where there are several.
     name: Option<String>,
     table: &'a mut Option<ResultTable>,
+    /// The file of the table.
+    results: Option<&'a Path>,
     out: Listened,
     heard: bool,
     /// Something in the input came after the span: the input continues beyond it.
@@ -193,7 +205,9 @@ impl Watching<'_> {
         }
         for result in self.session.take_results() {
             if let Some(table) = self.table {
-                table.add(self.name.as_deref(), &result)?;
+                table
+                    .write(self.name.as_deref(), &result)
+                    .map_err(|error| table_file::unwritten(self.results, &error))?;
             }
             if let Some(text) = self.style.result(&result) {
                 self.write(&text)?;

@@ -1,7 +1,7 @@
 //! `apex run`: any PDL program without a vehicle, in simulated time, by the clock on the wall or at that of an outside
 //! simulator, with a trace.
 
-use crate::console::{self, Asker};
+use crate::console;
 use crate::error::{CliError, CliResult, read_text};
 use crate::options::RunOptions;
 use crate::output::Listened;
@@ -14,6 +14,7 @@ use apex_model::library::{Application, Library};
 use apex_model::time::Time;
 use apex_planning::Registry;
 use apex_runtime::answer_lines::read_answers;
+use apex_runtime::asker::Asker;
 use apex_runtime::foreign::{self, ForeignEnd};
 use apex_runtime::live_lines::OpenQuestions;
 use apex_runtime::ports::Observer;
@@ -53,7 +54,9 @@ pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> CliResult {
     let format = if options.text { TraceFormat::Text } else { TraceFormat::JsonLines };
     let mut tracer = Tracer::new(out, format, TraceFilter::default(), &library);
     let open = OpenQuestions::default();
-    let mut asker = Asker::new(open.clone(), library.crew().into_iter().map(|agent| agent.name).collect());
+    let mut asker = Asker::new(open.clone(), library.crew().into_iter().map(|agent| agent.name).collect(), |line| {
+        output::print_error(format_args!("{line}"))
+    });
 
     // The recorder comes first: nothing is used before it is stored.
     let is_recorded = recorder.is_some();

@@ -2,8 +2,8 @@
 
 use crate::error::{CliError, CliResult};
 use crate::options::{ExplanationOptions, WhyOptions};
-use crate::text::wrapped_line;
 use crate::{output, recording, sources};
+use apex_mission::text::wrapped_line;
 use apex_model::source::SourceFile;
 use apex_model::time::Time;
 use apex_runtime::explain::{Explainer, Question};

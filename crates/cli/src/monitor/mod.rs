@@ -1,4 +1,3 @@
-//! What `apex monitor` needs: inputs of all kinds, and results as a table.
+//! What `apex monitor` and `apex export` read: inputs of all kinds.
 
 pub mod input;
-pub mod result_table;

@@ -1,6 +1,7 @@
 //! The naive arbiter: the rules of `pdl.md` section 9 and of decisions 0008, 0010, 0013, 0023, 0029, 0031 and 0035, one by one,
 //! with every set of holders tried. It shares nothing with the executive.
 
+mod order;
 mod room;
 
 use super::world::{FUEL, Moment, Node, RESOURCES, World};
@@ -30,11 +31,23 @@ struct Outcome {
     impossible: Vec<usize>,
 }
 
+/// All that decides who gets what,, except for the time.
+#[derive(PartialEq)]
+struct Competition {
+    states: Vec<State>,
+    suspended: Vec<bool>,
+    failed: Vec<bool>,
+    needs: Vec<[f64; 4]>,
+    totals: [f64; 4],
+}
+
 /// All that the rules look at.
 pub struct Twin {
     nodes: Vec<Node>,
     pub states: Vec<State>,
     suspended: Vec<bool>,
+    /// Those that can never get what they need, and whose failure is not handled yet.
+    failed: Vec<bool>,
     /// Number of creation.
     born: Vec<u32>,
     /// When the last change of state was.
@@ -48,6 +61,8 @@ pub struct Twin {
     births: u32,
     /// What has arrived at this instant: tasks created now see it too.
     present: Option<Moment>,
+    /// What competed when the arbiter decided last.
+    competed: Option<Competition>,
 }
 
 impl Twin {
@@ -60,6 +75,7 @@ impl Twin {
             nodes,
             states: vec![State::Absent; count],
             suspended: vec![false; count],
+            failed: vec![false; count],
             born: vec![0; count],
             since: vec![0; count],
             worked: vec![0; count],
@@ -68,6 +84,7 @@ impl Twin {
             now: 0,
             births: 0,
             present: None,
+            competed: None,
         };
         twin.create_children(None);
         twin.settle();
@@ -141,7 +158,8 @@ impl Twin {
     }
 
     fn is_done(&self, group: usize) -> bool {
-        (0..self.nodes.len()).all(|each| self.nodes[each].parent != Some(group) || self.states[each] == State::Absent)
+        let gone = |each: usize| self.states[each] == State::Absent && !self.failed[each];
+        (0..self.nodes.len()).all(|each| self.nodes[each].parent != Some(group) || gone(each))
     }
 
     fn is_above(&self, ancestor: usize, task: usize) -> bool {
@@ -157,14 +175,19 @@ impl Twin {
         std::iter::successors(Some(task), |each| self.nodes[*each].parent)
     }
 
-    /// A task ends, with what is below it; what it had reserved is used up if it ended by itself.
-    fn end(&mut self, task: usize, used: bool) {
-        if self.states[task] == State::Absent {
-            return;
-        }
+    fn end_below(&mut self, task: usize) {
         for child in (0..self.nodes.len()).filter(|child| self.nodes[*child].parent == Some(task)).collect::<Vec<_>>() {
             self.end(child, false);
         }
+    }
+
+    /// A task ends, with what is below it; what it had reserved is used up if it ended by itself.
+    fn end(&mut self, task: usize, used: bool) {
+        self.failed[task] = false;
+        if self.states[task] == State::Absent {
+            return;
+        }
+        self.end_below(task);
         if used && self.states[task] == State::Ongoing {
             let consumed = self.needs[task][FUEL];
             self.totals[FUEL] -= consumed;
@@ -179,27 +202,35 @@ impl Twin {
         }
     }
 
-    /// Contention after contention, until nothing changes.
+    /// Contention after contention, until nothing changes. The passing of time alone gives nobody anything.
     fn settle(&mut self) {
         for _ in 0..100 {
-            if !self.contend() {
+            let competition = Competition {
+                states: self.states.clone(),
+                suspended: self.suspended.clone(),
+                failed: self.failed.clone(),
+                needs: self.needs.clone(),
+                totals: self.totals,
+            };
+            if self.competed.as_ref() == Some(&competition) {
                 return;
             }
+            self.competed = Some(competition);
+            self.contend();
         }
         panic!("the twin does not come to rest");
     }
 
     fn is_eligible(&self, task: usize) -> bool {
-        let parent_works = self.nodes[task].parent.is_none_or(|parent| self.states[parent] == State::Ongoing);
         let may = match self.states[task] {
             State::Interrupted => true,
-            State::Enabled => parent_works,
+            State::Enabled => self.parent_works(task),
             State::Absent | State::Pending | State::Ongoing => false,
         };
         may && self.ancestors(task).all(|each| !self.suspended[each])
     }
 
-    fn contend(&mut self) -> bool {
+    fn contend(&mut self) {
         let mut claimants: Vec<usize> = (0..self.nodes.len()).filter(|task| self.is_eligible(*task)).collect();
         let Outcome { granted, displaced, impossible } = loop {
             let outcome = self.arbitrate(&claimants);
@@ -209,14 +240,16 @@ impl Twin {
             }
             claimants.retain(|task| !barred.contains(task));
         };
-        let changed = !(granted.is_empty() && impossible.is_empty());
         for (task, _) in displaced {
             self.change(task, State::Interrupted);
         }
+        self.handle_failures();
         for task in impossible {
             // What handles its failure does not begin below a task that stops working: it is looked at again when that goes on.
-            if self.nodes[task].parent.is_none_or(|parent| self.states[parent] == State::Ongoing) {
-                self.end(task, true);
+            if self.parent_works(task) {
+                self.end_below(task);
+                self.states[task] = State::Absent;
+                self.failed[task] = true;
             }
         }
         let mut begin = Vec::new();
@@ -234,7 +267,22 @@ impl Twin {
                 self.create_children(Some(task));
             }
         }
-        changed
+    }
+
+    /// What handles failures of the round before takes this round, also where the parent has just lost what it had: the
+    /// failed task works until its failure is handled.
+    fn handle_failures(&mut self) {
+        let handled: Vec<usize> = (0..self.nodes.len()).filter(|task| self.failed[*task]).collect();
+        for task in &handled {
+            self.failed[*task] = false;
+            if let Some(parent) = self.nodes[*task].parent.filter(|parent| self.is_done(*parent)) {
+                self.end(parent, true);
+            }
+        }
+    }
+
+    fn parent_works(&self, task: usize) -> bool {
+        self.nodes[task].parent.is_none_or(|parent| self.states[parent] == State::Ongoing)
     }
 
     /// No step of a task that stops working begins: of such steps, those are out whose task stops for somebody who does begin;
@@ -356,58 +404,5 @@ impl Twin {
             }
         }
         Outcome { granted, displaced, impossible }
-    }
-
-    /// Does `a` go before `b` by its rank?
-    fn goes_before(&self, a: usize, b: usize) -> bool {
-        !self.related(a, b) && self.share(a, b) && self.before_by_rank(a, b) == Some(true)
-    }
-
-    /// The greatest priority of the task and of all that wait behind it.
-    fn weight(&self, task: usize, all: &[usize]) -> f64 {
-        let mut behind = vec![task];
-        while let Some(more) = all
-            .iter()
-            .find(|each| !behind.contains(each) && behind.iter().any(|ahead| self.goes_before(*ahead, **each)))
-        {
-            behind.push(*more);
-        }
-        behind.into_iter().map(|each| self.priority(each)).fold(f64::MIN, f64::max)
-    }
-
-    /// Again and again the best of those that are left, or else the best of those that go before it, and so on.
-    fn order(&self, mut left: Vec<usize>) -> Vec<usize> {
-        let all = left.clone();
-        let better = |a: usize, b: usize| if self.key(b, &all) < self.key(a, &all) { b } else { a };
-        let mut order = Vec::new();
-        while let Some(mut next) = left.iter().copied().reduce(better) {
-            while let Some(ahead) = left.iter().copied().filter(|each| self.goes_before(*each, next)).reduce(better) {
-                next = ahead;
-            }
-            left.retain(|each| *each != next);
-            order.push(next);
-        }
-        order
-    }
-
-    /// Who yields first: who beats none of the others by rank; of these the least defence; of these the latest at work.
-    fn weakest_first(&self, mut holders: Vec<usize>, defence: &impl Fn(usize) -> f64) -> Vec<usize> {
-        let mut ordered = Vec::new();
-        while !holders.is_empty() {
-            let weaker = |a: usize, b: usize| {
-                let order = defence(a).total_cmp(&defence(b));
-                order.then((self.since[b], self.born[b]).cmp(&(self.since[a], self.born[a]))).is_lt()
-            };
-            let beats_none =
-                |task: &usize| holders.iter().all(|other| self.before_by_rank(*task, *other) != Some(true));
-            let mut candidates: Vec<usize> = holders.iter().copied().filter(beats_none).collect();
-            if candidates.is_empty() {
-                candidates.clone_from(&holders);
-            }
-            let weakest = candidates.into_iter().reduce(|a, b| if weaker(b, a) { b } else { a });
-            ordered.extend(weakest);
-            holders.retain(|each| Some(*each) != weakest);
-        }
-        ordered
     }
 }

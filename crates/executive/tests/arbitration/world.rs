@@ -1,6 +1,7 @@
 //! Worlds: a tree of tasks with needs, priorities, ranks and costs, and what happens to them. Written as PDL.
 
 use proptest::prelude::*;
+use std::ops::Range;
 
 /// Names and totals of the resources: one indivisible, one shared by three, one used up.
 pub const RESOURCES: [(&str, f64); 4] = [("camera", 1.0), ("path", 1.0), ("link", 3.0), ("fuel", 10.0)];
@@ -88,7 +89,12 @@ fn node(index: usize, ranked_share: f64, expected_share: f64) -> impl Strategy<V
 /// A random world of up to nine tasks; `ranked_share` of them have ranks, which can contradict priorities, and
 /// `expected_share` an expected duration.
 pub fn worlds(ranked_share: f64, expected_share: f64) -> impl Strategy<Value = World> {
-    (2..10_usize).prop_flat_map(move |count| {
+    worlds_of(2..10, ranked_share, expected_share)
+}
+
+/// The same with so many tasks.
+pub fn worlds_of(count: Range<usize>, ranked_share: f64, expected_share: f64) -> impl Strategy<Value = World> {
+    count.prop_flat_map(move |count| {
         let nodes: Vec<_> = (0..count).map(|index| node(index, ranked_share, expected_share)).collect();
         let some = move || prop::collection::vec(0..count, 0..5);
         let moment = prop_oneof![

@@ -106,6 +106,15 @@ impl Flyer {
     /// All paths from one pose to the other, each the quickest of its word, quickest first; none where the wind is too
     /// strong for a pose, or stronger than the vehicle is quick.
     pub fn paths(&self, from: Pose, to: Pose) -> Vec<TurnPath> {
+        self.paths_of(from, to, |_| true)
+    }
+
+    /// The quickest path that turns, flies straight and turns: one for an autopilot that knows no third turn.
+    pub fn quickest_with_straight(&self, from: Pose, to: Pose) -> Option<TurnPath> {
+        self.paths_of(from, to, |word| word.between == 0.0).into_iter().next()
+    }
+
+    fn paths_of(&self, from: Pose, to: Pose, is_wanted: impl Fn(&PathType) -> bool + Copy) -> Vec<TurnPath> {
         let slow = libm::hypot(self.wind_mps.x, self.wind_mps.y) >= self.true_airspeed_mps;
         if slow || self.turn_radius_m.is_nan() || self.turn_radius_m <= 0.0 {
             return Vec::new();
@@ -116,6 +125,7 @@ impl Flyer {
             (start, end) => (start.flatten(), end.flatten()),
         };
         let mut found: Vec<TurnPath> = words(start.is_some(), end.is_some())
+            .filter(is_wanted)
             .filter_map(|word| self.path(word, (from, start), (to, end)))
             .collect();
         if found.is_empty() {
@@ -124,7 +134,7 @@ impl Flyer {
             for track_rad in tracks.filter(|_| start.is_none() || end.is_none()) {
                 let from = Pose { track_rad: from.track_rad.or(track_rad), ..from };
                 let to = Pose { track_rad: to.track_rad.or(track_rad), ..to };
-                found.extend(self.paths(from, to));
+                found.extend(self.paths_of(from, to, is_wanted));
             }
         }
         found.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
@@ -141,9 +151,10 @@ impl Flyer {
         (to, end): (Pose, Option<f64>),
     ) -> Option<TurnPath> {
         let circle_s = TAU * self.turn_radius_m / self.true_airspeed_mps;
+        let ends = PathEnds::new(word, self.turn_radius_m, (from.point, start), end);
         let look = |time_s: f64| {
             let point = to.point.plus(-time_s, self.wind_mps);
-            let (heading_rad, parts) = word.parts(self.turn_radius_m, (from.point, start), (point, end))?;
+            let (heading_rad, parts) = word.parts(&ends, point)?;
             let length_m: f64 = parts.iter().map(|part| part.length_m).sum();
             let missed_s = length_m / self.true_airspeed_mps - time_s;
             Some(PathCandidate { time_s, missed_s, heading_rad, parts })
@@ -245,7 +256,12 @@ fn narrowed(
     holds: impl Fn(&PathCandidate) -> bool,
 ) -> (PathCandidate, PathCandidate) {
     for _ in 0..HALVINGS {
-        let Some(middle) = look(0.5 * (low.time_s + high.time_s)) else { break };
+        let middle_s = 0.5 * (low.time_s + high.time_s);
+        // Between two neighbouring numbers there is none.
+        if middle_s == low.time_s || middle_s == high.time_s {
+            break;
+        }
+        let Some(middle) = look(middle_s) else { break };
         if holds(&middle) {
             low = middle;
         } else {
@@ -275,18 +291,29 @@ fn words(turn_first: bool, turn_last: bool) -> impl Iterator<Item = PathType> {
     straight.chain(turning.filter(move |_| turn_first && turn_last))
 }
 
+/// What stays the same of a word while its end moves.
+struct PathEnds {
+    radius: f64,
+    start: Option<f64>,
+    end: Option<f64>,
+    /// Centre of the first turn.
+    first: Point,
+    /// Centre of the last turn, as seen from the end.
+    last: Point,
+}
+
+impl PathEnds {
+    fn new(word: PathType, radius: f64, (from, start): (Point, Option<f64>), end: Option<f64>) -> PathEnds {
+        let left = |heading: Option<f64>| heading.map_or(Point::default(), left);
+        PathEnds { radius, start, end, first: from.plus(radius * word.first, left(start)), last: left(end) }
+    }
+}
+
 impl PathType {
     /// The parts from one pose of the air to another, with the heading at the beginning.
-    fn parts(
-        self,
-        radius: f64,
-        (from, start): (Point, Option<f64>),
-        (to, end): (Point, Option<f64>),
-    ) -> Option<(f64, [Part; 3])> {
-        let centre = |point: Point, turn: f64, heading: Option<f64>| {
-            point.plus(radius * turn, heading.map_or(Point::default(), left))
-        };
-        let (first, last) = (centre(from, self.first, start), centre(to, self.last, end));
+    fn parts(self, ends: &PathEnds, to: Point) -> Option<(f64, [Part; 3])> {
+        let PathEnds { radius, start, end, first, .. } = *ends;
+        let last = to.plus(radius * self.last, ends.last);
         let apart = last.minus(first);
         let distance = apart.length();
         let of = |turns: [f64; 3], lengths: [f64; 3]| {

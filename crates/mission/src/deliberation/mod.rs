@@ -2,6 +2,7 @@
 
 mod current_plan;
 mod operator_plan;
+mod segment;
 pub mod solve;
 mod steps;
 
@@ -23,6 +24,7 @@ use apex_planning::solver::{time_of, units_in};
 use apex_runtime::invocation::Invocations;
 use apex_runtime::ports::{CancelToken, Deliberator, Input, Posed, SolverAnswer};
 use apex_runtime::target_state::TargetChange;
+use segment::LostSegments;
 use serde::Serialize;
 use std::sync::{Arc, Mutex, PoisonError};
 use steps::nothing_more;
@@ -37,6 +39,8 @@ pub struct MissionDeliberator {
     /// What has been observed; none if no single visits are wanted, an error if the targets make no sense.
     flown: Result<Option<FlownScore>, String>,
     means: PlanningResources,
+    /// Segments of lines that lost their data.
+    segments: LostSegments,
     /// Solvers that were left behind: a matter of the machine, not of the mission.
     invocations: Arc<Mutex<Invocations>>,
 }
@@ -45,7 +49,14 @@ impl MissionDeliberator {
     /// A deliberator at the beginning of the mission.
     pub fn new(mission: Arc<Mission>, means: PlanningResources) -> MissionDeliberator {
         let flown = FlownScore::new(&mission);
-        MissionDeliberator { mission, situation: Situation::default(), flown, means, invocations: Arc::default() }
+        MissionDeliberator {
+            mission,
+            situation: Situation::default(),
+            flown,
+            means,
+            segments: LostSegments::default(),
+            invocations: Arc::default(),
+        }
     }
 
     /// The situation now.
@@ -70,11 +81,16 @@ impl Deliberator for MissionDeliberator {
         // Only the first agent flies.
         if let (0, Ok(Some(flown))) = (agent, &mut self.flown) {
             flown.observe(batch);
+            self.segments.observe(batch.now, effects);
         }
     }
 
     fn derive(&mut self) -> Vec<Input> {
-        self.situation.take_derived()
+        let mut derived = self.situation.take_derived();
+        if let Ok(Some(flown)) = &self.flown {
+            derived.extend(self.segments.weigh((&self.mission, &self.situation), flown));
+        }
+        derived
     }
 
     fn pose(&mut self, request: &SolveRequest, at: Time) -> Posed {

@@ -8,7 +8,7 @@ use apex_planning::Registry;
 use apex_planning::solver::units_in;
 use apex_portfolio::{ProfileTable, Selection};
 use apex_runtime::invocation::{Invocations, Limits};
-use apex_runtime::limits::{SOLVER_MEMORY_BYTES, SOLVER_PATIENCE};
+use apex_runtime::limits::{SOLVER_MEMORY_BYTES, SOLVER_TIMEOUT};
 use apex_runtime::ports::CancelToken;
 use apex_vehicle::EnergyModel;
 use std::sync::Arc;
@@ -40,7 +40,7 @@ pub struct PlanningResources {
     /// By which one is chosen; none is the table that ships.
     pub table: Option<Arc<ProfileTable>>,
     /// Wall time until a solver is abandoned.
-    pub patience: std::time::Duration,
+    pub timeout: std::time::Duration,
     /// Bytes by which the program may grow while a solver works.
     pub memory_bytes: u64,
 }
@@ -51,7 +51,7 @@ impl PlanningResources {
         PlanningResources {
             planners: Arc::clone(planners),
             table: None,
-            patience: SOLVER_PATIENCE,
+            timeout: SOLVER_TIMEOUT,
             memory_bytes: SOLVER_MEMORY_BYTES,
         }
     }
@@ -99,15 +99,15 @@ pub fn solve(
     }
     validate(&problem).map_err(NoPlan::Fault)?;
     let problem = Arc::new(problem);
-    let limits = Limits { units, patience: wish.means.patience, memory_bytes: wish.means.memory_bytes };
+    let limits = Limits { units, timeout: wish.means.timeout, memory_bytes: wish.means.memory_bytes };
     let answer = invocations.solve(solver, &problem, wish.previous, wish.seed, limits, cancel);
     // Who misbehaves and has no plan does not say that nothing is left.
-    let misconduct = answer.misconduct;
-    let no_plan = |why| if misconduct.is_some() { NoPlan::Fault(why) } else { NoPlan::NothingLeft(why) };
+    let violation = answer.violation;
+    let no_plan = |why| if violation.is_some() { NoPlan::Fault(why) } else { NoPlan::NothingLeft(why) };
     let mut plan = answer.plan.map_err(no_plan)?;
     usable(&name, &problem, &plan).map_err(NoPlan::Fault)?;
-    if let Some(misconduct) = misconduct {
-        reason = format!("{reason}; {misconduct}, and its best plan until then is used");
+    if let Some(violation) = violation {
+        reason = format!("{reason}; {violation}, and its best plan until then is used");
     }
     if let Err(contradiction) = apex_solvers::bounds::state(&problem, &mut plan) {
         // The plan is checked and can be flown; what is said of its bound is not.

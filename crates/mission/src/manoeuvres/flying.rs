@@ -111,12 +111,12 @@ fn join(
         turn_radius_m: JOIN_WIDTH * turn_radius_m(model),
         wind_mps: Point { x: wind.east_mps, y: wind.north_mps },
     };
-    let paths = flyer.paths(
+    // The autopilot turns, flies straight and turns; it knows no third turn.
+    let path = flyer.quickest_with_straight(
         Pose { point: plane.project(exit)?, track_rad: direction(out_deg) },
         Pose { point: plane.project(lead_in)?, track_rad: direction(track_deg) },
     );
-    // The autopilot turns, flies straight and turns; it knows no third turn.
-    let turn_s = paths.iter().find(|path| path.parts.get(1).is_some_and(|middle| middle.turn == 0.0))?.time_s;
+    let turn_s = path?.time_s;
     Some((turn_s + LEAD_IN_S, turn_s * airspeed_mps + lead_m))
 }
 

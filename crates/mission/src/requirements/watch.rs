@@ -64,6 +64,11 @@ pub struct Findings {
 }
 
 impl Watch {
+    /// Turbulence as last measured, m^(2/3)/s.
+    pub(crate) fn edr(&self) -> Option<f64> {
+        self.flown.edr
+    }
+
     /// Observes a step of the agent that flies. `forecast` is the wind that is assumed.
     pub(crate) fn observe(
         &mut self,

@@ -197,6 +197,11 @@ impl FlownScore {
         self.observation.sample(sample, &self.ground);
     }
 
+    /// What has been seen so far.
+    pub(crate) fn observation(&self) -> &FlownObservation {
+        &self.observation
+    }
+
     /// True if a picture of the target taken between two instants is worth something.
     pub fn saw(&self, target: &str, from_s: f64, until_s: f64) -> bool {
         self.observation.valid_looks_s(target).into_iter().any(|time_s| (from_s..=until_s).contains(&time_s))

@@ -17,8 +17,17 @@ pub enum MissionEvent {
         /// Why, as the procedure says it.
         why: String,
     },
-    /// `(wings-level-violation TARGET)`: a segment is flown again.
+    /// `(wings-level-violation TARGET)`: a segment of a line has lost its data.
     WingsLevelViolation(String),
+    /// `(segment-weighed TARGET FROM TO again|leave GAIN PRICE TEXT)`: whether a lost segment is flown again.
+    SegmentWeighed {
+        /// The target.
+        target: String,
+        /// It is flown again.
+        is_again: bool,
+        /// Both values, as a sentence.
+        text: String,
+    },
     /// `(replan-wanted REASON)`.
     ReplanWanted(String),
     /// `(communication-lost LINK)`.
@@ -53,6 +62,11 @@ impl MissionEvent {
                 MissionEvent::NotObserved { target: subject, why }
             }
             "wings-level-violation" => MissionEvent::WingsLevelViolation(subject),
+            "segment-weighed" => {
+                let [_, _, _, verdict, _, _, Value::Text(text)] = items else { return None };
+                let is_again = verdict.as_symbol().is_some_and(|verdict| verdict.is("again"));
+                MissionEvent::SegmentWeighed { target: subject, is_again, text: text.to_string() }
+            }
             "replan-wanted" => MissionEvent::ReplanWanted(subject),
             "communication-lost" => MissionEvent::CommunicationLost(subject),
             "communication-regained" => MissionEvent::CommunicationRegained(subject),

@@ -154,6 +154,11 @@ impl Situation {
         self.visits.iter().filter(|visit| visit.end.is_some())
     }
 
+    /// Turbulence as last measured, m^(2/3)/s.
+    pub(crate) fn edr(&self) -> Option<f64> {
+        self.watch.edr()
+    }
+
     fn open_visit(&mut self) -> Option<&mut Visit> {
         self.visits.last_mut().filter(|visit| visit.end.is_none())
     }
@@ -204,10 +209,14 @@ impl Situation {
                 self.change(target, at, TargetState::Skipped, why);
             }
             MissionEvent::WingsLevelViolation(target) => {
-                if let Some(visit) = self.open_visit() {
+                self.note(at, format!("wings were not level over {target}"));
+            }
+            MissionEvent::SegmentWeighed { target, is_again, text } => {
+                if let Some(visit) = self.open_visit().filter(|_| is_again) {
                     visit.reflies += 1;
                 }
-                self.note(at, format!("re-fly: wings were not level over {target}"));
+                let what = if is_again { "re-fly" } else { "no re-fly" };
+                self.note(at, format!("{what} over {target}: {text}"));
             }
             MissionEvent::ReplanWanted(reason) => self.note(at, format!("replanning wanted: {reason}")),
             MissionEvent::CommunicationLost(link) => {

@@ -59,6 +59,16 @@ impl ScanLine {
         self.last = Some(index);
     }
 
+    /// Where the line begins and ends, to the length of a piece.
+    pub(crate) fn ends(&self) -> (Position, Position) {
+        let length_m = self.pieces.len() as f64 * PIECE_M;
+        let to = Position::new(
+            self.from.latitude_deg + length_m * self.along.1 / METRES_PER_DEGREE,
+            self.from.longitude_deg + length_m * self.along.0 / self.metres_per_longitude,
+        );
+        (self.from, to)
+    }
+
     /// Pieces in all, seen, and seen with wings level.
     pub fn count(&self) -> (usize, usize, usize) {
         let seen = self.pieces.iter().flatten().count();

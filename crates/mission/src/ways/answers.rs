@@ -2,7 +2,7 @@
 
 use super::landing::on_line;
 use super::limits::Limits;
-use super::route::{MARGIN_SHARES, Strictness};
+use super::segment::{Segment, SegmentWay};
 use super::{Broken, LEAD_IN_S, Request, Way};
 use apex_geo::geodesy;
 use apex_geo::location::Location;
@@ -23,11 +23,6 @@ const FUNCTIONS: [(&str, usize, Body); 5] = [
     ("way-to-segment", 6, to_segment),
 ];
 
-/// Seconds of straight flight before a segment that is flown again: bank and roll settle in 5 s (time constants of a second,
-/// roll rates of some degrees per second); the rest is for the end of the turn.
-const SEGMENT_LEAD_IN_S: f64 = 10.0;
-/// Less than this of a line is not worth coming back to.
-const REST_M_MIN: f64 = 500.0;
 /// A line that is joined from so near, and so nearly in its direction, is joined straight.
 const ON_LINE_M: f64 = 300.0;
 const ON_LINE_DEG: f64 = 5.0;
@@ -243,37 +238,12 @@ fn to_segment(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let Some(request) = start_of(arguments)? else { return Ok(as_it_is) };
     let ends = spot(limits, from).ok().zip(spot(limits, to).ok()).zip(spot(limits, end).ok());
     let Some((((begin, begin_m), (until, _)), (line_end, _))) = ends else { return Ok(as_it_is) };
-    let segment_m = geodesy::distance_m(begin, until);
-    if segment_m < 1.0 || limits.turn_radius_m <= 0.0 {
-        return Ok(as_it_is);
-    }
-    let lead_m = SEGMENT_LEAD_IN_S * limits.true_airspeed_mps;
     let altitude_m = begin_m.unwrap_or(request.from_altitude_m);
-    let onto = |request: &Request, from: Position, to: Position| {
-        let (gate, gate_deg) = on_line(from, to, -lead_m);
-        let to_gate =
-            Request { to: gate, to_altitude_m: altitude_m, to_track_rad: Some(gate_deg.to_radians()), ..*request };
-        let mut way = MARGIN_SHARES.iter().find_map(|share| limits.way(&to_gate, &Strictness::all(*share)).ok())?;
-        way.via.push(gate);
-        Some(way)
+    let segment = Segment { begin, until, line_end, altitude_m };
+    let Some(SegmentWay { is_reversed, way, .. }) = limits.segment_again(&request, &segment) else {
+        return Ok(as_it_is);
     };
-    let flown_s = (segment_m + lead_m) / limits.true_airspeed_mps;
-    let same = onto(&request, begin, until).map(|way| (way.hold_s + way.time_s + flown_s, way));
-    let reverse = onto(&request, until, begin).and_then(|way| {
-        let mut total_s = way.hold_s + way.time_s + flown_s;
-        if geodesy::distance_m(until, line_end) > REST_M_MIN {
-            let back_deg = geodesy::azimuth_deg(until, begin);
-            let after = Request { from: begin, from_track_rad: Some(back_deg.to_radians()), ..request };
-            total_s += onto(&after, until, line_end).map(|way| way.hold_s + way.time_s)?;
-        }
-        Some((total_s, way))
-    });
-    let (first, second, way) = match (same, reverse) {
-        (Some((same_s, _)), Some((reverse_s, way))) if reverse_s < same_s => (to, from, way),
-        (Some((_, way)), _) => (from, to, way),
-        (None, Some((_, way))) => (to, from, way),
-        (None, None) => return Ok(as_it_is),
-    };
+    let (first, second) = if is_reversed { (to, from) } else { (from, to) };
     let told = answer(Some(way), None);
     let told = told.as_list().unwrap_or_default();
     Ok(Value::list([first.clone(), second.clone()].into_iter().chain(told.iter().cloned())))

@@ -12,10 +12,12 @@ mod landing;
 mod least;
 mod limits;
 mod route;
+mod segment;
 mod straight;
 
 pub(crate) use answers::register;
 pub use limits::Limits;
+pub(crate) use segment::Segment;
 
 use apex_model::problem::Position;
 

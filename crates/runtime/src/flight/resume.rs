@@ -26,7 +26,7 @@ impl Flight<'_, '_> {
     /// than `at` come; `answers` to open requests come when they are due.
     pub(crate) fn resume(&mut self, at: Time, last_sequences: &[u64], answers: Vec<OpenAnswer>) {
         self.scheduled.retain(|input| input.at > at);
-        self.crew.resume(last_sequences);
+        self.group.resume(last_sequences);
         (self.now, self.is_new) = (at, false);
         for OpenAnswer { solver, request, due, report } in answers {
             self.pool.expect(solver, request, due, report);

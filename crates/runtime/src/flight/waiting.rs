@@ -15,7 +15,7 @@ impl Flight<'_, '_> {
         let mut flushed = false;
         let listening = self.controls.is_some();
         loop {
-            if !self.crew.is_idle() {
+            if !self.group.is_idle() {
                 return Ok(Waited::Reached(self.pacer.now(self.now, instant)));
             }
             if self.fetch_answers(instant)? {
@@ -53,8 +53,8 @@ impl Flight<'_, '_> {
     /// Takes in an input that arrives before its instant: now.
     fn take_in(&mut self, mut input: Input) -> Result<(), RunError> {
         input.at = self.pacer.now(self.now, input.at);
-        match self.crew.check(&input) {
-            Ok(()) => self.crew.deliver(input),
+        match self.group.check(&input) {
+            Ok(()) => self.group.deliver(input),
             Err(error) => {
                 let (now, text) = (input.at, error.to_string());
                 self.each_observer(now, |observer| observer.note(now, &text))

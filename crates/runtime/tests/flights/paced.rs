@@ -98,8 +98,8 @@ impl Deliberator for Asks {
         let (solver, limits, goal) = (Arc::clone(&self.solver), self.limits, request.goal.clone());
         Posed::new("{}".into(), move |cancel| {
             let answer = Invocations::new().solve(&solver, &problem, None, 1, limits, cancel);
-            let result = match answer.misconduct {
-                Some(misconduct) => Err(misconduct),
+            let result = match answer.violation {
+                Some(violation) => Err(violation),
                 None => answer.plan.map(|_| one_site(&goal)),
             };
             SolverAnswer { result, charged: time_of(answer.used).min(Duration::from_seconds(5.0)) }
@@ -170,9 +170,9 @@ fn fly(name: &'static str, answer_comes: bool) -> String {
     let patron = Patron { answer_comes, ..Patron::default() };
     let (answered, gate) = (Arc::clone(&patron.answered), Arc::clone(&patron.gate));
     let solver: Arc<dyn Solver> = Arc::new(Bad(name, Arc::clone(&gate)));
-    let patience = std::time::Duration::from_secs(120);
+    let timeout = std::time::Duration::from_secs(120);
     let units = if name == "loops" { 1_000 } else { u64::MAX / 4 };
-    let limits = Limits { units, patience, memory_bytes: if name == "hoards" { 64 << 20 } else { 1 << 40 } };
+    let limits = Limits { units, timeout, memory_bytes: if name == "hoards" { 64 << 20 } else { 1 << 40 } };
     let mut deliberator = Asks { solver, limits };
     let inputs = (1..10_u8).map(|tens| altitude(f64::from(tens) * 10.0, 10 * i64::from(tens) + 6)).collect();
     let until = Time::from_seconds(100.0);

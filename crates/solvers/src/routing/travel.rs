@@ -173,6 +173,17 @@ impl<'a> Travel<'a> {
         self.find(from, to, ready_s).ok().map(|(_, times, _)| times)
     }
 
+    /// The same, with what stands in the way; the path itself is not made.
+    ///
+    /// # Errors
+    /// As [`Travel::way`].
+    pub(crate) fn times_or_trouble(&mut self, from: PointKey, to: PointKey, ready_s: f64) -> Result<Times, String> {
+        match &self.problem.travel {
+            Some(_) => self.times(from, to, ready_s).ok_or_else(|| "no way leads there".to_string()),
+            None => self.find(from, to, ready_s).map(|(_, times, _)| times),
+        }
+    }
+
     /// Time from being ready to leave `from` at `ready_s` to being at `to`, holding included; none where there is no way.
     pub(crate) fn time_s(&mut self, from: PointKey, to: PointKey, ready_s: f64) -> Option<f64> {
         self.times(from, to, ready_s).map(|times| times.arrive_s - ready_s)

@@ -1,10 +1,8 @@
-//! Running independent tasks on several threads: results come in the order of the tasks, whatever the threads do.
+//! Tasks of a measurement on several threads, with a progress bar.
 
 use crate::error::{CliError, CliResult};
 use crate::options::ProfileWorkOptions;
 use indicatif::{ProgressBar, ProgressStyle};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc::channel;
 
 /// Threads at most.
 const THREADS_MAX: usize = 1024;
@@ -21,38 +19,11 @@ pub(super) fn each<T: Send>(
 ) -> CliResult<Vec<T>> {
     let threads = threads(options)?.min(count.max(1));
     let bar = bar(options, title, count);
-    let (next, failed) = (AtomicUsize::new(0), AtomicBool::new(false));
-    let mut results: Vec<Option<Result<T, String>>> = (0..count).map(|_| None).collect();
-    std::thread::scope(|scope| {
-        let (sender, receiver) = channel();
-        for _ in 0..threads {
-            let (sender, next, failed, task) = (sender.clone(), &next, &failed, &task);
-            scope.spawn(move || {
-                while !failed.load(Ordering::Relaxed) {
-                    let number = next.fetch_add(1, Ordering::Relaxed);
-                    if number >= count {
-                        break;
-                    }
-                    let result = task(number);
-                    failed.fetch_or(result.is_err(), Ordering::Relaxed);
-                    if sender.send((number, result)).is_err() {
-                        break;
-                    }
-                }
-            });
-        }
-        drop(sender);
-        for (number, result) in receiver {
-            if let Some(slot) = results.get_mut(number) {
-                *slot = Some(result);
-            }
-            bar.inc(1);
-        }
-    });
+    let done = apex_portfolio::parallel::each(threads, count, task, || bar.inc(1));
     bar.finish_and_clear();
-    // Tasks begin in order: none before the first failure was left out.
-    let done: Result<Vec<T>, String> = results.into_iter().flatten().collect();
-    done.map_err(|why| CliError::failure("the measurement was given up").because(why).help("this is a planner's fault"))
+    done.map_err(|why| {
+        CliError::failure("the measurement was abandoned").because(why).help("this is a planner's fault")
+    })
 }
 
 fn threads(options: &ProfileWorkOptions) -> CliResult<usize> {

@@ -202,6 +202,12 @@ impl<'a, 'c> Front<'a, 'c> {
     fn may_leave_a_gap(&self, dirty: &BTreeSet<ResourceId>, result: &Arbitration) -> bool {
         let agent = &*self.cycle.agent;
         let granted: BTreeSet<TaskId> = result.granted.iter().copied().collect();
+        let lost: Vec<Claimant> = result
+            .displaced
+            .iter()
+            .filter(|loss| !granted.contains(&loss.loser))
+            .map(|loss| as_claimant(self.cycle, loss.loser))
+            .collect();
         let mut open: Vec<ResourceId> = dirty.iter().copied().collect();
         let mut seen = dirty.clone();
         let (mut latest, mut shortest) = (None, None);
@@ -213,10 +219,14 @@ impl<'a, 'c> Front<'a, 'c> {
                 latest = latest.max(self.field.expected_end(&each));
             }
             let waiting = &resource.waiting;
+            let served = granted.iter().filter(|task| waiting.contains(**task)).count();
+            let losers: Vec<&Claimant> = lost.iter().filter(|each| amount_of(each, id) > 0.0).collect();
             // One that leaves the gap, and one that fills it.
-            let waits = waiting.len() > granted.iter().filter(|task| waiting.contains(**task)).count() + 1;
+            let waits = waiting.len() + losers.len() > served + 1;
             if waits && used < resource.total - TOLERANCE {
-                shortest = [shortest, waiting.shortest()].into_iter().flatten().min();
+                let expected = |each: &&Claimant| agent.task(each.id)?.selection.as_ref()?.expected;
+                let known = losers.iter().filter_map(expected);
+                shortest = [shortest, waiting.shortest()].into_iter().flatten().chain(known).min();
             }
             let matters = |id: &ResourceId| {
                 agent.resources.get(*id).is_some_and(|other| other.waiting.len() > 1 || !other.holders.is_empty())

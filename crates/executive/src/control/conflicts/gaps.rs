@@ -9,7 +9,7 @@
 
 use crate::control::conflicts::arbitration::Arbitration;
 use crate::control::conflicts::competition::{as_claimant, is_eligible};
-use crate::control::conflicts::conflict::{Field, Placement};
+use crate::control::conflicts::conflict::{Field, Placement, left_behind};
 use crate::control::conflicts::priority;
 use crate::control::conflicts::queues::{in_turn, key_of, key_of_loser, usable};
 use crate::control::conflicts::sharing::{TOLERANCE, UseKind};
@@ -22,9 +22,21 @@ use apex_model::time::Time;
 use std::collections::{BTreeMap, BTreeSet};
 use std::iter::Peekable;
 
-/// Arbitrates the resources in `dirty` and all that claimants need in addition; `fresh` claim since this round. None where
-/// the claimants must be compared with one another.
+/// Arbitrates the resources in `dirty`, all that claimants need in addition, and all that tasks leave that are displaced;
+/// `fresh` claim since this round. None where the claimants must be compared with one another.
 pub(crate) fn decide(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, fresh: &BTreeSet<TaskId>) -> Option<Arbitration> {
+    let mut dirty = dirty.clone();
+    loop {
+        let result = decide_in(cycle, &dirty, fresh)?;
+        let known = dirty.len();
+        dirty.extend(left_behind(cycle, &result));
+        if dirty.len() == known {
+            return Some(result);
+        }
+    }
+}
+
+fn decide_in(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, fresh: &BTreeSet<TaskId>) -> Option<Arbitration> {
     let mut turns = Turns::of(cycle, dirty)?;
     let mut untold: BTreeSet<TaskId> = fresh.iter().copied().filter(|task| key_of(cycle, *task).is_some()).collect();
     let mut result = Arbitration::default();

@@ -93,7 +93,7 @@ fn planners_begin_from_the_adopted_plan_only() {
 fn solved(mission: &Mission, solver: Option<&str>) -> Deliberation {
     let problem = pose(mission, &Situation::default(), None, Time::ZERO).unwrap();
     let means = PlanningResources::of(&Arc::new(apex_solvers::shipped()));
-    let wish = SolveOptions { means: &means, solver, budget: Duration::from_seconds(1.0), seed: 1, previous: None };
+    let wish = SolveOptions { means: &means, solver, budget: Duration::from_seconds(0.3), seed: 1, previous: None };
     solve(problem, wish, &mut Invocations::new(), &CancelToken::new()).unwrap()
 }
 

@@ -1,21 +1,23 @@
 //! The single-visit planner: a subset of targets in the best order and way, for the highest mission score (paper, II.B).
 //!
-//! Greedy insertion by gain per time, then local search (insert, replace, relocate, exchange, turn round, other
-//! manoeuvre, wait for a better time, drop), then ruin and re-insertion from the best plan until nothing new has come for
-//! a while or the budget is exhausted. Where a plan is flown already, what is left of it is where the search begins. Everything is judged by [`schedule`], which knows wind, airspace, light, windows,
-//! order, fuel and endurance.
+//! A first plan by estimated times (`construct`), greedy insertion by gain per time, then local search (insert, replace, relocate,
+//! exchange, turn round, other manoeuvre, wait for a better time, drop), then ruin and re-insertion from the best plan until nothing
+//! new has come for a while or the budget is exhausted. Where a plan is flown already, what is left of it is where the search begins.
+//! Everything is judged by [`schedule`], which knows wind, airspace, light, windows, order, fuel and endurance.
 //! Bound: none but the budget. A leg evaluated is two units of work, preparing a way some hundreds.
 
 mod companions;
+mod construct;
 mod explain;
 mod in_order;
 mod moves;
+mod order_value;
 mod plan;
-
 mod search;
 mod time_independent;
 
 pub use in_order::in_order;
+pub use order_value::{OrderValue, OrderedVisit, order_value};
 pub use plan::scored;
 
 use crate::routing::{schedule, travel};

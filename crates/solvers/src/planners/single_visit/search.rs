@@ -31,7 +31,7 @@ pub(super) struct Candidate {
 
 pub(super) struct LocalSearch<'s, 'p, 'b> {
     pub(super) schedule: &'s mut Schedule<'p>,
-    usable: Vec<usize>,
+    pub(super) usable: Vec<usize>,
     troubles: &'s Troubles,
     /// Targets that can be visited with others only: after what leads to them, or after what must come earlier.
     pub(super) companions: Vec<usize>,
@@ -56,6 +56,8 @@ pub(super) fn run(
     let mut search = LocalSearch { schedule, usable, troubles, companions, budget, random, banned: Vec::new() };
     let idle = Judged { visits: Vec::new(), end_s: search.schedule.problem.start_s, score: f64::NEG_INFINITY };
     let mut best = Candidate { order: Vec::new(), judged: idle };
+    search.construct(&mut best);
+    tell(&mut search, &best, report);
     search.fill(&mut best, 0.0);
     search.start_somewhere(&mut best);
     if let Some(left) = previous.and_then(|plan| search.left_of(plan)).filter(|left| left.judged.beats(&best.judged)) {
@@ -176,7 +178,7 @@ impl LocalSearch<'_, '_, '_> {
     }
 
     /// The most that a target can be worth.
-    fn worth_max(&self, target: usize) -> f64 {
+    pub(super) fn worth_max(&self, target: usize) -> f64 {
         let Some(target) = self.schedule.problem.targets.get(target) else { return 0.0 };
         let quality = target.manoeuvres.iter().map(|manoeuvre| manoeuvre.quality.product()).fold(0.0, f64::max);
         target.value * quality

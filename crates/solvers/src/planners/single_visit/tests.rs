@@ -128,8 +128,8 @@ fn equal_seed_and_budget_give_an_equal_plan() {
 }
 
 #[test]
-fn even_a_budget_of_nothing_gives_a_plan() {
-    assert_eq!(solve(&few(5, 60_000.0), 0).unwrap().visits.len(), 1);
+fn even_a_budget_of_nothing_gives_a_whole_plan() {
+    assert_eq!(solve(&few(5, 60_000.0), 0).unwrap().visits.len(), 5);
 }
 
 /// The best score by trying every subset in every order with every manoeuvre.

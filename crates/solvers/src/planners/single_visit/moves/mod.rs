@@ -107,7 +107,7 @@ impl LocalSearch<'_, '_, '_> {
     }
 
     /// Where the visit at `at` begins; the base after the last; none where the flight may end anywhere.
-    fn entry_at(&self, current: &Candidate, at: usize) -> Option<PointKey> {
+    pub(super) fn entry_at(&self, current: &Candidate, at: usize) -> Option<PointKey> {
         match current.order.get(at) {
             Some(choice) => Some(PointKey::Entry(choice.target, choice.manoeuvre)),
             None => self.schedule.problem.base.map(|_| PointKey::Base),
@@ -116,7 +116,7 @@ impl LocalSearch<'_, '_, '_> {
 }
 
 /// Where the visit before the one at `at` ends.
-fn exit_before(current: &Candidate, at: usize) -> PointKey {
+pub(super) fn exit_before(current: &Candidate, at: usize) -> PointKey {
     let before = at.checked_sub(1).and_then(|before| current.order.get(before));
     before.map_or(PointKey::Start, |choice| PointKey::Exit(choice.target, choice.manoeuvre))
 }

@@ -1,7 +1,7 @@
 //! Divides the budget between annealing runs and proofs.
 //!
-//! With many targets it does so in stages, each with more units than all before it, from the same seed on: more budget never gives
-//! a worse route. With few, proofs settle what a stage would repeat.
+//! It does so in stages, each with more units than all before it, from the same seed on: more budget never gives a worse route.
+//! With few targets, runs of annealing follow the first stages, and one proof takes all that is left.
 //! Annealing takes all units that proofs do not need: three runs from the empty route, each of which ends in a good route that may
 //! be far from the best, and a last run from the best of them at a lower initial temperature. With few targets, a proof by labels is
 //! tried after the first run: it often takes less work than the other runs, and finds the best route if the first run did not.
@@ -43,6 +43,8 @@ const BOUND_UNITS_MAX: u64 = 3_000_000;
 const SEARCH_SHARE_OF_FEW: f64 = 0.15;
 const SEARCH_UNITS_OF_FEW: u64 = 300_000;
 const BOUND_UNITS_MAX_OF_FEW: u64 = 100_000_000;
+/// With few targets, the last decade of stages.
+const STAGED_UNITS_OF_FEW: u64 = 100_000;
 
 /// Units of work at which the first stage ends, counted from the planner's beginning, and how many times as many the next
 /// one has: usual budgets end with a stage. Up to [`ROUNDS_NODES_MAX`] nodes several runs cool within a stage, with more a single one,
@@ -103,8 +105,8 @@ impl<'n> SearchDriver<'n> {
     pub(super) fn run(mut self, budget: &mut dyn Budget) -> (Route, Option<f64>) {
         // An unlimited search would never cool: it ends by itself, as one limited by a clock.
         match budget.left().filter(|left| *left < u64::MAX >> 8) {
-            Some(left) if self.network.targets <= FEW => self.stage(left, budget),
-            Some(_) => self.stages(budget),
+            Some(left) if self.network.targets <= FEW => self.stages_of_few(budget.used().saturating_add(left), budget),
+            Some(_) => self.stages(u64::MAX >> 8, budget),
             None => {
                 self.go_on(budget);
                 self.ask_finally(ROUND_UNITS, budget);
@@ -113,14 +115,28 @@ impl<'n> SearchDriver<'n> {
         (self.best, self.bound)
     }
 
-    /// Stages until the budget ends. None knows how much is left, so a smaller budget goes through the same stages and ends
-    /// earlier: it never finds a better route.
-    fn stages(&mut self, budget: &mut dyn Budget) {
-        let is_of_many = self.network.nodes.len() > ROUNDS_NODES_MAX;
+    /// With few targets: stages up to [`STAGED_UNITS_OF_FEW`], then annealing runs of fixed lengths, as many as `whole` units
+    /// have space for, and one proof with all that is left, because a proof that is cut has to be begun again. A smaller budget
+    /// goes through the same runs and ends earlier.
+    fn stages_of_few(&mut self, whole: u64, budget: &mut dyn Budget) {
+        self.stages(STAGED_UNITS_OF_FEW, budget);
+        let mut end = STAGED_UNITS_OF_FEW * STAGE_STEP;
+        while end <= whole && !self.is_settled() && !budget.exhausted() {
+            self.cool((SEARCH_SHARE_OF_FEW * end as f64) as u64, 0, budget);
+            end *= STAGE_BETWEEN_OF_MANY;
+        }
+        self.question = None;
+        self.ask_finally(budget.left().unwrap_or(0), budget);
+    }
+
+    /// Stages until the budget ends, those of decades up to `until` units. None knows how much is left, so a smaller budget goes
+    /// through the same stages and ends earlier: it never finds a better route.
+    fn stages(&mut self, until: u64, budget: &mut dyn Budget) {
+        let goes_between = self.network.nodes.len() > ROUNDS_NODES_MAX || self.network.targets <= FEW;
         let mut decade = FIRST_STAGE;
-        while decade < u64::MAX >> 8 {
+        while decade <= until {
             let ends = [decade, decade * STAGE_BETWEEN_OF_MANY];
-            for end in ends.into_iter().take(if is_of_many { 2 } else { 1 }) {
+            for end in ends.into_iter().take(if goes_between { 2 } else { 1 }) {
                 if self.is_settled() || budget.exhausted() {
                     return;
                 }

@@ -1,4 +1,4 @@
-//! The crew: the agents of one application, each with its inbox, at one clock.
+//! The agents of one application, each with its inbox, at one clock.
 //!
 //! At an instant agents step in rounds, within a round in the order of their declarations. What an agent says to another
 //! in a round reaches it at the same instant in the next round, so no agent depends on its place in the order. Rounds are
@@ -14,7 +14,7 @@ use apex_model::event::{Batch, EventKind, Message};
 use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 
-/// Numbers of commands and requests outside of the crew: every agent counts from 0, the world must tell them apart.
+/// Numbers of commands and requests outside of the group: every agent counts from 0, the world must tell them apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Numbering {
     agent: u64,
@@ -40,17 +40,17 @@ impl Numbering {
 }
 
 /// Agents with their inboxes, and what they said to each other in this round.
-pub(crate) struct Crew<'a> {
+pub(crate) struct AgentGroup<'a> {
     agents: &'a mut [Agent],
     inboxes: Vec<Inbox>,
     post: Vec<(usize, EventKind)>,
     rounds: u32,
 }
 
-impl<'a> Crew<'a> {
-    pub(crate) fn new(agents: &'a mut [Agent]) -> Crew<'a> {
+impl<'a> AgentGroup<'a> {
+    pub(crate) fn new(agents: &'a mut [Agent]) -> AgentGroup<'a> {
         let inboxes = agents.iter().map(|_| Inbox::new()).collect();
-        Crew { agents, inboxes, post: Vec::new(), rounds: 0 }
+        AgentGroup { agents, inboxes, post: Vec::new(), rounds: 0 }
     }
 
     /// Continues the numbering of events after the last one of each agent.

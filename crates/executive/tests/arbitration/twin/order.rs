@@ -1,0 +1,58 @@
+//! Order: which task goes before others and counts as much as those, and which holder yields first.
+
+use super::Twin;
+
+impl Twin {
+    /// Does `a` go before `b` by its rank?
+    pub(super) fn goes_before(&self, a: usize, b: usize) -> bool {
+        !self.related(a, b) && self.share(a, b) && self.before_by_rank(a, b) == Some(true)
+    }
+
+    /// The greatest priority of the task and of all that wait behind it.
+    pub(super) fn weight(&self, task: usize, all: &[usize]) -> f64 {
+        let mut behind = vec![task];
+        while let Some(more) = all
+            .iter()
+            .find(|each| !behind.contains(each) && behind.iter().any(|ahead| self.goes_before(*ahead, **each)))
+        {
+            behind.push(*more);
+        }
+        behind.into_iter().map(|each| self.priority(each)).fold(f64::MIN, f64::max)
+    }
+
+    /// Again and again the best of those that are left, or else the best of those that go before it, and so on.
+    pub(super) fn order(&self, mut left: Vec<usize>) -> Vec<usize> {
+        let all = left.clone();
+        let better = |a: usize, b: usize| if self.key(b, &all) < self.key(a, &all) { b } else { a };
+        let mut order = Vec::new();
+        while let Some(mut next) = left.iter().copied().reduce(better) {
+            while let Some(ahead) = left.iter().copied().filter(|each| self.goes_before(*each, next)).reduce(better) {
+                next = ahead;
+            }
+            left.retain(|each| *each != next);
+            order.push(next);
+        }
+        order
+    }
+
+    /// Who yields first: who beats none of the others by rank; of these the least defence; of these the latest at work.
+    pub(super) fn weakest_first(&self, mut holders: Vec<usize>, defence: &impl Fn(usize) -> f64) -> Vec<usize> {
+        let mut ordered = Vec::new();
+        while !holders.is_empty() {
+            let weaker = |a: usize, b: usize| {
+                let order = defence(a).total_cmp(&defence(b));
+                order.then((self.since[b], self.born[b]).cmp(&(self.since[a], self.born[a]))).is_lt()
+            };
+            let beats_none =
+                |task: &usize| holders.iter().all(|other| self.before_by_rank(*task, *other) != Some(true));
+            let mut candidates: Vec<usize> = holders.iter().copied().filter(beats_none).collect();
+            if candidates.is_empty() {
+                candidates.clone_from(&holders);
+            }
+            let weakest = candidates.into_iter().reduce(|a, b| if weaker(b, a) { b } else { a });
+            ordered.extend(weakest);
+            holders.retain(|each| Some(*each) != weakest);
+        }
+        ordered
+    }
+}

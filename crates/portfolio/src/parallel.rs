@@ -1,0 +1,60 @@
+//! Independent tasks on several threads: results come in the order of the tasks, whatever the threads do.
+
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::channel;
+
+/// Does `task` for each number below `count` on `threads` threads; `done` is called on this thread after each one.
+///
+/// # Errors
+/// That of the first task (by number) that failed; no further ones are begun then.
+pub fn each<T: Send>(
+    threads: usize,
+    count: usize,
+    task: impl Fn(usize) -> Result<T, String> + Sync,
+    mut done: impl FnMut(),
+) -> Result<Vec<T>, String> {
+    let (next, failed) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let mut results: Vec<Option<Result<T, String>>> = (0..count).map(|_| None).collect();
+    std::thread::scope(|scope| {
+        let (sender, receiver) = channel();
+        for _ in 0..threads {
+            let (sender, next, failed, task) = (sender.clone(), &next, &failed, &task);
+            scope.spawn(move || {
+                while !failed.load(Ordering::Relaxed) {
+                    let number = next.fetch_add(1, Ordering::Relaxed);
+                    if number >= count {
+                        break;
+                    }
+                    let result = task(number);
+                    failed.fetch_or(result.is_err(), Ordering::Relaxed);
+                    if sender.send((number, result)).is_err() {
+                        break;
+                    }
+                }
+            });
+        }
+        drop(sender);
+        for (number, result) in receiver {
+            if let Some(slot) = results.get_mut(number) {
+                *slot = Some(result);
+            }
+            done();
+        }
+    });
+    // Tasks begin in order: none before the first failure was left out.
+    results.into_iter().flatten().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::each;
+
+    #[test]
+    fn results_and_the_first_failure_come_in_the_order_of_the_tasks() {
+        let mut calls = 0;
+        assert_eq!(each(3, 5, |number| Ok(number * number), || calls += 1), Ok(vec![0, 1, 4, 9, 16]));
+        assert_eq!(calls, 5);
+        let odd = |number: usize| if number % 2 == 1 { Err(number.to_string()) } else { Ok(number) };
+        assert_eq!(each(4, 9, odd, || ()), Err("1".to_string()));
+    }
+}
