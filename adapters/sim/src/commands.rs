@@ -164,7 +164,8 @@ impl SimulatedWorld {
         };
         let way = Way::new(points, &self.situation());
         let hold = arguments.hold_keyword()?;
-        if let Some(altitude_m) = altitude_m {
+        // The final approach of a small aircraft begins below the lowest altitude of other flights.
+        if let Some(altitude_m) = altitude_m.filter(|_| name != "land") {
             self.check_altitude(arguments, altitude_m)?;
         }
         if let Some(speed) = speed {

@@ -141,6 +141,8 @@ fn pictures_give_what_the_plan_predicted_in_the_time_that_it_predicted() {
             println!("{}", flown.report.text());
             let looks = compare(&format!("{model}, {share}"), &flown.report, share);
             assert_eq!(looks, wanted.len() - 1, "{model}: {}", flown.report.text());
+            // It is home again, on the ground.
+            assert_eq!(flown.report.end.1, "the initial task is done", "{model}");
             // From the record alone, byte for byte.
             let (reader, warning) = recording::open(&path).unwrap();
             assert_eq!(warning, None);
@@ -184,4 +186,48 @@ fn a_camera_that_does_not_fit_is_named_with_what_would_do() {
     let far = feature(r#""id": "dam", "kind": "inspection""#, "Point", &place(26_000.0, 0.0));
     let far = reason("quadrotor", &[point(r#""resolution_m": 0.02"#), far]);
     assert!(far.contains("the battery leaves: it has") && far.contains("above its reserve"), "{far}");
+}
+
+#[test]
+fn ways_to_forty_targets_are_made_in_time_for_a_replan() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut targets = vec![feature(r#""id": "pad", "kind": "base""#, "Point", &place(0.0, 0.0))];
+    for number in 0..40_u32 {
+        let (east, north) = (200.0 * f64::from(number % 8), 300.0 * f64::from(number / 8));
+        let wanted = format!(r#""id": "t{number}", "kind": "inspection", "value": 10, "resolution_m": 0.02"#);
+        targets.push(match number % 4 {
+            0 => feature(
+                &wanted,
+                "LineString",
+                &format!("[{}, {}]", place(east, north), place(east + 150.0, north + 80.0)),
+            ),
+            1 => feature(
+                &wanted,
+                "Polygon",
+                &format!(
+                    "[[{0}, {1}, {2}, {3}, {0}]]",
+                    place(east, north),
+                    place(east + 120.0, north),
+                    place(east + 120.0, north + 150.0),
+                    place(east, north + 150.0)
+                ),
+            ),
+            _ => feature(&wanted, "Point", &place(east, north)),
+        });
+    }
+    let mission = mission(folder.path(), "quadrotor", WIND, &targets);
+    let begin = std::time::Instant::now();
+    let problem = apex_mission::problem::pose(
+        &mission,
+        &apex_mission::situation::Situation::default(),
+        None,
+        apex_model::time::Time::ZERO,
+    );
+    let took_s = begin.elapsed().as_secs_f64();
+    let apex_model::problem::Problem::SingleVisit(problem) = problem.unwrap() else { panic!("of another kind") };
+    assert_eq!(problem.targets.len(), 40);
+    let ways: usize = problem.targets.iter().map(|target| target.manoeuvres.len()).sum();
+    println!("{ways} ways to 40 targets in {took_s:.3} s");
+    // Generous, since tests share the machine: a release build takes about a tenth.
+    assert!(took_s < 5.0, "{took_s} s");
 }
