@@ -320,7 +320,7 @@ impl Camera {
         (self.state, self.aim, self.slew_until, self.run) = (CameraState::Ready, None, None, None);
     }
 
-    /// Rests, and is switched off where that is wished. A camera that powers up goes on with it unless it is switched off.
+    /// Rests, and is switched off where that is wished. A camera that powers up continues unless it is switched off.
     pub(crate) fn stop(&mut self, is_off: bool) {
         if is_off || self.is_ready() {
             self.rest();

@@ -50,7 +50,7 @@ fn every_update_and_the_wind_lead_to_a_new_plan_and_every_look_to_a_picture() {
     // The wind rises at 24 min and is stronger than forecast for a minute then.
     let wind_s = noted_s(&flown, "replanning wanted: wind-as-forecast");
     assert!((1_500.0..1_860.0).contains(&wind_s), "{wind_s}");
-    // Smoke is seen at 1,680 s; nobody answers for 90 s, so the default holds.
+    // Smoke is seen at 1,680 s; no answer comes for 90 s, so the default holds.
     let smoke_s = noted_s(&flown, "sawmill: 0.8 events an hour");
     assert!((smoke_s - 1_770.0).abs() < 2.0, "{smoke_s}");
     assert!(flown.report.plans >= 7, "{}", flown.report.plans);
