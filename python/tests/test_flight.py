@@ -11,7 +11,7 @@ import pytest
 
 from apex_autonomy import Mission, MissionError, Planner, PlanningError, fly, fork, replay, report
 
-WATCH = Path(__file__).parents[2] / "missions/structure-watch"
+WATCH = Path(__file__).parents[2] / "crates/cli/tests/missions/plain-watch"
 SHORT_S = 1200
 
 

@@ -16,7 +16,7 @@ from apex_autonomy import InputError, Mission, Planner, PlanningError, Profile, 
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "python/examples/swaps.py"
-MISSION = ROOT / "missions/structure-watch"
+MISSION = ROOT / "crates/cli/tests/missions/plain-watch"
 FORM = "(solver auto (index (patrol the structures)) :budget 500ms)"
 PATROL = "(step patrol (patrol the structures) (waitfor (end ?up))"
 

@@ -320,6 +320,17 @@ impl Camera {
         (self.state, self.aim, self.slew_until, self.run) = (CameraState::Ready, None, None, None);
     }
 
+    /// Rests, and is switched off where that is wished. A camera that powers up continues unless it is switched off.
+    pub(crate) fn stop(&mut self, is_off: bool) {
+        if is_off || self.is_ready() {
+            self.rest();
+            self.timer = None;
+        }
+        if is_off {
+            self.state = CameraState::Off;
+        }
+    }
+
     /// Counts the distance flown in `dt` seconds at this speed over ground; true when a picture of a run is due.
     pub(crate) fn is_picture_due(&mut self, ground_speed: f64, dt: f64, now: Time) -> bool {
         let Some(run) = &mut self.run else { return false };

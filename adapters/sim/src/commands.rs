@@ -164,7 +164,7 @@ impl SimulatedWorld {
         };
         let way = Way::new(points, &self.situation());
         let hold = arguments.hold_keyword()?;
-        // An approach is low on purpose.
+        // The final approach of a small aircraft begins below the lowest altitude of other flights.
         if let Some(altitude_m) = altitude_m.filter(|_| !matches!(order, Order::Land { .. })) {
             self.check_altitude(arguments, altitude_m)?;
         }

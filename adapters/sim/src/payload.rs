@@ -66,29 +66,14 @@ impl SimulatedWorld {
                 camera.timer = Some(waiting.unwrap_or(fresh));
                 camera.command = Some(id);
             }
-            ("camera", Some("power-off")) => {
-                camera.rest();
-                (camera.state, camera.timer) = (CameraState::Off, None);
-                answer = Some(Value::symbol(&camera.model.name));
-            }
-            ("camera", Some("rest")) => {
-                if ready {
-                    camera.rest();
-                    camera.timer = None;
-                }
+            ("camera", Some(off @ ("power-off" | "rest"))) => {
+                camera.stop(off == "power-off");
                 answer = Some(Value::symbol(&camera.model.name));
             }
             ("camera", _) => return Err(arguments.wrong("a camera is told power-up, power-off or rest")),
             (_, _) if !ready => return Err(arguments.wrong(&format!("{name} is not powered up"))),
             ("point-camera", _) => {
-                let aim = self.aim(arguments)?;
-                if let Some(reason) = camera.refusal(&aim, &self.state) {
-                    return Err(arguments.wrong(&reason));
-                }
-                let rotorcraft = self.model.airframe == Airframe::Rotorcraft;
-                let yaw_rate = rotorcraft.then_some(self.model.yaw_rate_deg_s_max * RAD_PER_DEG);
-                let slew_s = camera.begin_slew(aim, &self.state, yaw_rate);
-                camera.slew_until = Some(self.now + instants::span(slew_s));
+                self.point(&mut camera, arguments)?;
                 camera.command = Some(id);
             }
             ("stop-pictures", _) => {
@@ -104,13 +89,7 @@ impl SimulatedWorld {
                 answer = Some(Value::symbol(&camera.model.name));
                 self.settled = false;
             }
-            _ => {
-                camera.pictures_left = arguments.count_keyword()?.saturating_sub(1);
-                camera.state = CameraState::Exposing;
-                camera.timer = Some(self.now + instants::span(camera.model.picture_s));
-                camera.command = Some(id);
-                self.say_taken(&camera, inputs);
-            }
+            _ => self.expose(&mut camera, id, arguments, inputs)?,
         }
         if let Some(slot) = self.cameras.get_mut(index) {
             *slot = camera;
@@ -121,6 +100,35 @@ impl SimulatedWorld {
         if let Some(answer) = answer {
             self.answer(id, Ok(answer), inputs);
         }
+        Ok(())
+    }
+
+    /// Begins to point at what the command names.
+    fn point(&self, camera: &mut Camera, arguments: &Arguments) -> Result<(), String> {
+        let aim = self.aim(arguments)?;
+        if let Some(reason) = camera.refusal(&aim, &self.state) {
+            return Err(arguments.wrong(&reason));
+        }
+        let rotorcraft = self.model.airframe == Airframe::Rotorcraft;
+        let yaw_rate = rotorcraft.then_some(self.model.yaw_rate_deg_s_max * RAD_PER_DEG);
+        let slew_s = camera.begin_slew(aim, &self.state, yaw_rate);
+        camera.slew_until = Some(self.now + instants::span(slew_s));
+        Ok(())
+    }
+
+    /// Begins the first exposure of a command.
+    fn expose(
+        &mut self,
+        camera: &mut Camera,
+        id: CommandId,
+        arguments: &Arguments,
+        inputs: &mut Vec<Input>,
+    ) -> Result<(), String> {
+        camera.pictures_left = arguments.count_keyword()?.saturating_sub(1);
+        camera.state = CameraState::Exposing;
+        camera.timer = Some(self.now + instants::span(camera.model.picture_s));
+        camera.command = Some(id);
+        self.say_taken(camera, inputs);
         Ok(())
     }
 

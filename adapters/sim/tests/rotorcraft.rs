@@ -160,3 +160,57 @@ fn it_lands_off_field_and_below_itself_and_takes_off_from_there() {
     run.carry_out(form("land", [location(36.504, -121.703)]), 200.0).unwrap();
     assert!(geodesy::distance_m(run.world.position(), Position::new(36.504, -121.703)) < 3.0);
 }
+
+/// When pictures were taken, and where the aircraft was then, by the samples of the same instants.
+fn pictures(run: &Run) -> Vec<(f64, Position)> {
+    let latitudes = run.numbers("latitude");
+    let longitudes = run.numbers("longitude");
+    let at = |numbers: &[(f64, f64)], time_s: f64| {
+        numbers.iter().rev().find(|(at, _)| *at <= time_s).map_or(f64::NAN, |(_, si)| si / geodesy::RAD_PER_DEG)
+    };
+    let is = |input: &&apex_runtime::ports::Input| matches!(&input.kind, apex_model::event::EventKind::Occurrence(form) if form.to_string().starts_with("(image-taken camera-1"));
+    let times = run.inputs.iter().filter(is).map(|input| input.at.seconds());
+    times.map(|time_s| (time_s, Position::new(at(&latitudes, time_s), at(&longitudes, time_s)))).collect()
+}
+
+#[test]
+fn pictures_by_distance_keep_their_distance_and_stop() {
+    let mut run = hovering(wind(0.0, 0.0, 0.0));
+    let camera = || word("camera-1");
+    let every = |metres: f64| form("take-pictures", [camera(), word(":every"), Value::Real(metres)]);
+    assert!(run.carry_out(every(30.0), 1.0).unwrap_err().contains("not powered up"));
+    run.carry_out(form("camera", [camera(), word("power-up")]), 20.0).unwrap();
+    assert!(run.carry_out(every(30.0), 1.0).unwrap_err().contains("use point-camera first"));
+    run.carry_out(form("point-camera", [camera(), word("down")]), 10.0).unwrap();
+    assert!((run.last_number("camera-tilt") / geodesy::RAD_PER_DEG + 90.0).abs() < 1.0);
+    assert!(run.carry_out(every(-1.0), 1.0).unwrap_err().contains("not greater than zero"));
+    run.carry_out(form("join-line", [location(36.5, -121.7), location(36.505, -121.7)]), 60.0).unwrap();
+    run.carry_out(every(30.0), 1.0).unwrap();
+    run.carry_out(form("fly-line", [location(36.5, -121.7), location(36.505, -121.7)]), 200.0).unwrap();
+    let taken = pictures(&run);
+    // 555 m at 30 m, and one at the beginning.
+    assert!((18..=20).contains(&taken.len()), "{}", taken.len());
+    let gaps_m: Vec<f64> = taken.windows(2).map(|pair| geodesy::distance_m(pair[0].1, pair[1].1)).collect();
+    let mean_m = gaps_m.iter().sum::<f64>() / gaps_m.len() as f64;
+    assert!((mean_m - 30.0).abs() < 1.0, "{mean_m}");
+    assert!(gaps_m.iter().all(|gap_m| (gap_m - 30.0).abs() < 5.0), "{gaps_m:?}");
+    run.carry_out(form("stop-pictures", [camera()]), 1.0).unwrap();
+    run.carry_out(form("fly-to", [location(36.5, -121.7)]), 200.0).unwrap();
+    assert_eq!(pictures(&run).len(), taken.len());
+    // The camera rests: no dense samples, no pictures of nothing.
+    run.carry_out(form("camera", [camera(), word("rest")]), 1.0).unwrap();
+    assert!(run.carry_out(every(30.0), 1.0).unwrap_err().contains("use point-camera first"));
+}
+
+#[test]
+fn a_count_of_pictures_is_answered_after_the_last() {
+    let mut run = hovering(wind(0.0, 0.0, 0.0));
+    run.carry_out(form("camera", [word("camera-1"), word("power-up")]), 20.0).unwrap();
+    run.carry_out(form("point-camera", [word("camera-1"), word("barn")]), 30.0).unwrap();
+    let begun = run.now.seconds();
+    let count = |count: Value| form("take-picture", [word("camera-1"), word(":count"), count]);
+    assert!(run.carry_out(count(Value::Real(1.5)), 1.0).unwrap_err().contains("not a whole number"));
+    run.carry_out(count(Value::Integer(3)), 10.0).unwrap();
+    assert_eq!(pictures(&run).len(), 3);
+    assert!((run.now.seconds() - begun - 1.5).abs() < 0.5, "{}", run.now.seconds() - begun);
+}

@@ -20,10 +20,10 @@ fn picture(file: &str, from: &str, to: &str, phrases: &[&str]) {
     refused(&desk, phrases);
 }
 
-/// `structure-watch` with one change.
+/// `plain-watch` with one change.
 #[track_caller]
 fn watch(file: &str, from: &str, to: &str, phrases: &[&str]) {
-    let desk = Desk::with_mission("structure-watch");
+    let desk = Desk::with_mission("plain-watch");
     desk.change(&format!("m/{file}"), from, to);
     refused(&desk, phrases);
 }
@@ -109,7 +109,7 @@ fn tables_are_read_strictly() {
     watch(file, "300,3,0.05", "300,3,0.05,7", &["m/winds.csv", "line: 2"]);
     watch(file, ",,,,0,200", "1,,,,0,200", &["m/winds.csv:2: an area needs all four edges"]);
     watch(file, ",,,,0,200", ",,,,300,200", &["m/winds.csv:2: the layer's upper face is not above its lower face"]);
-    let desk = Desk::with_mission("structure-watch");
+    let desk = Desk::with_mission("plain-watch");
     desk.write("m/winds.csv", "");
     refused(&desk, &["m/winds.csv: missing columns: altitude_m_min"]);
 }
@@ -215,14 +215,14 @@ fn outlines_of_airspace_that_make_no_sense_are_told_with_their_corners() {
 
 #[test]
 fn a_start_and_a_target_inside_an_obstacle_are_told() {
-    let desk = Desk::with_mission("structure-watch");
+    let desk = Desk::with_mission("plain-watch");
     let mast =
         "[-121.1005, 37.4095], [-121.0982, 37.4095], [-121.0982, 37.4113], [-121.1005, 37.4113], [-121.1005, 37.4095]";
     // Around the farm house, at (37.41671 -121.10048).
     let farm = "[-121.102, 37.416], [-121.099, 37.416], [-121.099, 37.4175], [-121.102, 37.4175], [-121.102, 37.416]";
     desk.change("m/obstacles.geojson", mast, farm);
     desk.apex(&["plan", "m", "--budget", "50ms"]).well().told(&["farmhouse", "inside restricted area Radio mast"]);
-    let desk = Desk::with_mission("structure-watch");
+    let desk = Desk::with_mission("plain-watch");
     let pad = "[-121.106, 37.404], [-121.104, 37.404], [-121.104, 37.406], [-121.106, 37.406], [-121.106, 37.404]";
     desk.change("m/obstacles.geojson", mast, pad);
     desk.apex(&["plan", "m"])

@@ -108,7 +108,7 @@ fn a_cycle_stays_one_when_its_times_are_made_anew() {
 
 #[test]
 fn what_is_left_out_says_why() {
-    let desk = Desk::with_mission("structure-watch");
+    let desk = Desk::with_mission("plain-watch");
     // The barn lies in the quarry now.
     desk.change("m/sites.geojson", "[-121.09709, 37.41851]", "[-121.089, 37.412]");
     let mut planned = answer(&plan(&desk, "m", &["--json", "--visits", "winery,school,clinic"]).well());

@@ -8,7 +8,7 @@ const UNKNOWN_GOAL: &str = "(procedure\n  (index (do-domain))\n  (step s (make c
 
 #[test]
 fn shipped_missions_are_well() {
-    for name in ["day-and-night", "first-picture", "structure-watch", "western-states"] {
+    for name in ["day-and-night", "first-picture", "pipeline-inspection", "structure-watch", "western-states"] {
         Desk::new().apex(&["check", &mission(name)]).well().told(&["mission.pdl: ", " 0 errors, 0 warnings"]);
     }
 }

@@ -6,7 +6,7 @@ use common::Desk;
 
 /// A flight of the shipped mission over structures, recorded in `r.apex`.
 fn flown() -> Desk {
-    let desk = Desk::with_mission("structure-watch");
+    let desk = Desk::with_mission("plain-watch");
     desk.change("m/mission.pdl", ":budget 500ms", ":budget 20ms");
     desk.apex(&["fly", "m", "--until", "25min", "--record", "r.apex", "--no-progress"]).well();
     desk
@@ -47,7 +47,7 @@ fn wind_and_seed_change_the_flight_after_the_instant_and_not_before() {
 
 #[test]
 fn an_imposed_plan_is_flown_and_asked_again_by_replay() {
-    let desk = Desk::with_mission("structure-watch");
+    let desk = Desk::with_mission("plain-watch");
     desk.change("m/mission.pdl", ":budget 500ms", ":budget 20ms");
     desk.change("m/mission.pdl", "\"contingencies\"", "\"contingencies\" \"replanning\"");
     desk.change(

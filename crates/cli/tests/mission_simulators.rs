@@ -10,7 +10,7 @@ use std::process::{Command, Output};
 
 /// The shipped mission with another type of application.
 fn structure_watch(kind: &str) -> Desk {
-    let desk = Desk::with_mission("structure-watch");
+    let desk = Desk::with_mission("plain-watch");
     desk.change("m/mission.pdl", ":type native-sim", &format!(":type {kind}"));
     desk
 }

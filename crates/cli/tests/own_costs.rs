@@ -23,14 +23,14 @@ fn cost_of(desk: &Desk, name: &str) -> Value {
 }
 
 fn with_points(points: &str) -> Desk {
-    let desk = Desk::with_mission("structure-watch");
+    let desk = Desk::with_mission("plain-watch");
     let table = format!("\"rate_per_h\": 0.06, \"cost\": \"table\"{points}");
     desk.change("m/sites.geojson", FAMILY, &table);
     desk
 }
 
 fn with_program(costs: &str, functions: &str) -> Desk {
-    let desk = Desk::with_mission("structure-watch");
+    let desk = Desk::with_mission("plain-watch");
     desk.change("m/mission.pdl", ":duration 1h", &format!(":duration 1h\n  :costs {costs}"));
     desk.write("m/mission.pdl", &(desk.read("m/mission.pdl") + functions));
     desk
@@ -50,7 +50,7 @@ fn a_table_is_the_cost_that_is_planned_with() {
 
 #[test]
 fn a_likelihood_that_changes_is_planned_with() {
-    let desk = Desk::with_mission("structure-watch");
+    let desk = Desk::with_mission("plain-watch");
     desk.change("m/sites.geojson", "\"rate_per_h\": 0.06", "\"rates_per_h\": [[0, 0.36], [0.5, 3.6]]");
     let said = desk.apex(&["plan", "m", "--problem"]).well();
     let problem: Value = serde_json::from_str(&said.out).unwrap();
@@ -80,7 +80,7 @@ fn tables_that_are_none_are_told() {
     }
     let many: Vec<String> = (0..1_001).map(|age| format!("[{age}, 1]")).collect();
     told(&format!(", \"cost_points\": [{}]", many.join(",")), &["`cost_points` are 1001; they may be 1 to 1000"]);
-    let desk = Desk::with_mission("structure-watch");
+    let desk = Desk::with_mission("plain-watch");
     desk.change("m/sites.geojson", "\"cost\": \"saturating\"", "\"cost\": \"linear\", \"cost_points\": [[0, 1]]");
     desk.apex(&["plan", "m"]).complained(2, &["`cost_points` have no meaning where `cost` is linear"]);
 }

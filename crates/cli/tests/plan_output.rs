@@ -196,7 +196,7 @@ fn rounds_are_jumps_and_every_visit_is_kept() {
 
 #[test]
 fn a_printed_procedure_is_checked_and_flown() {
-    let desk = Desk::with_mission("structure-watch");
+    let desk = Desk::with_mission("plain-watch");
     desk.apex(&["plan", "m", "--budget", "20ms", "--out", "m/plan.pdl"]).well();
     desk.apex(&["check", "m/plan.pdl"]).well().told(&[" 0 errors, 0 warnings"]);
     desk.change("m/mission.pdl", "(solver auto (index (patrol the structures)) :budget 500ms)", "");
@@ -258,7 +258,7 @@ fn what_cannot_be_printed_is_told_with_what_to_do() {
 
 #[test]
 fn a_surveillance_plan_is_drawn_around_obstacles() {
-    let desk = Desk::with_mission("structure-watch");
+    let desk = Desk::with_mission("plain-watch");
     let out = desk.apex(&["plan", "m", "--budget", "20ms", "--format", "geojson"]).well().out;
     let drawn: Value = serde_json::from_str(&out).unwrap();
     let of = |kind: &str| -> Vec<Value> {
@@ -293,7 +293,7 @@ fn a_surveillance_plan_is_drawn_around_obstacles() {
 
 #[test]
 fn names_that_nothing_has_are_told_with_the_nearest() {
-    let desk = Desk::with_mission("structure-watch");
+    let desk = Desk::with_mission("plain-watch");
     let plan = |name: &str, phrases: &[&str]| {
         desk.apex(&["plan", name]).complained(2, phrases);
     };
@@ -312,7 +312,7 @@ fn names_that_nothing_has_are_told_with_the_nearest() {
 
 #[test]
 fn the_visits_of_a_person_are_scored_like_any_other_plan_and_can_be_flown() {
-    let desk = Desk::with_mission("structure-watch");
+    let desk = Desk::with_mission("plain-watch");
     let by_hand = ["plan", "m", "--visits", "barn,winery,farmhouse", "--repeat"];
     let table = desk.apex(&by_hand).well();
     table.told(&["planned by human", "no plan that never waits can cost less"]);

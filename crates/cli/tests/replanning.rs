@@ -8,7 +8,7 @@ use common::Desk;
 
 /// The mission that watches structures, shorter, with the library and one more step.
 fn watched(step: &str) -> Desk {
-    let desk = Desk::with_mission("structure-watch");
+    let desk = Desk::with_mission("plain-watch");
     desk.change("m/mission.pdl", ":libraries (", ":libraries (\"replanning\" ");
     desk.change("m/mission.pdl", "  (step touch", &format!("  {step}\n  (step touch"));
     let patrol = "(step patrol (patrol the structures) (waitfor (end ?up))";

@@ -8,7 +8,7 @@ use common::Desk;
 
 #[test]
 fn every_cause_is_one_and_every_new_plan_is_said() {
-    let desk = Desk::with_mission("structure-watch");
+    let desk = Desk::with_mission("plain-watch");
     desk.change("m/mission.pdl", ":libraries (", ":libraries (\"replanning\" ");
     let step = "(step again (keep planning (patrol the structures) every 7min))";
     desk.change("m/mission.pdl", "  (step touch", &format!("  {step}\n  (step touch"));

@@ -25,7 +25,7 @@ fn the_example_is_short_and_on_the_page() {
 fn the_example_plans_flies_and_is_measured() {
     let program = std::path::Path::new(env!("CARGO_BIN_EXE_apex")).with_file_name("examples").join("swaps");
     assert!(program.is_file(), "examples are built by `cargo test -p apex-cli` without --test");
-    let desk = Desk::with_mission("structure-watch");
+    let desk = Desk::with_mission("plain-watch");
     desk.change("m/mission.pdl", FORM, "(solver swaps (index (patrol the structures)) :budget 20ms)");
     let run = |arguments: &[&str]| {
         let output = Command::new(&program).args(arguments).current_dir(desk.path(".")).output().unwrap();
@@ -61,7 +61,7 @@ fn the_example_plans_flies_and_is_measured() {
 fn a_measured_planner_gets_into_the_table_and_is_chosen_by_it() {
     let mut planners = apex_solvers::shipped();
     planners.add(Arc::new(Shortcut)).unwrap();
-    let desk = Desk::with_mission("structure-watch");
+    let desk = Desk::with_mission("plain-watch");
     let path = |name: &str| desk.path(name).display().to_string();
     let (profile, table, record, folder) = (path("mine.txt"), path("mine.csv"), path("r.apex"), path("m"));
     let run = |arguments: &[&str]| {
@@ -154,7 +154,7 @@ impl Solver for Bad {
 
 /// Flies the watch of structures with a bad planner, to which the mission has an answer.
 fn fly_with(name: &'static str, more: &[&str]) -> Desk {
-    let desk = Desk::with_mission("structure-watch");
+    let desk = Desk::with_mission("plain-watch");
     desk.change("m/mission.pdl", FORM, &format!("(solver {name} (index (patrol the structures)) :budget 1ms)"));
     // Without a plan this mission fails; here it goes on.
     let patrol = "(step patrol (patrol the structures) (waitfor (end ?up))";

@@ -70,7 +70,10 @@ pub fn report(
         .iter()
         .flat_map(|target| names_of(target).into_iter().map(move |name| (target, name)))
         .filter(|(_, name)| !situation.observed().any(|visit| visit.target == *name))
-        .map(|(target, name)| (name.clone(), reason_left_out(mission, target, &name, situation)))
+        .map(|(target, name)| match is_seen_in_passing(target, &name, flown) {
+            true => (name, "seen completely in passing, while others were observed".to_string()),
+            false => (name.clone(), reason_left_out(mission, target, &name, situation)),
+        })
         .collect();
     Report {
         mission: mission.settings.name.clone(),
@@ -91,6 +94,19 @@ fn names_of(target: &Target) -> Vec<String> {
         TargetKind::Site(_) => vec![target.id.clone()],
         TargetKind::Plain | TargetKind::Base => Vec::new(),
     }
+}
+
+/// Share of its worth from which a look counts as complete.
+const COMPLETE: f64 = 0.999;
+
+/// True if a look that no visit observed was seen completely all the same.
+fn is_seen_in_passing(target: &Target, name: &str, flown: Result<&FlownScore, &str>) -> bool {
+    let (TargetKind::Fire(fire), Ok(flown)) = (&target.kind, flown) else { return false };
+    let look = fire.looks().find(|(of_look, _)| of_look == name);
+    let results = flown.results();
+    let result = results.iter().find(|result| result.name == target.id);
+    let seen = look.zip(result).and_then(|((_, look), result)| result.looks.iter().find(|seen| seen.name == look.name));
+    seen.is_some_and(|seen| seen.value > 0.0 && seen.factors.product() >= COMPLETE)
 }
 
 fn reason_left_out(mission: &Mission, target: &Target, name: &str, situation: &Situation) -> String {

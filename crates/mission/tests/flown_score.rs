@@ -145,7 +145,7 @@ fn flown(mission: &Mission, lines: &[Line]) -> FlightScore {
     let end = (Time::from_seconds(AFTERNOON_S), "it is over".to_string());
     match report(mission, &Situation::default(), Ok(&score), end).value {
         MissionValue::Score(score) => score,
-        MissionValue::Ignorance(_) | MissionValue::None => panic!("of another kind"),
+        MissionValue::Ignorance(_, _) | MissionValue::None => panic!("of another kind"),
     }
 }
 

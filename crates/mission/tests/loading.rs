@@ -16,7 +16,7 @@ fn data(mission: &Mission) -> Vec<(String, Vec<u8>)> {
 
 #[test]
 fn recorded_sources_load_as_the_folder_does() {
-    for name in ["day-and-night", "first-picture", "structure-watch", "western-states"] {
+    for name in ["day-and-night", "first-picture", "pipeline-inspection", "structure-watch", "western-states"] {
         let of_folder = Mission::load(&folder(name)).unwrap();
         let of_record = Mission::from_sources(&of_folder.library.sources, data(&of_folder)).unwrap();
         assert!(!of_folder.data.is_empty(), "{name}");

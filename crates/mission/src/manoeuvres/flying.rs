@@ -50,7 +50,8 @@ pub(super) fn fly(
     for (number, (from, to)) in lines.iter().copied().enumerate() {
         let now_s = start_s + flown.duration_s;
         let refused = || format!("line {} cannot be flown at {altitude_m:.0} m: the wind is too strong", number + 1);
-        let (join_s, join_m) = join((before, (from, to)), altitude_m, now_s, model, field).ok_or_else(refused)?;
+        let (join_s, join_m) =
+            join((before, (from, to)), altitude_m, now_s, airspeed_mps, model, field).ok_or_else(refused)?;
         flown.duration_s += join_s;
         flown.length_m += join_m;
         let from_s = start_s + flown.duration_s;
@@ -83,6 +84,7 @@ fn join(
     (before, (from, to)): (Option<(Position, Position)>, (Position, Position)),
     altitude_m: f64,
     now_s: f64,
+    line_airspeed_mps: f64,
     model: &VehicleModel,
     field: &WindField,
 ) -> Option<(f64, f64)> {
@@ -93,7 +95,9 @@ fn join(
         let Some((_, exit)) = before else { return Some((arrival_s(model), 0.0)) };
         let leg_m = geodesy::distance_m(exit, from);
         let leg_s = wind::leg_time_s(exit, from, altitude_m, airspeed_mps, field, now_s)?;
-        return Some((leg_s + arrival_s(model), leg_m));
+        // The end of a line is passed at the speed of the line.
+        let turned_s = TURN_SHARE * line_airspeed_mps / model.acceleration_m_s2_max;
+        return Some((leg_s + turned_s + arrival_s(model), leg_m));
     }
     let track_deg = geodesy::azimuth_deg(from, to);
     let lead_m = LEAD_IN_S * wind::triangle(track_deg, airspeed_mps, wind)?.ground_speed_mps;
@@ -128,5 +132,7 @@ pub(super) fn arrival_s(model: &VehicleModel) -> f64 {
     accelerate_s + brake_s + HANG_S
 }
 
+/// Share of the time of a full stop that it takes to turn from the end of a line to the next one.
+const TURN_SHARE: f64 = 0.5;
 /// Time in which the last metres are flown, s.
 const HANG_S: f64 = 3.0;

@@ -2,8 +2,12 @@
 
 mod altitudes;
 mod camera;
+mod drafts;
 mod flying;
+mod picture_heights;
+mod picture_runs;
 mod scanner;
+mod vantage;
 mod wish;
 
 pub(crate) use wish::Wish;

@@ -1,7 +1,7 @@
 //! Heights from which a camera looks: as low as the mission permits, as high as the wanted pixels allow, and between.
 
-use super::super::altitudes::{permitted_bands, zones_near};
-use super::super::wish::Wish;
+use super::altitudes::{permitted_bands, zones_near};
+use super::wish::Wish;
 use apex_geo::geodesy::RAD_PER_DEG;
 use apex_observation::sensor::CameraSetting;
 
@@ -12,7 +12,7 @@ const APART_SHARE: f64 = 0.04;
 /// A picture at the height at which pixels are worth nothing is not planned; this share of it is.
 const WORTH_SHARE: f64 = 0.95;
 
-/// The altitudes to try above mean sea level, rising, for looks at this angle off the vertical.
+/// The altitudes to try above mean sea level, rising, for pictures taken at this angle off the vertical.
 ///
 /// # Errors
 /// None is possible: what is needed, what stands against it, and what would do.

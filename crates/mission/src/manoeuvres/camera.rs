@@ -1,19 +1,12 @@
 //! Ways to observe a look with a camera: pictures of a point from a vantage point, of a line and of an area by distance.
 
-mod heights;
-mod runs;
-mod vantage;
-
-use super::scanner::quality;
 use super::wish::Wish;
-use crate::observing::{ForecastAir, NoTerrain, camera_names, camera_of};
-use apex_model::problem::{Manoeuvre, PictureWork, Position, QualityFactors};
-use apex_observation::pictures::{PlannedPicture, predict_pictures};
-use apex_observation::predict::PredictionContext;
+use super::{picture_runs as runs, vantage};
+use crate::observing::{camera_names, camera_of};
+use apex_model::problem::Manoeuvre;
 use apex_observation::sensor::CameraSetting;
-use apex_observation::target::{ObservedTarget, TargetArea};
+use apex_observation::target::TargetArea;
 use apex_observation::timing::sun::solar_position;
-use std::collections::BTreeMap;
 
 /// The ways with what they are predicted to give.
 ///
@@ -49,7 +42,7 @@ fn camera(wish: &Wish<'_>) -> Result<CameraSetting, String> {
     })
 }
 
-/// Time between two looks at the sun, s.
+/// Step in which the elevation of the sun is computed, s.
 const SUN_STEP_S: f64 = 60.0;
 /// How far ahead daylight is looked for, s.
 const SUN_WAIT_S: f64 = 86_400.0;
@@ -76,43 +69,4 @@ fn light(wish: &Wish<'_>, camera: &CameraSetting) -> Result<(), String> {
          to {highest_deg:.0} degrees{later}",
         camera.name
     ))
-}
-
-/// A way before its factors are predicted.
-struct Draft {
-    name: String,
-    altitude_m: f64,
-    lines: Vec<(Position, Position)>,
-    duration_s: f64,
-    length_m: f64,
-    /// Pictures, one list for each separate chance.
-    passes: Vec<Vec<PlannedPicture>>,
-    work: PictureWork,
-}
-
-/// The draft with its predicted factors; none if it is worth nothing.
-fn predicted(wish: &Wish<'_>, draft: Draft) -> Option<Manoeuvre> {
-    let wanted = ObservedTarget { looks: vec![wish.look.clone()], after: Vec::new(), ..wish.fire.wanted.clone() };
-    let air = ForecastAir::new(wish.mission);
-    let first_valid_s = BTreeMap::new();
-    let context = PredictionContext {
-        zero_unix_s: wish.mission.settings.epoch_unix_s.unwrap_or(0.0),
-        ground: &NoTerrain { lowest_m: wanted.elevation_m },
-        conditions: &air,
-        seen: None,
-        products: &[],
-        first_valid_s: &first_valid_s,
-        is_explained: true,
-    };
-    let result = predict_pictures(&wanted, &wish.fire.grid, &draft.passes, &context);
-    let quality: QualityFactors = quality(result.looks.first()?);
-    (quality.product() > 0.0).then_some(Manoeuvre {
-        name: draft.name,
-        altitude_m: draft.altitude_m,
-        lines: draft.lines,
-        duration_s: draft.duration_s,
-        length_m: draft.length_m,
-        quality,
-        pictures: Some(draft.work),
-    })
 }

@@ -1,9 +1,10 @@
-//! Pictures of a point: a rotorcraft hovers over it or aside of it; a fixed wing passes over it.
+//! Pictures of a point: a rotorcraft hovers over it or aside of it; a fixed wing flies across it.
 
-use super::super::altitudes::closed_by;
-use super::super::flying::arrival_s;
-use super::super::wish::Wish;
-use super::{Draft, heights, predicted, runs};
+use super::altitudes::closed_by;
+use super::drafts::{Draft, predicted};
+use super::flying::arrival_s;
+use super::wish::Wish;
+use super::{picture_heights as heights, picture_runs as runs};
 use crate::observing::{ForecastAir, hold_of};
 use crate::vehicle::Airframe;
 use apex_geo::geodesy::{self, RAD_PER_DEG};
@@ -26,6 +27,8 @@ const VALID_CHANCE: f64 = 0.98;
 const PICTURES_MAX: u32 = 10;
 /// The mount slews this far on average, degrees.
 const SLEW_DEG: f64 = 90.0;
+/// The nose turns this far for a mount that only tilts, degrees.
+const NOSE_DEG: f64 = 150.0;
 /// From the command to the next one: acknowledgements and the steps of the procedure, s.
 const STEPS_S: f64 = 0.4;
 
@@ -90,7 +93,7 @@ fn look_angles_deg(wish: &Wish<'_>, camera: &CameraSetting) -> Result<Vec<f64>, 
     Ok(angles_deg)
 }
 
-/// Where to hover at this altitude to look at this angle off the vertical: from the side that the vehicle comes from, or the
+/// Where to hover at this altitude for a picture at this angle off the vertical: from the side that the vehicle comes from, or the
 /// next one that no zone closes.
 fn vantage_point(wish: &Wish<'_>, place: Position, altitude_m: f64, angle_deg: f64) -> Result<Position, String> {
     let height_m = altitude_m - wish.fire.wanted.elevation_m;
@@ -146,7 +149,8 @@ fn draft(
         pixel_mrad: camera.pixel_mrad,
     };
     let picture_s = model.cameras.iter().find(|one| one.name == camera.name).map_or(0.0, |one| one.picture_s);
-    let nose_s = if camera.mount.pan_deg.1 > 0.0 || angle_deg < 1.0 { 0.0 } else { 90.0 / model.yaw_rate_deg_s_max };
+    let nose_s =
+        if camera.mount.pan_deg.1 > 0.0 || angle_deg < 1.0 { 0.0 } else { NOSE_DEG / model.yaw_rate_deg_s_max };
     let point_s = nose_s + SLEW_DEG / camera.mount.rate_deg_s + camera.mount.settle_s;
     let each_s = picture_s.max(camera.interval_s_min);
     Draft {

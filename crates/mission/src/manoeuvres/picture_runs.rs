@@ -1,10 +1,11 @@
-//! Pictures by distance: strips along a line, sweeps of an area, passes over a point.
+//! Pictures by distance: strips along a line, sweeps of an area, crossings of a point.
 
-use super::super::altitudes::closed_by;
-use super::super::flying::{FlownLines, fly};
-use super::super::scanner::grounds;
-use super::super::wish::Wish;
-use super::{Draft, heights, predicted};
+use super::altitudes::closed_by;
+use super::drafts::{Draft, predicted};
+use super::flying::{FlownLines, fly};
+use super::picture_heights as heights;
+use super::scanner::grounds;
+use super::wish::Wish;
 use crate::observing::{ForecastAir, hold_of};
 use crate::vehicle::Airframe;
 use apex_geo::coverage::{SweepSettings, sweep_lines};
@@ -20,9 +21,11 @@ use apex_observation::target::TargetArea;
 const GROUND_SPEED_M_S_MIN: f64 = 1.0;
 /// Interval between pictures is planned longer than the least one of the camera by this.
 const INTERVAL_MARGIN: f64 = 1.1;
+/// A fixed wing turns for this time after the last line, until the camera rests and the next way is known.
+const LEAVE_S: f64 = 5.0;
 /// Pictures of one way at most: beyond, a target is split.
 const PICTURES_MAX: f64 = 20_000.0;
-/// Ends of lines that are worth an extra piece: a pass over a point is as long as this many pictures.
+/// The line across a point is as long as this many pictures.
 const PASS_PICTURES: f64 = 2.0;
 
 /// Strips along a line, or sweeps of an area.
@@ -36,7 +39,7 @@ pub(super) fn ways(wish: &Wish<'_>, camera: &CameraSetting) -> Result<Vec<Manoeu
     })
 }
 
-/// Passes over a point, for a vehicle that cannot hover: along the way on which it comes.
+/// Lines across a point, for a vehicle that cannot hover: along the way on which it comes.
 ///
 /// # Errors
 /// Why there is none, with what comes nearest.
@@ -151,7 +154,7 @@ fn draft(
         name: format!("{kind}-{height_m:.0}m"),
         altitude_m,
         lines,
-        duration_s: flown.duration_s,
+        duration_s: flown.duration_s + if model.airframe == Airframe::FixedWing { LEAVE_S } else { 0.0 },
         length_m: flown.length_m,
         work: PictureWork {
             camera: camera.name.clone(),

@@ -1,0 +1,97 @@
+//! `structure-watch` as designed: it looks with its camera, plans again after every update and when the wind is not as forecast, asks
+//! the operator about smoke with a deadline and a default, and plans to its own end.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops where it is surprised")]
+
+use apex_mission::Mission;
+use apex_mission::deliberation::PlanningResources;
+use apex_mission::flight::{FlightOutcome, MissionFlight};
+use apex_mission::report::MissionValue;
+use apex_mission::situation::Situation;
+use apex_model::problem::Problem;
+use apex_model::time::Time;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+fn shipped() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/structure-watch")
+}
+
+fn fly(mission: Mission) -> FlightOutcome {
+    let mission = Arc::new(mission);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("watch.apex");
+    let mut recorder = apex_simulation::create_record(&path, &mission, None).unwrap();
+    let means = PlanningResources::of(&Arc::new(apex_solvers::shipped()));
+    let terms = MissionFlight::terms(&mission, None);
+    apex_simulation::fly(Arc::clone(&mission), means, None, terms, &mut recorder, &mut []).unwrap()
+}
+
+/// When a note that begins so was first made, in seconds.
+fn noted_s(flown: &FlightOutcome, text: &str) -> f64 {
+    let note = flown.report.notes.iter().find(|note| note.text.starts_with(text));
+    note.unwrap_or_else(|| panic!("no note `{text}`:\n{}", flown.report.text())).at.seconds()
+}
+
+#[test]
+fn every_update_and_the_wind_lead_to_a_new_plan_and_every_look_to_a_picture() {
+    let flown = fly(Mission::load(&shipped()).unwrap());
+    let updates = [
+        ("new target: camp", "replanning wanted: camp"),
+        ("no target any more: cabin-east", "replanning wanted: cabin-east"),
+        ("winery is worth 300", "replanning wanted: winery"),
+        ("sawmill: 0.8 events an hour", "replanning wanted: sawmill"),
+        ("new forecast: winds-actual.csv", "replanning wanted: \"winds-actual.csv\""),
+    ];
+    for (update, plan) in updates {
+        let (update_s, plan_s) = (noted_s(&flown, update), noted_s(&flown, plan));
+        assert!((0.0..=300.0).contains(&(plan_s - update_s)), "{update} at {update_s} s, {plan} at {plan_s} s");
+    }
+    // The wind rises at 24 min and is stronger than forecast for a minute then.
+    let wind_s = noted_s(&flown, "replanning wanted: wind-as-forecast");
+    assert!((1_500.0..1_860.0).contains(&wind_s), "{wind_s}");
+    // Smoke is seen at 1,680 s; no answer comes for 90 s, so the default holds.
+    let smoke_s = noted_s(&flown, "sawmill: 0.8 events an hour");
+    assert!((smoke_s - 1_770.0).abs() < 2.0, "{smoke_s}");
+    assert!(flown.report.plans >= 7, "{}", flown.report.plans);
+    let MissionValue::Ignorance(cost, looks) = &flown.report.value else { panic!("of another kind") };
+    let visits: usize = looks.iter().map(|site| site.visits).sum();
+    let seen: usize = looks.iter().map(|site| site.seen).sum();
+    let counted: usize = cost.targets.iter().map(|target| target.observations).sum();
+    assert!(visits >= 15 && visits == seen, "{visits} visits, {seen} with a picture");
+    assert!(counted <= seen, "{counted} observations of {seen} pictures");
+    // The camp was not known at the start and is watched.
+    assert!(looks.iter().any(|site| site.target == "camp" && site.seen > 0), "{}", flown.report.text());
+    // Pixels of 5 cm are wanted, from a hover straight above.
+    for site in looks.iter().filter(|site| site.seen > 0) {
+        let pixel_m = site.pixel_m.unwrap();
+        assert!(pixel_m > 0.02 && pixel_m <= 0.05, "{site:?}");
+        assert!(site.look_angle_deg.unwrap() < 5.0 && site.quality > 0.99, "{site:?}");
+    }
+}
+
+#[test]
+fn the_planner_plans_to_the_end_of_the_watch() {
+    let mission = Mission::load(&shipped()).unwrap();
+    let problem =
+        apex_mission::problem::pose(&mission, &Situation::default(), None, Time::from_seconds(300.0)).unwrap();
+    let Problem::Surveillance(problem) = problem else { panic!("of another kind") };
+    assert!((problem.horizon_s - (55.0 * 60.0 - 300.0)).abs() < 1e-9, "{}", problem.horizon_s);
+}
+
+#[test]
+fn a_camera_that_sees_too_coarsely_observes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    for entry in std::fs::read_dir(shipped()).unwrap() {
+        let entry = entry.unwrap();
+        let text = std::fs::read_to_string(entry.path()).unwrap();
+        // The helicopter stays 39 m above the ground: 2.5 cm are the finest pixels.
+        let text = text.replace("\"resolution_m\": 0.05", "\"resolution_m\": 0.01");
+        std::fs::write(folder.path().join(entry.file_name()), text).unwrap();
+    }
+    let flown = fly(Mission::load(folder.path()).unwrap());
+    let MissionValue::Ignorance(cost, looks) = &flown.report.value else { panic!("of another kind") };
+    assert!(looks.iter().map(|site| site.visits).sum::<usize>() > 5);
+    assert_eq!(looks.iter().map(|site| site.seen).sum::<usize>(), 0, "{}", flown.report.text());
+    assert_eq!(cost.targets.iter().map(|target| target.observations).sum::<usize>(), 0);
+}
