@@ -65,7 +65,7 @@ impl Limits {
         found.ok_or(trouble.unwrap_or(TravelError::Shut))
     }
 
-    /// The quickest way where nothing is in the way: turns in the wind, and a straight leg between them.
+    /// The fastest way through open airspace: turns in the wind, and a straight leg between them.
     pub(super) fn open_way(&self, request: &Request) -> Option<Way> {
         let without = self.zones.iter().map(|zone| zone.name.clone()).collect();
         self.way_at(request, request.to_altitude_m, &Strictness { reach: false, without, ..Strictness::all(1.0) }).ok()
