@@ -366,8 +366,8 @@ fn a_slew_that_the_mount_cannot_end_fails_by_its_deadline() {
     assert!(lost.is_some());
 }
 
-/// The bend is the end of a turn whose chord was flown instead: the place lies 9 degrees aside of the track, 1.6 km ahead. Whoever
-/// turned towards it would pass it at 250 m, and come round.
+/// The bend is the end of a turn whose chord was flown instead: the place lies 9 degrees aside of the track, 1.6 km ahead. An
+/// aircraft that turned towards it would pass it at 250 m, and come round.
 #[test]
 fn a_short_leg_after_a_bend_is_followed_to_its_end() {
     let mut run = {

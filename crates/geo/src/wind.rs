@@ -34,6 +34,12 @@ pub const LEG_STEP_M: f64 = 25_000.0;
 /// Slower progress over ground than this counts as not flyable.
 pub const GROUND_SPEED_MPS_MIN: f64 = 1.0;
 
+/// The strongest wind of a field.
+pub fn speed_mps_max(field: &WindField) -> f64 {
+    let speeds = field.layers.iter().map(|layer| libm::hypot(layer.wind_east_mps, layer.wind_north_mps));
+    speeds.fold(0.0, f64::max)
+}
+
 /// The wind at a place, altitude (above mean sea level) and time. Later layers win over earlier ones; still air where
 /// no layer holds. With `blend`, wind is interpolated between the middles of the layers that hold here and now.
 pub fn at(field: &WindField, position: Position, altitude_m: f64, time_s: f64) -> Wind {

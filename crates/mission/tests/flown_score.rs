@@ -412,7 +412,7 @@ fn low_wing(flown_m: f64) -> f64 {
 #[test]
 fn a_segment_is_flown_again_where_it_is_worth_more_than_what_it_displaces() {
     let begin_s = MIDNIGHT_S;
-    // One line over the middle: nothing else sees the segment, which is worth a tenth of the fire.
+    // One line over the middle: nothing else sees the segment, a tenth of the fire.
     let alone = [Line { roll_deg: low_wing, ..Line::new(0.0, -5_500.0, 5_500.0, begin_s) }];
     // Two lines that overlap: the other one has seen most of it.
     let [first, second] = two_lines(begin_s);

@@ -14,20 +14,33 @@ use std::sync::Arc;
 /// Two of the fires of `western-states` in still, smooth air: one by lines over it, one along its perimeter.
 const FIRES: [&str; 2] = ["lick", "gw"];
 
+/// Fires in wind: far from each other, with several lines each.
+const FAR_FIRES: [&str; 5] = ["butler-2", "zaca", "lick", "moonlight", "egley-complex"];
+/// How much later or earlier than planned an observation may begin, in a flight of six hours: the first descent, and a lead-in of each
+/// target that the plan counts twice.
+const BEGIN_S: f64 = 120.0;
+
 fn mission() -> Mission {
+    mission_of_fires(&FIRES, true)
+}
+
+/// `western-states` with these fires and without events; in still air, or with the winds that are forecast.
+fn mission_of_fires(fires: &[&str], is_still: bool) -> Mission {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/western-states");
     let mission = Mission::load(&folder).unwrap();
     let mut data: Vec<_> = mission.data.iter().cloned().collect();
+    let forecast = data.iter().find(|(name, _)| name == "winds-forecast.csv").unwrap().1.clone();
     for (name, bytes) in &mut data {
         match name.as_str() {
             "fires.geojson" => {
                 let mut all: serde_json::Value = serde_json::from_slice(bytes).unwrap();
                 let keeps =
-                    |feature: &serde_json::Value| FIRES.contains(&feature["properties"]["id"].as_str().unwrap());
+                    |feature: &serde_json::Value| fires.contains(&feature["properties"]["id"].as_str().unwrap());
                 all["features"].as_array_mut().unwrap().retain(keeps);
                 *bytes = all.to_string().into_bytes();
             }
-            "winds-forecast.csv" | "winds-actual.csv" => {
+            "winds-actual.csv" if !is_still => *bytes = forecast.clone(),
+            "winds-forecast.csv" | "winds-actual.csv" if is_still => {
                 *bytes = b"altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps\n0,20000,0,0\n".to_vec();
             }
             "scenario.jsonl" => *bytes = b"# Nothing happens.\n".to_vec(),
@@ -76,4 +89,27 @@ fn in_still_air_the_flight_is_worth_what_the_plan_predicted() {
     assert_eq!(again.json().to_string(), flight.report.json().to_string());
     let replayed = replay(&reader).unwrap();
     assert_eq!(replayed.difference, None);
+}
+
+/// In wind and turbulence as forecast, over the way that was planned: joins, turns between lines and legs take what the plan says.
+#[test]
+fn observations_begin_when_the_plan_says() {
+    let mission = Arc::new(mission_of_fires(&FAR_FIRES, false));
+    let folder = tempfile::tempdir().unwrap();
+    let mut recorder = apex_simulation::create_record(&folder.path().join("wind.apex"), &mission, None).unwrap();
+    let means = PlanningResources::of(&Arc::new(apex_solvers::shipped()));
+    let terms = MissionFlight::terms(&mission, None);
+    let flight = apex_simulation::fly(Arc::clone(&mission), means, None, terms, &mut recorder, &mut []).unwrap();
+    let visits = &flight.report.visits;
+    assert_eq!(visits.len(), FAR_FIRES.len(), "{}", flight.report.text());
+    let mut late = Vec::new();
+    for visit in visits {
+        let predicted = visit.predicted.as_ref().unwrap();
+        let late_s = visit.begin.seconds() - predicted.begin_s;
+        println!("{}: planned for {:.0} s, flown {late_s:+.0} s", visit.target, predicted.begin_s);
+        if late_s.abs() > BEGIN_S {
+            late.push((visit.target.clone(), late_s));
+        }
+    }
+    assert_eq!(late, []);
 }

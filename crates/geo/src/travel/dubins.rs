@@ -106,15 +106,6 @@ impl Flyer {
     /// All paths from one pose to the other, each the quickest of its word, quickest first; none where the wind is too
     /// strong for a pose, or stronger than the vehicle is quick.
     pub fn paths(&self, from: Pose, to: Pose) -> Vec<TurnPath> {
-        self.paths_of(from, to, |_| true)
-    }
-
-    /// The quickest path that turns, flies straight and turns: one for an autopilot that knows no third turn.
-    pub fn quickest_with_straight(&self, from: Pose, to: Pose) -> Option<TurnPath> {
-        self.paths_of(from, to, |word| word.between == 0.0).into_iter().next()
-    }
-
-    fn paths_of(&self, from: Pose, to: Pose, is_wanted: impl Fn(&PathType) -> bool + Copy) -> Vec<TurnPath> {
         let slow = libm::hypot(self.wind_mps.x, self.wind_mps.y) >= self.true_airspeed_mps;
         if slow || self.turn_radius_m.is_nan() || self.turn_radius_m <= 0.0 {
             return Vec::new();
@@ -125,7 +116,6 @@ impl Flyer {
             (start, end) => (start.flatten(), end.flatten()),
         };
         let mut found: Vec<TurnPath> = words(start.is_some(), end.is_some())
-            .filter(is_wanted)
             .filter_map(|word| self.path(word, (from, start), (to, end)))
             .collect();
         if found.is_empty() {
@@ -134,7 +124,7 @@ impl Flyer {
             for track_rad in tracks.filter(|_| start.is_none() || end.is_none()) {
                 let from = Pose { track_rad: from.track_rad.or(track_rad), ..from };
                 let to = Pose { track_rad: to.track_rad.or(track_rad), ..to };
-                found.extend(self.paths_of(from, to, is_wanted));
+                found.extend(self.paths(from, to));
             }
         }
         found.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));

@@ -2,17 +2,12 @@
 //! plans them, and a straight piece before each line on which the wings come level.
 
 use crate::vehicle::{Airframe, VehicleModel, turn_radius_m};
+use crate::ways::LEAD_IN_S;
 use apex_geo::geodesy::{self, RAD_PER_DEG};
 use apex_geo::plane::{Plane, Point};
 use apex_geo::travel::{Flyer, Pose};
 use apex_geo::wind;
 use apex_model::problem::{Position, WindField};
-
-/// Time of straight flight between the turn onto a line and its beginning, in which the wings come level and the track
-/// settles.
-const LEAD_IN_S: f64 = 16.0;
-/// Turns onto lines are flown wider than the tightest planned turn by this factor, so that wind can be corrected.
-const JOIN_WIDTH: f64 = 1.1;
 
 /// A line with its time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,24 +95,25 @@ fn join(
         return Some((leg_s + turned_s + arrival_s(model), leg_m));
     }
     let track_deg = geodesy::azimuth_deg(from, to);
-    let lead_m = LEAD_IN_S * wind::triangle(track_deg, airspeed_mps, wind)?.ground_speed_mps;
-    let Some((entry, exit)) = before else { return Some((LEAD_IN_S, lead_m)) };
+    // As ways in flight end before a line, so that plan and flight agree.
+    let lead_m = LEAD_IN_S * (airspeed_mps + wind::speed_mps_max(field));
+    let lead_s = lead_m / wind::triangle(track_deg, airspeed_mps, wind)?.ground_speed_mps;
+    let Some((entry, exit)) = before else { return Some((lead_s, lead_m)) };
     let plane = Plane::new(geodesy::midpoint(exit, from));
     let direction = |track_deg: f64| Some((90.0 - track_deg) * RAD_PER_DEG);
     let out_deg = geodesy::azimuth_deg(exit, entry) + 180.0;
     let lead_in = geodesy::destination(from, track_deg + 180.0, lead_m);
     let flyer = Flyer {
         true_airspeed_mps: airspeed_mps,
-        turn_radius_m: JOIN_WIDTH * turn_radius_m(model),
+        turn_radius_m: turn_radius_m(model),
         wind_mps: Point { x: wind.east_mps, y: wind.north_mps },
     };
-    // The autopilot turns, flies straight and turns; it knows no third turn.
-    let path = flyer.quickest_with_straight(
+    let paths = flyer.paths(
         Pose { point: plane.project(exit)?, track_rad: direction(out_deg) },
         Pose { point: plane.project(lead_in)?, track_rad: direction(track_deg) },
     );
-    let turn_s = path?.time_s;
-    Some((turn_s + LEAD_IN_S, turn_s * airspeed_mps + lead_m))
+    let turn_s = paths.first()?.time_s;
+    Some((turn_s + lead_s, turn_s * airspeed_mps + lead_m))
 }
 
 /// Time that a rotorcraft needs beyond the way at cruise speed to come from a standstill, stop again and hang still.

@@ -212,7 +212,9 @@ fn to_line(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
         to_track_rad: is_fixed_wing.then(|| gate_deg.to_radians()),
         ..request
     };
-    let way = limits.best_way(&request).map(|mut way| {
+    // A line is met as the plan assumes it, by turns in the wind: an autopilot's own join knows no wind, and may come round again.
+    let open = || if is_fixed_wing { limits.open_way(&request) } else { None };
+    let way = limits.best_way(&request).or_else(open).map(|mut way| {
         if is_fixed_wing {
             way.via.push(gate);
         }

@@ -107,8 +107,7 @@ impl Limits {
 
     /// The strongest wind of the forecast.
     pub(super) fn wind_mps_max(&self) -> f64 {
-        let speeds = self.wind.layers.iter().map(|layer| libm::hypot(layer.wind_east_mps, layer.wind_north_mps));
-        speeds.fold(0.0, f64::max)
+        apex_geo::wind::speed_mps_max(&self.wind)
     }
 
     /// Radius over ground of a turn in the strongest wind: at the airspeed and the wind together.

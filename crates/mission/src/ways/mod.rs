@@ -22,7 +22,7 @@ pub(crate) use segment::Segment;
 use apex_model::problem::Position;
 
 /// Seconds of straight flight before a line, so that the wings are level where it begins.
-const LEAD_IN_S: f64 = 24.0;
+pub(crate) const LEAD_IN_S: f64 = 24.0;
 
 /// From where to where, as a vehicle in flight asks.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -65,6 +65,12 @@ impl Limits {
         found.ok_or(trouble.unwrap_or(TravelError::Shut))
     }
 
+    /// The fastest way through open airspace: turns in the wind, and a straight leg between them.
+    pub(super) fn open_way(&self, request: &Request) -> Option<Way> {
+        let without = self.zones.iter().map(|zone| zone.name.clone()).collect();
+        self.way_at(request, request.to_altitude_m, &Strictness { reach: false, without, ..Strictness::all(1.0) }).ok()
+    }
+
     fn is_nearly_straight(&self, request: &Request, way: &Way) -> bool {
         let straight_s = geodesy::distance_m(request.from, request.to) / self.true_airspeed_mps;
         way.hold_s <= 0.0 && way.time_s < 1.1 * straight_s + 120.0

@@ -38,7 +38,7 @@ pub struct SegmentWay {
 }
 
 impl Limits {
-    /// The quickest way to fly a segment again, in the direction that costs least together with the rest of its line; none for a
+    /// The fastest way to fly a segment again, in the direction that costs least together with the rest of its line; none for a
     /// vehicle that needs no turns, and where no way is permitted.
     pub fn segment_again(&self, request: &Request, segment: &Segment) -> Option<SegmentWay> {
         let Segment { begin, until, line_end, altitude_m } = *segment;

@@ -174,7 +174,7 @@ impl<'a> Schedule<'a> {
     /// The visit of `choice` of the vehicle that is ready to leave `node` at `ready_s`.
     pub(crate) fn visit(&mut self, node: PointKey, ready_s: f64, choice: Choice) -> Result<Timed, Infeasibility> {
         let entry = PointKey::Entry(choice.target, choice.manoeuvre);
-        let Some(Times { depart_s, arrive_s }) = self.travel.times(node, entry, ready_s) else {
+        let Ok(Times { depart_s, arrive_s }) = self.travel.times(node, entry, ready_s) else {
             return Err(Infeasibility::Impossible("no way leads there".to_string()));
         };
         let begin_s = self.begin_s(choice, arrive_s.max(choice.not_before_s))?;
@@ -217,7 +217,7 @@ impl<'a> Schedule<'a> {
         }
         let home = self.travel.times(node, PointKey::Base, ready_s);
         home.map(|times| times.arrive_s)
-            .ok_or_else(|| Infeasibility::Impossible("no way leads back to the base".to_string()))
+            .map_err(|_| Infeasibility::Impossible("no way leads back to the base".to_string()))
     }
 
     /// Does every target come after those that must come earlier?

@@ -164,29 +164,18 @@ impl<'a> Travel<'a> {
         }
     }
 
-    /// When the vehicle that is ready to leave `from` at `ready_s` is at `to`; none where there is no way.
-    pub(crate) fn times(&mut self, from: PointKey, to: PointKey, ready_s: f64) -> Option<Times> {
+    /// When the vehicle that is ready to leave `from` at `ready_s` is at `to`. Errors: what stands in the way.
+    pub(crate) fn times(&mut self, from: PointKey, to: PointKey, ready_s: f64) -> Result<Times, String> {
         if let Some(travel) = &self.problem.travel {
-            let travel_s = given_s(travel, from, to, ready_s)?;
-            return Some(Times { depart_s: ready_s, arrive_s: ready_s + travel_s });
+            let travel_s = given_s(travel, from, to, ready_s).ok_or("no way leads there")?;
+            return Ok(Times { depart_s: ready_s, arrive_s: ready_s + travel_s });
         }
-        self.find(from, to, ready_s).ok().map(|(_, times, _)| times)
-    }
-
-    /// The same, with what stands in the way; the path itself is not made.
-    ///
-    /// # Errors
-    /// As [`Travel::way`].
-    pub(crate) fn times_or_trouble(&mut self, from: PointKey, to: PointKey, ready_s: f64) -> Result<Times, String> {
-        match &self.problem.travel {
-            Some(_) => self.times(from, to, ready_s).ok_or_else(|| "no way leads there".to_string()),
-            None => self.find(from, to, ready_s).map(|(_, times, _)| times),
-        }
+        self.find(from, to, ready_s).map(|(_, times, _)| times)
     }
 
     /// Time from being ready to leave `from` at `ready_s` to being at `to`, holding included; none where there is no way.
     pub(crate) fn time_s(&mut self, from: PointKey, to: PointKey, ready_s: f64) -> Option<f64> {
-        self.times(from, to, ready_s).map(|times| times.arrive_s - ready_s)
+        self.times(from, to, ready_s).ok().map(|times| times.arrive_s - ready_s)
     }
 
     /// What turns make the way from `from` to `to` take beyond straight legs; 0 where there is no way.

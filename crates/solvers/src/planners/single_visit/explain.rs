@@ -128,12 +128,12 @@ fn window_trouble(schedule: &Schedule<'_>, target: usize, trouble: String) -> St
 fn flown_alone(schedule: &mut Schedule<'_>, choice: Choice, start_s: f64) -> Result<(), Infeasibility> {
     let entry = PointKey::Entry(choice.target, choice.manoeuvre);
     let exit = PointKey::Exit(choice.target, choice.manoeuvre);
-    let there = schedule.travel.times_or_trouble(PointKey::Start, entry, start_s).map_err(Infeasibility::Impossible)?;
+    let there = schedule.travel.times(PointKey::Start, entry, start_s).map_err(Infeasibility::Impossible)?;
     let manoeuvre =
         schedule.problem.targets.get(choice.target).and_then(|target| target.manoeuvres.get(choice.manoeuvre));
     let mut end_s = there.arrive_s + manoeuvre.map_or(0.0, |manoeuvre| manoeuvre.duration_s);
     if schedule.problem.base.is_some() {
-        let home = schedule.travel.times_or_trouble(exit, PointKey::Base, end_s);
+        let home = schedule.travel.times(exit, PointKey::Base, end_s);
         end_s = home.map_err(|trouble| Infeasibility::Impossible(format!("on the way home {trouble}")))?.arrive_s;
     }
     let over_s = end_s - schedule.limit_s;
