@@ -23,7 +23,7 @@ const USAGE: &str = "`:lost-link (:nominal 0.2 :good 0.3 :weak-for 20s :good-for
 /// What the flight does when no instruction comes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LostDefault {
-    /// Plan again around the weak link and go on.
+    /// Plan again around the weak link and continue.
     Resume,
     /// Fly the contingency route.
     GoHome,

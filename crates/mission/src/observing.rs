@@ -137,7 +137,7 @@ pub(crate) fn camera_of(model: &VehicleModel, name: &str) -> Option<CameraSettin
     })
 }
 
-/// The camera that looks at sites from where the vehicle visits them: straight down from a hover, or to the side from a
+/// The camera that sees sites from where the vehicle visits them: straight down from a hover, or to the side from a
 /// circle. None if the vehicle carries no camera that can.
 pub(crate) fn looks_with(model: &VehicleModel) -> Option<CameraSetting> {
     let cameras = camera_names(model).into_iter().filter_map(|name| camera_of(model, name));

@@ -206,7 +206,7 @@ pub fn visit_altitude_m(mission: &Mission, site: &super::Target) -> f64 {
     }
 }
 
-/// Height over the ground from which a rotorcraft looks at a site: the one of its vehicle file, lower where the camera needs that
+/// Height over the ground from which a rotorcraft sees a site: the one of its vehicle file, lower where the camera needs that
 /// for the wanted pixels, but not lower than the clearance from terrain.
 fn hover_height_m(mission: &Mission, site: &super::Target) -> f64 {
     let usual_m = mission.model.planning.visit_height_m;

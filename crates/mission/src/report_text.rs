@@ -168,7 +168,7 @@ fn write_pictures(out: &mut String, looks: &[SiteLooks]) -> std::fmt::Result {
     if looks.is_empty() {
         return Ok(());
     }
-    writeln!(out, "\nPictures by site: visits without a valid picture are no observations")?;
+    writeln!(out, "\nPictures by site: visits without a valid picture do not count as observations")?;
     let width = name_width("site", looks.iter().map(|site| site.target.as_str()));
     writeln!(
         out,

@@ -255,7 +255,7 @@ fn grid(feature: &NamedFeature, wanted: &ObservedTarget) -> MissionResult<Arc<Ta
     })
 }
 
-/// A point, a line or an area that a camera looks at. A point is at the height of the thing itself.
+/// A point, a line or an area that a camera observes. A point is at the height of the thing itself.
 fn inspection(feature: &NamedFeature, polygons: &[Vec<Position>], terms: Terms) -> MissionResult<Fire> {
     let position = feature.position()?;
     let line = feature.line()?;

@@ -150,7 +150,7 @@ fn stated(mission: &Mission, beliefs: &Beliefs<'_>) -> BTreeSet<Cell> {
     }) else {
         return weak;
     };
-    // Large areas are looked at more coarsely: a step stands for the cells up to the next.
+    // Large areas are inspected more coarsely: a step represents the cells up to the next.
     let step = ((high.0 - low.0).max(high.1 - low.1) / GRID_STEPS).max(1);
     let mut north = low.0 - step;
     while north <= high.0 + step {

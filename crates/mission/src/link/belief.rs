@@ -67,7 +67,7 @@ impl<'a> Beliefs<'a> {
             correction: 0.0,
             fit: None,
         };
-        // Shadows are no part of the law: only cells where the link works count.
+        // Shadows do not belong to the law: only cells where the link works count.
         let heard: Vec<(Position, f64, f64)> = learned
             .iter()
             .flat_map(|learned| learned.cells())

@@ -233,7 +233,7 @@ impl Situation {
             MissionEvent::ContingencyRoute { link, place, why } => {
                 self.note(at, format!("contingency route to {place}: {link} {why}"));
             }
-            // A picture of an observation that is reported by itself, or one that looks straight down at no target.
+            // A picture of an observation with a report of its own, or one straight down without a target.
             MissionEvent::ImageInMemory(target)
                 if target == "down"
                     || self

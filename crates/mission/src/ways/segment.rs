@@ -31,7 +31,7 @@ pub struct Segment {
 pub struct SegmentWay {
     /// The segment is flown from its end to its beginning.
     pub is_reversed: bool,
-    /// Time until the vehicle is where the line goes on.
+    /// Time until the vehicle is where the line continues.
     pub total_s: f64,
     /// The way to the end of the segment that comes first.
     pub way: Way,

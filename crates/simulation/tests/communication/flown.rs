@@ -233,8 +233,12 @@ impl Flown {
     pub(crate) fn goal_after(&self, at_s: f64) -> (f64, f64) {
         let to = self.commands.iter().find(|(then_s, text)| *then_s >= at_s && text.starts_with("(fly-to ("));
         let text = &to.unwrap_or_else(|| panic!("no flight after {at_s} s\n{}", self.story())).1;
-        let numbers: Vec<f64> =
-            text["(fly-to (".len()..].split([' ', ')']).map_while(|word| word.parse().ok()).take(2).collect();
+        let numbers: Vec<f64> = text
+            .trim_start_matches("(fly-to (")
+            .split([' ', ')'])
+            .map_while(|word| word.parse().ok())
+            .take(2)
+            .collect();
         (numbers[0], numbers[1])
     }
 
