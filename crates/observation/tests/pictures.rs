@@ -1,7 +1,7 @@
 //! Pictures against a naive second witness, which casts a ray to the middle of every cell and asks whether the ray is inside the
 //! field of view: no polygon, no clipping, no raster. And against the footprints of observation.md.
 
-#![allow(clippy::unwrap_used, reason = "a failed test should stop")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a failed test should stop")]
 #![allow(clippy::disallowed_methods, reason = "the witness has its own arithmetic")]
 
 mod support;

@@ -189,7 +189,7 @@ fn a_camera_that_does_not_fit_is_named_with_what_would_do() {
 }
 
 #[test]
-fn ways_to_forty_targets_are_made_in_time_for_a_replan() {
+fn each_of_forty_targets_can_be_observed() {
     let folder = tempfile::tempdir().unwrap();
     let mut targets = vec![feature(r#""id": "pad", "kind": "base""#, "Point", &place(0.0, 0.0))];
     for number in 0..40_u32 {
