@@ -25,7 +25,7 @@ const TARGET: Position = Position { latitude_deg: 36.5, longitude_deg: -121.7 };
 
 fn aim() -> Aim {
     let spot = Spot { position: TARGET, altitude_m: None, thing_altitude_m: Some(0.0), given: Value::symbol("barn") };
-    Aim { spot, altitude_m: 0.0 }
+    Aim::At(spot, 0.0)
 }
 
 /// A vehicle north and east of the target, `height_m` above it.
