@@ -50,6 +50,10 @@ def places_of(mission):
     return places
 
 
+# The camera has no model: what it is commanded is done at once, and it measures nothing.
+CAMERA_COMMANDS = ("camera", "point-camera", "take-picture", "take-pictures", "stop-pictures")
+
+
 class Rotorcraft:
     """Where it is, and the command that it carries out."""
 
@@ -60,14 +64,16 @@ class Rotorcraft:
         self.command = None
         self.legs = []
         self.rest_s = 0.0
-        self.refused = []
+        self.answers = []
 
     def obey(self, effect):
         """Takes one effect of Apex."""
-        if "command" in effect:
+        if "command" in effect and read_form(effect["form"])[0] in CAMERA_COMMANDS:
+            self.answers.append({"acknowledge": effect["command"]})
+        elif "command" in effect:
             legs, rest_s = self.legs_of(*read_form(effect["form"]))
             if legs is None:
-                self.refused.append({"acknowledge": effect["command"], "error": "this rotorcraft cannot do that"})
+                self.answers.append({"acknowledge": effect["command"], "error": "this rotorcraft cannot do that"})
             else:
                 self.command, self.legs, self.rest_s = effect["command"], legs, rest_s
         elif "withdraw" in effect and effect["withdraw"] == self.command:
@@ -101,7 +107,7 @@ class Rotorcraft:
             for_s -= self.fly(self.legs[0], for_s)
             if self.here == self.legs[0]:
                 self.legs.pop(0)
-        inputs, self.refused = self.refused, []
+        inputs, self.answers = self.answers, []
         if self.command is not None and not self.legs:
             self.rest_s -= for_s
             if self.rest_s <= 0:

@@ -104,7 +104,7 @@ fn what_circles_cost_is_said_and_they_are_drawn() {
     let loiters = items.iter().filter(|item| item["command"] == 19 && item["params"][0] == DWELL_S);
     assert!(loiters.count() >= 3, "{items:?}");
     let pdl = desk.apex(&["plan", ".", "--format", "pdl"]).well();
-    pdl.told(&["(visit saddle around (39.6 -119.8 3000.0) for P1M)"]);
+    pdl.told(&["(visit saddle around (39.6 -119.8 3000.0) for P1M with camera-1)"]);
     // Who hovers turns on the spot: nothing is said of turns.
     let hovering = json(&desk.apex(&["plan", &mission("structure-watch"), "--budget", "2ms", "--json"]).well().out);
     assert_eq!(hovering["turns"], Value::Null);

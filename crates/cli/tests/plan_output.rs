@@ -101,9 +101,12 @@ fn the_fires_on_a_map() {
         assert_eq!((&item["frame"], &item["AltitudeMode"]), (&0.into(), &2.into()), "above mean sea level");
     }
     let polygons = plan["geoFence"]["polygons"].as_array().unwrap();
-    // Orchard and Boardman end below the path; the tankers' zone is active during the flight.
     assert_eq!(polygons.iter().filter(|polygon| polygon["inclusion"] == true).count(), 1);
-    assert!(polygons.len() > 3 && polygons.len() < 9, "{}", polygons.len());
+    assert_eq!(polygons.len(), 9, "a flight of a day meets every zone while it is active");
+    let near = ["plan", &mission("western-states"), "--budget", "20ms", "--visits", "zaca,lick", "--format", "qgc"];
+    let near = json(&desk.apex(&near).well().out);
+    let polygons = near["geoFence"]["polygons"].as_array().unwrap();
+    assert_eq!(polygons.len(), 7, "the temporary zones are not active yet");
 }
 
 /// What QGroundControl's public description of the format (developer guide, "Plan File Format") requires, by key and type.

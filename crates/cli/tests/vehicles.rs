@@ -152,12 +152,14 @@ fn figures_that_follow_from_a_vehicle_are_printed() {
 }
 
 #[test]
-fn fires_need_a_scanner() {
+fn fires_need_a_scanner_or_a_camera() {
     let text = ShippedVehicle::find("predator-b").unwrap().text;
-    let carried = "{\"name\": \"scanner\", \"sensor\": \"ams-wildfire\", \"mode\": \"1.25 mrad wide\"},";
-    assert!(text.contains(carried));
+    let scanner = "{\"name\": \"scanner\", \"sensor\": \"ams-wildfire\", \"mode\": \"1.25 mrad wide\"}";
+    let camera = "{\"name\": \"camera-1\", \"sensor\": \"predator-turret\"}";
+    assert!(text.contains(scanner) && text.contains(camera));
     let own = Desk::with_mission("western-states");
-    own.write("m/my-uav.json", &text.replace(carried, ""));
+    own.write("m/my-uav.json", &text.replace(&format!("{scanner},"), "").replace(camera, ""));
     own.change("m/mission.pdl", ":model predator-b", ":model \"my-uav.json\"");
-    own.apex(&["plan", "m"]).complained_of(&["no way to observe it: the vehicle `predator-b` carries no line scanner"]);
+    let said = own.apex(&["plan", "m"]);
+    said.complained_of(&["no way to observe it: the vehicle `predator-b` carries no line scanner and no camera"]);
 }

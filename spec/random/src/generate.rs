@@ -84,7 +84,7 @@ fn taste(dice: &mut Dice) -> Taste {
         nesting: liking(60),
         // What comes late is judged by when the agent was stepped before: not compared yet.
         late: 0,
-        crowds: liking(25),
+        crowds: liking(10),
     }
 }
 

@@ -45,6 +45,8 @@ struct Search<'s, 'l> {
     /// The shapes of the goals, with their places.
     shapes: Vec<(Place, Shape)>,
     severity: Severity,
+    /// Words of indexes that were reported: the index and the number of the word.
+    odd: Vec<(Place, usize)>,
 }
 
 /// What goals have in common that one missing procedure would serve: their first words and their length.
@@ -106,7 +108,7 @@ impl<'s, 'l> Search<'s, 'l> {
         for word in sources.iter().chain(indexes.iter().flatten()).flat_map(words) {
             *counts.entry(word.clone()).or_default() += 1;
         }
-        Search { library, locator, served, indexes, counts, shapes, severity }
+        Search { library, locator, served, indexes, counts, shapes, severity, odd: Vec::new() }
     }
 
     fn count(&self, word: Option<&Symbol>) -> usize {
@@ -127,10 +129,13 @@ impl<'s, 'l> Search<'s, 'l> {
             let diagnostic = self.without_nearest(diagnostic, goal, &source, index);
             return Some((self.cause(goal, &source), diagnostic));
         };
-        if let Difference::Word(at) = nearest.difference
-            && self.is_odd(&nearest, at, &source, goals)
-        {
-            return self.about_index(&nearest, at, &source, goal);
+        if let Difference::Word(at) = nearest.difference {
+            let word = (nearest.served.span.place(), at);
+            // A word of an index that is odd for one goal is odd for all that differ from it there.
+            if self.odd.contains(&word) || self.is_odd(&nearest, at, &source, goals) {
+                self.odd.push(word);
+                return self.about_index(&nearest, at, &source, goal);
+            }
         }
         let fixes = self.fix(&nearest, &source);
         let place = self.cause(goal, &source);

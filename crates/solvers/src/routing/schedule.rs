@@ -133,6 +133,29 @@ impl<'a> Schedule<'a> {
         order: &[Choice],
         budget: &mut dyn Budget,
     ) -> Result<Judged, Infeasibility> {
+        self.judge_visits((known, order), false, budget)
+    }
+
+    /// As [`Schedule::judge_after`], for the first visits of a plan: where a zone closes the way to the base at the end of the last
+    /// one, the flight ends there, since later visits may have a way.
+    ///
+    /// # Errors
+    /// Why it cannot be flown.
+    pub(crate) fn judge_part(
+        &mut self,
+        known: &[Timed],
+        order: &[Choice],
+        budget: &mut dyn Budget,
+    ) -> Result<Judged, Infeasibility> {
+        self.judge_visits((known, order), true, budget)
+    }
+
+    fn judge_visits(
+        &mut self,
+        (known, order): (&[Timed], &[Choice]),
+        is_part: bool,
+        budget: &mut dyn Budget,
+    ) -> Result<Judged, Infeasibility> {
         self.check_order(order)?;
         let same = known.len().min(order.len());
         let mut visits = Vec::with_capacity(order.len());
@@ -149,7 +172,10 @@ impl<'a> Schedule<'a> {
             visits.push(visit);
         }
         budget.charge(UNITS_PER_LEG + self.travel.take_work());
-        let end_s = self.home_at_s(node, time_s)?;
+        let end_s = match self.home_at_s(node, time_s) {
+            Err(Infeasibility::Impossible(_)) if is_part => time_s,
+            home => home?,
+        };
         if end_s > self.limit_s + SAME_S {
             return Err(Infeasibility::TooLate { over_s: end_s - self.limit_s });
         }

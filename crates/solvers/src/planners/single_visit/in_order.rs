@@ -30,7 +30,8 @@ pub fn in_order(
         if targets.get(..at).is_some_and(|before| before.iter().any(|(before, _)| before == target)) {
             return Err(refused("it has been visited before"));
         }
-        let with = added(&mut schedule, best.as_ref(), (*target, *manoeuvre), environment.budget);
+        let is_last = at + 1 == targets.len();
+        let with = added(&mut schedule, best.as_ref(), ((*target, *manoeuvre), is_last), environment.budget);
         // What prevents a visit of the target alone says more than what prevents it with the others.
         let alone = troubles.alone(*target).filter(|_| !troubles.is_possible(*target));
         best = Some(with.map_err(|why| refused(alone.unwrap_or(&why)))?);
@@ -50,11 +51,11 @@ fn ways(problem: &SingleVisitProblem, (target, manoeuvre): (usize, Option<usize>
     (0..data.manoeuvres.len()).flat_map(way).collect()
 }
 
-/// `before` with the visit of the target that ends first; else why there is none.
+/// `before` with the visit of the target that ends first; else why there is none. Only the last target needs a way to the base.
 fn added(
     schedule: &mut Schedule<'_>,
     before: Option<&Candidate>,
-    target: (usize, Option<usize>),
+    (target, is_last): ((usize, Option<usize>), bool),
     budget: &mut dyn Budget,
 ) -> Result<Candidate, String> {
     let (order, known) = before.map_or((&[][..], &[][..]), |it| (it.order.as_slice(), it.judged.visits.as_slice()));
@@ -63,7 +64,11 @@ fn added(
     let mut trouble = "it has no manoeuvre".to_string();
     for choice in ways(schedule.problem, target) {
         let order = inserted(order, order.len(), choice);
-        match schedule.judge_after(known, &order, budget) {
+        let judged = match is_last {
+            true => schedule.judge_after(known, &order, budget),
+            false => schedule.judge_part(known, &order, budget),
+        };
+        match judged {
             Ok(judged) => {
                 let found = Candidate { order, judged };
                 if first.as_ref().is_none_or(|first| end_s(&found) < end_s(first)) {
