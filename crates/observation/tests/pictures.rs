@@ -138,8 +138,8 @@ fn pixels_of_an_oblique_picture_grow_with_distance_and_slant() {
         attitude: Attitude::default(),
         angles: GimbalAngles { pan_deg: 0.0, tilt_deg: -90.0 },
         is_stabilised: true,
-        wide_deg: 10.0,
-        high_deg: 10.0,
+        wide_deg: 5.0,
+        high_deg: 5.0,
         pixel_mrad: 0.2,
     };
     let pixel = |view: &PictureView| {

@@ -25,8 +25,8 @@ const MISSIONS: [&str; 3] = [
 ];
 /// Generated from vehicle files and missions: no author makes mistakes in them.
 const GENERATED: [&str; 2] = ["library/vehicle-figures.pdl", "library/lost-link-figures.pdl"];
-/// Required by other libraries, and correct: mistakes are made in those that missions name.
-const REQUIRED: &str = "library/requirements.pdl";
+/// Required by libraries and missions, and correct: mistakes are made in the other libraries.
+const REQUIRED: [&str; 2] = ["library/requirements.pdl", "library/replanning.pdl"];
 const LIBRARIES: [&str; 3] = ["library/aerial-observation.pdl", "library/contingencies.pdl", "library/vehicle.pdl"];
 
 impl Corpus {
@@ -34,7 +34,7 @@ impl Corpus {
         let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");
         let read = |name: &str| (name.to_string(), std::fs::read_to_string(root.join(name)).unwrap());
         let texts =
-            MISSIONS.iter().chain(&LIBRARIES).chain(&GENERATED).chain([&REQUIRED]).map(|name| read(name)).collect();
+            MISSIONS.iter().chain(&LIBRARIES).chain(&GENERATED).chain(&REQUIRED).map(|name| read(name)).collect();
         let of_mission = MISSIONS.iter().map(|name| Place { file: name.to_string(), program: name.to_string() });
         let of_library =
             LIBRARIES.iter().map(|name| Place { file: name.to_string(), program: MISSIONS[2].to_string() });
