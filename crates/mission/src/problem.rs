@@ -81,7 +81,7 @@ fn single_visit(
         start_altitude_m: situation.vehicle.altitude_m.max(mission.start_altitude_m),
         start_s: now_s,
         base: Some(mission.start),
-        end_s: Some(mission.settings.duration.seconds() - mission.settings.end_margin.seconds()),
+        end_s: Some(latest_end_s(mission.settings.duration.seconds(), mission.settings.end_margin.seconds(), now_s)),
         zero_unix_s: mission.settings.epoch_unix_s.unwrap_or(0.0),
         precedence,
         zones: mission.zones.iter().map(|zone| grown(zone, mission)).collect(),
@@ -93,6 +93,13 @@ fn single_visit(
         failure: mission.failure,
         travel: None,
     })
+}
+
+/// When the flight of a plan made at `now_s` has to end. The margin at the end of the mission absorbs delays, and the less time is left,
+/// the less can be delayed. Delays of single legs are taken as independent, so their sum grows with the root of the time.
+fn latest_end_s(duration_s: f64, end_margin_s: f64, now_s: f64) -> f64 {
+    let left = ((duration_s - now_s) / duration_s).clamp(0.0, 1.0);
+    duration_s - end_margin_s * left.sqrt()
 }
 
 /// Targets of a problem, and pairs of their names of which the first must come first.
@@ -277,6 +284,13 @@ fn grown(zone: &AirspaceZone, mission: &Mission) -> AirspaceZone {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_margin_at_the_end_shrinks_with_the_time_left() {
+        assert_eq!(latest_end_s(86_400.0, 3_600.0, 0.0), 82_800.0);
+        assert_eq!(latest_end_s(86_400.0, 3_600.0, 64_800.0), 84_600.0);
+        assert_eq!(latest_end_s(86_400.0, 3_600.0, 90_000.0), 86_400.0);
+    }
 
     #[test]
     fn a_rate_goes_on_from_now() {

@@ -185,16 +185,32 @@ impl<'a> Schedule<'a> {
     }
 
     /// A flight without visits: home, if the vehicle is elsewhere. Between given places, and from the base, it does not begin.
-    /// None where it would end too late.
-    pub(crate) fn idle(&mut self) -> Option<Judged> {
+    ///
+    /// # Errors
+    /// No way leads home, or the flight would end too late.
+    pub(crate) fn idle(&mut self) -> Result<Judged, Infeasibility> {
         let start_s = self.problem.start_s;
         let is_at_base = self.problem.base.is_none_or(|base| geodesy::distance_m(self.problem.start, base) <= 1.0);
         let end_s = match self.problem.travel.is_some() || is_at_base {
             true => start_s,
-            false => self.home_at_s(PointKey::Start, start_s).ok()?,
+            false => self.home_at_s(PointKey::Start, start_s)?,
         };
-        let score = -self.costs.of_flight(end_s - start_s);
-        (end_s <= self.limit_s + SAME_S).then_some(Judged { visits: Vec::new(), end_s, score })
+        if end_s > self.limit_s + SAME_S {
+            return Err(Infeasibility::TooLate { over_s: end_s - self.limit_s });
+        }
+        Ok(Judged { visits: Vec::new(), end_s, score: -self.costs.of_flight(end_s - start_s) })
+    }
+
+    /// A sentence for people: why the problem has no plan, from what [`Schedule::idle`] says.
+    pub(crate) fn no_plan(&self, idle: &Infeasibility) -> String {
+        match idle {
+            Infeasibility::TooLate { over_s } => format!(
+                "There is no plan: the flight back to the base alone, without a visit, ends {over_s:.0} s after what {} allows.",
+                self.limit_name
+            ),
+            Infeasibility::Impossible(why) => format!("There is no plan: {why}."),
+            Infeasibility::Order => "There is no plan: the order of the targets cannot be kept.".to_string(),
+        }
     }
 
     /// The visit of `choice` of the vehicle that is ready to leave `node` at `ready_s`.

@@ -94,11 +94,11 @@ fn solve(
     };
     let Some(found) = time_independent::run(&mut schedule, &usable, previous, environment, &mut tell) else {
         let best = search::run(&mut schedule, &troubles, previous, environment);
-        let best = search::or_idle(&mut schedule, best);
+        let best = search::or_idle(&mut schedule, best)?;
         return plan::plan_of(&mut schedule, NAME, &best, &troubles, explain::left_out).map(Plan::SingleVisit);
     };
     let best = search::longest_flown(&mut schedule, found.order);
-    let best = search::or_idle(&mut schedule, best);
+    let best = search::or_idle(&mut schedule, best)?;
     // A thousand targets with given times are explained by the search itself; of a flight people want to know the limit.
     let given = problem.travel.is_some();
     let reasons = if given { explain::left_out_quickly } else { explain::left_out };

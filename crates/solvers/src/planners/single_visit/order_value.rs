@@ -29,7 +29,8 @@ pub struct OrderValue {
 /// that is not enough, the least valuable ones before it.
 ///
 /// # Errors
-/// A sentence if the problem makes no sense.
+/// A sentence if the problem makes no sense, or if the vehicle cannot be back at the base in time even without a visit: then nothing
+/// has a price.
 pub fn order_value(problem: &SingleVisitProblem, visits: &[OrderedVisit]) -> Result<OrderValue, String> {
     let mut schedule = Schedule::new(problem)?;
     let mut free = WorkBudget::new(u64::MAX);
@@ -64,6 +65,8 @@ pub fn order_value(problem: &SingleVisitProblem, visits: &[OrderedVisit]) -> Res
         let Some((least, _)) = least else { break };
         order.remove(least);
     }
-    let idle = schedule.idle().map_or(0.0, |judged| judged.score);
-    Ok(value(&[], idle))
+    match schedule.idle() {
+        Ok(judged) => Ok(value(&[], judged.score)),
+        Err(none) => Err(schedule.no_plan(&none)),
+    }
 }

@@ -112,12 +112,24 @@ pub(super) fn longest_flown(schedule: &mut Schedule<'_>, mut order: Vec<Choice>)
 }
 
 /// `best`, or no visit at all where that is worth more: what is visited may cost more than it brings.
-pub(super) fn or_idle(schedule: &mut Schedule<'_>, best: Candidate) -> Candidate {
-    let idle = schedule.idle().map(|judged| Candidate { order: Vec::new(), judged });
-    idle.filter(|idle| best.order.is_empty() || idle.judged.score > best.judged.score).unwrap_or(best)
+///
+/// # Errors
+/// Why there is no plan at all: `best` has no visits, and the vehicle cannot be back at the base in time even without one.
+pub(super) fn or_idle(schedule: &mut Schedule<'_>, best: Candidate) -> Result<Candidate, String> {
+    match schedule.idle() {
+        Ok(judged) if best.order.is_empty() || judged.score > best.judged.score => {
+            Ok(Candidate { order: Vec::new(), judged })
+        }
+        Err(none) if best.order.is_empty() => Err(schedule.no_plan(&none)),
+        _ => Ok(best),
+    }
 }
 
 fn tell(search: &mut LocalSearch<'_, '_, '_>, best: &Candidate, report: &mut dyn FnMut(&Plan)) {
+    // Without a visit nothing has been found yet.
+    if best.order.is_empty() {
+        return;
+    }
     if let Some(plan) = super::plan::sketch(search.schedule, "single-visit", best, search.troubles) {
         report(&Plan::SingleVisit(plan));
     }

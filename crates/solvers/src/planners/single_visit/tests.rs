@@ -170,3 +170,27 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn where_even_the_way_home_is_too_late_there_is_no_plan_and_no_price() {
+    let mut problem = few(3, 40_000.0);
+    problem.base = Some(problem.start);
+    problem.start = Position { latitude_deg: 47.0, longitude_deg: -113.0 };
+    problem.end_s = Some(problem.start_s + 600.0);
+    let refused = solve(&problem, 20_000).unwrap_err();
+    assert!(
+        refused.contains("the flight back to the base alone") && refused.contains("the end of the mission"),
+        "{refused}"
+    );
+    let (mut budget, mut reported) = (WorkBudget::new(100_000), 0);
+    let mut report = |_: &Plan| reported += 1;
+    let mut environment = Environment { seed: 7, budget: &mut budget, report: &mut report, previous: None };
+    assert!(SingleVisit.solve(&Problem::SingleVisit(problem.clone()), &mut environment).is_err());
+    assert_eq!(reported, 0, "what is no plan is not offered for the case that the time runs out");
+    let visit = OrderedVisit { target: 0, manoeuvre: 0, not_before_s: f64::NEG_INFINITY };
+    assert_eq!(order_value(&problem, &[visit]), Err(refused));
+    // With the time for it, the flight home is a plan.
+    problem.end_s = Some(problem.start_s + 39_000.0);
+    let plan = solve(&problem, 20_000).unwrap();
+    assert_eq!(apex_planning::checker::violations(&Problem::SingleVisit(problem), &Plan::SingleVisit(plan)), [""; 0]);
+}
