@@ -154,7 +154,6 @@ fn draft(
         name: format!("{kind}-{height_m:.0}m"),
         altitude_m,
         lines,
-        entry: flown.entry,
         duration_s: flown.duration_s + if model.airframe == Airframe::FixedWing { LEAVE_S } else { 0.0 },
         length_m: flown.length_m,
         work: PictureWork {
