@@ -192,6 +192,12 @@ fn manoeuvre_of(target: &str, manoeuvre: &Manoeuvre) -> Result<(), String> {
     if let Some(factor) = factors.into_iter().find(|factor| !(0.0..=1.0).contains(factor)) {
         return Err(format!("A factor of the quality of {name} is {factor}; it must be within 0..1."));
     }
+    if let Some(entry) = manoeuvre.entry {
+        if manoeuvre.lines.is_empty() {
+            return Err(format!("{name} has an `entry` but no line that it leads into."));
+        }
+        on_map(&name, entry)?;
+    }
     manoeuvre.lines.iter().try_for_each(|(from, to)| on_map(&name, *from).and_then(|()| on_map(&name, *to)))
 }
 

@@ -185,6 +185,7 @@ fn of_single_visit(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> Char
         let mut way = vec![before];
         way.extend(bends(drawn(&visit.route, &visit.path), high(altitude_m)));
         let lines: Vec<ChartPoint> = manoeuvre.lines.iter().flat_map(|(from, to)| [at(*from), at(*to)]).collect();
+        way.extend(manoeuvre.entry.map(at));
         way.push(lines.first().copied().unwrap_or(at(target.position)));
         before = lines.last().copied().unwrap_or(at(target.position));
         altitude_m = manoeuvre.altitude_m;

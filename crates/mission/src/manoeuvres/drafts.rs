@@ -14,6 +14,8 @@ pub(super) struct Draft {
     pub(super) name: String,
     pub(super) altitude_m: f64,
     pub(super) lines: Vec<(Position, Position)>,
+    /// Where the first lead-in begins; none without one.
+    pub(super) entry: Option<Position>,
     pub(super) duration_s: f64,
     pub(super) length_m: f64,
     /// Pictures, one list for each separate chance.
@@ -41,6 +43,7 @@ pub(super) fn predicted(wish: &Wish<'_>, draft: Draft) -> Option<Manoeuvre> {
         name: draft.name,
         altitude_m: draft.altitude_m,
         lines: draft.lines,
+        entry: draft.entry,
         duration_s: draft.duration_s,
         length_m: draft.length_m,
         quality,

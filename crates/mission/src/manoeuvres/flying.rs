@@ -23,6 +23,8 @@ pub(super) struct FlownLine {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct FlownLines {
     pub(super) lines: Vec<FlownLine>,
+    /// Where the first lead-in begins; none without one.
+    pub(super) entry: Option<Position>,
     pub(super) duration_s: f64,
     pub(super) length_m: f64,
 }
@@ -40,7 +42,11 @@ pub(super) fn fly(
     field: &WindField,
 ) -> Result<FlownLines, String> {
     let airspeed_mps = line_airspeed_mps.unwrap_or(model.true_airspeed_m_s_cruise);
-    let mut flown = FlownLines { lines: Vec::new(), duration_s: 0.0, length_m: 0.0 };
+    let mut flown = FlownLines { lines: Vec::new(), entry: None, duration_s: 0.0, length_m: 0.0 };
+    if let Some((from, to)) = lines.first().filter(|_| model.airframe == Airframe::FixedWing) {
+        let track_deg = geodesy::azimuth_deg(*from, *to);
+        flown.entry = Some(geodesy::destination(*from, track_deg + 180.0, lead_in_m(model, field)));
+    }
     let mut before: Option<(Position, Position)> = None;
     for (number, (from, to)) in lines.iter().copied().enumerate() {
         let now_s = start_s + flown.duration_s;
@@ -95,8 +101,7 @@ fn join(
         return Some((leg_s + turned_s + arrival_s(model), leg_m));
     }
     let track_deg = geodesy::azimuth_deg(from, to);
-    // As ways in flight end before a line, so that plan and flight agree.
-    let lead_m = LEAD_IN_S * (airspeed_mps + wind::speed_mps_max(field));
+    let lead_m = lead_in_m(model, field);
     let lead_s = lead_m / wind::triangle(track_deg, airspeed_mps, wind)?.ground_speed_mps;
     let Some((entry, exit)) = before else { return Some((lead_s, lead_m)) };
     let plane = Plane::new(geodesy::midpoint(exit, from));
@@ -114,6 +119,11 @@ fn join(
     );
     let turn_s = paths.first()?.time_s;
     Some((turn_s + lead_s, turn_s * airspeed_mps + lead_m))
+}
+
+/// Length of the lead-in of a fixed wing: as ways in flight end before a line, so that plan and flight agree.
+fn lead_in_m(model: &VehicleModel, field: &WindField) -> f64 {
+    LEAD_IN_S * (model.true_airspeed_m_s_cruise + wind::speed_mps_max(field))
 }
 
 /// Time that a rotorcraft needs beyond the way at cruise speed to come from a standstill, stop again and hang still.

@@ -154,6 +154,8 @@ fn draft(
         name: format!("{kind}-{height_m:.0}m"),
         altitude_m,
         lines,
+        // Runs with pictures are short, and their turns are planned longer than they are flown: more room would lengthen them.
+        entry: None,
         duration_s: flown.duration_s + if model.airframe == Airframe::FixedWing { LEAVE_S } else { 0.0 },
         length_m: flown.length_m,
         work: PictureWork {

@@ -181,6 +181,7 @@ fn predicted(wish: &Wish<'_>, scanner: &PredictedScanner, draft: Draft) -> Optio
         name: draft.name,
         altitude_m: draft.altitude_m,
         lines: draft.lines,
+        entry: draft.flown.entry,
         duration_s: draft.flown.duration_s,
         length_m: draft.flown.length_m,
         quality,

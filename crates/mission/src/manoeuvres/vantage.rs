@@ -157,6 +157,7 @@ fn draft(
         name: format!("vantage-{angle_deg:.0}deg-{height_m:.0}m"),
         altitude_m,
         lines: vec![(from, from)],
+        entry: None,
         duration_s: arrival_s(model) + point_s + each_s * f64::from(count) + STEPS_S,
         length_m: 0.0,
         passes: (0..count).map(|_| vec![PlannedPicture { view, weights }]).collect(),

@@ -102,9 +102,13 @@ pub struct Manoeuvre {
     pub name: String,
     /// Altitude of the lines above mean sea level.
     pub altitude_m: f64,
-    /// Straight lines `(from, to)` in order; the first `from` is the entry, the last `to` the exit. Empty means
-    /// overhead at the target's position.
+    /// Straight lines `(from, to)` in order; the last `to` is the exit, and the first `from` the entry unless `entry` says
+    /// otherwise. Empty means overhead at the target's position.
     pub lines: Vec<(Position, Position)>,
+    /// Where the manoeuvre begins: on the first line's extension, as far before it as the wings need to come level. None: where the
+    /// first line begins.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub entry: Option<Position>,
     /// Time from entry to exit, turns included.
     pub duration_s: f64,
     /// Distance over ground from entry to exit.

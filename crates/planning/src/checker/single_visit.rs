@@ -37,7 +37,8 @@ pub(super) fn violations(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -
         if plan.visits.iter().take(number).any(|earlier| earlier.target == visit.target) {
             found.push(format!("visits {} twice", visit.target));
         }
-        let entry = manoeuvre.lines.first().map_or(target.position, |(from, _)| *from);
+        let begins = manoeuvre.lines.first().map_or(target.position, |(from, _)| *from);
+        let entry = manoeuvre.entry.unwrap_or(begins);
         let leg = Leg { to: &visit.target, from_m: altitude_m, to_m: manoeuvre.altitude_m };
         if problem.travel.is_none() {
             if visit.depart_s < time_s - 1e-6 {
@@ -260,7 +261,8 @@ fn observe(
         found.push(format!("claims {} for {name}, which is worth {worth}", visit.worth));
     }
     let heights = (manoeuvre.altitude_m, manoeuvre.altitude_m);
-    for (from, to) in &manoeuvre.lines {
+    let lead_in = manoeuvre.entry.and_then(|entry| Some((entry, manoeuvre.lines.first()?.0)));
+    for (from, to) in lead_in.iter().chain(&manoeuvre.lines) {
         let steps = ((geodesy::distance_m(*from, *to) / STEP_M) as usize + 1).min(STEPS_MAX);
         for step in 0..=steps {
             let place = geodesy::interpolate(*from, *to, step as f64 / steps as f64);

@@ -332,9 +332,10 @@ impl<'a> Travel<'a> {
             return known.clone();
         }
         let lines = self.problem.targets.get(target).and_then(|target| target.manoeuvres.get(manoeuvre));
+        let lead_in = lines.and_then(|manoeuvre| Some((manoeuvre.entry?, manoeuvre.lines.first()?.0)));
         let lines = lines.map_or(&[][..], |manoeuvre| &manoeuvre.lines);
         let turns = lines.iter().zip(lines.iter().skip(1)).map(|((_, from), (to, _))| (*from, *to));
-        let mut legs = lines.iter().copied().chain(turns);
+        let mut legs = lead_in.into_iter().chain(lines.iter().copied()).chain(turns);
         let track_rad = self.spots.get(entry_node).and_then(|spot| spot.track_rad);
         let trouble = match layer.place(entry_node, entry, track_rad) {
             Ok(place) => layer.network.place_trouble(place, (begin_s, end_s)),
@@ -436,8 +437,13 @@ fn place(problem: &SingleVisitProblem, node: PointKey) -> (Position, f64) {
         let target = problem.targets.get(target);
         let manoeuvre = target.and_then(|target| target.manoeuvres.get(manoeuvre));
         let overhead = target.map_or(problem.start, |target| target.position);
-        let line = manoeuvre.and_then(|m| if entry { m.lines.first() } else { m.lines.last() });
-        let position = line.map_or(overhead, |(from, to)| if entry { *from } else { *to });
+        let position = match manoeuvre {
+            Some(manoeuvre) if entry => {
+                manoeuvre.entry.or(manoeuvre.lines.first().map(|(from, _)| *from)).unwrap_or(overhead)
+            }
+            Some(manoeuvre) => manoeuvre.lines.last().map_or(overhead, |(_, to)| *to),
+            None => overhead,
+        };
         (position, manoeuvre.map_or(cruise_m, |manoeuvre| manoeuvre.altitude_m))
     };
     match node {
