@@ -1,5 +1,6 @@
 //! Conditions without tasks: a session watches conditions over samples and messages and tells every result.
 
+mod attributes;
 mod banks;
 mod gaps;
 mod results;
@@ -153,6 +154,12 @@ impl MonitorSession {
     pub fn over_a_log(mut self) -> MonitorSession {
         self.world.limits = Limits::of_a_log();
         self.world.histories.limit(&self.world.limits);
+        self
+    }
+
+    /// Keeps all samples, not only those that conditions may still ask for.
+    pub fn keeping_samples(mut self) -> MonitorSession {
+        self.world.histories.require_lookback_of_all(Duration::MAX);
         self
     }
 

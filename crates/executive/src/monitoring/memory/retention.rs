@@ -51,11 +51,16 @@ pub(crate) fn demands(library: &Library) -> Vec<Demand> {
     survey.demands
 }
 
-/// Prepares `histories` for one more condition.
-pub(crate) fn prepare_condition(histories: &mut Histories, library: &Library, condition: &Condition) {
+/// What one condition needs of the past.
+pub(crate) fn demands_of(library: &Library, condition: &Condition) -> Vec<Demand> {
     let mut survey = Survey { library, index: None, wordless: true, demands: Vec::new() };
     survey.condition(condition);
-    obey(histories, survey.demands);
+    survey.demands
+}
+
+/// Prepares `histories` for one more condition.
+pub(crate) fn prepare_condition(histories: &mut Histories, library: &Library, condition: &Condition) {
+    obey(histories, demands_of(library, condition));
 }
 
 /// Walks through definitions and notes what looks back.
