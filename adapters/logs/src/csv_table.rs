@@ -155,7 +155,11 @@ impl<R: Read> LogReader for CsvTable<R> {
                 message.values.clear();
                 let carries = |index: usize| self.carries.get(index).copied().unwrap_or(true);
                 message.values.extend(self.record.iter().enumerate().map(|(index, bytes)| {
-                    if carries(index) || bytes.is_empty() { cell(bytes, decimal_comma) } else { Cell::Text(String::new()) }
+                    if carries(index) || bytes.is_empty() {
+                        cell(bytes, decimal_comma)
+                    } else {
+                        Cell::Text(String::new())
+                    }
                 }));
                 return Ok(true);
             }

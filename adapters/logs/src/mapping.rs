@@ -98,8 +98,7 @@ impl Sampler {
 
     /// Makes samples of these attributes only.
     pub fn keep_only(&mut self, attributes: &BTreeSet<Symbol>) {
-        self.wanted =
-            self.mapping.entries.iter().map(|entry| attributes.contains(&entry.variable.attribute)).collect();
+        self.wanted = self.mapping.entries.iter().map(|entry| attributes.contains(&entry.variable.attribute)).collect();
     }
 
     /// First and last instant at which something was measured that makes no samples.

@@ -124,9 +124,11 @@ impl MappingFile {
         let mut text = String::new();
         // Writing to a string cannot fail.
         if let Some((column, unit_ns)) = &self.time {
-            let name = unit_ns.and_then(|own| ["s", "ms", "us", "ns", "min", "h"].into_iter().find(|name| {
-                unit_named(name).is_some_and(|unit| libm::rint(unit.factor * 1e9) as i64 == own)
-            }));
+            let name = unit_ns.and_then(|own| {
+                ["s", "ms", "us", "ns", "min", "h"]
+                    .into_iter()
+                    .find(|name| unit_named(name).is_some_and(|unit| libm::rint(unit.factor * 1e9) as i64 == own))
+            });
             let unit = name.map(|name| format!(" :unit {name}")).unwrap_or_default();
             let _ = writeln!(text, "(time {}{unit})", Value::text(column));
         }
@@ -141,8 +143,12 @@ impl MappingFile {
             };
             take.into_iter().for_each(|take| _ = write!(text, " :take {take}"));
             unit.iter().for_each(|unit| _ = write!(text, " :unit {unit}"));
-            let numbers = [("scale", Some(entry.scale).filter(|scale| *scale != 1.0)), ("integer-scale", entry.integer_scale),
-                ("offset", Some(entry.offset).filter(|offset| *offset != 0.0)), ("missing", entry.missing)];
+            let numbers = [
+                ("scale", Some(entry.scale).filter(|scale| *scale != 1.0)),
+                ("integer-scale", entry.integer_scale),
+                ("offset", Some(entry.offset).filter(|offset| *offset != 0.0)),
+                ("missing", entry.missing),
+            ];
             for (name, number) in numbers {
                 number.iter().for_each(|number| _ = write!(text, " :{name} {}", Value::Real(*number)));
             }

@@ -58,8 +58,9 @@ impl<W: Write + Send> ResultWriter<W> {
             field(name, if is_text { Physical::BYTE_ARRAY } else { Physical::INT64 }, true)
         });
         let schema = fields.collect::<Result<Vec<_>, _>>();
-        let schema =
-            schema.and_then(|fields| Type::group_type_builder("results").with_fields(fields).build()).map_err(failed)?;
+        let schema = schema
+            .and_then(|fields| Type::group_type_builder("results").with_fields(fields).build())
+            .map_err(failed)?;
         let writer = SerializedFileWriter::new(output, Arc::new(schema), Arc::new(properties)).map_err(failed)?;
         Ok(ResultWriter { output: Output::Parquet(writer, Vec::new()) })
     }

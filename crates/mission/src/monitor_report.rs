@@ -48,7 +48,9 @@ impl Style {
             if let Some(object) = line.as_object_mut() {
                 let instants =
                     [("start_utc", start), ("end_utc", end), ("recognised_at_utc", satisfaction.recognised_at)];
-                object.extend(instants.into_iter().filter_map(|(name, at)| Some((name.to_string(), self.utc(at)?.into()))));
+                object.extend(
+                    instants.into_iter().filter_map(|(name, at)| Some((name.to_string(), self.utc(at)?.into()))),
+                );
             }
             return Some(format!("{line}\n"));
         }

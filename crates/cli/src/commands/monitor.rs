@@ -5,9 +5,9 @@ use crate::monitor::input::Source;
 use crate::options::MonitorOptions;
 use crate::output::Listened;
 use crate::{output, sources, table_file};
-use apex_executive::{MonitorSession, ResultEvent};
 use apex_executive::state::clause::MonitorId;
 use apex_executive::state::monitors::monitor::Interest;
+use apex_executive::{MonitorSession, ResultEvent};
 use apex_mission::monitor_report::{Style, placed, verdict_word};
 use apex_model::condition::Condition;
 use apex_model::event::{EventKind, Message, StateVariable};
@@ -92,7 +92,8 @@ fn watch(
     let created = time(&options.created, "--created")?.or(span.0);
     let CheckedConditions { checked, conditions } = conditions(options, &mut source)?;
     let utc_of_zero = if options.utc { Some(source.utc_of_zero()?) } else { None };
-    let style = Style { json: options.json, live: matches!(source, Source::Lines), several: conditions.len() > 1, utc_of_zero };
+    let style =
+        Style { json: options.json, live: matches!(source, Source::Lines), several: conditions.len() > 1, utc_of_zero };
     let library = Arc::new(checked.library);
     let session = MonitorSession::new(Arc::clone(&library), sources::host_functions())
         .map(MonitorSession::with_gaps)
@@ -104,7 +105,19 @@ fn watch(
     let wanted = session.attributes_read(&conditions);
     let (intervals, known) = (options.plot.is_some().then(Vec::new), Vec::new());
     let mut watching = Watching {
-        session, conditions, created, span, style, name, table, results, out, intervals, known, heard: false, over: false
+        session,
+        conditions,
+        created,
+        span,
+        style,
+        name,
+        table,
+        results,
+        out,
+        intervals,
+        known,
+        heard: false,
+        over: false,
     };
     let gone = watching.out.gone();
     let fed = source.feed(&library, wanted.as_ref(), &mut |at, kind| watching.take(at, kind));

@@ -140,7 +140,11 @@ fn svg(text: &mut String, panels: &[Panel], intervals: &[(Time, Time)]) -> DrawR
     let (from, to) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
     let span = from..if to > from { to } else { from + 1.0 };
     for (area, panel) in root.split_evenly((shown.len(), 1)).iter().zip(shown) {
-        let left_out = if panels.len() > shown.len() { format!("; {} more variables", panels.len() - shown.len()) } else { String::new() };
+        let left_out = if panels.len() > shown.len() {
+            format!("; {} more variables", panels.len() - shown.len())
+        } else {
+            String::new()
+        };
         draw_panel(area, panel, &left_out, span.clone(), intervals)?;
     }
     root.present()?;
@@ -155,7 +159,8 @@ fn draw_panel(
     intervals: &[(Time, Time)],
 ) -> DrawResult {
     let values = panel.points.iter().map(|point| point.1).chain(panel.limits.iter().copied());
-    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), each| (low.min(each), high.max(each)));
+    let (low, high) =
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), each| (low.min(each), high.max(each)));
     let margin = if high > low { (high - low) * 0.05 } else { 1.0 };
     let mut chart = ChartBuilder::on(area)
         .margin(8)

@@ -217,9 +217,7 @@ fn input_at(reads: Reading, join: Join, history: &History, at: Time) -> Option<V
             _ => Some(latest.value.clone()),
         },
         Reading::Previous => history.before(latest.at).map(|sample| sample.value.clone()),
-        Reading::Changed => {
-            history.before(latest.at).map(|sample| Value::truth(!sample.value.equals(&latest.value)))
-        }
+        Reading::Changed => history.before(latest.at).map(|sample| Value::truth(!sample.value.equals(&latest.value))),
         Reading::Rate => rate(history.before(latest.at)?, latest),
     }
 }

@@ -89,10 +89,13 @@ impl Lowering {
             inputs.first().is_some_and(|first| (&first.attribute, &first.object) != (&input.attribute, &input.object))
         };
         if join.is_none() && inputs.iter().any(several) {
-            let diagnostic =
-                Diagnostic::error(codes::DERIVATION, value.span, "this reads several state variables and has no `:join`")
-                    .reason("their samples come at different instants: how old may the value of one be when another comes?")
-                    .help(format!("add one of {JOINS}"));
+            let diagnostic = Diagnostic::error(
+                codes::DERIVATION,
+                value.span,
+                "this reads several state variables and has no `:join`",
+            )
+            .reason("their samples come at different instants: how old may the value of one be when another comes?")
+            .help(format!("add one of {JOINS}"));
             return self.refuse(diagnostic);
         }
         self.scope = Scope::of_tasks();
@@ -126,7 +129,8 @@ impl Lowering {
         }
         if let Some(reading) = reading {
             let message = format!("`{}` takes one state variable", datum.head_name());
-            let help = format!("for example `({} (altitude ?{}))`; {}", datum.head_name(), inputs.object, meaning(reading));
+            let help =
+                format!("for example `({} (altitude ?{}))`; {}", datum.head_name(), inputs.object, meaning(reading));
             return self.refuse(Diagnostic::error(codes::DERIVATION, datum.span, message).help(help));
         }
         if self.is_state_variable(items) {
@@ -174,9 +178,7 @@ impl Lowering {
                 return self.refuse(Diagnostic::error(codes::DERIVATION, object.span, message));
             }
         };
-        let known = |each: &DerivationInput| {
-            (&each.attribute, &each.object, each.reads) == (attribute, &object, reads)
-        };
+        let known = |each: &DerivationInput| (&each.attribute, &each.object, each.reads) == (attribute, &object, reads);
         let name = match inputs.found.iter().find(|each| known(each)) {
             Some(known) => known.name.clone(),
             None => {

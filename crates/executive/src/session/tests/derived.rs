@@ -124,14 +124,16 @@ fn words_that_change_and_rates_are_derived_of_two_samples() {
         (0..).zip(modes).map(|(second, mode)| ("mode", Value::symbol(mode), f64::from(second))).collect();
     let changed = "(state-variable (new-mode ?a) :derived (changed (mode ?a)))";
     assert_eq!(tells(changed, "(new-mode uav = t)", &samples), ["found 2..2 @2", "found 4..4 @4"]);
-    let rate = "(state-variable (height ?a) :unit m) (state-variable (climb ?a) :unit m/s :derived (rate-of (height ?a)))";
+    let rate =
+        "(state-variable (height ?a) :unit m) (state-variable (climb ?a) :unit m/s :derived (rate-of (height ?a)))";
     let heights = numbers("height", &[0.0, 2.0, 8.0, 9.0]);
     assert_eq!(tells(rate, "(climb uav > 5)", &heights), ["found 2..2 @2"]);
 }
 
 #[test]
 fn derived_variables_are_derived_of_derived_ones_at_the_same_instant() {
-    let chain = "(state-variable (a ?o) :derived (+ (b ?o) (x ?o)) :join :hold) (state-variable (b ?o) :derived (* 10 (x ?o)))";
+    let chain =
+        "(state-variable (a ?o) :derived (+ (b ?o) (x ?o)) :join :hold) (state-variable (b ?o) :derived (* 10 (x ?o)))";
     let samples = numbers("x", &[1.0, 2.0]);
     assert_eq!(tells(chain, "(a uav = 22)", &samples), ["found 1..1 @1"]);
     assert_eq!(tells(chain, "(a uav = 12)", &samples), [""; 0]);
@@ -161,7 +163,10 @@ fn a_value_that_cannot_be_computed_is_named_once_and_counted() {
     session.advance(at(9.0));
     let troubles = session.take_troubles();
     assert_eq!(troubles.len(), 1, "{troubles:?}");
-    assert!(troubles[0].message.contains("the derived state variable (inverse uav) has no value at 0s"), "{troubles:?}");
+    assert!(
+        troubles[0].message.contains("the derived state variable (inverse uav) has no value at 0s"),
+        "{troubles:?}"
+    );
     assert_eq!(session.histories().get(&of("inverse")).unwrap().missing_count, 2);
     assert_eq!(told(&mut session), ["found 2..2 @2"]);
 }
