@@ -201,3 +201,17 @@ def test_every_public_thing_says_what_it_is():
     for name in apex_autonomy.__all__:
         if name != "__version__":
             assert getattr(apex_autonomy, name).__doc__, name
+
+
+def test_derived_state_variables_are_computed_over_all_inputs():
+    library = "(state-variable (error ?a) :derived (abs (- (want ?a) (roll ?a))) :join (:hold 1s))"
+    condition = "(:episode (error uav) :quality (:max-gap 1s) :value (> 10) :timing (:duration (>= 1s)))"
+    monitor = Monitor(condition, library=library)
+    # Half a second apart, so at each instant one of both is held: |0-3|, |20-3|, |20-8|, |20-8|, |20-19|.
+    samples = [(1.0, "roll", 3), (1.5, "want", 20), (2.0, "roll", 8), (2.5, "want", 20), (3.0, "roll", 19)]
+    found = list(monitor.push(0.5, 0, variable="(want uav)"))
+    for at, name, value in samples:
+        found += monitor.push(at, value, variable=f"({name} uav)")
+    found += monitor.finish()
+    final = [(result.start_ns, result.end_ns) for result in found if not result.open]
+    assert final == [(1_500_000_000, 2_500_000_000)]

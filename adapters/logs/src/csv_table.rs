@@ -6,6 +6,7 @@ use crate::time_column::TimeColumn;
 use crate::{Cell, FIELDS_MAX, LogReader, Message, ReadErrors, Topic};
 use apex_model::time::Time;
 use csv::{ByteRecord, Reader, ReaderBuilder};
+use std::collections::BTreeSet;
 use std::io::{self, Read};
 
 /// Bytes in which the row of names is looked for.
@@ -31,6 +32,10 @@ pub(crate) struct CsvTable<R> {
     lines_before: u64,
     newest: Option<Time>,
     damages: ReadErrors,
+    /// The columns whose values are wanted, by name; none is all.
+    carried: Option<BTreeSet<String>>,
+    /// The same by number.
+    carries: Vec<bool>,
 }
 
 impl<R: Read> CsvTable<R> {
@@ -47,6 +52,8 @@ impl<R: Read> CsvTable<R> {
             lines_before: 0,
             newest: None,
             damages: ReadErrors::default(),
+            carried: None,
+            carries: Vec::new(),
         }
     }
 
@@ -81,6 +88,9 @@ impl<R: Read> CsvTable<R> {
                 None => format!("line {line}: no column is a time; there are {found}. Expected `t`, `time (s)`, `timestamp_ms`, `datetime` or the like, or a mapping with (time \"COLUMN\" :unit U)"),
             });
             return Ok(());
+        }
+        if let Some(carried) = &self.carried {
+            self.carries = fields.iter().map(|field| carried.contains(field)).collect();
         }
         self.topics.push(Topic { name: "csv".to_string(), fields, ..Topic::default() });
         self.reader = Some(reader);
@@ -143,10 +153,21 @@ impl<R: Read> LogReader for CsvTable<R> {
                 message.topic = 0;
                 message.at = at;
                 message.values.clear();
-                message.values.extend(self.record.iter().map(|bytes| cell(bytes, decimal_comma)));
+                let carries = |index: usize| self.carries.get(index).copied().unwrap_or(true);
+                message.values.extend(self.record.iter().enumerate().map(|(index, bytes)| {
+                    if carries(index) || bytes.is_empty() {
+                        cell(bytes, decimal_comma)
+                    } else {
+                        Cell::Text(String::new())
+                    }
+                }));
                 return Ok(true);
             }
         }
+    }
+
+    fn carry_only(&mut self, carried: BTreeSet<String>) {
+        self.carried = Some(carried);
     }
 
     fn topics(&self) -> &[Topic] {

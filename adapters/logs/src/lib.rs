@@ -4,6 +4,7 @@
 //! damaged and says where. A [`Mapping`] makes state variables of fields.
 
 mod bytes;
+mod civil_time;
 mod csv_table;
 mod dataflash;
 mod dataflash_binary;
@@ -27,13 +28,14 @@ mod ulog_format;
 pub use csv_table::TimeName;
 pub use field_list::field_list;
 pub use fields::{FieldSummary, Span, survey};
-pub use log_file::{LogError, LogFile};
+pub use log_file::{Fed, LogError, LogFile};
 pub use mapping::{Entry, Mapping, Sampled, Sampler, Take};
 pub use mapping_file::{MappingError, MappingFile, ReadForm};
 pub use open::{Format, open};
 pub use ordered::Ordered;
 
 use apex_model::time::Time;
+use std::collections::BTreeSet;
 use std::io;
 
 /// Kinds of messages of a log that are distinguished, at most.
@@ -118,6 +120,11 @@ pub trait LogReader {
 
     /// The kinds of messages known so far; a number once given stays.
     fn topics(&self) -> &[Topic];
+
+    /// Fields of other names than `carried` need not be read: they may be empty texts where they have values.
+    fn carry_only(&mut self, carried: BTreeSet<String>) {
+        let _ = carried;
+    }
 
     /// When the log began by its own clock, where it says so; known after the first message.
     fn began(&self) -> Option<Time> {

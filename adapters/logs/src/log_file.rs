@@ -1,11 +1,14 @@
 //! A log file with its mapping, read in order of time as measurements.
 
+use crate::civil_time::utc_of_clock;
 use crate::mapping_file::{self, MappingError, MappingFile, ReadForm};
-use crate::{FieldSummary, Format, LogReader, Message, Ordered, ReadErrors, Sampler, Span, survey};
+use crate::{Entry, FieldSummary, Format, LogReader, Message, Ordered, ReadErrors, Sampled, Sampler, Span, survey};
 use apex_model::event::StateVariable;
 use apex_model::library::Library;
+use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
+use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
@@ -16,6 +19,8 @@ pub struct LogFile {
     format: Format,
     mapping: Option<MappingFile>,
     own_time: bool,
+    /// What ships has been added to the mapping.
+    is_complete: bool,
 }
 
 /// Why a log cannot be read; `E` is an error of the caller that takes the samples.
@@ -33,10 +38,19 @@ pub enum LogError<E> {
     Sink(E),
 }
 
+/// What a log held.
+#[derive(Clone, Debug, Default)]
+pub struct Fed {
+    /// What could not be read.
+    pub damages: ReadErrors,
+    /// The state variables that its fields make.
+    pub variables: Vec<StateVariable>,
+}
+
 impl LogFile {
     /// The log at `path`, understood through `mapping`; with `own_time` its own clock counts, else time begins with the log.
     pub fn new(path: &Path, format: Format, mapping: Option<MappingFile>, own_time: bool) -> LogFile {
-        LogFile { path: path.to_path_buf(), format, mapping, own_time }
+        LogFile { path: path.to_path_buf(), format, mapping, own_time, is_complete: false }
     }
 
     /// The path.
@@ -49,13 +63,20 @@ impl LogFile {
         self.format
     }
 
-    /// The mapping: the given one, else the one that ships for the format, else the names of a table's columns. None where
+    /// The mapping: the given one with what ships for the format and is not mapped there, else the one that ships for the format, else the names of a table's columns. None where
     /// nothing says what the fields mean.
     ///
     /// # Errors
     /// The file cannot be read.
     pub fn mapping<E>(&mut self, read_form: ReadForm<'_>) -> Result<Option<&MappingFile>, LogError<E>> {
+        if let (Some(given), false) = (&mut self.mapping, self.is_complete) {
+            self.is_complete = true;
+            if let Some(shipped) = mapping_file::shipped(self.format, read_form) {
+                given.add(shipped.map_err(LogError::Mapping)?);
+            }
+        }
         if self.mapping.is_none() {
+            self.is_complete = true;
             self.mapping = match mapping_file::shipped(self.format, read_form) {
                 Some(shipped) => Some(shipped.map_err(LogError::Mapping)?),
                 None => self.of_columns()?,
@@ -83,18 +104,28 @@ impl LogFile {
         }
     }
 
-    /// Hands all samples over in order of time, in the units that `library` declares, and returns what could not be read.
+    /// Hands all samples over in order of time, in the units that `library` declares. With `wanted` only samples of these
+    /// attributes are; where others come earlier or later, their instants are handed over without a sample.
     ///
     /// # Errors
     /// The file cannot be read, the mapping does not fit, or the caller refuses a sample.
     pub fn feed<E>(
         mut self,
         library: &Library,
-        sink: &mut dyn FnMut(Time, StateVariable, Value) -> Result<(), E>,
-    ) -> Result<ReadErrors, LogError<E>> {
+        wanted: Option<&BTreeSet<Symbol>>,
+        sink: &mut dyn FnMut(Time, Option<(StateVariable, Value)>) -> Result<(), E>,
+    ) -> Result<Fed, LogError<E>> {
         let mut reader = self.reader()?;
         let mapping = self.mapping.take().unwrap_or_default().mapping(library).map_err(LogError::Mapping)?;
         let mut sampler = Sampler::new(mapping);
+        if let Some(wanted) = wanted {
+            sampler.keep_only(wanted);
+            let entries = sampler.mapping().entries.iter();
+            let wanted = entries.filter(|entry| wanted.contains(&entry.variable.attribute));
+            let column = |entry: &Entry| entry.field.strip_prefix("csv.").unwrap_or(&entry.field).to_string();
+            reader.carry_only(wanted.flat_map(|entry| [column(entry), entry.field.clone()]).collect());
+        }
+        let mut first = None;
         let (mut message, mut samples, mut ordered) = (Message::default(), Vec::new(), Ordered::default());
         let mut empty = true;
         let mut origin: Option<Duration> = self.own_time.then_some(Duration::ZERO);
@@ -109,14 +140,36 @@ impl LogFile {
                 sampler.sample(reader.topics(), &message, &mut samples);
                 samples.drain(..).for_each(|sampled| ordered.push(sampled));
             }
+            if let Some((begin, end)) = sampler.unwanted() {
+                let earlier = first.is_none_or(|first| begin < first);
+                first = Some(begin);
+                let instants = earlier.then_some(begin).into_iter().chain((!more).then_some(end));
+                instants.for_each(|at| ordered.push(Sampled { entry: usize::MAX, value: Value::nil(), at }));
+            }
             while let Some(sampled) = ordered.pop(!more) {
-                let Some(entry) = sampler.mapping().entries.get(sampled.entry) else { continue };
-                sink(sampled.at, entry.variable.clone(), sampled.value).map_err(LogError::Sink)?;
+                let entry = sampler.mapping().entries.get(sampled.entry);
+                let sample = entry.map(|entry| (entry.variable.clone(), sampled.value));
+                sink(sampled.at, sample).map_err(LogError::Sink)?;
             }
             if !more {
-                return if empty { Err(not_a_log(reader.damages())) } else { Ok(reader.damages().clone()) };
+                let variables = sampler.variables().cloned().collect();
+                let damages = reader.damages().clone();
+                return if empty { Err(not_a_log(&damages)) } else { Ok(Fed { damages, variables }) };
             }
         }
+    }
+
+    /// Nanoseconds of UTC at mission time 0; none where the log does not say.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn utc_of_zero<E>(&self) -> Result<Option<i64>, LogError<E>> {
+        let mut reader = self.reader()?;
+        let Some(of_clock) = utc_of_clock(self.format, &mut *reader).map_err(LogError::Read)? else { return Ok(None) };
+        let (mut reader, mut message) = (self.reader()?, Message::default());
+        reader.next(&mut message).map_err(LogError::Read)?;
+        let began = if self.own_time { Time::ZERO } else { reader.began().unwrap_or(message.at) };
+        Ok(Some(of_clock + began.0))
     }
 
     /// What the log holds, and what could not be read.

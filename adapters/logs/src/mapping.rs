@@ -1,10 +1,12 @@
 //! Fields of logs as state variables.
 
-use crate::{Cell, Message, Topic};
+use crate::{Cell, Message, Span, Topic};
 use apex_model::event::StateVariable;
 use apex_model::quantity::{Dimension, Unit, unit_named};
+use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 use apex_model::value::Value;
+use std::collections::BTreeSet;
 
 /// How a field becomes a state variable.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,13 +82,33 @@ pub struct Sampler {
     counts: Vec<u64>,
     /// Which entry makes each variable: where several could, the first that the log has.
     chosen: Vec<Option<usize>>,
+    /// Which entries make samples; the others only show when something was measured.
+    wanted: Vec<bool>,
+    /// First and last instant of what the other entries saw.
+    unwanted: Option<Span>,
 }
 
 impl Sampler {
     /// A sampler for a log.
     pub fn new(mapping: Mapping) -> Sampler {
         let (counts, chosen) = (vec![0; mapping.entries.len()], vec![None; mapping.entries.len()]);
-        Sampler { mapping, topics: Vec::new(), counts, chosen }
+        let wanted = vec![true; mapping.entries.len()];
+        Sampler { mapping, topics: Vec::new(), counts, chosen, wanted, unwanted: None }
+    }
+
+    /// Makes samples of these attributes only.
+    pub fn keep_only(&mut self, attributes: &BTreeSet<Symbol>) {
+        self.wanted = self.mapping.entries.iter().map(|entry| attributes.contains(&entry.variable.attribute)).collect();
+    }
+
+    /// First and last instant at which something was measured that makes no samples.
+    pub fn unwanted(&self) -> Option<Span> {
+        self.unwanted
+    }
+
+    /// The state variables that fields of the log make, so far.
+    pub fn variables(&self) -> impl Iterator<Item = &StateVariable> {
+        self.chosen.iter().flatten().filter_map(|entry| self.mapping.entries.get(*entry)).map(|entry| &entry.variable)
     }
 
     /// The mapping.
@@ -116,6 +138,14 @@ impl Sampler {
         for source in wanted {
             let number = source.entry;
             let Some(entry) = self.mapping.entries.get(number) else { continue };
+            if self.wanted.get(number) == Some(&false) {
+                if message.values.get(source.field).is_some_and(|cell| *cell != Cell::Nothing) {
+                    let at = message.at;
+                    let (first, last) = self.unwanted.unwrap_or((at, at));
+                    self.unwanted = Some((first.min(at), last.max(at)));
+                }
+                continue;
+            }
             if let Some(value) = entry.value(&message.values, source) {
                 if let Some(count) = self.counts.get_mut(number) {
                     *count += 1;

@@ -7,7 +7,7 @@ use apex_model::library::Library;
 use apex_model::quantity::{Dimension, unit_named};
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
-use std::fmt;
+use std::fmt::{self, Write as _};
 
 /// A mapping as it is written.
 #[derive(Debug, Default)]
@@ -109,6 +109,57 @@ impl MappingFile {
             read.map_err(|why| wrong(form, why))?;
         }
         Ok(file)
+    }
+
+    /// Adds what `shipped` says of state variables that are not mapped here.
+    pub(crate) fn add(&mut self, shipped: MappingFile) {
+        let own: Vec<StateVariable> = self.entries.iter().map(|(entry, _)| entry.variable.clone()).collect();
+        self.entries.extend(shipped.entries.into_iter().filter(|(entry, _)| !own.contains(&entry.variable)));
+        let declared: Vec<Symbol> = self.declarations.iter().map(|(attribute, _)| attribute.clone()).collect();
+        self.declarations.extend(shipped.declarations.into_iter().filter(|(each, _)| !declared.contains(each)));
+    }
+
+    /// The mapping as PDL that [`MappingFile::parse`] reads.
+    pub fn to_pdl(&self) -> String {
+        let mut text = String::new();
+        // Writing to a string cannot fail.
+        if let Some((column, unit_ns)) = &self.time {
+            let name = unit_ns.and_then(|own| {
+                ["s", "ms", "us", "ns", "min", "h"]
+                    .into_iter()
+                    .find(|name| unit_named(name).is_some_and(|unit| libm::rint(unit.factor * 1e9) as i64 == own))
+            });
+            let unit = name.map(|name| format!(" :unit {name}")).unwrap_or_default();
+            let _ = writeln!(text, "(time {}{unit})", Value::text(column));
+        }
+        self.declarations.iter().for_each(|(_, declaration)| _ = writeln!(text, "{declaration}"));
+        for (entry, unit) in &self.entries {
+            let _ = write!(text, "(map {} {}", Value::text(&entry.field), entry.variable);
+            let take = match entry.take {
+                Take::Value => None,
+                Take::Roll => Some("roll"),
+                Take::Pitch => Some("pitch"),
+                Take::Heading => Some("heading"),
+            };
+            take.into_iter().for_each(|take| _ = write!(text, " :take {take}"));
+            unit.iter().for_each(|unit| _ = write!(text, " :unit {unit}"));
+            let numbers = [
+                ("scale", Some(entry.scale).filter(|scale| *scale != 1.0)),
+                ("integer-scale", entry.integer_scale),
+                ("offset", Some(entry.offset).filter(|offset| *offset != 0.0)),
+                ("missing", entry.missing),
+            ];
+            for (name, number) in numbers {
+                number.iter().for_each(|number| _ = write!(text, " :{name} {}", Value::Real(*number)));
+            }
+            if !entry.words.is_empty() {
+                let words: Vec<String> =
+                    entry.words.iter().map(|(number, word)| format!("({} {word})", Value::Real(*number))).collect();
+                let _ = write!(text, " :words ({})", words.join(" "));
+            }
+            text.push_str(")\n");
+        }
+        text
     }
 
     /// The declarations that `library` lacks, as PDL.
@@ -270,6 +321,18 @@ mod tests {
             assert!(checked.library.state_variables.keys().all(|each| attributes.contains(each)));
             file.mapping(&checked.library).unwrap();
         }
+    }
+
+    #[test]
+    fn a_mapping_that_was_printed_is_read_as_the_same() {
+        let own = "(time \"GPS time\" :unit ms) (map \"A.x\" (roll-angle aircraft-1) :unit deg :scale 2 :missing -1 :words ((1 up)))";
+        let mut file = MappingFile::parse("own", own, &read_form).unwrap();
+        file.add(shipped(Format::ULog, &read_form).unwrap().unwrap());
+        let again = MappingFile::parse("own", &file.to_pdl(), &read_form).unwrap();
+        assert_eq!(again.entries, file.entries);
+        assert_eq!((again.time, again.declarations), (file.time, file.declarations));
+        let rolls = again.entries.iter().filter(|(entry, _)| entry.variable.attribute.is("roll-angle"));
+        assert_eq!(rolls.count(), 1, "the own entry stands in the place of the one that ships");
     }
 
     #[test]

@@ -53,34 +53,37 @@ impl<W: Write + Send> ParquetWriter<W> {
     }
 }
 
-fn failed(error: ParquetError) -> io::Error {
+pub(crate) fn failed(error: ParquetError) -> io::Error {
     io::Error::other(error.to_string())
 }
 
 /// The columns of [`crate::COLUMNS`].
 fn schema() -> Result<TypePtr, ParquetError> {
     let [number, t_ns, arrived_ns, kind, name, value, unit, text, status] = crate::COLUMNS;
-    let field = |name: &str, physical: Physical, repetition: Repetition| {
-        let words = if physical == Physical::BYTE_ARRAY { ConvertedType::UTF8 } else { ConvertedType::NONE };
-        let builder = Type::primitive_type_builder(name, physical).with_repetition(repetition);
-        builder.with_converted_type(words).build().map(Arc::new)
-    };
     let fields = vec![
-        field(number, Physical::INT64, Repetition::REQUIRED)?,
-        field(t_ns, Physical::INT64, Repetition::REQUIRED)?,
-        field(arrived_ns, Physical::INT64, Repetition::REQUIRED)?,
-        field(kind, Physical::BYTE_ARRAY, Repetition::REQUIRED)?,
-        field(name, Physical::BYTE_ARRAY, Repetition::REQUIRED)?,
-        field(value, Physical::DOUBLE, Repetition::OPTIONAL)?,
-        field(unit, Physical::BYTE_ARRAY, Repetition::OPTIONAL)?,
-        field(text, Physical::BYTE_ARRAY, Repetition::OPTIONAL)?,
-        field(status, Physical::BYTE_ARRAY, Repetition::REQUIRED)?,
+        field(number, Physical::INT64, true)?,
+        field(t_ns, Physical::INT64, true)?,
+        field(arrived_ns, Physical::INT64, true)?,
+        field(kind, Physical::BYTE_ARRAY, true)?,
+        field(name, Physical::BYTE_ARRAY, true)?,
+        field(value, Physical::DOUBLE, false)?,
+        field(unit, Physical::BYTE_ARRAY, false)?,
+        field(text, Physical::BYTE_ARRAY, false)?,
+        field(status, Physical::BYTE_ARRAY, true)?,
     ];
     Ok(Arc::new(Type::group_type_builder("history").with_fields(fields).build()?))
 }
 
+/// A column of numbers or, as UTF-8, of texts.
+pub(crate) fn field(name: &str, physical: Physical, required: bool) -> Result<TypePtr, ParquetError> {
+    let words = if physical == Physical::BYTE_ARRAY { ConvertedType::UTF8 } else { ConvertedType::NONE };
+    let repetition = if required { Repetition::REQUIRED } else { Repetition::OPTIONAL };
+    let builder = Type::primitive_type_builder(name, physical).with_repetition(repetition);
+    builder.with_converted_type(words).build().map(Arc::new)
+}
+
 /// Writes the next column of a group.
-fn column<T: DataType, W: Write + Send>(
+pub(crate) fn column<T: DataType, W: Write + Send>(
     group: &mut SerializedRowGroupWriter<'_, W>,
     cells: impl Iterator<Item = Option<T::T>>,
     required: bool,

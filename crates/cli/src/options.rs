@@ -301,7 +301,14 @@ pub struct MonitorOptions {
     /// Leave out what was measured or happened later; verdicts are those of this instant.
     #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
     pub until: Option<String>,
-    /// Write all final results as a table, too: CSV with one row per result, instants and durations in nanoseconds.
+    /// Print civil time (UTC) next to mission time, where the log says it.
+    #[arg(long)]
+    pub utc: bool,
+    /// Draw the variables, their limits and the intervals of the results: an SVG file.
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// Write all final results as a table, too: one row per result, instants and durations in nanoseconds. CSV, or Parquet
+    /// where the name ends in .parquet.
     #[arg(long, value_name = "FILE")]
     pub results: Option<PathBuf>,
     /// From when on evidence counts; default is the input's first instant.
@@ -310,9 +317,15 @@ pub struct MonitorOptions {
     /// PDL with declarations of state variables, functions and constants; may be given several times.
     #[arg(long, value_name = "FILE")]
     pub library: Vec<PathBuf>,
-    /// Which fields of a log are which state variables; default is what ships for the log's format.
+    /// PDL declarations as text, such as '(state-variable (roll-error ?a) :derived (abs (- (want ?a) (roll ?a))) :join (:hold 1s))'.
+    #[arg(long, value_name = "PDL")]
+    pub declare: Vec<String>,
+    /// Which fields of a log are which state variables; added to what ships for the log's format.
     #[arg(long, value_name = "FILE")]
     pub mapping: Option<PathBuf>,
+    /// Print the mapping in use as PDL, and watch nothing.
+    #[arg(long)]
+    pub show_mapping: bool,
     /// Keep the log's own clock instead of counting from its beginning.
     #[arg(long)]
     pub log_time: bool,

@@ -279,3 +279,79 @@ fn several_logs_are_watched_into_one_table() {
     let said = desk.apex(&["monitor", BANKED, "--inputs", "a.csv", "--results", "a.csv"]);
     said.complained(2, &["would be written over its source"]);
 }
+
+#[test]
+fn derived_variables_are_declared_on_the_command_line_and_drawn() {
+    let desk = Desk::new();
+    desk.write("a.csv", "t,want,roll,mode\n0,0,0,1\n1,20,3,1\n2,20,8,1\n3,20,19,2\n4,0,18,2\n5,0,2,2\n");
+    let error = "(state-variable (roll-error ?a) :derived (abs (- (want ?a) (roll ?a))) :join (:hold 1s))";
+    let off = "(:episode (roll-error aircraft-1) :quality (:max-gap 1s) :value (> 10) :timing (:duration (>= 1s)))";
+    let changed = "(state-variable (new-mode ?a) :derived (changed (mode ?a)))";
+    let options = ["--declare", error, "--declare", changed, "--inputs", "a.csv"];
+    let watch = ["monitor", off, "(new-mode aircraft-1 = t)"];
+    let said = desk.apex(&[watch.as_slice(), &options, &["--plot", "a.svg", "--results", "r.parquet"]].concat()).well();
+    assert!(said.out.contains("1: 1s to 2s (1.000 s)"), "{}", said.out);
+    assert!(said.out.contains("2: at 3s"), "{}", said.out);
+    let picture = desk.read("a.svg");
+    assert!(picture.starts_with("<svg") && picture.contains("(roll-error aircraft-1)"), "{picture}");
+    assert!(std::fs::read(desk.path("r.parquet")).unwrap().starts_with(b"PAR1"));
+    let said = desk.apex(&[
+        "monitor",
+        "(:episode (:and (want a > 1) (roll a > 1)) :quality :no-constraints)",
+        "--inputs",
+        "a.csv",
+    ]);
+    said.complained(2, &["`(:and ..)` is not a state variable", ":derived (and"]);
+    let said = desk.apex(&["monitor", off, "--inputs", "a.csv", "--plot", "a.png"]);
+    said.complained(2, &["is not a name of an SVG file", "end the name in .svg"]);
+}
+
+#[test]
+fn civil_time_is_told_where_the_input_knows_it() {
+    let desk = Desk::new();
+    desk.write("a.csv", "time_ms,roll\n1700000000000,0\n1700000001500,20\n1700000002000,0\n");
+    let said = desk.apex(&["monitor", "(roll aircraft-1 > 15)", "--inputs", "a.csv", "--utc"]).well();
+    assert!(said.out.contains("at 1.5s [2023-11-14T22:13:21.5Z]"), "{}", said.out);
+    let said =
+        desk.apex(&["monitor", "(roll aircraft-1 > 15)", "--inputs", "a.csv", "--utc", "--log-time", "--json"]).well();
+    assert_eq!(said.json_lines()[0]["start_utc"], "2023-11-14T22:13:21.5Z");
+    desk.write("b.csv", "t,roll\n0,0\n1,20\n");
+    let said = desk.apex(&["monitor", "(roll aircraft-1 > 15)", "--inputs", "b.csv", "--utc"]);
+    said.complained(2, &["the civil time of this input is not known"]);
+}
+
+#[test]
+fn columns_that_no_condition_reads_change_no_result() {
+    let desk = Desk::new();
+    desk.write("a.csv", "t,roll,late\n0,,1\n1,20,\n2,20,\n3,0,\n9,,1\n");
+    for condition in
+        ["(:episode (roll aircraft-1) :quality (:max-gap 1s) :value (> 15))", "(:not (late aircraft-1 > 5))"]
+    {
+        let own = desk.apex(&["monitor", condition, "--inputs", "a.csv"]).well().out;
+        // A condition that is judged at every instant makes everything be read.
+        let with_all = desk.apex(&["monitor", condition, "(:function (> +met+ 90s))", "--inputs", "a.csv"]).well().out;
+        let of_first: String =
+            with_all.lines().filter(|line| line.starts_with("1: ")).map(|line| format!("{}\n", &line[3..])).collect();
+        let plain: String =
+            own.lines().filter(|line| !line.starts_with("  ")).map(|line| format!("{line}\n")).collect();
+        assert_eq!(plain, of_first);
+        assert!(plain.contains("up to 9s"), "{plain}");
+    }
+}
+
+#[test]
+fn an_own_mapping_is_added_to_what_ships_and_printed() {
+    let desk = Desk::new();
+    desk.write(
+        "own.pdl",
+        "(map \"GPS.Spd\" (ground-speed aircraft-1) :unit m/s :scale 2) (map \"X.y\" (own aircraft-1))",
+    );
+    desk.write("a.log", "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\nFMT, 130, 45, ATT, Qf, TimeUS,Roll\nATT, 1000000, 20\n");
+    let said = desk.apex(&["monitor", "--show-mapping", "--mapping", "own.pdl", "--inputs", "a.log"]).well();
+    assert!(said.out.contains("(map \"X.y\" (own aircraft-1))"), "{}", said.out);
+    assert!(said.out.contains("(map \"ATT.Roll\" (roll-angle aircraft-1)"), "{}", said.out);
+    assert_eq!(said.out.matches("(ground-speed aircraft-1)").count(), 1, "{}", said.out);
+    desk.write("printed.pdl", &said.out);
+    let again = desk.apex(&["monitor", "--show-mapping", "--mapping", "printed.pdl", "--inputs", "a.log"]).well();
+    assert_eq!(again.out, said.out);
+}

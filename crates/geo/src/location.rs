@@ -14,7 +14,7 @@ pub struct Location {
 }
 
 impl Location {
-    /// Reads a location `(latitude_deg longitude_deg [altitude_m])`.
+    /// Reads a location `(latitude_deg longitude_deg [altitude_m])`; angles with a unit are converted.
     ///
     /// # Errors
     /// A sentence that says what a location is and what was given.
@@ -23,6 +23,7 @@ impl Location {
         let items = value.as_list().ok_or_else(refused)?;
         let plain = |value: &Value| match value.as_number() {
             Some((number, Dimension::NONE)) if number.is_finite() => Some(number),
+            Some((radians, Dimension::ANGLE)) if radians.is_finite() => Some(radians.to_degrees()),
             _ => None,
         };
         let altitude = |value: &Value| match value.as_number() {

@@ -8,6 +8,7 @@ use apex_model::source::Place;
 use apex_model::time::Time;
 use serde_json::{Value as Json, json};
 use std::fmt::Write;
+use time::format_description::well_known::Rfc3339;
 
 /// How results are told.
 #[derive(Clone, Copy)]
@@ -18,6 +19,8 @@ pub struct Style {
     pub live: bool,
     /// Several conditions are watched: each line says which.
     pub several: bool,
+    /// Nanoseconds of UTC at mission time 0: instants are told in civil time, too.
+    pub utc_of_zero: Option<i64>,
 }
 
 impl Style {
@@ -35,13 +38,20 @@ impl Style {
                 .map(|(name, value)| (name.printed().to_string(), Json::String(value.to_string())))
                 .collect();
             let telling = if result.telling == ResultEvent::Closed { "closed" } else { "recognised" };
-            let line = json!({
+            let mut line = json!({
                 "condition": number, "telling": telling, "open": open, "start_s": start.seconds(),
                 "end_s": end.seconds(), "recognised_at_s": satisfaction.recognised_at.seconds(), "start_ns": start.0,
                 "end_ns": end.0, "duration_ns": (end - start).0, "recognised_at_ns": satisfaction.recognised_at.0,
                 "bindings": bindings,
                 "evidence": evidence, "gaps": result.gaps.iter().map(gap_json).collect::<Vec<Json>>(),
             });
+            if let Some(object) = line.as_object_mut() {
+                let instants =
+                    [("start_utc", start), ("end_utc", end), ("recognised_at_utc", satisfaction.recognised_at)];
+                object.extend(
+                    instants.into_iter().filter_map(|(name, at)| Some((name.to_string(), self.utc(at)?.into()))),
+                );
+            }
             return Some(format!("{line}\n"));
         }
         if open && !self.live {
@@ -52,6 +62,9 @@ impl Style {
             let _ = write!(text, "at {start}");
         } else {
             let _ = write!(text, "{start} to {end} ({:.3} s)", (end - start).seconds());
+        }
+        if let (Some(from), Some(to)) = (self.utc(start), self.utc(end)) {
+            let _ = if start == end { write!(text, " [{from}]") } else { write!(text, " [{from} to {to}]") };
         }
         let known_at = satisfaction.recognised_at;
         let _ = match result.telling {
@@ -76,6 +89,12 @@ impl Style {
             );
         }
         Some(text)
+    }
+
+    /// The instant in civil time (ISO 8601); none where it is not known or not asked for.
+    fn utc(self, at: Time) -> Option<String> {
+        let nanoseconds = i128::from(self.utc_of_zero?) + i128::from(at.0);
+        time::OffsetDateTime::from_unix_timestamp_nanos(nanoseconds).ok()?.format(&Rfc3339).ok()
     }
 
     /// What can be said about a condition at the end.

@@ -1,6 +1,7 @@
 //! The checked library: everything an agent knows before it starts (`pdl.md` sections 1, 3, 5, 8).
 
 use crate::agent_limits::Limits;
+use crate::derivation::Derivation;
 use crate::expression::{Expr, Parameters, Template};
 use crate::pattern::Pattern;
 use crate::procedure::{Primitive, Procedure};
@@ -25,6 +26,9 @@ pub struct Library {
     pub solvers: Vec<SolverDeclaration>,
     /// `(state-variable ..)` declarations by attribute.
     pub state_variables: BTreeMap<Symbol, StateVariableDeclaration>,
+    /// Those of them that are computed from others, by attribute.
+    #[serde(default)]
+    pub derivations: BTreeMap<Symbol, Derivation>,
     /// `(resource ..)` declarations by name.
     pub resources: BTreeMap<Symbol, ResourceDeclaration>,
     /// `(defindexical +name+ EXPR)`, by name without the plus signs.
@@ -47,6 +51,12 @@ impl Library {
     /// The agents to run: the declared ones in order, else the one of [`AgentDeclaration::of_program`].
     pub fn crew(&self) -> Vec<AgentDeclaration> {
         if self.agents.is_empty() { vec![AgentDeclaration::of_program()] } else { self.agents.clone() }
+    }
+
+    /// True if samples of the attribute are read by a derivation.
+    pub fn feeds_derivations(&self, attribute: &Symbol) -> bool {
+        let reads = |each: &Derivation| each.inputs.iter().any(|input| input.attribute == *attribute);
+        !self.derivations.is_empty() && self.derivations.values().any(reads)
     }
 
     /// True when several agents are declared: what one says may concern others.

@@ -222,6 +222,7 @@ impl Loader {
             refused |= lowering.collect(form, &mut self.library).is_none();
         }
         let callers = lower_functions(&mut lowering, &files, &mut self.library);
+        lowering.derivations(files.iter().flatten(), &mut self.library);
         lowering.computed_constants(files.iter().flatten(), &callers, &mut self.library);
         for file in files {
             self.lower_file(&mut lowering, file);

@@ -69,6 +69,7 @@ codes! {
     UNSOLVABLE "E0309" "An estimated value or its time is constrained in a way that cannot be solved.";
     NOTHING_TO_PROBE "E0310" "Probing is given no time, or no probe.";
     NOTHING_TO_LOG "E0311" "A limit of a log leaves nothing to keep.";
+    DERIVATION "E0312" "A derived state variable cannot be computed.";
     WAIT_CYCLE "E0701" "Steps wait for each other in a circle.";
     NEVER_STARTS "E0702" "A step waits for what can never happen.";
     IMPOSSIBLE_CONDITION "E0703" "A condition can never hold.";

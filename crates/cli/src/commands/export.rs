@@ -44,8 +44,8 @@ pub fn run(options: &ExportOptions) -> CliResult {
         }
     };
     let mut table = Table { session, writer, rows: 0, now: Time::BEGINNING };
-    let fed =
-        source.feed(&library, &mut |at, kind| table.take(at, kind).map_err(|error| table_file::unwritten(out, &error)));
+    let fed = source
+        .feed(&library, None, &mut |at, kind| table.take(at, kind).map_err(|error| table_file::unwritten(out, &error)));
     if gone.get() {
         return Ok(());
     }

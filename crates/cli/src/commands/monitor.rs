@@ -5,12 +5,12 @@ use crate::monitor::input::Source;
 use crate::options::MonitorOptions;
 use crate::output::Listened;
 use crate::{output, sources, table_file};
-use apex_executive::MonitorSession;
 use apex_executive::state::clause::MonitorId;
 use apex_executive::state::monitors::monitor::Interest;
+use apex_executive::{MonitorSession, ResultEvent};
 use apex_mission::monitor_report::{Style, placed, verdict_word};
 use apex_model::condition::Condition;
-use apex_model::event::{EventKind, Message};
+use apex_model::event::{EventKind, Message, StateVariable};
 use apex_model::library::Library;
 use apex_model::symbol::Symbol;
 use apex_model::time::Time;
@@ -24,6 +24,8 @@ use std::sync::Arc;
 
 type ResultTable = ResultWriter<BufWriter<File>>;
 
+const OPEN: ResultEvent = ResultEvent::Recognised { open: true };
+
 /// Watches the conditions over the input and prints what comes of them.
 pub fn run(options: &MonitorOptions) -> CliResult {
     let standard = [PathBuf::from("-")];
@@ -33,7 +35,17 @@ pub fn run(options: &MonitorOptions) -> CliResult {
     let mut table = None;
     if let Some(path) = results {
         table_file::refuse_to_overwrite(path, inputs, "--results")?;
-        table = Some(ResultWriter::new(table_file::created(path)?).map_err(unwritten)?);
+        let (file, extension) = (table_file::created(path)?, path.extension().map(std::ffi::OsStr::to_ascii_lowercase));
+        let is_parquet = extension.is_some_and(|extension| extension == "parquet" || extension == "pq");
+        let begun = if is_parquet { ResultWriter::parquet(file) } else { ResultWriter::csv(file) };
+        table = Some(begun.map_err(unwritten)?);
+    }
+    if let Some(path) = &options.plot {
+        crate::monitor::plot::check_name(path)?;
+        table_file::refuse_to_overwrite(path, inputs, "--plot")?;
+        if inputs.len() > 1 {
+            return Err(CliError::user("`--plot` draws one input").help("name one with `--inputs`"));
+        }
     }
     let mut verdicts = Vec::new();
     for path in inputs {
@@ -64,6 +76,9 @@ fn watch(
     if options.fields {
         return list_fields(source, options.json).map(|()| Some(Vec::new()));
     }
+    if options.show_mapping {
+        return output::print(source.mapping_text()?).map(|()| Some(Vec::new()));
+    }
     let time =
         |text: &Option<String>, option| text.as_deref().map(|text| sources::parse_time(text, option)).transpose();
     let span = (time(&options.from, "--from")?, time(&options.until, "--until")?);
@@ -76,28 +91,50 @@ fn watch(
     }
     let created = time(&options.created, "--created")?.or(span.0);
     let CheckedConditions { checked, conditions } = conditions(options, &mut source)?;
-    let style = Style { json: options.json, live: matches!(source, Source::Lines), several: conditions.len() > 1 };
+    let utc_of_zero = if options.utc { Some(source.utc_of_zero()?) } else { None };
+    let style =
+        Style { json: options.json, live: matches!(source, Source::Lines), several: conditions.len() > 1, utc_of_zero };
     let library = Arc::new(checked.library);
     let session = MonitorSession::new(Arc::clone(&library), sources::host_functions())
         .map(MonitorSession::with_gaps)
         .map(|session| if style.live { session } else { session.over_a_log() })
+        .map(|session| if options.plot.is_some() { session.keeping_samples() } else { session })
         .map_err(|reason| CliError::user("the library cannot be used").because(reason))?;
     let out = Listened::standard();
     let results = options.results.as_deref();
-    let mut watching =
-        Watching { session, conditions, created, span, style, name, table, results, out, heard: false, over: false };
+    let wanted = session.attributes_read(&conditions);
+    let (intervals, known) = (options.plot.is_some().then(Vec::new), Vec::new());
+    let mut watching = Watching {
+        session,
+        conditions,
+        created,
+        span,
+        style,
+        name,
+        table,
+        results,
+        out,
+        intervals,
+        known,
+        heard: false,
+        over: false,
+    };
     let gone = watching.out.gone();
-    let fed = source.feed(&library, &mut |at, kind| watching.take(at, kind));
+    let fed = source.feed(&library, wanted.as_ref(), &mut |at, kind| watching.take(at, kind));
     // A reader such as `head` that has seen enough.
     if gone.get() {
         return Ok(None);
     }
     // Results of what was read before a fault are printed all the same; a file that is not a log has none.
     if watching.heard || fed.is_ok() {
+        watching.known = fed.as_ref().map(Clone::clone).unwrap_or_default();
         let verdicts = watching.end()?;
-        return fed.map(|()| Some(verdicts));
+        if let (Some(path), Some(intervals)) = (&options.plot, &watching.intervals) {
+            crate::monitor::plot::draw(path, &watching.session, &watching.conditions, intervals)?;
+        }
+        return fed.map(|_| Some(verdicts));
     }
-    fed.map(|()| None)
+    fed.map(|_| None)
 }
 
 fn list_fields(mut source: Source, json: bool) -> CliResult {
@@ -125,10 +162,13 @@ fn conditions(options: &MonitorOptions, source: &mut Source) -> CliResult<Checke
             .help("give one, such as '(roll-angle aircraft-1 > 15deg)', or `--condition-file FILE`; `--fields` lists what a log holds"));
     }
     let mut library_texts: Vec<SourceText> = Vec::new();
+    for (index, text) in options.declare.iter().enumerate() {
+        library_texts.push(SourceText { name: format!("<declaration {}>", index + 1), text: text.clone() });
+    }
     for path in &options.library {
         library_texts.push(SourceText { name: path.display().to_string(), text: read_text(path)? });
     }
-    library_texts.extend(source.recorded_texts(library_texts.is_empty())?);
+    library_texts.extend(source.recorded_texts(options.library.is_empty())?);
     let folder = options.library.first().and_then(|path| path.parent()).map(std::path::Path::to_path_buf);
     let folder = folder.unwrap_or_default();
     let known = sources::check_texts(library_texts.clone(), &folder).library;
@@ -157,6 +197,10 @@ struct Watching<'a> {
     /// The file of the table.
     results: Option<&'a Path>,
     out: Listened,
+    /// The final intervals of all results, for a picture.
+    intervals: Option<Vec<(Time, Time)>>,
+    /// The state variables that the input is known to have.
+    known: Vec<StateVariable>,
     heard: bool,
     /// Something in the input came after the span: the input continues beyond it.
     over: bool,
@@ -209,6 +253,9 @@ impl Watching<'_> {
                     .write(self.name.as_deref(), &result)
                     .map_err(|error| table_file::unwritten(self.results, &error))?;
             }
+            if let (Some(intervals), false) = (&mut self.intervals, result.telling == OPEN) {
+                intervals.push(result.result.interval);
+            }
             if let Some(text) = self.style.result(&result) {
                 self.write(&text)?;
             }
@@ -246,7 +293,9 @@ impl Watching<'_> {
     fn tell_unheard(&self) {
         let histories = self.session.histories();
         let heard: BTreeSet<&Symbol> = histories.iter().map(|(variable, _)| &variable.attribute).collect();
-        let listed: Vec<String> = histories.iter().map(|(variable, _)| variable.to_string()).take(30).collect();
+        let measured = histories.iter().map(|(variable, _)| variable).chain(&self.known);
+        let listed: BTreeSet<String> = measured.map(|variable| variable.to_string()).collect();
+        let listed: Vec<String> = listed.into_iter().take(30).collect();
         for number in 0..self.conditions.len() as u64 {
             for interest in self.session.interests(MonitorId(number)) {
                 let unheard = match &interest {

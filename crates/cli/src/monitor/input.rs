@@ -3,14 +3,16 @@
 use crate::error::{CliError, CliResult, read_text, unreadable};
 use crate::{output, recording, sources};
 use apex_logs::{Format, LogError, LogFile, MappingFile, ReadErrors};
-use apex_model::event::EventKind;
+use apex_model::event::{EventKind, StateVariable};
 use apex_model::library::Library;
 use apex_model::source::SourceFile;
+use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_pdl::SourceText;
 use apex_runtime::input_lines::read_live;
 use apex_runtime::record::RecordReader;
+use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{BufRead, Read};
 use std::path::{Path, PathBuf};
@@ -93,14 +95,56 @@ impl Source {
     }
 
     /// Hands everything over, in order of time.
-    pub fn feed(self, library: &Library, sink: &mut dyn FnMut(Time, EventKind) -> CliResult) -> CliResult {
+    ///
+    /// With `wanted` samples of other attributes may be left out; their first and last instant are handed over all the same.
+    /// Returns the state variables of a log.
+    pub fn feed(
+        self,
+        library: &Library,
+        wanted: Option<&BTreeSet<Symbol>>,
+        sink: &mut dyn FnMut(Time, EventKind) -> CliResult,
+    ) -> CliResult<Vec<StateVariable>> {
+        if let Source::Log(log) = self {
+            return feed_log(*log, library, wanted, sink);
+        }
         match self {
             Source::Lines => feed_lines(sink),
             Source::LinesFile(path) => {
                 sources::inputs_of(&path)?.into_iter().try_for_each(|input| sink(input.at, input.kind))
             }
             Source::Record(reader) => feed_record(&reader, sink),
-            Source::Log(log) => feed_log(*log, library, sink),
+            Source::Log(_) => Ok(()),
+        }?;
+        Ok(Vec::new())
+    }
+
+    /// Nanoseconds of UTC at mission time 0.
+    ///
+    /// # Errors
+    /// The input is not a log, or does not say it.
+    pub fn utc_of_zero(&self) -> CliResult<i64> {
+        let unknown = |why: String| {
+            CliError::user("`--utc`: the civil time of this input is not known")
+                .because(why)
+                .help("leave the option out; instants then count from the beginning of the input")
+        };
+        let Source::Log(log) = self else { return Err(unknown("it is not a log".to_string())) };
+        let found = log.utc_of_zero().map_err(|error| unread(log.path(), log.format(), error))?;
+        let why = format!("{} has no time of GPS, and its clock does not count from 1970", log.path().display());
+        found.ok_or_else(|| unknown(why))
+    }
+
+    /// The mapping of a log as PDL.
+    ///
+    /// # Errors
+    /// The input is not a log, or has no mapping.
+    pub fn mapping_text(&mut self) -> CliResult<String> {
+        self.declarations(&Library::default())?;
+        match self {
+            Source::Log(log) => Ok(log.known_mapping().map(MappingFile::to_pdl).unwrap_or_default()),
+            _ => Err(CliError::user("`--show-mapping` is for logs")
+                .because("lines of JSON and flight records name state variables themselves")
+                .help("name a log with `--inputs`")),
         }
     }
 }
@@ -141,13 +185,21 @@ fn feed_record(reader: &RecordReader, sink: &mut dyn FnMut(Time, EventKind) -> C
     Ok(())
 }
 
-fn feed_log(log: LogFile, library: &Library, sink: &mut dyn FnMut(Time, EventKind) -> CliResult) -> CliResult {
+fn feed_log(
+    log: LogFile,
+    library: &Library,
+    wanted: Option<&BTreeSet<Symbol>>,
+    sink: &mut dyn FnMut(Time, EventKind) -> CliResult,
+) -> CliResult<Vec<StateVariable>> {
     let path = log.path().to_path_buf();
     let format = log.format();
-    let mut measured = |at, variable, value| sink(at, EventKind::Measurement(variable, value));
-    let damages = log.feed(library, &mut measured).map_err(|error| unread(&path, format, error))?;
-    tell_damages(&path, &damages);
-    Ok(())
+    let mut measured = |at, sample: Option<(StateVariable, Value)>| match sample {
+        Some((variable, value)) => sink(at, EventKind::Measurement(variable, value)),
+        None => sink(at, EventKind::Woken),
+    };
+    let fed = log.feed(library, wanted, &mut measured).map_err(|error| unread(&path, format, error))?;
+    tell_damages(&path, &fed.damages);
+    Ok(fed.variables)
 }
 
 /// Prints what the log holds.

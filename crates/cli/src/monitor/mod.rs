@@ -1,3 +1,4 @@
 //! What `apex monitor` and `apex export` read: inputs of all kinds.
 
 pub mod input;
+pub mod plot;

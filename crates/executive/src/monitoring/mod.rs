@@ -6,6 +6,7 @@
 pub(crate) mod basic;
 pub(crate) mod combination;
 pub(crate) mod constraints;
+pub(crate) mod derivation;
 pub(crate) mod episodes;
 pub(crate) mod memory;
 pub(crate) mod mismatch;

@@ -6,7 +6,8 @@
 use crate::control::cycle::{Cycle, SelfMessage};
 use crate::control::tasks::{monitoring_clauses, primitive, probing, question, repetition, termination};
 use crate::deliberation::plan_adoption;
-use crate::monitoring::memory::histories;
+use crate::monitoring::derivation::{self, Changed, Surroundings};
+use crate::monitoring::memory::histories::{self, Recording};
 use crate::monitoring::stimulus::Stimulus;
 use crate::state::wake::Wake;
 use apex_model::agent_limits::Limit;
@@ -39,6 +40,7 @@ pub(crate) fn record(cycle: &mut Cycle<'_>, events: &[Event]) {
             }
         }
     }
+    derive(cycle);
     for event in events {
         match &event.kind {
             EventKind::CommandAcknowledged(command, answer) => primitive::answered(cycle, *command, answer),
@@ -59,6 +61,36 @@ pub(crate) fn record_said(cycle: &mut Cycle<'_>) {
             SelfMessage::Occurrence(form) => occurrence(cycle, form, now),
             SelfMessage::Measurement(variable, value) => measurement(cycle, variable, value, now),
         }
+    }
+    derive(cycle);
+}
+
+/// Computes the samples of derived variables from those that were recorded since the monitors last noticed any.
+fn derive(cycle: &mut Cycle<'_>) {
+    let library = cycle.library;
+    if library.derivations.is_empty() {
+        return;
+    }
+    let changed = cycle.work.stimuli.iter().filter_map(|stimulus| match stimulus {
+        Stimulus::Sample { variable, at, .. } if library.feeds_derivations(&variable.attribute) => {
+            Some(Changed { variable: variable.clone(), at: *at })
+        }
+        _ => None,
+    });
+    let changed: Vec<Changed> = changed.collect();
+    if changed.is_empty() {
+        return;
+    }
+    let agent = &mut *cycle.agent;
+    let surroundings = Surroundings { library, host: &agent.host, agent: &agent.name, limits: &agent.limits };
+    let next = &mut agent.next.arrival;
+    let mut arrival = || {
+        let number = *next;
+        *next += 1;
+        number
+    };
+    for derived in derivation::derive(changed, &mut agent.histories, &surroundings, &mut arrival) {
+        note(cycle, derived.recording);
     }
 }
 
@@ -95,6 +127,10 @@ fn overflow(cycle: &mut Cycle<'_>, limit: Limit, message: String) {
 fn measurement(cycle: &mut Cycle<'_>, variable: StateVariable, value: Value, at: Time) {
     let number = arrival(cycle);
     let recording = histories::record_sample(&mut cycle.agent.histories, cycle.library, variable, value, at, number);
+    note(cycle, recording);
+}
+
+fn note(cycle: &mut Cycle<'_>, recording: Recording) {
     if let Some(Stimulus::Sample { variable, .. }) = recording.stimulus.as_ref().filter(|_| recording.overflows) {
         let message = histories::overflow_of_samples(variable, &cycle.agent.limits);
         overflow(cycle, Limit::HistorySamples, message);

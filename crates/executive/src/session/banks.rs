@@ -276,7 +276,7 @@ impl MonitorSession {
         let SessionState { library, histories, now, .. } = &mut self.world;
         let declaration = library.state_variables.get(&variable.attribute);
         let unit = unit_of(&variable.attribute, library);
-        if declaration.and_then(retention::lateness).is_some() {
+        if declaration.and_then(retention::lateness).is_some() || library.feeds_derivations(&variable.attribute) {
             return 0;
         }
         let Some(history) = histories.get_mut(variable) else { return 0 };

@@ -1,5 +1,6 @@
 //! Conditions without tasks: a session watches conditions over samples and messages and tells every result.
 
+mod attributes;
 mod banks;
 mod gaps;
 mod results;
@@ -12,7 +13,8 @@ use crate::constants;
 use crate::monitoring::combination::interest;
 use crate::monitoring::combination::monitors;
 use crate::monitoring::combination::result_report::{self, ResultReportKind};
-use crate::monitoring::memory::histories;
+use crate::monitoring::derivation::{self, Changed, Surroundings};
+use crate::monitoring::memory::histories::{self, Recording};
 use crate::monitoring::memory::retention;
 use crate::monitoring::stimulus::Stimulus;
 use crate::state::bindings::Bindings;
@@ -83,6 +85,8 @@ pub struct MonitorSession {
     without_banks: bool,
     /// What happened at the present instant.
     stimuli: Vec<Stimulus>,
+    /// Samples of the present instant that derived variables read.
+    derive_from: Vec<Changed>,
     touched: Vec<MonitorId>,
     /// What banks have said of the present instant.
     heard: Vec<episode_index::EpisodeUpdate>,
@@ -128,6 +132,7 @@ impl MonitorSession {
             lateness: lateness.unwrap_or_default(),
             without_banks: false,
             stimuli: Vec::new(),
+            derive_from: Vec::new(),
             touched: Vec::new(),
             heard: Vec::new(),
             wakes: BTreeSet::new(),
@@ -149,6 +154,12 @@ impl MonitorSession {
     pub fn over_a_log(mut self) -> MonitorSession {
         self.world.limits = Limits::of_a_log();
         self.world.histories.limit(&self.world.limits);
+        self
+    }
+
+    /// Keeps all samples, not only those that conditions may still ask for.
+    pub fn keeping_samples(mut self) -> MonitorSession {
+        self.world.histories.require_lookback_of_all(Duration::MAX);
         self
     }
 
@@ -200,6 +211,14 @@ impl MonitorSession {
         let sequence = self.arrival();
         let SessionState { histories, library, .. } = &mut self.world;
         let recording = histories::record_sample(histories, library, variable.clone(), value, at, sequence);
+        if recording.stimulus.is_some() && library.feeds_derivations(&variable.attribute) {
+            self.derive_from.push(Changed { variable: variable.clone(), at });
+        }
+        self.take_in(variable, at, recording)
+    }
+
+    /// Shows what became of a sample to the conditions that watch its variable.
+    fn take_in(&mut self, variable: &StateVariable, at: Time, recording: Recording) -> Option<Recorded> {
         if !self.interests.ignore_variable(variable) {
             self.stimuli.extend(recording.stimulus);
         }
@@ -335,6 +354,7 @@ impl MonitorSession {
     /// The present instant is over: what happened is noticed, what is due begins, and all that was touched is judged.
     fn end_instant(&mut self) {
         let now = self.world.now;
+        self.derive();
         if self.stimuli.is_empty() && self.wakes.first().is_none_or(|(due, ..)| *due > now) {
             return;
         }
@@ -373,6 +393,24 @@ impl MonitorSession {
         self.interests.of_every_step(&mut found);
         self.touched.extend(&found);
         self.judge_touched();
+    }
+
+    /// Computes the samples of derived variables from those of the present instant.
+    fn derive(&mut self) {
+        if self.derive_from.is_empty() {
+            return;
+        }
+        let changed = std::mem::take(&mut self.derive_from);
+        let SessionState { library, host, name, limits, histories, .. } = &mut self.world;
+        let surroundings = Surroundings { library, host, agent: name, limits };
+        let arrivals = &mut self.arrivals;
+        let mut arrival = || {
+            *arrivals += 1;
+            *arrivals
+        };
+        for derived in derivation::derive(changed, histories, &surroundings, &mut arrival) {
+            self.take_in(&derived.variable, derived.at, derived.recording);
+        }
     }
 
     fn judge_touched(&mut self) {

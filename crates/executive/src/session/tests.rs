@@ -1,6 +1,7 @@
 //! Streams of results: each once, at its instant, however the stimuli are handed over.
 
 mod combinations;
+mod derived;
 mod point_orders;
 
 use super::*;

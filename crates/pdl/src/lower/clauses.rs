@@ -17,7 +17,7 @@ pub(crate) struct Group<'d> {
 }
 
 /// Options whose value may itself be a keyword.
-const KEYWORD_VALUED: &[&str] = &["quality", "estimation", "type", "use-bundles"];
+const KEYWORD_VALUED: &[&str] = &["quality", "estimation", "type", "use-bundles", "join"];
 
 /// Splits `items` into keyword groups; the first part is what stands before the first keyword.
 pub(crate) fn groups(items: &[Datum]) -> (&[Datum], Vec<Group<'_>>) {

@@ -133,8 +133,9 @@ impl Lowering {
     }
 
     fn declare_state_variable(&mut self, form: &Datum, library: &mut Library) -> Option<()> {
-        const SHAPE: &str = "(state-variable (ATTRIBUTE ?object) [:unit U] [:type T] [:lateness D] [:rate R])";
-        if self.report_missing_colon(form.tail(), &["unit", "type", "lateness", "rate"], "a state variable") {
+        const SHAPE: &str = "(state-variable (ATTRIBUTE ?object) [:unit U] [:type T] [:lateness D] [:rate R] [:derived EXPRESSION [:join J]])";
+        const OPTIONS: &[&str] = &["unit", "type", "lateness", "rate", "derived", "join"];
+        if self.report_missing_colon(form.tail(), OPTIONS, "a state variable") {
             return None;
         }
         let (before, options) = groups(form.tail());
@@ -145,7 +146,13 @@ impl Lowering {
             Some(attribute) => attribute.clone(),
             None => return self.missing_part(variable.span, "a state variable begins with its attribute", SHAPE),
         };
-        self.check_groups(&options, &["unit", "type", "lateness", "rate"], "`state-variable`")?;
+        self.check_groups(&options, OPTIONS, "`state-variable`")?;
+        if let Some(join) = options.iter().find(|group| group.name == "join")
+            && options.iter().all(|group| group.name != "derived")
+        {
+            let diagnostic = Diagnostic::error(codes::DERIVATION, join.span, "`:join` stands without `:derived`");
+            return self.refuse(diagnostic.help("it says how the inputs of a derived state variable are joined"));
+        }
         let unit = self.optional(&options, "unit", Lowering::unit)?.flatten();
         let value_type = self.optional(&options, "type", Lowering::value_type)?;
         let lateness = self.optional(&options, "lateness", Lowering::literal_duration)?;

@@ -51,6 +51,7 @@ impl Lowering {
                     .help("its shape is `(ATTRIBUTE OBJECT)`, for example `(altitude +self+)`");
             return self.refuse(diagnostic);
         };
+        self.refuse_expression(attribute, objects, datum.span)?;
         let object = match objects {
             [] => Pattern::Literal(Value::nil()),
             [one] => self.pattern(one)?,

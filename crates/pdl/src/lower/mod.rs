@@ -15,6 +15,7 @@ mod constants;
 mod constraint;
 mod cyclic;
 mod declarations;
+mod derivation;
 mod episode;
 mod expected;
 mod expression;

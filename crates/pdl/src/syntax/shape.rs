@@ -164,7 +164,7 @@ fn item(text: &str, list: Option<&mut List<'_>>) -> usize {
         "procedure" | "primitive" => text.starts_with(':') && !after_list,
         "step" => list.items == 1 || (after_list && (text == "=>" || text.starts_with('?'))),
         _ if matches!(text, ":value" | ":timing" | ":quality") => EPISODES.contains(&list.head),
-        _ if matches!(text, ":unit" | ":rate") => list.head == "state-variable",
+        _ if matches!(text, ":unit" | ":rate" | ":derived" | ":join") => list.head == "state-variable",
         _ => !(of_steps(text) || is_form(text) || matches!(text, "step" | "index")),
     };
     if fits { 0 } else { MISPLACED }

@@ -65,6 +65,8 @@ pub enum Why {
     Values,
     /// Cycles are looked for in all that is remembered.
     Cycles,
+    /// A derived state variable joins it with others.
+    Join,
     /// A `log` clause.
     Log,
 }
@@ -108,6 +110,7 @@ impl Why {
                 "a statistic or another trend, which keep no values",
             ),
             Why::Cycles => ("it looks for cycles in all that is remembered", "a condition with a window"),
+            Why::Join => ("a derived state variable joins it with others", "a shorter limit in its `:join`"),
             Why::Log => ("its policy has no `:time-limit` and no `:count-limit`", "`:time-limit P10M`"),
         }
     }

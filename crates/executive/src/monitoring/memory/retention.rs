@@ -17,6 +17,7 @@ use apex_model::condition::{
     Condition, ConditionKind, Constraint, EpisodeCondition, Estimation, MeasurementCondition, Quality, Timing,
     VariablePattern,
 };
+use apex_model::derivation::{Derivation, Join};
 use apex_model::expression::{Expr, ExprKind, Template};
 use apex_model::library::{Library, StateVariableDeclaration};
 use apex_model::pattern::Pattern;
@@ -25,6 +26,7 @@ use apex_model::procedure::{
     Activity, Hooks, LogPolicy, Primitive, PriorityClause, Procedure, Repetition, Step, Transitions,
 };
 use apex_model::source::Place;
+use apex_model::symbol::Symbol;
 use apex_model::time::Duration;
 use apex_model::value::Value;
 use std::sync::Arc;
@@ -49,11 +51,16 @@ pub(crate) fn demands(library: &Library) -> Vec<Demand> {
     survey.demands
 }
 
-/// Prepares `histories` for one more condition.
-pub(crate) fn prepare_condition(histories: &mut Histories, library: &Library, condition: &Condition) {
+/// What one condition needs of the past.
+pub(crate) fn demands_of(library: &Library, condition: &Condition) -> Vec<Demand> {
     let mut survey = Survey { library, index: None, wordless: true, demands: Vec::new() };
     survey.condition(condition);
-    obey(histories, survey.demands);
+    survey.demands
+}
+
+/// Prepares `histories` for one more condition.
+pub(crate) fn prepare_condition(histories: &mut Histories, library: &Library, condition: &Condition) {
+    obey(histories, demands_of(library, condition));
 }
 
 /// Walks through definitions and notes what looks back.
@@ -82,12 +89,26 @@ impl Survey<'_> {
                 );
             }
         }
+        for (attribute, derivation) in &library.derivations {
+            self.derivation(attribute, derivation);
+        }
         for (number, procedure) in library.procedures.iter().enumerate() {
             self.procedure(number, procedure);
         }
         library.primitives.iter().for_each(|primitive| self.primitive(primitive));
         library.indexicals.values().for_each(|expr| self.expr(expr));
         library.functions.values().for_each(|function| self.exprs(&function.body));
+    }
+
+    /// What a derived variable reads: on a line the samples between the neighbours, else the newest two, which are always kept.
+    fn derivation(&mut self, attribute: &Symbol, derivation: &Derivation) {
+        self.expr(&derivation.value);
+        let Join::Interpolate(most) = derivation.join else { return };
+        for input in &derivation.inputs {
+            let text = || format!("(state-variable ({attribute} ..) :derived .. :join (:interpolate {most}))");
+            let reach = Reach::Span(most + most);
+            self.demand(Subject::Attribute(input.attribute.clone()), reach, Why::Join, text, derivation.place);
+        }
     }
 
     pub(crate) fn demand(&mut self, subject: Subject, reach: Reach, why: Why, text: impl Fn() -> String, place: Place) {

@@ -326,6 +326,18 @@ impl Histories {
         (recorded, false)
     }
 
+    /// Counts a value of `variable` that could not be computed as a missing measurement; returns how many there are.
+    pub(crate) fn note_missing(&mut self, variable: &StateVariable) -> u64 {
+        if self.variables.get(variable).is_none() {
+            let history = History { retention: self.retention_of(variable), ..History::default() };
+            self.variables.insert(variable.clone(), history);
+        }
+        self.variables.get_mut(variable).map_or(0, |history| {
+            history.missing_count = history.missing_count.saturating_add(1);
+            history.missing_count
+        })
+    }
+
     /// Somebody may ask for samples of `attribute` up to `lookback` before the newest.
     pub fn require_lookback(&mut self, attribute: &Symbol, lookback: Duration) {
         let slot = self.lookbacks.entry(attribute.clone()).or_default();

@@ -1,0 +1,300 @@
+//! Derived state variables (M&I)
+//! What: computes samples of derived state variables from the samples of an instant.
+//! Runs: after all samples of an instant are recorded, before monitors notice them.
+//! Reads: library, histories.
+//! Writes: histories; new stimuli.
+//! Bound: O(inputs * log n) per derived sample.
+//! PDL: `(state-variable (ATTR ?object) :derived EXPR :join J)`.
+//! Paper: section IV, state variables that interpretation computes.
+
+use crate::expression::{EvalContext, evaluate};
+use crate::monitoring::memory::histories::{Recording, record_sample};
+use crate::state::bindings::Bindings;
+use crate::state::histories::history::{Histories, History, Sample};
+use apex_model::agent_limits::Limits;
+use apex_model::derivation::{Derivation, DerivationInput, Join, Reading};
+use apex_model::event::StateVariable;
+use apex_model::host::HostFunctions;
+use apex_model::library::Library;
+use apex_model::pattern::Pattern;
+use apex_model::quantity::{Dimension, Quantity};
+use apex_model::symbol::Symbol;
+use apex_model::task::{TaskId, TaskState};
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+use std::collections::BTreeSet;
+
+/// A sample that was recorded, of a variable that derivations read.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Changed {
+    pub(crate) variable: StateVariable,
+    pub(crate) at: Time,
+}
+
+/// A derived sample and what recording made of it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Derived {
+    pub(crate) variable: StateVariable,
+    pub(crate) at: Time,
+    pub(crate) recording: Recording,
+}
+
+/// What derivations can see besides histories.
+pub(crate) struct Surroundings<'a> {
+    pub(crate) library: &'a Library,
+    pub(crate) host: &'a HostFunctions,
+    pub(crate) agent: &'a Symbol,
+    pub(crate) limits: &'a Limits,
+}
+
+/// Derives samples from `changed` and records them; `arrival` numbers them. Returns what recording made of each, in order.
+/// A value that cannot be computed counts as a missing measurement; the first one of a variable is an error message.
+pub(crate) fn derive(
+    mut changed: Vec<Changed>,
+    histories: &mut Histories,
+    surroundings: &Surroundings<'_>,
+    arrival: &mut dyn FnMut() -> u64,
+) -> Vec<Derived> {
+    let library = surroundings.library;
+    let mut ranked: Vec<(&Symbol, &Derivation)> = library.derivations.iter().collect();
+    ranked.sort_by_key(|(_, derivation)| derivation.rank);
+    let mut recordings = Vec::new();
+    for (attribute, derivation) in ranked {
+        let mut due: BTreeSet<(Time, StateVariable)> = BTreeSet::new();
+        for each in &changed {
+            for input in derivation.inputs.iter().filter(|input| input.attribute == each.variable.attribute) {
+                for object in objects(derivation, input, &each.variable.object, histories) {
+                    let derived = StateVariable::new(attribute.clone(), object.clone());
+                    let instants = affected(derivation, input, &object, each.at, histories);
+                    due.extend(instants.into_iter().map(|at| (at, derived.clone())));
+                }
+            }
+        }
+        for (at, variable) in due {
+            let Some(value) = value_at(derivation, &variable, at, histories, surroundings) else { continue };
+            let recording = match value {
+                Ok(value) => record_sample(histories, library, variable.clone(), value, at, arrival()),
+                Err(message) => Recording { stimulus: None, trouble: Some(message), recorded: None, overflows: false },
+            };
+            if recording.stimulus.is_some() && library.feeds_derivations(attribute) {
+                changed.push(Changed { variable: variable.clone(), at });
+            }
+            let recording = first_trouble_only(recording, &variable, histories);
+            recordings.push(Derived { variable, at, recording });
+        }
+    }
+    recordings
+}
+
+/// A value that was not computed, or refused, is counted as missing; the message of all but the first is dropped.
+fn first_trouble_only(mut recording: Recording, variable: &StateVariable, histories: &mut Histories) -> Recording {
+    if recording.recorded.is_none() && histories.note_missing(variable) > 1 {
+        recording.trouble = None;
+    }
+    recording
+}
+
+/// The objects for which a sample of `input`, with the object `measured`, gives a value.
+fn objects(derivation: &Derivation, input: &DerivationInput, measured: &Value, histories: &Histories) -> Vec<Value> {
+    match &input.object {
+        Pattern::Literal(wanted) if wanted.matches(measured) => {
+            let own = |input: &&DerivationInput| matches!(input.object, Pattern::Variable(_));
+            let mut objects: Vec<Value> = Vec::new();
+            for input in derivation.inputs.iter().filter(own).take(1) {
+                objects.extend(histories.of_attribute(&input.attribute).map(|(variable, _)| variable.object.clone()));
+            }
+            objects
+        }
+        Pattern::Variable(_) => vec![measured.clone()],
+        _ => Vec::new(),
+    }
+}
+
+fn history_of<'h>(input: &DerivationInput, object: &Value, histories: &'h Histories) -> Option<&'h History> {
+    let object = match &input.object {
+        Pattern::Literal(literal) => literal.clone(),
+        _ => object.clone(),
+    };
+    histories.get(&StateVariable::new(input.attribute.clone(), object))
+}
+
+/// The instants whose derived sample depends on the sample of `input` at `at`: its own; when it came late, or for a line,
+/// also those of other inputs up to its neighbours.
+fn affected(
+    derivation: &Derivation,
+    input: &DerivationInput,
+    object: &Value,
+    at: Time,
+    histories: &Histories,
+) -> BTreeSet<Time> {
+    let mut instants = BTreeSet::from([at]);
+    let Some(own) = history_of(input, object, histories) else { return instants };
+    let next = own.between(Time(at.0.saturating_add(1)), Time::END).next().map(|sample| sample.at);
+    let from = match derivation.join {
+        Join::Hold(_) => at,
+        Join::Interpolate(_) => own.before(at).map_or(at, |sample| sample.at),
+    };
+    let to = match (derivation.join, next) {
+        (_, Some(next)) => next,
+        (Join::Hold(_), None) => return with_older(instants, derivation, object, at, histories),
+        (Join::Interpolate(_), None) => at,
+    };
+    for each in &derivation.inputs {
+        let Some(history) = history_of(each, object, histories) else { continue };
+        instants.extend(history.between(from, to).map(|sample| sample.at));
+    }
+    instants
+}
+
+/// Of a sample that is the newest of its variable but not the newest of all: other inputs have later samples.
+fn with_older(
+    mut instants: BTreeSet<Time>,
+    derivation: &Derivation,
+    object: &Value,
+    at: Time,
+    histories: &Histories,
+) -> BTreeSet<Time> {
+    for each in &derivation.inputs {
+        let Some(history) = history_of(each, object, histories) else { continue };
+        if history.newest().is_some_and(|newest| newest.at > at) {
+            instants.extend(history.between(at, Time::END).map(|sample| sample.at));
+        }
+    }
+    instants
+}
+
+/// The derived value at an instant; none where an input has no value then.
+fn value_at(
+    derivation: &Derivation,
+    variable: &StateVariable,
+    at: Time,
+    histories: &Histories,
+    surroundings: &Surroundings<'_>,
+) -> Option<Result<Value, String>> {
+    let mut bindings = Bindings::new();
+    bindings.set(derivation.object.clone(), variable.object.clone());
+    for input in &derivation.inputs {
+        let history = history_of(input, &variable.object, histories)?;
+        bindings.set(input.name.clone(), input_at(input.reads, derivation.join, history, at)?);
+    }
+    let context = InstantView { surroundings, histories, bindings: &bindings, at };
+    let declared = surroundings.library.state_variables.get(&variable.attribute);
+    let is_number = declared.is_some_and(|declared| {
+        declared.unit.is_some()
+            || declared.value_type.as_ref().is_some_and(|word| ["real", "integer", "number"].contains(&word.folded()))
+    });
+    match evaluate(&derivation.value, &context) {
+        // Of a variable that holds numbers `nil` means that nothing is known.
+        Ok(value) if is_number && !value.is_true() => None,
+        Ok(value) => Some(Ok(value)),
+        Err(error) => {
+            let place = surroundings.library.describe_place(error.place);
+            let message = &error.message;
+            Some(Err(format!(
+                "the derived state variable {variable} has no value at {at}: {message} ({place}); further ones are counted as missing"
+            )))
+        }
+    }
+}
+
+fn input_at(reads: Reading, join: Join, history: &History, at: Time) -> Option<Value> {
+    let latest = history.at(at)?;
+    let fresh = |sample: &Sample| match join {
+        Join::Hold(Some(most)) => at - sample.at <= most,
+        Join::Hold(None) => true,
+        Join::Interpolate(most) => {
+            sample.at == at || history.between(at, Time::END).next().is_some_and(|next| next.at - sample.at <= most)
+        }
+    };
+    if !fresh(latest) {
+        return None;
+    }
+    match reads {
+        Reading::Value => match join {
+            Join::Interpolate(_) if latest.at < at => {
+                Some(interpolated(latest, history.between(at, Time::END).next()?, at))
+            }
+            _ => Some(latest.value.clone()),
+        },
+        Reading::Previous => history.before(latest.at).map(|sample| sample.value.clone()),
+        Reading::Changed => history.before(latest.at).map(|sample| Value::truth(!sample.value.equals(&latest.value))),
+        Reading::Rate => rate(history.before(latest.at)?, latest),
+    }
+}
+
+/// The value on the line between two samples; a value that is not a number holds.
+fn interpolated(before: &Sample, after: &Sample, at: Time) -> Value {
+    let (Some((low, dimension)), Some((high, same))) = (before.value.as_number(), after.value.as_number()) else {
+        return before.value.clone();
+    };
+    if dimension != same {
+        return before.value.clone();
+    }
+    let share = (at - before.at).0 as f64 / (after.at - before.at).0 as f64;
+    number(low + (high - low) * share, dimension)
+}
+
+/// Change per second; none where the values are not numbers of one dimension.
+fn rate(before: &Sample, latest: &Sample) -> Option<Value> {
+    let ((low, dimension), (high, same)) = (before.value.as_number()?, latest.value.as_number()?);
+    let seconds = Duration((latest.at - before.at).0).seconds();
+    let per_s = (high - low) / seconds;
+    // A bare number stays one.
+    let dimension_per_s = if dimension == Dimension::NONE { dimension } else { dimension.over(Dimension::TIME) };
+    (dimension == same).then(|| number(per_s, dimension_per_s))
+}
+
+fn number(si: f64, dimension: Dimension) -> Value {
+    match dimension {
+        Dimension::NONE => Value::Real(si),
+        Dimension::TIME => Value::Duration(Duration::from_seconds(si)),
+        _ => Value::Quantity(Quantity::si(si, dimension)),
+    }
+}
+
+/// What the expression sees: its inputs, and the time of the sample.
+struct InstantView<'a> {
+    surroundings: &'a Surroundings<'a>,
+    histories: &'a Histories,
+    bindings: &'a Bindings,
+    at: Time,
+}
+
+impl EvalContext for InstantView<'_> {
+    fn variable(&self, name: &Symbol) -> Option<Value> {
+        self.bindings.get(name).cloned()
+    }
+    fn now(&self) -> Time {
+        self.at
+    }
+    fn this_task(&self) -> Option<TaskId> {
+        None
+    }
+    fn agent_name(&self) -> &Symbol {
+        self.surroundings.agent
+    }
+    fn task_start(&self, _: TaskId) -> Option<Time> {
+        None
+    }
+    fn task_end(&self, _: TaskId) -> Option<Time> {
+        None
+    }
+    fn task_state(&self, _: TaskId) -> Option<TaskState> {
+        None
+    }
+    fn task_time_ongoing(&self, _: TaskId) -> Option<Duration> {
+        None
+    }
+    fn histories(&self) -> &Histories {
+        self.histories
+    }
+    fn library(&self) -> &Library {
+        self.surroundings.library
+    }
+    fn host(&self) -> &HostFunctions {
+        self.surroundings.host
+    }
+    fn limits(&self) -> &Limits {
+        self.surroundings.limits
+    }
+}

@@ -1,0 +1,60 @@
+//! Derived state variables: values that are computed from samples of other state variables.
+
+use crate::expression::Expr;
+use crate::pattern::Pattern;
+use crate::source::Place;
+use crate::symbol::Symbol;
+use crate::time::Duration;
+use serde::{Deserialize, Serialize};
+
+/// `(state-variable (ATTR ?object) .. :derived EXPR [:join J])`: how samples of the variable are computed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Derivation {
+    /// The variable that stands for the object, without `?`.
+    pub object: Symbol,
+    /// What the expression reads, each once.
+    pub inputs: Vec<DerivationInput>,
+    /// The value, in terms of the names of the inputs and of `object`.
+    pub value: Expr,
+    /// How samples of several variables are brought to one instant.
+    pub join: Join,
+    /// A derivation reads derived variables of lower ranks only: 0 reads measured ones.
+    pub rank: u32,
+    /// Where it stands.
+    pub place: Place,
+}
+
+/// One thing that a derivation reads of a state variable.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DerivationInput {
+    /// The variable in the expression, without `?`.
+    pub name: Symbol,
+    /// The attribute of the state variable.
+    pub attribute: Symbol,
+    /// Its object: the derivation's object variable or a literal.
+    pub object: Pattern,
+    /// What is read.
+    pub reads: Reading,
+}
+
+/// What a derivation reads of a state variable at an instant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Reading {
+    /// Its value.
+    Value,
+    /// The value of the sample before the latest one.
+    Previous,
+    /// The difference of the latest two samples over the time between them, per second.
+    Rate,
+    /// True if the latest sample differs from the one before it.
+    Changed,
+}
+
+/// How samples of several variables are brought to one instant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Join {
+    /// A variable has the value of its latest sample, for so long at most; none is without limit.
+    Hold(Option<Duration>),
+    /// A number lies on the line between the samples before and after, which are so far apart at most; other values hold.
+    Interpolate(Duration),
+}
