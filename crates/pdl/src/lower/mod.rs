@@ -20,6 +20,7 @@ mod expected;
 mod expression;
 mod goals;
 mod indexes;
+mod joined;
 mod measurement;
 mod names;
 mod nearly;

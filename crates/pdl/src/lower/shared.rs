@@ -57,7 +57,8 @@ impl Lowering {
 
     /// The one condition of a clause; `:quality Q` may follow an episode.
     fn clause_condition(&mut self, name: &str, items: &[Datum], clause: &Datum) -> Option<Condition> {
-        let mut lowered = self.conditions(items)?;
+        let lowered = self.conditions(items)?;
+        let mut lowered = self.clause_conditions(lowered, clause.span);
         match (lowered.pop(), lowered.is_empty()) {
             (Some(condition), true) => Some(condition),
             _ => {

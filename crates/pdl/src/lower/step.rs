@@ -126,7 +126,8 @@ impl Lowering {
                 if items.is_empty() {
                     return self.missing_part(clause.span, "this `waitfor` waits for nothing", "(waitfor CONDITION..)");
                 }
-                step.waitfor = self.conditions(items)?;
+                let conditions = self.conditions(items)?;
+                step.waitfor = self.clause_conditions(conditions, clause.span);
             }
             "select" => step.select.push(self.select(clause)?),
             "forall" => step.forall = Some(Box::new(self.forall(clause)?)),
