@@ -40,6 +40,12 @@ impl Agent<'_> {
             return self.wait_for_new(id, answered);
         }
         self.tasks[id].answered = self.tasks[id].answered.max(answered);
+        // What one task has answered those above it need not answer.
+        for above in self.line(id) {
+            if let Some(missed) = &mut self.tasks[above].missed {
+                missed.retain(|arrival| !proof.messages().any(|message| message == *arrival));
+            }
+        }
         self.unwatch(id, |clause, level| clause == watch.clause && level == watch.level);
         let cause = format!("clause {}", watch.clause.word());
         // What begins to be watched now counts from the evidence on; from a fact that stood before, as it was looked for.
@@ -48,6 +54,7 @@ impl Agent<'_> {
         let after = Window { start: end.min(self.now), after: answered.or(newest) };
         match watch.clause {
             Clause::Waitfor => {
+                self.keep_missed(id, &proof);
                 self.tasks[id].bound.extend(proof.bound);
                 self.tasks[id].waits_for_condition = false;
             }

@@ -82,12 +82,16 @@ fn fire(cycle: &mut Cycle<'_>, firing: Firing) {
     if let Some(task) = cycle.agent.task_mut(id) {
         task.after_sequence = task.after_sequence.max(answered);
     }
+    if !cycle.agent.listening.is_empty() {
+        repetition::answer(cycle, id, &satisfaction.evidence);
+    }
     let cause = Cause::ConditionSatisfied { clause: clause.word().into() };
     let kind = DecisionKind::Satisfied { clause: clause.word().into(), interval: satisfaction.interval };
     let evidence = satisfaction.evidence.clone();
     cycle.decide(Some(id), kind, Because { cause: cause.clone(), place: Some(place), evidence });
     monitoring_clauses::unwatch(cycle, id, |each, at| each == clause && at == level);
     if clause == Clause::Waitfor {
+        repetition::listen(cycle, id, &satisfaction.evidence);
         return preconditions_hold(cycle, id, satisfaction, place);
     }
     // A fact can have stood before it was looked for.

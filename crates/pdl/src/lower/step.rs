@@ -271,7 +271,20 @@ impl Lowering {
             }
             _ => lowering.refuse(Diagnostic::error(codes::MALFORMED, datum.span, "`:for-new` takes variables")),
         })?;
-        Some(Repetition { while_true, until, enabled, recovery, minimum_interval, for_new })
+        let drop_missed = self.optional(&options, "missed-messages", Lowering::missed_messages)?.unwrap_or(false);
+        Some(Repetition { while_true, until, enabled, recovery, minimum_interval, for_new, drop_missed })
+    }
+
+    /// `answer` or `drop`; true when messages that come while the step is busy are dropped.
+    fn missed_messages(&mut self, datum: &Datum) -> Option<bool> {
+        if datum.is("drop") || datum.is("answer") {
+            return Some(datum.is("drop"));
+        }
+        let message = "`:missed-messages` is `answer` or `drop`";
+        let diagnostic = Diagnostic::error(codes::MALFORMED, datum.span, message)
+            .reason("it says whether messages that come while the step is busy are answered later")
+            .help("leave it out to have all of them answered, one after the other");
+        self.refuse(diagnostic)
     }
 
     fn check_repetition(&mut self, source: &StepSource<'_>, step: &Step) -> Option<()> {
