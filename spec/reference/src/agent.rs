@@ -219,7 +219,9 @@ impl Agent<'_> {
             Said::Message(words) => {
                 for task in self.tasks.iter_mut().filter(|task| !task.forgotten) {
                     let busy = task.watches.iter().all(|watch| watch.clause != crate::task::Clause::Waitfor);
-                    task.missed.iter_mut().filter(|_| busy).for_each(|missed| drop(missed.insert(arrival)));
+                    if let Some(missed) = task.missed.as_mut().filter(|_| busy) {
+                        missed.insert(arrival);
+                    }
                 }
                 self.messages.push(Message { at, arrival, words });
             }

@@ -36,16 +36,16 @@ impl Agent<'_> {
         let Some(proof) = self.proof(id, watch) else { return };
         self.changed = true;
         let answered = self.answered(&proof);
-        if watch.clause == Clause::Waitfor && self.is_known(id, &proof.bound) {
-            return self.wait_for_new(id, answered);
-        }
-        self.tasks[id].answered = self.tasks[id].answered.max(answered);
         // What one task has answered those above it need not answer.
         for above in self.line(id) {
             if let Some(missed) = &mut self.tasks[above].missed {
                 missed.retain(|arrival| !proof.messages().any(|message| message == *arrival));
             }
         }
+        if watch.clause == Clause::Waitfor && self.is_known(id, &proof.bound) {
+            return self.wait_for_new(id, answered);
+        }
+        self.tasks[id].answered = self.tasks[id].answered.max(answered);
         self.unwatch(id, |clause, level| clause == watch.clause && level == watch.level);
         let cause = format!("clause {}", watch.clause.word());
         // What begins to be watched now counts from the evidence on; from a fact that stood before, as it was looked for.

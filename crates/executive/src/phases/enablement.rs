@@ -75,15 +75,15 @@ fn fire(cycle: &mut Cycle<'_>, firing: Firing) {
     let Some(task) = cycle.task(id) else { return };
     let watched_from = cycle.agent.watches.get(monitor.0).map(|watch| watch.monitor.window.start);
     let state = task.state;
+    if !cycle.agent.listening.is_empty() {
+        repetition::answer(cycle, id, &satisfaction.evidence);
+    }
     if clause == Clause::Waitfor && repetition::is_known(cycle, id, &satisfaction.bindings) {
         repetition::wait_for_new(cycle, id, answered);
         return;
     }
     if let Some(task) = cycle.agent.task_mut(id) {
         task.after_sequence = task.after_sequence.max(answered);
-    }
-    if !cycle.agent.listening.is_empty() {
-        repetition::answer(cycle, id, &satisfaction.evidence);
     }
     let cause = Cause::ConditionSatisfied { clause: clause.word().into() };
     let kind = DecisionKind::Satisfied { clause: clause.word().into(), interval: satisfaction.interval };

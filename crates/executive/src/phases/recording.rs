@@ -13,7 +13,7 @@ use crate::state::wake::Wake;
 use apex_model::agent_limits::Limit;
 use apex_model::because::{Because, Cause};
 use apex_model::effect::DecisionKind;
-use apex_model::event::{Event, EventKind, Message, StateVariable};
+use apex_model::event::{Event, EventKind, Message, StateVariable, measured};
 use apex_model::time::Time;
 use apex_model::value::Value;
 
@@ -80,6 +80,9 @@ pub(crate) fn record_said(cycle: &mut Cycle<'_>) {
 }
 
 fn occurrence(cycle: &mut Cycle<'_>, form: Value, at: Time) {
+    if let Some((variable, value)) = measured(&form) {
+        return measurement(cycle, variable, value, at);
+    }
     let number = arrival(cycle);
     let remembered = cycle.agent.histories.events_cover(cycle.now);
     if !cycle.agent.listening.is_empty() {

@@ -90,6 +90,13 @@ impl Lowering {
         self.all(clause.tail(), |lowering, item| {
             let place = item.span.place();
             match &item.kind {
+                DatumKind::Symbol(name) if name.folded().starts_with(':') => {
+                    let message = format!("`{name}` is no resource, and a profile has no options");
+                    let diagnostic = Diagnostic::error(codes::MALFORMED, item.span, message)
+                        .reason("a task waits until it is granted all of its profile")
+                        .help("to fail instead of waiting, end the step: `(end-when (:delay 10s))`, or give it a lower priority");
+                    lowering.refuse(diagnostic)
+                }
                 DatumKind::Symbol(_) | DatumKind::Variable(_) | DatumKind::Bound(_) | DatumKind::Indexical(_) => {
                     let resource = lowering.template(item)?;
                     Some(ResourceNeed { resource, amount: None, place })

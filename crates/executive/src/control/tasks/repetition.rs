@@ -301,12 +301,7 @@ pub(crate) fn wait_for_new(cycle: &mut Cycle<'_>, id: TaskId, answered: Option<u
     let condition = index.and_then(|index| index.steps.get(step.step as usize)?.waitfor.clone());
     let Some(condition) = condition else { return };
     match monitoring_clauses::watch(cycle, id, Clause::Waitfor, Level::Step, &condition, window, true) {
-        Ok(monitor) => {
-            if let Some(answered) = answered {
-                cycle.agent.listening.answered(id, answered);
-            }
-            give_waiting_messages(cycle, id, monitor);
-        }
+        Ok(monitor) => give_waiting_messages(cycle, id, monitor),
         Err(error) => {
             let cause = Cause::ExpressionFailed { message: error.message };
             termination::fail(cycle, id, Because::new(cause, Some(error.place)));
