@@ -164,8 +164,7 @@ pub(crate) fn ends_fit(episode: &Episode, samples: &[Sample]) -> bool {
 }
 
 fn fits_values(episode: &Episode, samples: &[Sample]) -> bool {
-    ends_fit(episode, samples)
-        && samples.first().is_some_and(|first| instant_fits(first.at, &episode.start))
+    ends_fit(episode, samples) && samples.first().is_some_and(|first| instant_fits(first.at, &episode.start))
 }
 
 fn way(samples: &[Sample], bound: &Bindings, known: Time) -> Way {

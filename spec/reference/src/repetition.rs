@@ -62,7 +62,8 @@ impl Agent<'_> {
         let mut missed = self.tasks[id].missed.take().unwrap_or_default();
         missed.retain(|arrival| newest.is_none_or(|newest| when(*arrival) > newest));
         let of_now = self.messages.iter().filter(|message| message.at >= self.now);
-        let unanswered = of_now.map(|message| message.arrival).filter(|arrival| after.is_none_or(|after| *arrival > after));
+        let unanswered =
+            of_now.map(|message| message.arrival).filter(|arrival| after.is_none_or(|after| *arrival > after));
         missed.extend(unanswered);
         self.tasks[id].missed = Some(missed);
     }

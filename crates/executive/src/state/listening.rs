@@ -62,7 +62,8 @@ impl Listening {
         }
         let newest = listener.heard.back().map(|message| message.sequence);
         let unknown = also.filter(|message| newest.is_none_or(|newest| message.sequence > newest));
-        let new: Vec<Occurrence> = unknown.filter(|message| concerns(&listener.heads, message.head())).cloned().collect();
+        let new: Vec<Occurrence> =
+            unknown.filter(|message| concerns(&listener.heads, message.head())).cloned().collect();
         listener.heard.extend(new);
     }
 

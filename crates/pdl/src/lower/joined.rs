@@ -150,7 +150,9 @@ fn taken(constraint: &Constraint) -> Option<&Symbol> {
 
 fn of_pattern(pattern: &Pattern, names: &mut Names) {
     match pattern {
-        Pattern::Variable(name) | Pattern::Is { variable: name, .. } | Pattern::Segment { variable: Some(name), .. } => {
+        Pattern::Variable(name)
+        | Pattern::Is { variable: name, .. }
+        | Pattern::Segment { variable: Some(name), .. } => {
             names.insert(name.clone());
         }
         Pattern::List(parts) | Pattern::And(parts) => parts.iter().for_each(|part| of_pattern(part, names)),
@@ -323,7 +325,8 @@ fn uses(leaf: &Condition) -> Vec<(Symbol, Place)> {
         ConditionKind::Episode(episode) => {
             bound_marks(&episode.variable.object, leaf.place, &mut found);
             let Timing { start, end, duration } = &episode.timing;
-            let lists = [&episode.value, &episode.first_value, &episode.last_value, &episode.object, start, end, duration];
+            let lists =
+                [&episode.value, &episode.first_value, &episode.last_value, &episode.object, start, end, duration];
             lists.into_iter().for_each(|each| of_right_sides(each, leaf.place, &mut found));
             let aggregates = episode.stats.iter().chain(&episode.trend);
             aggregates.for_each(|(_, constraints)| of_right_sides(constraints, leaf.place, &mut found));

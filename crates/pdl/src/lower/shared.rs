@@ -94,7 +94,7 @@ impl Lowering {
                     let message = format!("`{name}` is no resource, and a profile has no options");
                     let diagnostic = Diagnostic::error(codes::MALFORMED, item.span, message)
                         .reason("a task waits until it is granted all of its profile")
-                        .help("to fail instead of waiting, end the step: `(end-when (:delay 10s))`, or give it a lower priority");
+                        .help("to give up waiting, end the step: `(end-when (:delay 10s))`");
                     lowering.refuse(diagnostic)
                 }
                 DatumKind::Symbol(_) | DatumKind::Variable(_) | DatumKind::Bound(_) | DatumKind::Indexical(_) => {

@@ -18,8 +18,18 @@ const CONDITIONS: &[&str] =
 const ENDED: &[&str] =
     &["ended", "finished", "done", "complete", "completed", "over", "stopped", "finish", "succeeded"];
 /// Relations as other languages write them, with their names here.
-const FOREIGN_RELATIONS: &[(&str, &str)] =
-    &[("==", "="), ("!=", "/="), ("<>", "/="), ("=<", "<="), ("=>", ">="), (">>", ">"), ("<<", "<"), ("≤", "<="), ("≥", ">="), ("≠", "/=")];
+const FOREIGN_RELATIONS: &[(&str, &str)] = &[
+    ("==", "="),
+    ("!=", "/="),
+    ("<>", "/="),
+    ("=<", "<="),
+    ("=>", ">="),
+    (">>", ">"),
+    ("<<", "<"),
+    ("≤", "<="),
+    ("≥", ">="),
+    ("≠", "/="),
+];
 /// Relations as words of other languages: they count as such before a number, a duration or a variable.
 const RELATION_WORDS: &[(&str, &str)] = &[
     ("gt", ">"),
@@ -34,7 +44,6 @@ const RELATION_WORDS: &[(&str, &str)] = &[
     ("equals", "="),
     ("ne", "/="),
     ("neq", "/="),
-    ("is", "="),
 ];
 /// Signs of relations, the longer ones first, and what they are here.
 const RELATION_SIGNS: &[(&str, &str)] = &[

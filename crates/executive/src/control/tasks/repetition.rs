@@ -215,7 +215,8 @@ pub(crate) fn listen(cycle: &mut Cycle<'_>, id: TaskId, evidence: &EvidenceList)
         return;
     }
     let Some(handle) = cycle.step_of(id) else { return };
-    let Some(step) = handle.get().filter(|step| step.repeating.as_ref().is_some_and(|clause| !clause.drop_missed)) else {
+    let Some(step) = handle.get().filter(|step| step.repeating.as_ref().is_some_and(|clause| !clause.drop_missed))
+    else {
         return;
     };
     let mut patterns = Vec::new();
