@@ -48,7 +48,11 @@ pub(crate) fn contradicted(episode: &Episode, run: &Run<'_>, view: View<'_>) -> 
     }
     let newest = ends(episode, run, view).into_iter().next_back();
     let inside = newest.and_then(|end| inside(episode, run, end));
-    inside.is_some_and(|inside| crate::statistics::fail(episode, &inside) || crate::trend::fail(episode, &inside))
+    inside.is_some_and(|inside| {
+        let fails = crate::statistics::fail(episode, &inside) || crate::trend::fail(episode, &inside);
+        let holds = crate::statistics::hold(episode, &inside) && crate::trend::hold(episode, &inside);
+        fails || holds && slides(episode) && !crate::episode::ends_fit(episode, &inside.samples)
+    })
 }
 
 /// The length that is wanted: of the run at least, and of the window where no value makes the run.
