@@ -77,7 +77,7 @@ fn work_through(cycle: &mut Cycle<'_>, events: &[Event]) {
     let mut rounds = 0;
     while !cycle.work.is_done() && !cycle.agent.is_finished() {
         rounds += u64::from(!cycle.work.made_progress(cycle.agent.next.task));
-        if rounds > if restless == 0 { cycle.agent.limits.of(Limit::CascadeRounds) } else { LIVELOCK_ROUNDS_MAX } {
+        if rounds > if restless == 0 { cascade_rounds(cycle) } else { LIVELOCK_ROUNDS_MAX } {
             rounds = 0;
             restless += 1;
             end_restless(cycle, restless > LIVELOCK_TASKS_MAX);
@@ -96,6 +96,11 @@ fn work_through(cycle: &mut Cycle<'_>, events: &[Event]) {
     }
     cycle.work.end_instant();
     invariants::check(cycle.agent);
+}
+
+/// Rounds that this instant may take: each message from outside may cause as many as one alone.
+fn cascade_rounds(cycle: &Cycle<'_>) -> u64 {
+    cycle.agent.limits.of(Limit::CascadeRounds).saturating_mul(cycle.agent.from_outside_at(cycle.now))
 }
 
 /// Did nothing happen at this instant but one sample that touches nobody? Most samples are such.

@@ -36,15 +36,18 @@ pub enum Limit {
     CustomValues,
     /// [`limits::MEDIAN_NUMBERS_MAX`]
     MedianNumbers,
+    /// [`limits::REPETITIONS_PER_SECOND_MAX`]
+    RepetitionsPerSecond,
 }
 
 impl Limit {
     /// All of them, in the order in which messages list them.
-    pub const ALL: [Limit; 13] = [
+    pub const ALL: [Limit; 14] = [
         Limit::Tasks,
         Limit::TaskDepth,
         Limit::ForallItems,
         Limit::RepetitionsPerInstant,
+        Limit::RepetitionsPerSecond,
         Limit::CascadeRounds,
         Limit::HistorySamples,
         Limit::EventHistory,
@@ -68,6 +71,12 @@ impl Limit {
                 "repetitions-per-instant",
                 1,
                 u64::from(limits::REPETITIONS_PER_INSTANT_MAX),
+            ),
+            Limit::RepetitionsPerSecond => (
+                "REPETITIONS_PER_SECOND_MAX",
+                "repetitions-per-second",
+                1,
+                u64::from(limits::REPETITIONS_PER_SECOND_MAX),
             ),
             // Fewer rounds than an ordinary instant takes would end what is in order.
             Limit::CascadeRounds => {

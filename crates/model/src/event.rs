@@ -76,6 +76,22 @@ pub struct StateVariable {
     pub object: Value,
 }
 
+/// The measurement that a message of the form `(ATTRIBUTE OBJECT.. = VALUE)` is, as in the original system; none for other
+/// messages.
+pub fn measured(form: &Value) -> Option<(StateVariable, Value)> {
+    let [attribute, objects @ .., relation, value] = form.as_list()? else { return None };
+    let attribute = attribute.as_symbol().filter(|name| !name.folded().starts_with(':'))?;
+    if !relation.as_symbol().is_some_and(|name| name.is("=")) {
+        return None;
+    }
+    let object = match objects {
+        [] => Value::nil(),
+        [one] => one.clone(),
+        several => Value::list(several.iter().cloned()),
+    };
+    Some((StateVariable::new(attribute.clone(), object), value.clone()))
+}
+
 impl StateVariable {
     /// The variable `(attribute object)`; a whole real object is the integer, so that 2 and 2.0 name one variable.
     pub fn new(attribute: Symbol, object: Value) -> StateVariable {

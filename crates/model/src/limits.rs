@@ -22,6 +22,9 @@ pub const TASKS_MAX: usize = 1_000_000;
 pub const FORALL_ITEMS_MAX: usize = 100_000;
 /// Instances of a `repeating` step that start and end at one instant.
 pub const REPETITIONS_PER_INSTANT_MAX: u32 = 1_000;
+/// Instants within one second at which one step is repeated although nothing came from outside in between: ten times as fast
+/// as any controller, and far slower than a repetition that waits for a nanosecond.
+pub const REPETITIONS_PER_SECOND_MAX: u32 = 10_000;
 /// Samples kept of one state variable, whatever conditions ask: 20 hours of attitude at 5 Hz.
 pub const HISTORY_SAMPLES_MAX: usize = 360_000;
 /// Samples kept of a variable for which no condition or log clause asks for more.

@@ -259,6 +259,8 @@ pub struct Repetition {
     pub minimum_interval: Option<Expr>,
     /// `:for-new`: one instance for each new combination of these variables.
     pub for_new: Vec<Symbol>,
+    /// `:missed-messages drop`: messages that come while the step is busy are not answered.
+    pub drop_missed: bool,
 }
 
 /// A primitive: the template of a command to the controlled system.

@@ -105,7 +105,7 @@ pub(crate) const PRIMITIVE_CLAUSES: &[&str] = &[
 
 /// Options of `repeating`; `responding` knows some of them.
 pub(crate) const REPEATING_OPTIONS: &[&str] =
-    &["while", "until", "enabled", "with-recovery", "with-min-interval", "for-new"];
+    &["while", "until", "enabled", "with-recovery", "with-min-interval", "for-new", "missed-messages"];
 
 /// Options of `agent`.
 pub(crate) const AGENT_OPTIONS: &[&str] = &["initial-task", "use-bundles", "routers", "workload", "limits"];

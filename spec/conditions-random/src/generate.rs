@@ -385,9 +385,12 @@ impl Maker {
             for (relation, length) in &mut episode.duration {
                 (*relation, *length) = (Relation::GreaterOrEqual, (*length).max(STEP));
             }
+            // A window that slides has a first and a last value of its own.
+            let slides = episode.value.is_empty() && !episode.duration.is_empty();
+            let ends = |constraints: Vec<Constraint>| if slides { constraints } else { Vec::new() };
             episode = Episode {
-                first_value: Vec::new(),
-                last_value: Vec::new(),
+                first_value: ends(std::mem::take(&mut episode.first_value)),
+                last_value: ends(std::mem::take(&mut episode.last_value)),
                 start: Vec::new(),
                 end: Vec::new(),
                 ..episode

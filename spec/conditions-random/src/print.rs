@@ -20,14 +20,14 @@ pub fn condition(condition: &Condition) -> String {
         Kind::Measurement(measurement) => format!("(:measurement {tag}{})", self::measurement(measurement)),
         Kind::Episode(episode) => format!("(:episode {tag}{})", self::episode(episode)),
         Kind::Cyclic(cyclic) => format!("(:cyclic {tag}{})", self::cyclic(cyclic)),
-        Kind::And(parts, tests) => format!("(:and {tag}{}{})", conditions(parts), self::tests(tests)),
+        Kind::And(parts, tests) => format!("(:and {tag}{}{})", joined(parts), self::tests(tests)),
         Kind::Or(parts) => format!("(:or {tag}{})", conditions(parts)),
         Kind::Not(part) => format!("(:not {})", self::condition(part)),
         Kind::Absent(part, length) => format!("(:absent {} :for {})", self::condition(part), span(*length)),
-        Kind::InOrder(parts, tests) => format!("(:in-order {tag}{}{})", conditions(parts), self::tests(tests)),
+        Kind::InOrder(parts, tests) => format!("(:in-order {tag}{}{})", joined(parts), self::tests(tests)),
         Kind::Allen { relation, parts, tolerance, tests } => {
             let near = if *tolerance == 0 { String::new() } else { format!(" :tolerance {}", span(*tolerance)) };
-            format!("(:{} {tag}{}{near}{})", allen(*relation), conditions(parts), self::tests(tests))
+            format!("(:{} {tag}{}{near}{})", allen(*relation), joined(parts), self::tests(tests))
         }
         Kind::Delay(least, most) => {
             format!("(:delay {}{})", span(*least), most.map(|most| format!(" {}", span(most))).unwrap_or_default())
@@ -49,6 +49,25 @@ pub fn condition(condition: &Condition) -> String {
 
 fn conditions(parts: &[Condition]) -> String {
     parts.iter().map(condition).collect::<Vec<_>>().join(" ")
+}
+
+/// Parts that hold together. What a part certainly binds is named `<?x>` in the later ones, which means the same as `?x`.
+fn joined(parts: &[Condition]) -> String {
+    let mut bound: Vec<&str> = Vec::new();
+    let mut texts = Vec::new();
+    for part in parts {
+        let mut text = condition(part);
+        for name in &bound {
+            let (open, marked) = (format!("?{name}"), format!("<?{name}>"));
+            text = text.replace(&marked, &open).replace(&open, &marked);
+        }
+        let leaf = matches!(part.kind, Kind::Measurement(_) | Kind::Event(..) | Kind::Episode(_) | Kind::Cyclic(_));
+        let binds = |name: &&&str| leaf && !bound.contains(*name) && text.contains(&format!("?{name}"));
+        let new: Vec<&str> = ["o", "v"].iter().filter(binds).copied().collect();
+        bound.extend(new);
+        texts.push(text);
+    }
+    texts.join(" ")
 }
 
 fn measurement(measurement: &Measurement) -> String {

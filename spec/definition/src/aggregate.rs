@@ -19,7 +19,9 @@ pub(crate) fn ways(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: Vie
     let mut goes_on = false;
     for end in ends(episode, run, view) {
         let inside = inside(episode, run, end).unwrap_or_default();
-        let holds = crate::statistics::hold(episode, &inside) && crate::trend::hold(episode, &inside);
+        let holds = crate::statistics::hold(episode, &inside)
+            && crate::trend::hold(episode, &inside)
+            && crate::episode::ends_fit(episode, &inside.samples);
         let interval = inside.samples.first().zip(inside.samples.last()).map(|(first, last)| (first.at, last.at));
         match (interval.filter(|_| holds), found.last_mut()) {
             (Some((_, last)), Some(way)) if goes_on => way.hull = way.hull.map(|(first, _)| (first, last)),
@@ -46,7 +48,11 @@ pub(crate) fn contradicted(episode: &Episode, run: &Run<'_>, view: View<'_>) -> 
     }
     let newest = ends(episode, run, view).into_iter().next_back();
     let inside = newest.and_then(|end| inside(episode, run, end));
-    inside.is_some_and(|inside| crate::statistics::fail(episode, &inside) || crate::trend::fail(episode, &inside))
+    inside.is_some_and(|inside| {
+        let fails = crate::statistics::fail(episode, &inside) || crate::trend::fail(episode, &inside);
+        let holds = crate::statistics::hold(episode, &inside) && crate::trend::hold(episode, &inside);
+        fails || holds && slides(episode) && !crate::episode::ends_fit(episode, &inside.samples)
+    })
 }
 
 /// The length that is wanted: of the run at least, and of the window where no value makes the run.

@@ -155,13 +155,16 @@ pub(crate) fn held(episode: &Episode, last: &Sample, next: Option<Time>, view: V
     episode.gap.map_or(last.at, |gap| (last.at + gap).min(until)).max(last.at)
 }
 
-fn fits_values(episode: &Episode, samples: &[Sample]) -> bool {
+/// Do the first value and the last one fit?
+pub(crate) fn ends_fit(episode: &Episode, samples: &[Sample]) -> bool {
     let fit = |sample: Option<&Sample>, constraints| {
         sample.is_some_and(|sample| fits(&sample.value, constraints, &mut Bindings::new()))
     };
-    fit(samples.first(), &episode.first_value)
-        && fit(samples.last(), &episode.last_value)
-        && samples.first().is_some_and(|first| instant_fits(first.at, &episode.start))
+    fit(samples.first(), &episode.first_value) && fit(samples.last(), &episode.last_value)
+}
+
+fn fits_values(episode: &Episode, samples: &[Sample]) -> bool {
+    ends_fit(episode, samples) && samples.first().is_some_and(|first| instant_fits(first.at, &episode.start))
 }
 
 fn way(samples: &[Sample], bound: &Bindings, known: Time) -> Way {

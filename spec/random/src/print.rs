@@ -131,6 +131,9 @@ fn repetition(clause: &Repetition) -> String {
         let names: Vec<String> = clause.for_new.iter().map(|name| format!("?{name}")).collect();
         let _ = write!(text, " :for-new {}", names.join(" "));
     }
+    if clause.drop_missed {
+        text += " :missed-messages drop";
+    }
     text + ")"
 }
 

@@ -145,6 +145,7 @@ fn smaller_steps(step: &Step) -> Vec<Step> {
         add(&|each| each.repetition.iter_mut().for_each(|clause| clause.recovery = None));
         add(&|each| each.repetition.iter_mut().for_each(|clause| clause.for_new.clear()));
         add(&|each| each.repetition.iter_mut().for_each(|clause| clause.enabled = false));
+        add(&|each| each.repetition.iter_mut().for_each(|clause| clause.drop_missed = false));
     }
     for clauses in smaller_clauses(&step.clauses) {
         add(&|each| each.clauses = clauses.clone());

@@ -239,6 +239,7 @@ impl Maker<'_> {
             if heard && self.dice.chance(30) {
                 clause.for_new = self.for_new(bound);
             }
+            clause.drop_missed = heard && self.dice.chance(25);
             step.repetition = Some(clause);
         }
     }

@@ -216,7 +216,15 @@ impl Agent<'_> {
         let arrival = self.arrivals;
         self.arrivals += 1;
         match said {
-            Said::Message(words) => self.messages.push(Message { at, arrival, words }),
+            Said::Message(words) => {
+                for task in self.tasks.iter_mut().filter(|task| !task.forgotten) {
+                    let busy = task.watches.iter().all(|watch| watch.clause != crate::task::Clause::Waitfor);
+                    if let Some(missed) = task.missed.as_mut().filter(|_| busy) {
+                        missed.insert(arrival);
+                    }
+                }
+                self.messages.push(Message { at, arrival, words });
+            }
             Said::Sample(attribute, object, value) => {
                 let repeated = |each: &&Sample| {
                     each.attribute == attribute && each.object == object && each.at == at && each.value == value

@@ -166,7 +166,9 @@ impl Agent<'_> {
                 crate::task::Origin::Step(_, step) => step,
                 _ => 0,
             };
-            (!begun, self.tasks[id].parent.unwrap_or(id), step, id)
+            // Who has had a turn already and is repeated comes behind who has not.
+            let turn = self.line(id).into_iter().filter_map(|each| self.tasks[each].ended_before).max();
+            (!begun, turn, self.tasks[id].parent.unwrap_or(id), step, id)
         };
         let (first, second) = (self.priority(a, self.now), self.priority(b, self.now));
         second.total_cmp(&first).then(order(a).cmp(&order(b)))

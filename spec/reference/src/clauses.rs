@@ -36,6 +36,12 @@ impl Agent<'_> {
         let Some(proof) = self.proof(id, watch) else { return };
         self.changed = true;
         let answered = self.answered(&proof);
+        // What one task has answered those above it need not answer.
+        for above in self.line(id) {
+            if let Some(missed) = &mut self.tasks[above].missed {
+                missed.retain(|arrival| !proof.messages().any(|message| message == *arrival));
+            }
+        }
         if watch.clause == Clause::Waitfor && self.is_known(id, &proof.bound) {
             return self.wait_for_new(id, answered);
         }
@@ -48,6 +54,7 @@ impl Agent<'_> {
         let after = Window { start: end.min(self.now), after: answered.or(newest) };
         match watch.clause {
             Clause::Waitfor => {
+                self.keep_missed(id, &proof);
                 self.tasks[id].bound.extend(proof.bound);
                 self.tasks[id].waits_for_condition = false;
             }

@@ -3,7 +3,7 @@
 use crate::agent::{Agent, Change};
 use crate::expression::compare;
 use crate::program::{Condition, Span, Term, Time};
-use crate::task::{Level, State, Watch};
+use crate::task::{Clause, Level, State, Watch};
 use crate::value::{Bindings, Value, joined, matches};
 
 /// One way in which a condition is true.
@@ -28,6 +28,14 @@ impl Proof {
         Proof { hull: Some((at, at)), known: at, bound: Bindings::new(), evidence: evidence.into_iter().collect() }
     }
 
+    /// The arrivals of its messages.
+    pub(crate) fn messages(&self) -> impl Iterator<Item = u64> {
+        self.evidence.iter().filter_map(|evidence| match evidence {
+            Evidence::Message(arrival) => Some(*arrival),
+            Evidence::Sample(..) => None,
+        })
+    }
+
     /// The last evidence.
     pub(crate) fn end(&self, now: Time) -> Time {
         self.hull.map_or(now, |hull| hull.1)
@@ -39,12 +47,14 @@ impl Proof {
 struct Place<'a> {
     task: usize,
     watch: &'a Watch,
+    /// Messages count that came before the watching began, while the step was busy.
+    missed: bool,
 }
 
 impl Agent<'_> {
     /// The first way in which the watched condition is true.
     pub(crate) fn proof(&self, task: usize, watch: &Watch) -> Option<Proof> {
-        self.proofs(&watch.condition, Place { task, watch }).into_iter().next()
+        self.proofs(&watch.condition, Place { task, watch, missed: watch.clause == Clause::Waitfor }).into_iter().next()
     }
 
     /// The newest arrival among the evidence: what the next instance must not take for an answer.
@@ -101,7 +111,7 @@ impl Agent<'_> {
             }
             Condition::Or(parts) => parts.iter().flat_map(|part| self.proofs(part, place)).collect(),
             Condition::Not(part) => {
-                let nothing = self.proofs(part, place).is_empty();
+                let nothing = self.proofs(part, Place { missed: false, ..place }).is_empty();
                 nothing.then(|| Proof::at(self.now, None)).into_iter().collect()
             }
             Condition::And(parts) => self.together(parts, place),
@@ -115,7 +125,11 @@ impl Agent<'_> {
 
     fn messages_like(&self, pattern: &[Term], place: Place<'_>) -> Vec<Proof> {
         let window = place.watch.window;
-        let counts = |at: Time, arrival: u64| at >= window.start && window.after.is_none_or(|after| arrival > after);
+        let missed = self.tasks[place.task].missed.as_ref().filter(|_| place.missed);
+        let counts = |at: Time, arrival: u64| {
+            missed.is_some_and(|missed| missed.contains(&arrival))
+                || at >= window.start && window.after.is_none_or(|after| arrival > after)
+        };
         let mut proofs = Vec::new();
         for message in self.messages.iter().filter(|message| counts(message.at, message.arrival)) {
             let mut proof = Proof::at(message.at, Some(Evidence::Message(message.arrival)));
@@ -205,7 +219,7 @@ impl Agent<'_> {
         for part in parts {
             match part {
                 Condition::Not(inner) => {
-                    let against = self.proofs(inner, place);
+                    let against = self.proofs(inner, Place { missed: false, ..place });
                     if !shared && !against.is_empty() {
                         return Vec::new();
                     }
@@ -275,7 +289,7 @@ impl Agent<'_> {
     pub(crate) fn delays_end(&self) -> Vec<Time> {
         let mut ends = Vec::new();
         for (task, watch) in self.living().flat_map(|(id, task)| task.watches.iter().map(move |watch| (id, watch))) {
-            self.delays_of(&watch.condition, Place { task, watch }, &mut ends);
+            self.delays_of(&watch.condition, Place { task, watch, missed: watch.clause == Clause::Waitfor }, &mut ends);
         }
         ends
     }

@@ -213,6 +213,8 @@ pub struct Repetition {
     pub minimum_interval: Option<Span>,
     /// Once for each combination of these.
     pub for_new: Vec<String>,
+    /// `:missed-messages drop`: what comes while it is busy is not answered.
+    pub drop_missed: bool,
 }
 
 /// What a step does.

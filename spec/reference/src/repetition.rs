@@ -1,6 +1,8 @@
 //! `repeating` and `responding`.
 
 use crate::agent::Agent;
+use crate::evidence::Proof;
+use crate::program::Condition;
 use crate::task::{Clause, Level, Origin, Outcome, State, Window};
 use crate::value::{Bindings, Value};
 
@@ -44,6 +46,28 @@ impl Agent<'_> {
         true
     }
 
+    /// The repeated step is busy from now on: messages that it has not answered are kept for its next repetitions.
+    pub(crate) fn keep_missed(&mut self, id: usize, proof: &Proof) {
+        let Some(step) = self.own_step(id) else { return };
+        let repeats = step.repetition.as_ref().is_some_and(|clause| !clause.responding && !clause.drop_missed);
+        if !repeats || !step.waitfor.iter().any(hears) {
+            return;
+        }
+        let when = |arrival: u64| {
+            let message = self.messages.iter().find(|message| message.arrival == arrival);
+            (message.map_or(self.now, |message| message.at), arrival)
+        };
+        let newest = proof.messages().map(when).max();
+        let after = self.tasks[id].answered;
+        let mut missed = self.tasks[id].missed.take().unwrap_or_default();
+        missed.retain(|arrival| newest.is_none_or(|newest| when(*arrival) > newest));
+        let of_now = self.messages.iter().filter(|message| message.at >= self.now);
+        let unanswered =
+            of_now.map(|message| message.arrival).filter(|arrival| after.is_none_or(|after| *arrival > after));
+        missed.extend(unanswered);
+        self.tasks[id].missed = Some(missed);
+    }
+
     /// The task of a responding step was enabled: a fresh instance waits next to it.
     pub(crate) fn respond(&mut self, id: usize) {
         let Origin::Step(procedure, step) = self.tasks[id].origin else { return };
@@ -81,5 +105,14 @@ impl Agent<'_> {
         if let Some(watch) = self.tasks[id].watches.iter_mut().find(|watch| watch.clause == Clause::Waitfor) {
             watch.window = window;
         }
+    }
+}
+
+/// Does the condition combine messages?
+fn hears(condition: &Condition) -> bool {
+    match condition {
+        Condition::Event(_) => true,
+        Condition::And(parts) | Condition::Or(parts) | Condition::InOrder(parts) => parts.iter().any(hears),
+        _ => false,
     }
 }

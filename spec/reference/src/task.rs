@@ -203,6 +203,8 @@ pub(crate) struct Task {
     pub(crate) ended_before: Option<Time>,
     pub(crate) repeats_no_more: bool,
     pub(crate) known: BTreeSet<String>,
+    /// Messages that came while the repeated step was busy and that nobody has answered; none while it keeps none.
+    pub(crate) missed: Option<BTreeSet<u64>>,
     /// Its parent has taken note of its end.
     pub(crate) over: bool,
     /// How many changes of state there had been when the tag of its step began to stand for it.
@@ -235,6 +237,7 @@ impl Task {
             ended_before: None,
             repeats_no_more: false,
             known: BTreeSet::new(),
+            missed: None,
             over: false,
             tagged: 0,
             forgotten: false,

@@ -202,7 +202,13 @@ fn in_window(world: &World<'_>, task: TaskId, at: Time, leaves: &[&ConditionKind
         ConditionKind::Event { timing, .. } => *timing != Default::default(),
         _ => true,
     });
-    let created = world.task(task)?.created;
+    let known = world.task(task)?;
+    // A repeating step answers messages that came while it was busy: since its first instance began.
+    let of_messages = leaves.iter().all(|leaf| matches!(leaf, ConditionKind::Event { .. }));
+    let step = world.template(known).map(|(_, _, step)| step);
+    let keeps = step.and_then(|step| step.repeating.as_ref()).is_some_and(|clause| !clause.drop_missed);
+    let first = known.moves.first().map(|(when, ..)| *when).filter(|_| of_messages && keeps);
+    let created = first.map_or(known.created, |first| first.min(known.created));
     require(leaves.is_empty() || says_otherwise || at >= created, "it is older than the task")
 }
 

@@ -74,16 +74,26 @@ impl<'a> World<'a> {
                     self.samples.entry(variable.to_string()).or_default().push((event.at, value.clone()));
                 }
                 EventKind::Occurrence(form) | EventKind::Told(_, Message::Occurrence(form)) => {
-                    self.messages.push((event.at, form.clone()));
+                    self.heard(event.at, form);
                 }
                 _ => {}
             }
         }
         for effect in &step.effects {
             if let Effect::Inform { form, .. } = effect {
-                self.messages.push((self.now, form.clone()));
+                self.heard(self.now, form);
             }
         }
+    }
+
+    /// A message; `(ATTRIBUTE OBJECT = VALUE)` is a measurement.
+    fn heard(&mut self, at: Time, form: &Value) {
+        if let Some([attribute, object, relation, value]) = form.as_list()
+            && relation.as_symbol().is_some_and(|name| name.is("="))
+        {
+            self.samples.entry(format!("({attribute} {object})")).or_default().push((at, value.clone()));
+        }
+        self.messages.push((at, form.clone()));
     }
 
     pub(super) fn task(&self, id: TaskId) -> Result<&Known, String> {

@@ -270,6 +270,13 @@ pub(crate) fn with_unit(number: f64, unit: &'static apex_model::quantity::Unit) 
 
 fn in_unit(value: &Value, unit: &Value) -> FunctionResult {
     let unit = unit_of(unit)?;
+    // Durations are whole nanoseconds, and so are most units of time: seconds in between would not be exact.
+    let tick_s = 1e-9;
+    if let (Value::Duration(span), Dimension::TIME) = (value, unit.dimension)
+        && unit.factor >= tick_s
+    {
+        return Ok(Value::Real(span.0 as f64 / libm::round(unit.factor * 1e9)));
+    }
     match number(value)? {
         (number, dimension) if dimension == unit.dimension => Ok(Value::Real(number / unit.factor)),
         _ => Err(format!("{} cannot be told in {}, which measures {}", described(value), unit.name, unit.dimension)),

@@ -75,6 +75,9 @@ fn fire(cycle: &mut Cycle<'_>, firing: Firing) {
     let Some(task) = cycle.task(id) else { return };
     let watched_from = cycle.agent.watches.get(monitor.0).map(|watch| watch.monitor.window.start);
     let state = task.state;
+    if !cycle.agent.listening.is_empty() {
+        repetition::answer(cycle, id, &satisfaction.evidence);
+    }
     if clause == Clause::Waitfor && repetition::is_known(cycle, id, &satisfaction.bindings) {
         repetition::wait_for_new(cycle, id, answered);
         return;
@@ -88,6 +91,7 @@ fn fire(cycle: &mut Cycle<'_>, firing: Firing) {
     cycle.decide(Some(id), kind, Because { cause: cause.clone(), place: Some(place), evidence });
     monitoring_clauses::unwatch(cycle, id, |each, at| each == clause && at == level);
     if clause == Clause::Waitfor {
+        repetition::listen(cycle, id, &satisfaction.evidence);
         return preconditions_hold(cycle, id, satisfaction, place);
     }
     // A fact can have stood before it was looked for.

@@ -9,11 +9,12 @@ use crate::deliberation::plan_adoption;
 use crate::monitoring::derivation::{self, Changed, Surroundings};
 use crate::monitoring::memory::histories::{self, Recording};
 use crate::monitoring::stimulus::Stimulus;
+use crate::state::histories::history::Occurrence;
 use crate::state::wake::Wake;
 use apex_model::agent_limits::Limit;
 use apex_model::because::{Because, Cause};
 use apex_model::effect::DecisionKind;
-use apex_model::event::{Event, EventKind, Message, StateVariable};
+use apex_model::event::{Event, EventKind, Message, StateVariable, measured};
 use apex_model::time::Time;
 use apex_model::value::Value;
 
@@ -25,6 +26,7 @@ fn arrival(cycle: &mut Cycle<'_>) -> u64 {
 
 /// Records the events of the instant: first all that can be measured or heard, then the answers to controllers.
 pub(crate) fn record(cycle: &mut Cycle<'_>, events: &[Event]) {
+    count_outside(cycle, events);
     for event in events {
         match &event.kind {
             EventKind::Measurement(variable, value) => measurement(cycle, variable.clone(), value.clone(), event.at),
@@ -51,6 +53,21 @@ pub(crate) fn record(cycle: &mut Cycle<'_>, events: &[Event]) {
         }
         termination::settle(cycle);
     }
+}
+
+/// Counts what comes from outside at this instant: a burst of messages is no loop.
+fn count_outside(cycle: &mut Cycle<'_>, events: &[Event]) {
+    let counts = |event: &&Event| matches!(event.kind, EventKind::Measurement(..) | EventKind::Occurrence(_));
+    let count = events.iter().filter(counts).count();
+    if count == 0 {
+        return;
+    }
+    let (now, added) = (cycle.now, count as u64);
+    let burst = &mut cycle.agent.burst;
+    *burst = if burst.0 == now { (now, burst.1.saturating_add(added)) } else { (now, added) };
+    cycle.agent.next.outside = cycle.agent.next.outside.saturating_add(added);
+    let most = usize::try_from(cycle.agent.burst.1).unwrap_or(usize::MAX);
+    cycle.agent.histories.expect_events(most);
 }
 
 /// Records what the agent said to itself in the round before.
@@ -95,8 +112,14 @@ fn derive(cycle: &mut Cycle<'_>) {
 }
 
 fn occurrence(cycle: &mut Cycle<'_>, form: Value, at: Time) {
+    if let Some((variable, value)) = measured(&form) {
+        return measurement(cycle, variable, value, at);
+    }
     let number = arrival(cycle);
     let remembered = cycle.agent.histories.events_cover(cycle.now);
+    if !cycle.agent.listening.is_empty() {
+        hear(cycle, Occurrence { at, sequence: number, form: form.clone() });
+    }
     let (stimulus, overflows) = histories::record_event(&mut cycle.agent.histories, form, at, number);
     cycle.work.stimuli.push(stimulus);
     if overflows {
@@ -105,6 +128,21 @@ fn occurrence(cycle: &mut Cycle<'_>, form: Value, at: Time) {
     }
     if remembered && !cycle.agent.histories.events_cover(cycle.now) {
         forgets(cycle);
+    }
+}
+
+/// Keeps the message for repeating steps that are busy.
+fn hear(cycle: &mut Cycle<'_>, message: Occurrence) {
+    let burst = usize::try_from(cycle.agent.from_outside_at(cycle.now)).unwrap_or(usize::MAX);
+    let most = cycle.agent.limits.count(Limit::MonitorResults).saturating_add(burst);
+    for task in cycle.agent.listening.hear(&message, most) {
+        let message = format!(
+            "more than {most} messages wait for this repeating step, which is busy: the oldest are dropped; answer faster, \
+             use `responding`, or state `:missed-messages drop`"
+        );
+        let cause = cycle.agent.limits.reached(Limit::MonitorResults);
+        let place = cycle.place_of(task);
+        cycle.decide(Some(task), DecisionKind::Trouble { message }, Because::new(cause, place));
     }
 }
 

@@ -29,7 +29,7 @@ use crate::state::recorded::Recorded;
 use crate::state::table::Table;
 use apex_model::agent_limits::Limits;
 use apex_model::condition::Condition;
-use apex_model::event::StateVariable;
+use apex_model::event::{StateVariable, measured};
 use apex_model::host::HostFunctions;
 use apex_model::library::Library;
 use apex_model::limits::SESSION_TROUBLES_MAX;
@@ -235,6 +235,10 @@ impl MonitorSession {
 
     /// A message.
     pub fn event(&mut self, form: Value, at: Time) {
+        if let Some((variable, value)) = measured(&form) {
+            self.sample(&variable, value, at);
+            return;
+        }
         self.come_to(at);
         let sequence = self.arrival();
         let (stimulus, overflows) = histories::record_event(&mut self.world.histories, form, at, sequence);

@@ -5,6 +5,7 @@ use crate::state::controller::OpenCommand;
 use crate::state::histories::history::Histories;
 use crate::state::index::{Candidate, Heads, LibraryIndex, ProcedureIndex};
 use crate::state::interests::Interests;
+use crate::state::listening::Listening;
 use crate::state::probing::{Probing, ProbingId};
 use crate::state::resource::ResourceTable;
 use crate::state::step_clauses::StepClauses;
@@ -82,6 +83,12 @@ pub struct Agent {
     pub wakes: WakeQueue,
     /// Claimants whose priority can change without a change of a task: it rises, or reads histories.
     pub unsteady: BTreeSet<TaskId>,
+    /// Messages that wait for repeating steps.
+    #[serde(default)]
+    pub listening: Listening,
+    /// The newest instant at which messages or samples came from outside, and how many did.
+    #[serde(default)]
+    pub burst: (Time, u64),
     /// Counters: the next number of each kind.
     pub next: Counters,
     /// How many tasks are suspended; derived from the tasks, not part of a snapshot.
@@ -106,6 +113,9 @@ pub struct Counters {
     pub generated: u64,
     /// Arrivals of samples and messages, the agent's own included.
     pub arrival: u64,
+    /// Messages and samples from outside.
+    #[serde(default)]
+    pub outside: u64,
 }
 
 /// A procedure made from a plan.
@@ -153,6 +163,8 @@ impl Default for Agent {
             probings: BTreeMap::new(),
             wakes: WakeQueue::default(),
             unsteady: BTreeSet::new(),
+            listening: Listening::default(),
+            burst: (Time::BEGINNING, 0),
             next: Counters::default(),
             suspended: 0,
         }
@@ -209,6 +221,12 @@ impl Agent {
         }
         let (key, wake) = self.wakes.first()?;
         Some((key.at, self.describe_wake(wake)))
+    }
+
+    /// By how much limits on one instant grow at `now`: each message from outside may cause as much as one alone. What tasks
+    /// say to themselves and to one another does not count.
+    pub(crate) fn from_outside_at(&self, now: Time) -> u64 {
+        if self.burst.0 == now { self.burst.1.max(1) } else { 1 }
     }
 
     /// True after `EndApplication`: nothing will happen any longer.

@@ -12,6 +12,7 @@ pub mod episode_index;
 pub mod histories;
 pub mod index;
 pub mod interests;
+pub mod listening;
 pub mod monitor_set;
 pub mod monitors;
 pub mod pairs;

@@ -5,8 +5,9 @@ use apex_model::time::Time;
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 
-/// Parent, step and number: written order among siblings, creation order among others.
-pub type FamilyOrder = (TaskId, u32, TaskId);
+/// Last repetition, parent, step and number: who was repeated comes behind who was not or was earlier; else written order
+/// among siblings, creation order among others.
+pub type FamilyOrder = (Time, TaskId, u32, TaskId);
 
 /// A rank that counts among the tasks below one parent.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -53,7 +54,7 @@ impl Ord for QueueKey {
 impl QueueKey {
     /// The claimant at this place.
     pub fn task(&self) -> TaskId {
-        self.order.2
+        self.order.3
     }
 }
 

@@ -131,6 +131,15 @@ pub struct Extras {
     pub instances: u32,
     /// The instant of `instances`.
     pub instant: Time,
+    /// Since when `instants` counts.
+    #[serde(default)]
+    pub counted_since: Time,
+    /// Instants within a second at which instances began although nothing had come from outside.
+    #[serde(default)]
+    pub instants: u32,
+    /// How much had come from outside when an instance began last.
+    #[serde(default)]
+    pub outside: u64,
     /// Combinations of `:for-new` variables already answered.
     pub answered: BTreeSet<Vec<Value>>,
     /// The step's repetition is over: it was ended for good.

@@ -213,7 +213,7 @@ impl Waiting {
     }
 
     fn has_unranked_at(&self, priority: f64) -> bool {
-        let order = (TaskId(0), 0, TaskId(0));
+        let order = (Time::BEGINNING, TaskId(0), 0, TaskId(0));
         let first = QueueKey { priority, rank: None, begun: true, order };
         self.steady.range(first..).next().is_some_and(|key| key.rank.is_none() && key.priority == priority)
     }
@@ -281,7 +281,7 @@ mod tests {
     use crate::state::queue_place::RisingKey;
 
     fn place(task: u64, priority: f64, begun: bool) -> QueueKey {
-        QueueKey { priority, rank: None, begun, order: (TaskId(0), 0, TaskId(task)) }
+        QueueKey { priority, rank: None, begun, order: (Time::BEGINNING, TaskId(0), 0, TaskId(task)) }
     }
 
     fn claim(place: QueuePlace, varies: bool) -> Claim {
@@ -309,7 +309,7 @@ mod tests {
     fn urgent_claimants_stand_by_what_they_are_worth_now() {
         let mut waiting = Waiting::default();
         let rising = |task: u64, importance: f64, due: i64| {
-            let order = (TaskId(0), 0, TaskId(task));
+            let order = (Time::BEGINNING, TaskId(0), 0, TaskId(task));
             QueuePlace::Rising(RisingKey { importance, due: Time(due * 1_000_000_000), begun: false, order })
         };
         // Worth the importance less the time left.

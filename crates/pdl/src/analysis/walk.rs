@@ -204,7 +204,7 @@ pub(crate) fn hooks(hooks: &Hooks) -> [(&'static str, &[Expr]); 4] {
 
 /// The expressions of `repeating` and `responding`.
 pub(crate) fn repetition(clause: &Repetition) -> impl Iterator<Item = &Expr> {
-    let Repetition { while_true, until, enabled, recovery, minimum_interval, for_new: _ } = clause;
+    let Repetition { while_true, until, enabled, recovery, minimum_interval, for_new: _, drop_missed: _ } = clause;
     [while_true, until, enabled, recovery, minimum_interval].into_iter().flatten()
 }
 

@@ -85,9 +85,12 @@ impl Lowering {
         let duration = |lowering: &mut Lowering, datum: &Datum| lowering.duration(datum);
         let tolerance = self.optional(&options, "tolerance", duration);
         let window = self.optional(&options, "for", duration);
-        let (mut parts, constraints, tolerance, window) = (parts?, constraints?, tolerance?, window?);
+        let (mut parts, mut constraints, tolerance, window) = (parts?, constraints?, tolerance?, window?);
         if any {
             parts.iter_mut().for_each(bound_by_any_samples);
+        }
+        if matches!(keyword, "and" | "in-order") || allen(keyword).is_some() {
+            constraints.extend(super::joined::join(&mut parts));
         }
         let count = parts.len();
         let single = match <[Condition; 1]>::try_from(parts.clone()) {

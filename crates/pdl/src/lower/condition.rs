@@ -70,7 +70,8 @@ impl Lowering {
             let length = if matches!(after, [mark, _, ..] if mark.is(":quality")) { 3 } else { 1 };
             let (form, next) = rest.split_at_checked(length).unwrap_or((rest, &[]));
             self.scope = Scope::of_tasks();
-            let condition = self.conditions(form).and_then(|mut all| all.pop());
+            let whole = super::span_of(form, form.first().map_or_else(Span::default, |first| first.span));
+            let condition = self.conditions(form).and_then(|all| self.clause_conditions(all, whole).pop());
             self.finish_scope(condition.is_some());
             lowered.extend(condition);
             rest = next;

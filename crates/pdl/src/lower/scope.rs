@@ -9,6 +9,7 @@ use crate::diagnostic::{Diagnostic, Severity, Span};
 use crate::fix::Fix;
 use crate::lookup::Lookup;
 use crate::suggest::{is_certain, near, renames_marked};
+use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -141,6 +142,16 @@ impl Scope {
             }
         }
         odd
+    }
+
+    /// Where `name` was bound first.
+    pub(crate) fn first_binder(&self, name: &Symbol) -> Option<Span> {
+        self.binders.get(name).and_then(Binders::first)
+    }
+
+    /// The use of `name` that stands at `place`.
+    pub(crate) fn use_at(&self, name: &Symbol, place: Place) -> Option<Span> {
+        self.uses.iter().find(|(used, _, span)| used == name && span.place() == place).map(|(.., span)| *span)
     }
 
     /// The step other than the one at hand whose result binds `name`.

@@ -57,7 +57,8 @@ impl Lowering {
 
     /// The one condition of a clause; `:quality Q` may follow an episode.
     fn clause_condition(&mut self, name: &str, items: &[Datum], clause: &Datum) -> Option<Condition> {
-        let mut lowered = self.conditions(items)?;
+        let lowered = self.conditions(items)?;
+        let mut lowered = self.clause_conditions(lowered, clause.span);
         match (lowered.pop(), lowered.is_empty()) {
             (Some(condition), true) => Some(condition),
             _ => {
@@ -89,6 +90,13 @@ impl Lowering {
         self.all(clause.tail(), |lowering, item| {
             let place = item.span.place();
             match &item.kind {
+                DatumKind::Symbol(name) if name.folded().starts_with(':') => {
+                    let message = format!("`{name}` is no resource, and a profile has no options");
+                    let diagnostic = Diagnostic::error(codes::MALFORMED, item.span, message)
+                        .reason("a task waits until it is granted all of its profile")
+                        .help("to give up waiting, end the step: `(end-when (:delay 10s))`");
+                    lowering.refuse(diagnostic)
+                }
                 DatumKind::Symbol(_) | DatumKind::Variable(_) | DatumKind::Bound(_) | DatumKind::Indexical(_) => {
                     let resource = lowering.template(item)?;
                     Some(ResourceNeed { resource, amount: None, place })

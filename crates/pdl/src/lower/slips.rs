@@ -18,8 +18,48 @@ const CONDITIONS: &[&str] =
 const ENDED: &[&str] =
     &["ended", "finished", "done", "complete", "completed", "over", "stopped", "finish", "succeeded"];
 /// Relations as other languages write them, with their names here.
-const FOREIGN_RELATIONS: &[(&str, &str)] =
-    &[("==", "="), ("!=", "/="), ("<>", "/="), ("=<", "<="), ("≤", "<="), ("≥", ">="), ("≠", "/=")];
+const FOREIGN_RELATIONS: &[(&str, &str)] = &[
+    ("==", "="),
+    ("!=", "/="),
+    ("<>", "/="),
+    ("=<", "<="),
+    ("=>", ">="),
+    (">>", ">"),
+    ("<<", "<"),
+    ("≤", "<="),
+    ("≥", ">="),
+    ("≠", "/="),
+];
+/// Relations as words of other languages: they count as such before a number, a duration or a variable.
+const RELATION_WORDS: &[(&str, &str)] = &[
+    ("gt", ">"),
+    ("lt", "<"),
+    ("ge", ">="),
+    ("gte", ">="),
+    ("le", "<="),
+    ("lte", "<="),
+    ("eq", "="),
+    ("eql", "="),
+    ("equal", "="),
+    ("equals", "="),
+    ("ne", "/="),
+    ("neq", "/="),
+];
+/// Signs of relations, the longer ones first, and what they are here.
+const RELATION_SIGNS: &[(&str, &str)] = &[
+    ("<=", "<="),
+    (">=", ">="),
+    ("/=", "/="),
+    ("==", "="),
+    ("!=", "/="),
+    ("=>", ">="),
+    ("=<", "<="),
+    (">>", ">"),
+    ("<<", "<"),
+    ("<", "<"),
+    (">", ">"),
+    ("=", "="),
+];
 /// What is said of a task in a condition.
 const OF_TASKS: &[&str] = &["end", "start", "terminated", "end-of"];
 
@@ -122,7 +162,9 @@ impl Lowering {
             let (_, own) = FOREIGN_RELATIONS.iter().find(|(foreign, _)| name.is(foreign))?;
             Some((item.span, name, *own))
         });
-        let Some((span, name, own)) = foreign else { return false };
+        let Some((span, name, own)) = foreign.or_else(|| relation_word(items)) else {
+            return self.report_glued_relation(items);
+        };
         let fix = Fix::safe(format!("replace `{name}` by `{own}`")).replace(span, own);
         self.report(
             Diagnostic::error(codes::MALFORMED_CONDITION, span, format!("no relation is called `{name}`"))
@@ -131,6 +173,56 @@ impl Lowering {
         );
         true
     }
+}
+
+impl Lowering {
+    /// `(roll ac1 >15)` and `(roll ac1>15)`: the relation is part of a word, and the whole would be a message.
+    fn report_glued_relation(&mut self, items: &[Datum]) -> bool {
+        for item in items.iter().skip(1) {
+            let Some(name) = item.as_symbol() else { continue };
+            let Some((before, sign, own, after)) = glued(name.printed()) else { continue };
+            let apart = [before, own, after].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(" ");
+            let fix = Fix::safe(format!("write `{apart}`")).replace(item.span, apart);
+            let message = format!("`{sign}` is part of the word `{name}`");
+            self.report(
+                Diagnostic::error(codes::MALFORMED_CONDITION, item.span, message)
+                    .reason("words end at spaces: as it stands this is an event with these words, which never comes")
+                    .fix(fix),
+            );
+            return true;
+        }
+        false
+    }
+}
+
+/// A relation as a word before something that can be compared.
+fn relation_word(items: &[Datum]) -> Option<(Span, &Symbol, &'static str)> {
+    items.windows(2).skip(1).find_map(|pair| {
+        let [word, next] = pair else { return None };
+        let name = word.as_symbol()?;
+        let (_, own) = RELATION_WORDS.iter().find(|(foreign, _)| name.is(foreign))?;
+        let compared = matches!(
+            next.kind,
+            DatumKind::Integer(_)
+                | DatumKind::Real(_)
+                | DatumKind::Quantity(_)
+                | DatumKind::Duration(_)
+                | DatumKind::Variable(_)
+                | DatumKind::Bound(_)
+        );
+        compared.then_some((word.span, name, *own))
+    })
+}
+
+/// A word with a relation in it, taken apart, where a number or a variable follows.
+fn glued(name: &str) -> Option<(&str, &'static str, &'static str, &str)> {
+    let at = name.find(['<', '>', '=', '/', '!'])?;
+    let (before, rest) = name.split_at_checked(at)?;
+    let (sign, own) = RELATION_SIGNS.iter().find(|(sign, _)| rest.starts_with(sign))?;
+    let after = rest.strip_prefix(sign)?;
+    let number = after.strip_prefix(['-', '+']).unwrap_or(after);
+    let compared = number.starts_with(|first: char| first.is_ascii_digit()) || after.starts_with('?');
+    (compared && !before.ends_with('-')).then_some((before, *sign, *own, after))
 }
 
 /// The message about a word of an index that was meant as the variable used at `used`.

@@ -126,7 +126,8 @@ impl Lowering {
                 if items.is_empty() {
                     return self.missing_part(clause.span, "this `waitfor` waits for nothing", "(waitfor CONDITION..)");
                 }
-                step.waitfor = self.conditions(items)?;
+                let conditions = self.conditions(items)?;
+                step.waitfor = self.clause_conditions(conditions, clause.span);
             }
             "select" => step.select.push(self.select(clause)?),
             "forall" => step.forall = Some(Box::new(self.forall(clause)?)),
@@ -270,7 +271,20 @@ impl Lowering {
             }
             _ => lowering.refuse(Diagnostic::error(codes::MALFORMED, datum.span, "`:for-new` takes variables")),
         })?;
-        Some(Repetition { while_true, until, enabled, recovery, minimum_interval, for_new })
+        let drop_missed = self.optional(&options, "missed-messages", Lowering::missed_messages)?.unwrap_or(false);
+        Some(Repetition { while_true, until, enabled, recovery, minimum_interval, for_new, drop_missed })
+    }
+
+    /// `answer` or `drop`; true when messages that come while the step is busy are dropped.
+    fn missed_messages(&mut self, datum: &Datum) -> Option<bool> {
+        if datum.is("drop") || datum.is("answer") {
+            return Some(datum.is("drop"));
+        }
+        let message = "`:missed-messages` is `answer` or `drop`";
+        let diagnostic = Diagnostic::error(codes::MALFORMED, datum.span, message)
+            .reason("it says whether messages that come while the step is busy are answered later")
+            .help("leave it out to have all of them answered, one after the other");
+        self.refuse(diagnostic)
     }
 
     fn check_repetition(&mut self, source: &StepSource<'_>, step: &Step) -> Option<()> {

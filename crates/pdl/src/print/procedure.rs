@@ -187,6 +187,7 @@ fn repetition_text(head: &str, repetition: &Repetition) -> String {
         option("with-recovery", &repetition.recovery),
         option("with-min-interval", &repetition.minimum_interval),
         new,
+        if repetition.drop_missed { ":missed-messages drop".into() } else { String::new() },
     ];
     list_text(head, parts)
 }

@@ -9,9 +9,10 @@ use crate::control::conflicts::{priority, resources};
 use crate::control::cycle::Cycle;
 use crate::planted::{self, Bug};
 use crate::state::agent::Agent;
+use crate::state::queue_place::FamilyOrder;
 use crate::state::resource::Need;
 use crate::state::resource_id::ResourceId;
-use crate::state::task::Origin;
+use crate::state::task::{Origin, Task};
 use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;
 use std::cmp::Ordering;
@@ -28,7 +29,7 @@ pub(crate) struct Claimant {
     pub(crate) priority: f64,
     /// It has begun, and goes before its equals that have not.
     pub(crate) begun: bool,
-    order: (TaskId, u32, TaskId),
+    order: FamilyOrder,
     /// Its place among all competitors where ranks count too; the same for all where nobody has one.
     pub(crate) turn: usize,
 }
@@ -171,14 +172,21 @@ pub(crate) fn at_work_since(agent: &Agent, id: TaskId) -> (Option<Time>, TaskId)
     (agent.task(id).map(|task| task.since), id)
 }
 
-/// Written order among siblings, creation order among others.
-pub(crate) fn order_of(agent: &Agent, id: TaskId) -> (TaskId, u32, TaskId) {
-    let Some(task) = agent.task(id) else { return (id, 0, id) };
+/// Written order among siblings, creation order among others; behind them who has had a turn already and is repeated.
+pub(crate) fn order_of(agent: &Agent, id: TaskId) -> FamilyOrder {
+    let Some(task) = agent.task(id) else { return (Time::BEGINNING, id, 0, id) };
     let step = match task.origin {
         Origin::Step(step) => step.step,
         Origin::Initial | Origin::Item(_) | Origin::OnFailure(_) | Origin::Meanwhile(_) | Origin::Probe(_) => 0,
     };
-    (task.parent.unwrap_or(id), step, id)
+    (repeated_at(agent, task), task.parent.unwrap_or(id), step, id)
+}
+
+/// When the task, or the newest of those above it, was repeated last; the beginning of time if none was.
+fn repeated_at(agent: &Agent, task: &Task) -> Time {
+    let family = std::iter::successors(Some(task), |task| agent.task(task.parent?));
+    let repeated = |task: &Task| task.extras.as_ref().and_then(|extras| extras.ended_before);
+    family.filter_map(repeated).max().unwrap_or(Time::BEGINNING)
 }
 
 /// Who comes first.

@@ -5,7 +5,7 @@
 
 use crate::control::cycle::Cycle;
 use crate::control::tasks::goal::goal_as_known;
-use crate::control::tasks::{interruption, monitoring_clauses, termination};
+use crate::control::tasks::{interruption, monitoring_clauses, repetition, termination};
 use crate::expression::EvalContext;
 use crate::state::bindings::Bindings;
 use crate::state::clause::{Clause, Level};
@@ -153,7 +153,7 @@ fn watch_preconditions(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), (String,
         task.held_back.by_condition = true;
     }
     monitoring_clauses::watch(cycle, id, Clause::Waitfor, Level::Step, &condition, window, true)
-        .map(|_| ())
+        .map(|monitor| repetition::give_waiting_messages(cycle, id, monitor))
         .map_err(|error| (error.message, error.place))
 }
 

@@ -106,6 +106,10 @@ fn value_of(cycle: &Cycle<'_>, id: TaskId, expr: &Expr) -> Result<Value, Because
 
 fn span(cycle: &Cycle<'_>, id: TaskId, expr: &Expr) -> Result<Duration, Because> {
     match value_of(cycle, id, expr)? {
+        Value::Duration(span) if span < Duration::ZERO => {
+            let message = format!("a duration of {span} is negative; write zero or more, for example `(max 0s ..)`");
+            Err(Because::new(Cause::ExpressionFailed { message }, Some(expr.place)))
+        }
         Value::Duration(span) => Ok(span),
         Value::Integer(0) => Ok(Duration::ZERO),
         other => {

@@ -9,6 +9,8 @@ use crate::control::tasks::instantiation::{self, Seed};
 use crate::control::tasks::{binding, monitoring_clauses, procedure, termination};
 use crate::control::transition::{Trigger, transition};
 use crate::expression::evaluate;
+use crate::monitoring::basic::event;
+use crate::monitoring::combination::monitors;
 use crate::monitoring::stimulus::Stimulus;
 use crate::state::bindings::Bindings;
 use crate::state::clause::{Clause, Level, MonitorId};
@@ -17,26 +19,43 @@ use crate::state::step_clauses::StepClauses;
 use crate::state::task::{HeldBack, Origin};
 use crate::state::wake::Wake;
 use apex_model::agent_limits::Limit;
-use apex_model::because::{Because, Cause};
+use apex_model::because::{Because, Cause, Evidence};
+use apex_model::evidence_list::EvidenceList;
 use apex_model::expression::Expr;
 use apex_model::procedure::Repetition;
 use apex_model::task::{Outcome, TaskId};
 use apex_model::time::Duration;
 use apex_model::value::Value;
 
-/// Counts the instances of a task that begin at one instant.
+/// The span within which instants with repetitions are counted.
+const SECOND: Duration = Duration(1_000_000_000);
+
+/// Counts the instances of a task that begin at one instant, and the instants within a second at which they do.
 ///
 /// # Errors
-/// The cause, when there are too many: a loop that takes no time.
+/// The cause, when there are too many: a loop that takes no time, or next to none.
 pub(crate) fn count_instance(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), Cause> {
-    let now = cycle.now;
+    let (now, outside) = (cycle.now, cycle.agent.next.outside);
     let Some(task) = cycle.agent.task_mut(id) else { return Ok(()) };
     let extras = task.extras_mut();
-    extras.instances = if extras.instant == now { extras.instances + 1 } else { 1 };
+    let first = extras.instances == 0 || extras.instant != now;
+    if first {
+        if extras.outside != outside || now - extras.counted_since >= SECOND {
+            (extras.counted_since, extras.instants) = (now, 0);
+        }
+        extras.instants = extras.instants.saturating_add(1);
+        extras.outside = outside;
+    }
+    extras.instances = if first { 1 } else { extras.instances.saturating_add(1) };
     extras.instant = now;
-    let instances = u64::from(extras.instances);
-    if instances > cycle.agent.limits.of(Limit::RepetitionsPerInstant) {
-        return Err(cycle.agent.limits.reached(Limit::RepetitionsPerInstant));
+    let (instances, instants) = (u64::from(extras.instances), u64::from(extras.instants));
+    let limits = &cycle.agent.limits;
+    // Each message from outside is answered: a burst of them is no loop.
+    if instances > limits.of(Limit::RepetitionsPerInstant).saturating_mul(cycle.agent.from_outside_at(now)) {
+        return Err(limits.reached(Limit::RepetitionsPerInstant));
+    }
+    if instants > limits.of(Limit::RepetitionsPerSecond) {
+        return Err(limits.reached(Limit::RepetitionsPerSecond));
     }
     Ok(())
 }
@@ -190,6 +209,67 @@ pub(crate) fn interval_over(cycle: &mut Cycle<'_>, id: TaskId) {
     instantiation::offer(cycle, id);
 }
 
+/// A repeating step becomes busy: messages for its `waitfor` are kept for its next repetitions from now on.
+pub(crate) fn listen(cycle: &mut Cycle<'_>, id: TaskId, evidence: &EvidenceList) {
+    if !cycle.may_repeat(id) {
+        return;
+    }
+    let Some(handle) = cycle.step_of(id) else { return };
+    let Some(step) = handle.get().filter(|step| step.repeating.as_ref().is_some_and(|clause| !clause.drop_missed))
+    else {
+        return;
+    };
+    let mut patterns = Vec::new();
+    step.waitfor.iter().for_each(|condition| event::patterns(condition, &mut patterns));
+    if patterns.is_empty() {
+        return;
+    }
+    let now = cycle.now;
+    let message = |evidence: &Evidence| match evidence {
+        Evidence::Event { at, sequence, .. } => Some((*at, *sequence)),
+        _ => None,
+    };
+    let answered = evidence.iter().filter_map(message).max();
+    let agent = &mut *cycle.agent;
+    let after = agent.task(id).and_then(|task| task.after_sequence);
+    let interests = patterns.into_iter().map(event::interest);
+    let of_now = agent.histories.events_from(now).filter(|message| after.is_none_or(|after| message.sequence > after));
+    agent.listening.begin(id, interests, answered, of_now);
+}
+
+/// What satisfied a clause of the task is answered for the tasks above it, too: the message that ended an instance does
+/// not begin the next one.
+pub(crate) fn answer(cycle: &mut Cycle<'_>, id: TaskId, evidence: &EvidenceList) {
+    let agent = &mut *cycle.agent;
+    let mut next = Some(id);
+    while let Some(task) = next.and_then(|each| agent.task(each)) {
+        let each = task.id;
+        next = task.parent;
+        if !agent.listening.knows(each) {
+            continue;
+        }
+        for evidence in evidence.iter() {
+            if let Evidence::Event { sequence, .. } = evidence {
+                agent.listening.answered(each, *sequence);
+            }
+        }
+    }
+}
+
+/// The `waitfor` of a step that was busy is watched again: its monitor is given the messages that wait.
+pub(crate) fn give_waiting_messages(cycle: &mut Cycle<'_>, id: TaskId, monitor: MonitorId) {
+    if !cycle.agent.listening.knows(id) {
+        return;
+    }
+    let heard = cycle.agent.listening.end(id);
+    if heard.is_empty() {
+        return;
+    }
+    let Some(mut watch) = cycle.agent.watches.lift(monitor.0) else { return };
+    monitors::hear(&mut watch.monitor, &heard, &cycle.view(id, Level::Step));
+    cycle.agent.watches.put(monitor.0, watch);
+}
+
 /// The values of the `:for-new` variables, when the step has any.
 fn combination(cycle: &Cycle<'_>, id: TaskId, bindings: &Bindings) -> Option<Vec<Value>> {
     if !cycle.has(id, StepClauses::REPETITION) {
@@ -220,11 +300,13 @@ pub(crate) fn wait_for_new(cycle: &mut Cycle<'_>, id: TaskId, answered: Option<u
     let Some(step) = cycle.task(id).and_then(|task| task.step()) else { return };
     let index = cycle.agent.procedure_index(step.procedure).cloned();
     let condition = index.and_then(|index| index.steps.get(step.step as usize)?.waitfor.clone());
-    if let Some(condition) = condition
-        && let Err(error) = monitoring_clauses::watch(cycle, id, Clause::Waitfor, Level::Step, &condition, window, true)
-    {
-        let cause = Cause::ExpressionFailed { message: error.message };
-        termination::fail(cycle, id, Because::new(cause, Some(error.place)));
+    let Some(condition) = condition else { return };
+    match monitoring_clauses::watch(cycle, id, Clause::Waitfor, Level::Step, &condition, window, true) {
+        Ok(monitor) => give_waiting_messages(cycle, id, monitor),
+        Err(error) => {
+            let cause = Cause::ExpressionFailed { message: error.message };
+            termination::fail(cycle, id, Because::new(cause, Some(error.place)));
+        }
     }
 }
 
@@ -264,13 +346,13 @@ pub(crate) fn respond(cycle: &mut Cycle<'_>, id: TaskId) {
     procedure::adopt(cycle, parent, fresh, counts);
     let before = cycle.agent.task_mut(id).map(|task| {
         let extras = task.extras_mut();
-        (std::mem::take(&mut extras.answered), extras.instances, extras.instant)
+        let counts = (extras.instances, extras.instant, extras.counted_since, extras.instants, extras.outside);
+        (std::mem::take(&mut extras.answered), counts)
     });
-    if let (Some((answered, instances, instant)), Some(task)) = (before, cycle.agent.task_mut(fresh)) {
+    if let (Some((answered, counts)), Some(task)) = (before, cycle.agent.task_mut(fresh)) {
         let extras = task.extras_mut();
         extras.answered = answered;
-        extras.instances = instances;
-        extras.instant = instant;
+        (extras.instances, extras.instant, extras.counted_since, extras.instants, extras.outside) = counts;
     }
     instantiation::arm(cycle, fresh);
 }

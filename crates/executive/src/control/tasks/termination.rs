@@ -70,6 +70,7 @@ pub(crate) fn end_children(cycle: &mut Cycle<'_>, id: TaskId, because: &Because)
     let children = cycle.task(id).and_then(|task| task.controller.as_deref()).map(Controller::children);
     for child in children.unwrap_or_default() {
         end(cycle, child, Outcome::Cut, because.clone());
+        cycle.agent.listening.forget(child);
         cycle.agent.tasks.remove(child.0);
     }
 }
@@ -159,6 +160,7 @@ fn react(cycle: &mut Cycle<'_>, parent: TaskId, child: TaskId) {
         Some(Controller::Procedure(_)) if failed => fail(cycle, parent, because),
         Some(Controller::Procedure(_)) => {
             if !repetition::repeat(cycle, child, &outcome) {
+                cycle.agent.listening.forget(child);
                 repetition::ended_for_good(cycle, child, &outcome);
                 procedure::step_ended(cycle, parent, child);
             }

@@ -13,8 +13,9 @@ use crate::monitoring::part::{ConditionFaults, PartContext, remember};
 use crate::monitoring::pattern_matching::match_pattern;
 use crate::state::bindings::Bindings;
 use crate::state::histories::history::Occurrence;
-use crate::state::monitors::monitor::{EventPart, Interest, Keep, Satisfaction};
+use crate::state::monitors::monitor::{EventPart, Interest, Keep, Satisfaction, Window};
 use apex_model::because::Evidence;
+use apex_model::condition::{Condition, ConditionKind};
 use apex_model::evidence_list::EvidenceList;
 use apex_model::pattern::Pattern;
 use apex_model::time::{Duration, Time};
@@ -78,6 +79,41 @@ fn holds(
     Ok(all(&timing.start, &stamp, Reading::Instant, bindings, context, site.place)?
         && all(&timing.end, &stamp, Reading::Instant, bindings, context, site.place)?
         && all(&timing.duration, &Value::Duration(Duration::ZERO), Reading::Span, bindings, context, site.place)?)
+}
+
+/// The patterns of messages that a condition combines; what forbids messages or relates them in time begins anew.
+pub(crate) fn patterns<'a>(condition: &'a Condition, found: &mut Vec<&'a Pattern>) {
+    match &condition.kind {
+        ConditionKind::Event { pattern, .. } => found.push(pattern),
+        ConditionKind::And(parts, _) | ConditionKind::Or(parts, _) | ConditionKind::InOrder(parts, _) => {
+            parts.iter().for_each(|part| patterns(part, found));
+        }
+        ConditionKind::Probing { condition, .. } => patterns(condition, found),
+        _ => {}
+    }
+}
+
+/// Puts messages that came before the window, and that nobody has answered, before what was found.
+pub(crate) fn hear(
+    part: &mut EventPart,
+    site: PartContext,
+    heard: &[Occurrence],
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
+) {
+    let found = std::mem::take(&mut part.settled);
+    let open = PartContext { window: Window { start: Time::BEGINNING, after_sequence: None }, ..site };
+    for Occurrence { at, sequence, form } in heard {
+        notice(part, open, form, *at, *sequence, context, troubles);
+        if site.keep == Keep::First && !part.settled.is_empty() {
+            return;
+        }
+    }
+    for result in found {
+        if !part.settled.iter().any(|known| known.evidence == result.evidence) {
+            remember(&mut part.settled, result, site, troubles);
+        }
+    }
 }
 
 /// Which messages may match.

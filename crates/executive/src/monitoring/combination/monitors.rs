@@ -8,13 +8,17 @@
 //! Paper: section IV, creating monitors from PDL specifications.
 
 use crate::expression::{EvalContext, EvaluationError};
+use crate::monitoring::basic::event;
 use crate::monitoring::combination::dispatch::{advance, notice_part, wake_of};
 use crate::monitoring::combination::{creation, logic, point_order, unmet as unmet_parts};
-use crate::monitoring::part::{ConditionFaults, Truth};
+use crate::monitoring::part::{ConditionFaults, Truth, site};
 use crate::monitoring::stimulus::Stimulus;
 use crate::monitoring::verdict_query::VerdictQuery;
 use crate::monitoring::wake::WakeReason;
-use crate::state::monitors::monitor::{ConditionFault, Keep, Monitor, Satisfaction, Unmet, Verdict, Window};
+use crate::state::histories::history::Occurrence;
+use crate::state::monitors::monitor::{
+    ConditionFault, Keep, Monitor, Part, PartKind, Satisfaction, Unmet, Verdict, Window,
+};
 use apex_model::condition::Condition;
 use apex_model::time::Time;
 
@@ -75,6 +79,24 @@ pub(crate) fn notice(monitor: &mut Monitor, stimulus: &Stimulus, context: &dyn E
     let mut troubles = ConditionFaults::none(context);
     notice_part(&mut monitor.root, stimulus, context, &mut troubles);
     troubles.tell(monitor);
+}
+
+/// Gives `monitor` messages from before its window, which the parts that it combines may answer.
+pub(crate) fn hear(monitor: &mut Monitor, heard: &[Occurrence], context: &dyn EvalContext) {
+    let mut troubles = ConditionFaults::none(context);
+    hear_part(&mut monitor.root, heard, context, &mut troubles);
+    troubles.tell(monitor);
+}
+
+fn hear_part(part: &mut Part, heard: &[Occurrence], context: &dyn EvalContext, troubles: &mut ConditionFaults) {
+    let site = site(part);
+    match &mut part.kind {
+        PartKind::Event(leaf) => event::hear(leaf, site, heard, context, troubles),
+        PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {
+            composite.parts.iter_mut().for_each(|part| hear_part(part, heard, context, troubles));
+        }
+        _ => {}
+    }
 }
 
 /// Finds out again which tasks the monitor is about: a tag stands for another one now.

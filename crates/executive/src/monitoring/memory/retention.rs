@@ -233,7 +233,8 @@ impl Survey<'_> {
         }
         self.all(step.rank.as_deref().into_iter().chain(step.interrupt_cost.as_deref()));
         for repetition in step.repeating.as_deref().into_iter().chain(step.responding.as_deref()) {
-            let Repetition { while_true, until, enabled, recovery, minimum_interval, for_new: _ } = repetition;
+            let Repetition { while_true, until, enabled, recovery, minimum_interval, for_new: _, drop_missed: _ } =
+                repetition;
             self.all(while_true.iter().chain(until).chain(enabled).chain(recovery).chain(minimum_interval));
         }
         step.profile.iter().for_each(|need| {

@@ -135,6 +135,8 @@ pub(crate) struct RunStatistics {
     pub(crate) last_two: Option<(f64, f64)>,
     /// Some step does not satisfy the constraints on steps.
     pub(crate) bad_step: bool,
+    /// Of a window that slides: does its first value fit? None where the newest sample is the only one.
+    pub(crate) first_holds: Option<bool>,
     /// First and last sample's instant.
     pub(crate) interval: (Time, Time),
 }

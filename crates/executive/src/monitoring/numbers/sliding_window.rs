@@ -20,6 +20,8 @@ pub(crate) struct Contents {
     pub(crate) left: Vec<f64>,
     /// The instant of the oldest sample in the window.
     pub(crate) first: Option<Time>,
+    /// Its value may be the first one.
+    pub(crate) first_holds: bool,
 }
 
 /// Adds a sample that is younger than all others.
@@ -75,7 +77,7 @@ fn turn_over(window: &mut SlidingWindow, holds: bool) {
 pub(crate) fn contents(window: &SlidingWindow, start: Time) -> Contents {
     let mut contents = Contents::default();
     let mut edge = window.edge;
-    let mut first = None;
+    let mut first: Option<Point> = None;
     let gone = window.front.iter().rev().take_while(|(point, _)| point.at < start);
     let mut left = 0;
     for (point, _) in gone {
@@ -85,7 +87,7 @@ pub(crate) fn contents(window: &SlidingWindow, start: Time) -> Contents {
     }
     match window.front.len().checked_sub(left + 1).and_then(|index| Some((index, window.front.get(index)?))) {
         Some((index, (point, moments))) => {
-            first = Some(point.at);
+            first = Some(*point);
             contents.moments = *moments;
             contents.held = window.front_held.get(index).copied().unwrap_or_default();
             contents.moments.merge(&window.back_moments);
@@ -97,24 +99,25 @@ pub(crate) fn contents(window: &SlidingWindow, start: Time) -> Contents {
                     contents.left.extend(point.number);
                     edge = Some(*point);
                 } else {
-                    first = first.or(Some(point.at));
+                    first = first.or(Some(*point));
                     add(&mut contents.moments, &mut contents.held, *point);
                 }
             }
         }
         None => {
-            first = window.back.first().map(|point| point.at);
+            first = window.back.first().copied();
             contents.moments = window.back_moments;
             contents.held = window.back_held;
         }
     }
     // The number before the window holds up to the first one in it, or to the newest sample.
-    if let Some(Point { at, number: Some(number), held }) = edge {
+    if let Some(Point { at, number: Some(number), held, .. }) = edge {
         let until = at + held;
         let from = start.max(at);
-        contents.held.add(number, first.map_or(until, |first| first.min(until)) - from);
+        contents.held.add(number, first.map_or(until, |first| first.at.min(until)) - from);
     }
-    contents.first = first;
+    contents.first = first.map(|first| first.at);
+    contents.first_holds = first.is_some_and(|first| first.may_be_first);
     contents
 }
 
@@ -148,7 +151,7 @@ mod tests {
                     push(&mut window, *last);
                     drop_before(&mut window, Time(at - length), true, |_| {});
                 }
-                all.push(Point { at: Time(at), number: (number % 7 != 0).then_some(f64::from(number)), held: Duration::ZERO });
+                all.push(Point { at: Time(at), number: (number % 7 != 0).then_some(f64::from(number)), held: Duration::ZERO, may_be_first: true });
                 for start in [at - length, at - length + ahead] {
                     let inside: Vec<Point> = all[..all.len() - 1].iter().copied().filter(|point| point.at.0 >= start).collect();
                     let found = contents(&window, Time(start));

@@ -92,7 +92,7 @@ pub(crate) fn take_in(
     let held = next - newest.at;
     match (&mut run.window, newest.number) {
         (Some(window), number) => {
-            push(window, Point { at: newest.at, number, held });
+            push(window, Point { at: newest.at, number, held, may_be_first: newest.first_holds });
             let ordered = &mut run.ordered;
             drop_before(window, next - part.duration_min, wants_held(part), |number| {
                 if let Some(ordered) = ordered {
@@ -324,7 +324,11 @@ impl Evaluation<'_> {
             }
         }
         let ends = if with_newest {
-            (run.map_or(state.newest.first_holds, |run| run.first_holds), state.newest.last_holds)
+            // The first sample of a window that slides is another one each time.
+            let first = if part.slides { numbers.first_holds } else { run.map(|run| run.first_holds) };
+            (first.unwrap_or(state.newest.first_holds), state.newest.last_holds)
+        } else if part.slides {
+            (numbers.first_holds.unwrap_or(false), run.is_some_and(|run| run.last_holds))
         } else {
             run.map_or((false, false), |run| (run.first_holds, run.last_holds))
         };
@@ -377,6 +381,7 @@ impl Evaluation<'_> {
             numbers.interval = (run.start, run.last);
             if let Some(window) = &run.window {
                 let inside = contents(window, from);
+                numbers.first_holds = inside.first.map(|_| inside.first_holds);
                 (numbers.moments, numbers.held, left, first) = (inside.moments, inside.held, inside.left, inside.first);
             }
         }

@@ -51,9 +51,7 @@ pub(crate) fn create(
     for constraint in &timing.duration {
         duration_min = duration_min.max(least_duration(constraint, context)?);
     }
-    let of_run =
-        [&condition.value, &condition.first_value, &condition.last_value].into_iter().any(|all| !all.is_empty());
-    let slides = !of_run && duration_min > Duration::ZERO;
+    let slides = condition.value.is_empty() && duration_min > Duration::ZERO;
     let lower = |constraint: &Constraint| crate::monitoring::constraints::is_lower_bound(constraint);
     Ok(StatisticalPart {
         tests: prepare(&condition.value, unit, context)?,

@@ -18,7 +18,10 @@ fn worst(offset: i64, unit: f64, number: impl Fn(i64) -> i64, samples: i64, leng
     let mut worst = [0.0_f64; 3];
     for at in 0..samples {
         let value = (offset as f64 + number(at) as f64) * unit;
-        push(&mut window, Point { at: Time(at * 1_000_000), number: Some(value), held: Duration(1) });
+        push(
+            &mut window,
+            Point { at: Time(at * 1_000_000), number: Some(value), held: Duration(1), may_be_first: true },
+        );
         drop_before(&mut window, Time((at - length + 1) * 1_000_000), false, |_| {});
         if at < length || at % 97 != 0 {
             continue;

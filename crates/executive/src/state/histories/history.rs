@@ -100,11 +100,14 @@ pub struct OpenLog {
 struct Most {
     samples: usize,
     events: usize,
+    /// Messages and samples that came from outside at the newest instant: so many more messages may be kept.
+    #[serde(default)]
+    burst: usize,
 }
 
 impl Default for Most {
     fn default() -> Most {
-        Most { samples: HISTORY_SAMPLES_MAX, events: EVENT_HISTORY_MAX }
+        Most { samples: HISTORY_SAMPLES_MAX, events: EVENT_HISTORY_MAX, burst: 0 }
     }
 }
 
@@ -287,7 +290,11 @@ impl History {
 impl Histories {
     /// Keeps no more than an agent with these limits may.
     pub fn limit(&mut self, limits: &Limits) {
-        self.most = Most { samples: limits.count(Limit::HistorySamples), events: limits.count(Limit::EventHistory) };
+        self.most = Most {
+            samples: limits.count(Limit::HistorySamples),
+            events: limits.count(Limit::EventHistory),
+            ..self.most
+        };
     }
 
     /// The history of `variable`, if it was ever measured.

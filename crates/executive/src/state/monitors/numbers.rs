@@ -176,6 +176,9 @@ pub struct Point {
     pub number: Option<f64>,
     /// Until the next sample.
     pub held: Duration,
+    /// Its value may be the first one: `:first-value`.
+    #[serde(default)]
+    pub may_be_first: bool,
 }
 
 /// The numbers of a sliding window, in two stacks: those that leave next with the moments of each and all younger ones

@@ -21,7 +21,7 @@ impl Histories {
         while let Some(oldest) = self.events.front().map(|event| event.at) {
             let newest = self.events.back().map_or(oldest, |event| event.at);
             if newest - oldest <= self.event_lookback {
-                if self.events.len() <= self.most.events {
+                if self.events.len() <= self.most.events.saturating_add(self.most.burst) {
                     return;
                 }
                 self.events_overflowed |= newest > oldest;
@@ -29,6 +29,11 @@ impl Histories {
             self.events.pop_front();
             self.events_forgotten_until = Some(self.events_forgotten_until.map_or(oldest, |before| before.max(oldest)));
         }
+    }
+
+    /// So many messages and samples have come from outside at this instant; all of its messages are kept.
+    pub fn expect_events(&mut self, burst: usize) {
+        self.most.burst = if burst > 1 { burst } else { 0 };
     }
 
     /// Remembered messages with `start <= at`, in order of time and, within an instant, of arrival.
