@@ -136,8 +136,10 @@ impl Search<'_> {
     /// One set, where the nodes were not enough for the first: hits the first open clause by the mode that hits most for its cost, again
     /// and again, and then removes what is not needed.
     fn greedy(&mut self, mut state: State) {
-        while let Some(clause) = self.unhit(&state).next() {
-            let Some(mode) = self.in_order(clause, &state).first().copied() else { return };
+        loop {
+            let clause = self.unhit(&state).next();
+            let Some(mode) = clause.map(|clause| self.in_order(clause, &state)) else { break };
+            let Some(mode) = mode.first().copied() else { return };
             state.set.insert(mode);
             self.columns.get(mode).into_iter().for_each(|column| state.once.extend(column));
         }
