@@ -18,7 +18,7 @@ impl Model {
              ;;;   (respond to failures of {name})    do the response of each component that is bad\n;;;\n\
              ;;; Events said: (test-failed TEST) (test-passed TEST)\n\n\
              (in-apex-bundle :{name}-diagnosis)\n\n\
-             (state-variable (test-outcome ?test) :type symbol)\n\
+             (state-variable (test-state ?test) :type symbol)\n\
              (state-variable (health ?component) :type symbol)\n"
         );
         self.watch(name, &mut text);
@@ -53,7 +53,7 @@ impl Model {
                 let _ = write!(
                     text,
                     "\n  (step {test}-{word} (inform (test-{word} {test}))\n    \
-                     (waitfor (:and {condition} (test-outcome {test} /= {word})))\n    (repeating))"
+                     (waitfor (:and {condition} (test-state {test} /= {word})))\n    (repeating))"
                 );
             }
         }
