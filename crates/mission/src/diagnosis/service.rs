@@ -7,6 +7,7 @@
 //! `(tests-contradict UNEXPLAINED TESTS)`. Bound: that of [`Diagnoser`] for each batch, O(tests + components) otherwise.
 
 use apex_diagnosis::{Contradiction, Diagnoser, Health, Model, Outcome};
+use apex_model::effect::Effect;
 use apex_model::event::{Batch, EventKind, StateVariable};
 use apex_model::symbol::Symbol;
 use apex_model::time::Time;
@@ -63,12 +64,15 @@ impl DiagnosisService {
         &self.outcomes
     }
 
-    /// Observes a step.
-    pub fn observe(&mut self, model: &Arc<Model>, batch: &Batch) -> Reported {
+    /// Observes a step: the messages of its batch, then those that the agent says.
+    pub fn observe(&mut self, model: &Arc<Model>, batch: &Batch, effects: &[Effect]) -> Reported {
         let mut reported = Reported::default();
         self.outcomes.resize(model.tests.len(), Outcome::Unknown);
-        for event in &batch.events {
-            let Some((name, outcome)) = said(&event.kind) else { continue };
+        let of_agent = effects.iter().filter_map(|effect| match effect {
+            Effect::Inform { form, .. } => message(form),
+            _ => None,
+        });
+        for (name, outcome) in batch.events.iter().filter_map(|event| said(&event.kind)).chain(of_agent) {
             match (model.test(&name), outcome) {
                 (Some(test), Ok(outcome)) => {
                     self.outcomes.get_mut(test).into_iter().for_each(|known| *known = outcome);
@@ -91,19 +95,25 @@ impl DiagnosisService {
 
 /// A test's name with its outcome, or with the word that is not one.
 fn said(kind: &EventKind) -> Option<(String, Result<Outcome, String>)> {
-    let name = |value: &Value| value.as_symbol().map_or_else(|| value.to_string(), |name| name.folded().to_string());
     match kind {
         EventKind::Measurement(variable, value) if variable.attribute.is("test-outcome") => {
             let word = name(value);
             Some((name(&variable.object), Outcome::of_word(&word).ok_or(word)))
         }
-        EventKind::Occurrence(form) => {
-            let [Value::Symbol(word), test] = form.as_list()? else { return None };
-            let outcome = Outcome::of_word(word.folded().strip_prefix("test-")?)?;
-            Some((name(test), Ok(outcome)))
-        }
+        EventKind::Occurrence(form) => message(form),
         _ => None,
     }
+}
+
+/// A message `(test-OUTCOME TEST)`.
+fn message(form: &Value) -> Option<(String, Result<Outcome, String>)> {
+    let [Value::Symbol(word), test] = form.as_list()? else { return None };
+    let outcome = Outcome::of_word(word.folded().strip_prefix("test-")?)?;
+    Some((name(test), Ok(outcome)))
+}
+
+fn name(value: &Value) -> String {
+    value.as_symbol().map_or_else(|| value.to_string(), |name| name.folded().to_string())
 }
 
 impl Published {
@@ -187,5 +197,72 @@ impl Changes<'_> {
 
     fn say(&self, items: Vec<Value>, reported: &mut Reported) {
         reported.inputs.push(Input::new(self.now, EventKind::Occurrence(Value::list(items))));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a failed test should stop")]
+
+    use super::*;
+    use apex_model::event::Event;
+
+    fn model() -> Arc<Model> {
+        let text = include_str!("../../../../library/diagnosis/observation-uav.json");
+        Arc::new(Model::parse("observation-uav.json", text).unwrap())
+    }
+
+    fn batch(forms: &[&str]) -> Batch {
+        let read = |form: &&str| EventKind::Occurrence(apex_pdl::read_value(form).unwrap());
+        let event = |kind| Event { sequence: 0, at: Time::ZERO, kind };
+        Batch { now: Time::ZERO, events: forms.iter().map(read).map(event).collect() }
+    }
+
+    fn shown(reported: &Reported) -> Vec<String> {
+        let text = |input: &Input| match &input.kind {
+            EventKind::Measurement(variable, value) => format!("{variable} = {value}"),
+            EventKind::Occurrence(form) => form.to_string(),
+            other => format!("{other:?}"),
+        };
+        reported.inputs.iter().map(text).collect()
+    }
+
+    #[test]
+    fn everything_is_published_once_and_then_what_changes() {
+        let (model, mut service) = (model(), DiagnosisService::default());
+        assert_eq!(service.observe(&model, &batch(&[]), &[]).inputs.len(), 25 + 17 + 1);
+        assert_eq!(service.observe(&model, &batch(&[]), &[]), Reported::default());
+        let passed = ["(test-passed payload-voltage)", "(test-passed computer-heartbeat)", "(test-passed sharpness)"];
+        service.observe(&model, &batch(&passed), &[]);
+        let reported = service.observe(&model, &batch(&["(test-failed radio-rssi)"]), &[]);
+        let shown = shown(&reported);
+        assert!(shown.contains(&"(health antenna-cable) = suspect".to_string()), "{shown:?}");
+        assert!(shown.contains(&"(candidates observation-uav) = ((radio-modem) (antenna-cable) (radio-antenna))".to_string()));
+    }
+
+    #[test]
+    fn what_the_agent_says_of_a_test_counts_as_what_it_hears() {
+        let (model, mut heard, mut said) = (model(), DiagnosisService::default(), DiagnosisService::default());
+        let inform = Effect::Inform { form: apex_pdl::read_value("(test-failed imu-self-test)").unwrap(), task: apex_model::task::TaskId(1) };
+        let by_effect = said.observe(&model, &batch(&[]), &[inform]);
+        assert_eq!(by_effect, heard.observe(&model, &batch(&["(test-failed imu-self-test)"]), &[]));
+        assert!(shown(&by_effect).contains(&"(health imu) = bad".to_string()));
+    }
+
+    #[test]
+    fn a_restored_service_goes_on_as_before() {
+        let (model, mut service) = (model(), DiagnosisService::default());
+        service.observe(&model, &batch(&["(test-failed gps-fix)"]), &[]);
+        let bytes = postcard::to_stdvec(&service).unwrap();
+        let mut restored: DiagnosisService = postcard::from_bytes(&bytes).unwrap();
+        assert_eq!(restored, service);
+        let next = batch(&["(test-passed gps-fix)"]);
+        assert_eq!(restored.observe(&model, &next, &[]), service.observe(&model, &next, &[]));
+    }
+
+    #[test]
+    fn an_unknown_test_is_noted() {
+        let reported = DiagnosisService::default().observe(&model(), &batch(&["(test-failed nonsense)"]), &[]);
+        assert_eq!(reported.notes, ["model `observation-uav` has no test `nonsense`"]);
     }
 }

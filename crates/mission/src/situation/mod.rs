@@ -130,7 +130,7 @@ impl Situation {
         self.watch(mission, batch, effects);
         self.derived.extend(self.links.observe(mission, batch, effects));
         if let Some(model) = &mission.diagnosis {
-            let reported = self.diagnosis.observe(model, batch);
+            let reported = self.diagnosis.observe(model, batch, effects);
             reported.notes.into_iter().for_each(|note| self.note(batch.now, note));
             self.derived.extend(reported.inputs);
         }
