@@ -21,12 +21,21 @@ fn models_that_cannot_be_used_are_refused_with_place_and_reason() {
     let pairs: Vec<String> = (0..10).map(|pair| format!("{{\"any_of\": [\"s{pair}\", \"a\"]}}")).collect();
     let cases = [
         ("{".to_string(), "m.json:1:1 cannot be read: EOF"),
-        (model(A, "", test).replace("\"name\": \"m\"", "\"name\": 3"), "m.json:1:43 cannot be read: invalid type: integer `3`"),
+        (
+            model(A, "", test).replace("\"name\": \"m\"", "\"name\": 3"),
+            "m.json:1:43 cannot be read: invalid type: integer `3`",
+        ),
         (model("", "", test), "`components` is invalid: the model has no components"),
         (model(A, "", ""), "`tests` is invalid: the model has no tests"),
         (model(A, circle, test), "`signals[0].needs` is invalid: signals need each other in a circle: s -> r -> s"),
-        (model(A, "", "{\"name\": \"t\", \"needs\": [\"bus\"]}"), "`tests[0].needs[0]` is invalid: `bus` is not a component or signal"),
-        (model(A, "", "{\"name\": \"t\", \"needs\": []}"), "`tests[0].needs` is invalid: `t` depends on nothing that can fail"),
+        (
+            model(A, "", "{\"name\": \"t\", \"needs\": [\"bus\"]}"),
+            "`tests[0].needs[0]` is invalid: `bus` is not a component or signal",
+        ),
+        (
+            model(A, "", "{\"name\": \"t\", \"needs\": []}"),
+            "`tests[0].needs` is invalid: `t` depends on nothing that can fail",
+        ),
         (model(A, "", "{\"name\": \"a\", \"needs\": [\"a\"]}"), "`a` is declared twice, first as `components[0].name`"),
         (model(A, "", "{\"name\": \"T 1\", \"needs\": [\"a\"]}"), "`tests[0].name` is invalid: \"T 1\" is not a name"),
         (rate("-1e-4"), "`components[0].probability_per_hour` is invalid: the probability -0.0001 is not above 0"),
@@ -34,10 +43,22 @@ fn models_that_cannot_be_used_are_refused_with_place_and_reason() {
         (model("{\"name\": \"a\"}", "", test), "`components[0]` is invalid: `a` cannot fail"),
         (model(A, "", "{\"name\": \"t\", \"needs\": [{\"any_of\": [\"a\"]}]}"), "`any_of` names fewer than two"),
         (model(A, "", "{\"name\": \"t\", \"needs\": [{\"all\": [\"a\"]}]}"), "unknown field `all`"),
-        (model(A, "", &format!("{{\"name\": \"t\", \"needs\": [{}]}}", pairs.join(","))), "`s0` is not a component or signal"),
-        (model("{\"name\": \"a\", \"modes\": [{\"name\": \"x\", \"probability_per_hour\": 0.1, \"affects\": [\"q\"]}]}", "", test),
-            "`components[0].modes[0].affects[0]` is invalid: `q` is not a signal or test"),
-        (model(A, "", test).replace("diagnosis-1", "diagnosis-9"), "`format` is invalid: expected \"apex-diagnosis-1\""),
+        (
+            model(A, "", &format!("{{\"name\": \"t\", \"needs\": [{}]}}", pairs.join(","))),
+            "`s0` is not a component or signal",
+        ),
+        (
+            model(
+                "{\"name\": \"a\", \"modes\": [{\"name\": \"x\", \"probability_per_hour\": 0.1, \"affects\": [\"q\"]}]}",
+                "",
+                test,
+            ),
+            "`components[0].modes[0].affects[0]` is invalid: `q` is not a signal or test",
+        ),
+        (
+            model(A, "", test).replace("diagnosis-1", "diagnosis-9"),
+            "`format` is invalid: expected \"apex-diagnosis-1\"",
+        ),
     ];
     for (text, expected) in cases {
         let error = refused(&text);
