@@ -64,6 +64,7 @@ fn run(options: Options, planners: &Arc<Registry>) -> ExitCode {
         Command::Plan(options) => commands::plan::run(&options, planners),
         Command::Profile(command) => commands::profile::run(&command, planners),
         Command::Vehicle(options) => commands::vehicle::run(&options),
+        Command::Diagnose(options) => commands::diagnose::run(&options),
         Command::Serve(options) => commands::serve::run(&options, planners),
     };
     match outcome {

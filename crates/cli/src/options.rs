@@ -1,11 +1,13 @@
 //! The command line as clap sees it.
 
+mod diagnose;
 mod fork;
 mod integrity;
 mod plan;
 mod profile;
 mod vehicle;
 
+pub use diagnose::DiagnoseOptions;
 pub use fork::ForkOptions;
 pub use integrity::{RecoverOptions, VerifyOptions};
 pub use plan::{PlanFormat, PlanOptions};
@@ -73,6 +75,8 @@ pub enum Command {
     Profile(ProfileCommand),
     /// Check vehicle files and print what follows from them: endurance, range, reserve, turns, pixels, swaths.
     Vehicle(VehicleOptions),
+    /// Diagnose test outcomes by a dependency model, or print the testability or the PDL that follow from it.
+    Diagnose(DiagnoseOptions),
     /// Open Sherpa, the web page, on a flight record, or fly missions for programs that ask over HTTP.
     Serve(ServeOptions),
 }
@@ -220,7 +224,7 @@ pub struct ScoreOptions {
 pub struct WhyOptions {
     /// The flight record.
     pub record: PathBuf,
-    /// A task by its number (`T12`; `pilot/T12` where several agents run), its tag, or words of its goal; a resource by its name; or a command (`command 7`, or words of it).
+    /// A task by its number (`T12`; `pilot/T12` where several agents run), its tag, or words of its goal; a resource or a diagnosed component by its name; or a command (`command 7`, or words of it).
     #[arg(value_name = "WHAT")]
     pub task: String,
     /// How it is told.

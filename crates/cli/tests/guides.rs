@@ -81,3 +81,20 @@ fn the_guide_to_monitoring_a_log_shows_what_is_printed() {
     assert!(text == real || std::env::var("UPDATE").is_ok(), "the guide differs; UPDATE=1 rewrites it:\n{real}");
     assert!(real.contains("a gap of P3S > P1S cut it before"), "{real}");
 }
+
+#[test]
+fn the_guide_to_diagnosis_shows_what_is_printed() {
+    let desk = tempfile::TempDir::new().unwrap();
+    let guide = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/guides/diagnosis.md");
+    let text = fs::read_to_string(&guide).unwrap();
+    let files = ["payload", "gimbal", "converter", "telemetry", "contradiction"];
+    for (block, file) in text.split("```json\n").skip(1).zip(files) {
+        fs::write(desk.path().join(format!("{file}.json")), block.split("```").next().unwrap()).unwrap();
+    }
+    let real = played(&text, desk.path());
+    if std::env::var("UPDATE").is_ok_and(|value| value == "1") {
+        fs::write(&guide, &real).unwrap();
+    }
+    assert!(text == real || std::env::var("UPDATE").is_ok(), "the guide differs; UPDATE=1 rewrites it:\n{real}");
+    assert!(real.contains("consistent: {gimbal-follows} or {payload-voltage}"), "{real}");
+}

@@ -4,6 +4,7 @@ pub mod comparison;
 mod costs;
 pub mod crew;
 pub mod deliberation;
+pub mod diagnosis;
 mod energy;
 pub mod error;
 pub mod export;
@@ -106,6 +107,8 @@ pub struct Mission {
     pub weak_targets: Vec<(String, String)>,
     /// When a link is lost, and what happens then.
     pub lost_link: lost_link::LostLink,
+    /// The dependency model by which test outcomes are diagnosed in flight.
+    pub diagnosis: Option<Arc<apex_diagnosis::Model>>,
     /// Data files by name with their bytes, for the record; shared, since each plan is made for a copy of the mission.
     pub data: Arc<Vec<(String, Vec<u8>)>>,
 }
@@ -171,6 +174,8 @@ impl Mission {
             crew: files
                 .read("people", &settings.people, |file| surroundings::people(file, settings.value_unit))?
                 .unwrap_or_default(),
+            diagnosis: files
+                .read("diagnosis", &settings.diagnosis, |file| diagnosis::parse(&file.place, &file.text()?))?,
             scenario: files.read("scenario", &settings.scenario, scenario::of_mission)?.unwrap_or_default(),
             weather: weather.or_else(|| forecast.clone()).unwrap_or_default(),
             forecast: forecast.unwrap_or_default(),

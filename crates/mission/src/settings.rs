@@ -66,6 +66,8 @@ pub struct Settings {
     pub link_map: Vec<Value>,
     /// What happens when a link is lost, as written.
     pub lost_link: Vec<Value>,
+    /// The dependency model of components and tests.
+    pub diagnosis: Option<String>,
     /// Structures with the functions of the program that are their costs.
     pub costs: Vec<(String, Symbol)>,
 }
@@ -100,6 +102,7 @@ const KNOWN: &[&str] = &[
     "modems",
     "link-map",
     "lost-link",
+    "diagnosis",
     "costs",
     "libraries",
     "files",
@@ -173,6 +176,7 @@ pub(crate) fn read(library: &Library) -> MissionResult<Settings> {
         modems: reader.list("modems")?,
         link_map: reader.list("link-map")?,
         lost_link: reader.list("lost-link")?,
+        diagnosis: reader.text("diagnosis")?,
         costs: reader.costs()?,
     })
 }

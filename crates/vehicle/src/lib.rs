@@ -14,6 +14,7 @@ mod section;
 mod sensor;
 mod sensor_read;
 mod sensor_rules;
+mod sheet;
 mod shipped;
 mod validate;
 

@@ -1,5 +1,6 @@
 //! One file per command.
 pub mod check;
+pub mod diagnose;
 pub mod explain;
 pub mod export;
 mod fix;

@@ -14,6 +14,7 @@ pub use updates::{MissionUpdate, MissionUpdates, OperatorPlan};
 pub use visit::{VehicleState, Visit};
 
 use crate::Mission;
+use crate::diagnosis::DiagnosisService;
 use crate::link::LinkMemory;
 use crate::predicted::Predicted;
 use crate::requirements::Watch;
@@ -91,6 +92,8 @@ pub struct Situation {
     watch: Watch,
     /// What was measured of radio links.
     pub links: LinkMemory,
+    /// Outcomes of tests and what was diagnosed from them.
+    pub diagnosis: DiagnosisService,
     /// What the last step adds to the next batch: a function of the rest, and not stored.
     #[serde(skip)]
     derived: Vec<Input>,
@@ -126,6 +129,11 @@ impl Situation {
         }
         self.watch(mission, batch, effects);
         self.derived.extend(self.links.observe(mission, batch, effects));
+        if let Some(model) = &mission.diagnosis {
+            let reported = self.diagnosis.observe(model, batch, effects);
+            reported.notes.into_iter().for_each(|note| self.note(batch.now, note));
+            self.derived.extend(reported.inputs);
+        }
         if requests > 0 {
             // Data that planning cannot use are reported when a plan is asked for.
             for unknown in self.updates.unknown(mission) {

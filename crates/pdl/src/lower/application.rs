@@ -20,6 +20,7 @@ const OPTIONS: &[&str] = &[
     "airfields",
     "airspace",
     "costs",
+    "diagnosis",
     "duration",
     "end-margin",
     "failure",

@@ -1,0 +1,160 @@
+//! Sets of small numbers as bits.
+
+/// A set of numbers below a bound that is fixed when the set is made.
+#[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Bits(Vec<u64>);
+
+const WORD: usize = 64;
+
+impl Bits {
+    /// The empty set of numbers below `bound`.
+    pub fn new(bound: usize) -> Bits {
+        Bits(vec![0; bound.div_ceil(WORD)])
+    }
+
+    /// The set of these numbers, all below `bound`.
+    pub fn of(bound: usize, numbers: impl IntoIterator<Item = usize>) -> Bits {
+        let mut bits = Bits::new(bound);
+        numbers.into_iter().for_each(|number| bits.insert(number));
+        bits
+    }
+
+    /// Adds a number; one beyond the bound is ignored.
+    pub fn insert(&mut self, number: usize) {
+        if let Some(word) = self.0.get_mut(number / WORD) {
+            *word |= 1 << (number % WORD);
+        }
+    }
+
+    /// Removes a number.
+    pub fn remove(&mut self, number: usize) {
+        if let Some(word) = self.0.get_mut(number / WORD) {
+            *word &= !(1 << (number % WORD));
+        }
+    }
+
+    /// True if it holds the number.
+    pub fn contains(&self, number: usize) -> bool {
+        self.0.get(number / WORD).is_some_and(|word| word >> (number % WORD) & 1 == 1)
+    }
+
+    /// True if it holds nothing.
+    pub fn is_empty(&self) -> bool {
+        self.0.iter().all(|word| *word == 0)
+    }
+
+    /// How many numbers it holds.
+    pub fn len(&self) -> usize {
+        self.0.iter().map(|word| word.count_ones() as usize).sum()
+    }
+
+    /// True if every number of it is in `other`.
+    pub fn is_subset(&self, other: &Bits) -> bool {
+        self.0.iter().zip(&other.0).all(|(mine, theirs)| mine & !theirs == 0)
+    }
+
+    /// True if a number is in both.
+    pub fn intersects(&self, other: &Bits) -> bool {
+        self.0.iter().zip(&other.0).any(|(mine, theirs)| mine & theirs != 0)
+    }
+
+    /// How many numbers are in both.
+    pub fn common(&self, other: &Bits) -> usize {
+        self.0.iter().zip(&other.0).map(|(mine, theirs)| (mine & theirs).count_ones() as usize).sum()
+    }
+
+    /// How many numbers are in it and not in `other`.
+    pub fn beyond(&self, other: &Bits) -> usize {
+        self.0.iter().zip(&other.0).map(|(mine, theirs)| (mine & !theirs).count_ones() as usize).sum()
+    }
+
+    /// Adds all numbers of `other`.
+    pub fn extend(&mut self, other: &Bits) {
+        self.0.iter_mut().zip(&other.0).for_each(|(mine, theirs)| *mine |= theirs);
+    }
+
+    /// Keeps the numbers that are in `other`, too.
+    pub fn retain(&mut self, other: &Bits) {
+        self.0.iter_mut().zip(&other.0).for_each(|(mine, theirs)| *mine &= theirs);
+    }
+
+    /// Removes all numbers of `other`.
+    pub fn subtract(&mut self, other: &Bits) {
+        self.0.iter_mut().zip(&other.0).for_each(|(mine, theirs)| *mine &= !theirs);
+    }
+
+    /// The numbers of both.
+    pub fn union(&self, other: &Bits) -> Bits {
+        let mut both = self.clone();
+        both.extend(other);
+        both
+    }
+
+    /// The numbers of it that are not in `other`.
+    pub fn without(&self, other: &Bits) -> Bits {
+        let mut rest = self.clone();
+        rest.subtract(other);
+        rest
+    }
+
+    /// The least number.
+    pub fn first(&self) -> Option<usize> {
+        self.iter().next()
+    }
+
+    /// Its numbers in rising order.
+    pub fn iter(&self) -> impl Iterator<Item = usize> + '_ {
+        self.0.iter().enumerate().flat_map(|(index, word)| Bits::numbers(index, *word))
+    }
+
+    /// The numbers of one word, which is the one with this index.
+    pub(crate) fn numbers(index: usize, word: u64) -> impl Iterator<Item = usize> {
+        let mut rest = word;
+        std::iter::from_fn(move || {
+            let low = (rest != 0).then(|| rest.trailing_zeros() as usize)?;
+            rest &= rest - 1;
+            Some(index * WORD + low)
+        })
+    }
+
+    pub(crate) fn words(&self) -> &[u64] {
+        &self.0
+    }
+
+    pub(crate) fn words_mut(&mut self) -> &mut [u64] {
+        &mut self.0
+    }
+}
+
+/// The sets of which no other one is a part, in order; of equal ones, one.
+pub(crate) fn minimal(mut sets: Vec<Bits>) -> Vec<Bits> {
+    sets.sort_by_cached_key(|set| (set.len(), set.clone()));
+    sets.dedup();
+    let mut kept: Vec<Bits> = Vec::with_capacity(sets.len());
+    for set in sets {
+        if !kept.iter().any(|small| small.is_subset(&set)) {
+            kept.push(set);
+        }
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sets_hold_what_was_put_in() {
+        let set = Bits::of(130, [129, 3, 64]);
+        assert_eq!(set.iter().collect::<Vec<_>>(), [3, 64, 129]);
+        assert_eq!((set.len(), set.first(), set.contains(64), set.contains(65)), (3, Some(3), true, false));
+        assert!(Bits::of(130, [3]).is_subset(&set) && !set.is_subset(&Bits::of(130, [3])));
+        assert_eq!((set.common(&Bits::of(130, [64, 5])), set.beyond(&Bits::of(130, [64, 5]))), (1, 2));
+    }
+
+    #[test]
+    fn only_minimal_sets_stay() {
+        let sets = [[1, 2].as_slice(), &[2], &[1, 3], &[1, 3], &[2, 3]].map(|set| Bits::of(8, set.iter().copied()));
+        assert_eq!(minimal(sets.to_vec()), [Bits::of(8, [2]), Bits::of(8, [1, 3])]);
+    }
+}

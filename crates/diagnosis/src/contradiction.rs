@@ -1,0 +1,193 @@
+//! Outcomes that no set of failures explains: the smallest set of tests without which the rest is consistent.
+//!
+//! Either a test has a wrong result, or the model lacks a dependency. Iterative deepening over the number of tests left out: of an
+//! unexplained failed test, either it is left out, or for one failure mode all passed tests that clear it are.
+//! Bound: [`RETRACTIONS_MAX`] sets of tests.
+
+use crate::bits::{Bits, minimal};
+use crate::diagnoser::{Evidence, Exclusion, Outcome};
+use crate::grouping::{Group, groups};
+use crate::hitting::{Problem, SearchEnd, search};
+use crate::limits::{ALTERNATIVES_MAX, RETRACTION_NODES_MAX, RETRACTION_SEARCH, RETRACTIONS_MAX};
+use crate::model::Model;
+use std::collections::BTreeSet;
+
+/// Outcomes that exclude each other.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Contradiction {
+    /// Failed tests, by index, that no failure explains beside the passed tests. The diagnosis leaves them out.
+    pub unexplained: Vec<usize>,
+    /// Sets of tests, by index, without each of which the other outcomes are consistent; all of one size, at most [`ALTERNATIVES_MAX`].
+    pub left_out: Vec<Vec<usize>>,
+    /// No smaller set of tests does. False where a limit ended the search.
+    pub is_smallest: bool,
+    /// No other set of this size does. False where a limit ended the search.
+    pub are_all: bool,
+}
+
+/// The search for tests to leave out.
+pub(crate) struct Retraction<'a> {
+    model: &'a Model,
+    exclusions: &'a [Exclusion],
+    outcomes: &'a [Outcome],
+    costs: &'a [f64],
+    tried: usize,
+    /// A set was not decided within its nodes.
+    is_undecided: bool,
+}
+
+/// What is wrong with a set of outcomes.
+enum Wrong {
+    Nothing,
+    /// A failed test whose conflict has no failure mode left.
+    Unexplained(usize),
+    /// A group whose candidates would all have made a passed test fail.
+    Excluded(Box<Group>),
+}
+
+impl<'a> Retraction<'a> {
+    pub(crate) fn new(
+        model: &'a Model,
+        exclusions: &'a [Exclusion],
+        outcomes: &'a [Outcome],
+        costs: &'a [f64],
+    ) -> Retraction<'a> {
+        Retraction { model, exclusions, outcomes, costs, tried: 0, is_undecided: false }
+    }
+
+    /// The contradiction of these unexplained failed tests.
+    pub(crate) fn contradiction(mut self, unexplained: Vec<usize>) -> Contradiction {
+        let tests = self.outcomes.len();
+        let mut is_smallest = true;
+        for size in 1..=unexplained.len() {
+            let mut found = BTreeSet::new();
+            self.within(&Bits::new(tests), size, &mut found);
+            if !found.is_empty() {
+                let left_out = found.iter().map(|set| set.iter().collect()).collect();
+                let are_all = is_smallest && self.is_thorough() && found.len() < ALTERNATIVES_MAX;
+                return Contradiction { unexplained, left_out, is_smallest, are_all };
+            }
+            is_smallest &= self.is_thorough();
+            if self.tried >= RETRACTIONS_MAX {
+                break;
+            }
+        }
+        // Without the unexplained tests themselves, the rest is consistent.
+        Contradiction { left_out: vec![unexplained.clone()], unexplained, is_smallest: false, are_all: false }
+    }
+
+    /// No limit has cut the search so far.
+    fn is_thorough(&self) -> bool {
+        self.tried < RETRACTIONS_MAX && !self.is_undecided
+    }
+
+    /// Finds the sets with at most `size` tests more to leave out.
+    fn within(&mut self, left_out: &Bits, size: usize, found: &mut BTreeSet<Bits>) {
+        if self.tried >= RETRACTIONS_MAX || found.len() >= ALTERNATIVES_MAX {
+            return;
+        }
+        self.tried += 1;
+        let options = match self.wrong(left_out) {
+            Wrong::Nothing => {
+                found.insert(left_out.clone());
+                return;
+            }
+            Wrong::Unexplained(test) => self.explaining(test, left_out),
+            Wrong::Excluded(group) => self.allowing(&group, left_out),
+        };
+        for option in options.into_iter().filter(|option| option.len() <= size) {
+            self.within(&left_out.union(&option), size - option.len(), found);
+        }
+    }
+
+    fn wrong(&mut self, left_out: &Bits) -> Wrong {
+        if let Some(test) = self.unexplained(left_out) {
+            return Wrong::Unexplained(test);
+        }
+        let is_excluding = |(test, exclusion): (usize, &Exclusion)| {
+            self.outcomes.get(test) == Some(&Outcome::Passed)
+                && !exclusion.nogoods.is_empty()
+                && !left_out.contains(test)
+        };
+        if !self.exclusions.iter().enumerate().any(is_excluding) {
+            return Wrong::Nothing;
+        }
+        self.tried += RETRACTION_SEARCH;
+        let evidence = Evidence::new(self.model, self.exclusions, self.outcomes, left_out);
+        let modes = self.model.modes.len();
+        for group in groups(evidence.conflicts, evidence.nogoods, modes) {
+            if group.nogoods.is_empty() {
+                continue;
+            }
+            let clauses = minimal(group.conflicts.iter().map(|conflict| conflict.modes.clone()).collect());
+            let problem = Problem {
+                modes,
+                clauses: &clauses,
+                nogoods: &group.nogoods,
+                costs: self.costs,
+                keep: 1,
+                nodes: RETRACTION_NODES_MAX,
+            };
+            let (found, end) = search(&problem);
+            if found.is_empty() {
+                self.is_undecided |= end == SearchEnd::NodeLimit;
+                return Wrong::Excluded(Box::new(group));
+            }
+        }
+        Wrong::Nothing
+    }
+
+    /// A failed test whose conflict has no failure mode left.
+    fn unexplained(&self, left_out: &Bits) -> Option<usize> {
+        let good = Evidence::good(self.model, self.exclusions, self.outcomes, left_out);
+        let mut failed = self.outcomes.iter().zip(&self.model.tests).enumerate();
+        let found = failed.find(|(index, (outcome, test))| {
+            outcome.is_failure()
+                && !left_out.contains(*index)
+                && test.clauses().iter().any(|clause| clause.is_subset(&good))
+        });
+        found.map(|(index, _)| index)
+    }
+
+    /// Ways to explain a failed test: to leave it out, or all passed tests that clear one of its failure modes.
+    fn explaining(&self, test: usize, left_out: &Bits) -> Vec<Bits> {
+        let tests = self.outcomes.len();
+        let clauses = self.model.tests.get(test).map_or(&[][..], |test| test.clauses());
+        let cleared = |clause: &&Bits| clause.iter().all(|mode| !self.clearing(mode, left_out).is_empty());
+        let Some(clause) = clauses.iter().find(cleared) else { return Vec::new() };
+        let passed = clause.iter().map(|mode| self.clearing(mode, left_out));
+        let mut options: Vec<Bits> = passed.chain([Bits::of(tests, [test])]).collect();
+        options.sort_by_key(|option| (option.len(), option.clone()));
+        options.dedup();
+        options
+    }
+
+    /// Passed tests that clear a failure mode.
+    fn clearing(&self, mode: usize, left_out: &Bits) -> Bits {
+        let passed = self.outcomes.iter().enumerate().filter(|(test, outcome)| {
+            **outcome == Outcome::Passed
+                && !left_out.contains(*test)
+                && self.exclusions.get(*test).is_some_and(|exclusion| exclusion.clears.contains(mode))
+        });
+        Bits::of(self.outcomes.len(), passed.map(|(test, _)| test))
+    }
+
+    /// Tests of which one must be left out so that a group has a candidate: its failed tests, and passed tests that exclude sets of its
+    /// failure modes or clear failure modes of its conflicts.
+    fn allowing(&self, group: &Group, left_out: &Bits) -> Vec<Bits> {
+        let tests = self.outcomes.len();
+        let failed = Bits::of(tests, group.conflicts.iter().map(|conflict| conflict.test));
+        let mut accused = Bits::new(self.model.modes.len());
+        let clauses = failed.iter().filter_map(|test| self.model.tests.get(test)).flat_map(|test| test.clauses());
+        clauses.for_each(|clause| accused.extend(clause));
+        let excludes = |exclusion: &Exclusion| {
+            exclusion.clears.intersects(&accused) || exclusion.nogoods.iter().any(|set| group.nogoods.contains(set))
+        };
+        let passed = (0..tests).filter(|test| {
+            self.outcomes.get(*test) == Some(&Outcome::Passed)
+                && !left_out.contains(*test)
+                && self.exclusions.get(*test).is_some_and(excludes)
+        });
+        failed.iter().chain(passed).map(|test| Bits::of(tests, [test])).collect()
+    }
+}

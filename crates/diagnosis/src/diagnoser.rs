@@ -1,0 +1,402 @@
+//! Run-time diagnosis: from test outcomes to the health of every failure mode and the minimal candidate sets.
+//!
+//! A passed test clears the failure modes that alone would have made it fail. The failed tests are conflicts: sets of remaining failure
+//! modes of which one is present. Candidates are the minimal sets that hit every conflict and would not have made a passed test fail.
+//! *bad* is in every candidate, *suspect* in some, *good* is cleared, *unknown* is everything else, also what a bad one masks.
+//! Bound: one change of an outcome solves the groups that it changes, each within [`crate::limits::NODES_MAX`] partial sets.
+
+use crate::bits::{Bits, minimal};
+use crate::contradiction::{Contradiction, Retraction};
+use crate::grouping::{Conflict, Group, groups};
+use crate::hitting::{Problem, SearchEnd, search};
+use crate::limits::{CANDIDATES_MAX, NODES_MAX};
+use crate::model::Model;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::sync::Arc;
+
+/// What is known of a test.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Outcome {
+    /// It was not run, or its result is out of date.
+    #[default]
+    Unknown,
+    /// It passed.
+    Passed,
+    /// It failed.
+    Failed,
+    /// It fails at some times and passes at others: something that it depends on fails, and its passes clear nothing.
+    Intermittent,
+}
+
+impl Outcome {
+    /// All outcomes with their words.
+    pub const WORDS: [(&'static str, Outcome); 4] = [
+        ("unknown", Outcome::Unknown),
+        ("passed", Outcome::Passed),
+        ("failed", Outcome::Failed),
+        ("intermittent", Outcome::Intermittent),
+    ];
+
+    /// The outcome of this word.
+    pub fn of_word(word: &str) -> Option<Outcome> {
+        Outcome::WORDS.iter().find(|(known, _)| *known == word).map(|(_, outcome)| *outcome)
+    }
+
+    pub(crate) fn is_failure(self) -> bool {
+        matches!(self, Outcome::Failed | Outcome::Intermittent)
+    }
+}
+
+/// What is known of a failure mode, or of a component.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Health {
+    /// Nothing: it is in no candidate, and no passed test clears it.
+    #[default]
+    Unknown,
+    /// A passed test clears it.
+    Good,
+    /// It is in some candidates; where a search ended at its limit, it may be in some.
+    Suspect,
+    /// It is in every candidate.
+    Bad,
+}
+
+impl Health {
+    /// The word of PDL and reports.
+    pub fn word(self) -> &'static str {
+        match self {
+            Health::Unknown => "unknown",
+            Health::Good => "good",
+            Health::Suspect => "suspect",
+            Health::Bad => "bad",
+        }
+    }
+}
+
+impl fmt::Display for Health {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.word())
+    }
+}
+
+/// A minimal set of failure modes that explains failed tests.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Candidate {
+    /// The failure modes by index.
+    pub modes: Bits,
+    /// Negative logarithm of the product of their prior odds.
+    pub cost: f64,
+    /// Its part of the prior odds of all candidates found, 0 to 1.
+    pub share: f64,
+}
+
+/// The diagnosis of failed tests that share failure modes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GroupDiagnosis {
+    /// The failed tests by index.
+    pub tests: Vec<usize>,
+    /// Candidates, the likeliest first; none only where passed tests exclude sets of failures and the limit ended the search
+    /// before the first.
+    pub candidates: Vec<Candidate>,
+    /// How the search for candidates ended.
+    pub end: SearchEnd,
+}
+
+/// A diagnosis.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Diagnosis {
+    /// Health of each failure mode.
+    pub modes: Vec<Health>,
+    /// Health of each component: bad if every candidate has one of its failure modes.
+    pub components: Vec<Health>,
+    /// Groups of failed tests: a candidate for all of them is one candidate of each.
+    pub groups: Vec<GroupDiagnosis>,
+    /// Outcomes that exclude each other.
+    pub contradiction: Option<Contradiction>,
+}
+
+/// What passed tests exclude.
+#[derive(Clone, Debug)]
+pub(crate) struct Exclusion {
+    /// Failure modes that are not present.
+    pub(crate) clears: Bits,
+    /// Sets of failure modes that are not present together.
+    pub(crate) nogoods: Vec<Bits>,
+}
+
+/// A group with its diagnosis, kept while its conflicts stay as they are.
+#[derive(Clone, Debug)]
+struct Solved {
+    group: Group,
+    diagnosis: GroupDiagnosis,
+    bad: Bits,
+    suspect: Bits,
+    bad_components: Vec<usize>,
+}
+
+/// Diagnoses a model as outcomes of tests come in. Its diagnosis is a function of the outcomes alone.
+#[derive(Clone, Debug)]
+pub struct Diagnoser {
+    model: Arc<Model>,
+    outcomes: Vec<Outcome>,
+    exclusions: Vec<Exclusion>,
+    costs: Vec<f64>,
+    solved: Vec<Solved>,
+    diagnosis: Diagnosis,
+}
+
+impl Diagnoser {
+    /// A diagnoser that knows no outcome.
+    pub fn new(model: Arc<Model>) -> Diagnoser {
+        let permanent = Bits::of(
+            model.modes.len(),
+            (0..model.modes.len()).filter(|mode| model.modes.get(*mode).is_some_and(|mode| !mode.is_intermittent)),
+        );
+        let exclusion = |implicants: &[Bits]| {
+            // A failure that comes and goes may have been absent when the test passed.
+            let lasting = implicants.iter().filter(|implicant| implicant.is_subset(&permanent));
+            let (single, several): (Vec<&Bits>, Vec<&Bits>) = lasting.partition(|implicant| implicant.len() == 1);
+            let clears = Bits::of(model.modes.len(), single.into_iter().filter_map(Bits::first));
+            Exclusion { clears, nogoods: several.into_iter().cloned().collect() }
+        };
+        let mut diagnoser = Diagnoser {
+            outcomes: vec![Outcome::Unknown; model.tests.len()],
+            exclusions: model.tests.iter().map(|test| exclusion(test.implicants())).collect(),
+            costs: (0..model.modes.len()).map(|mode| model.cost(mode)).collect(),
+            solved: Vec::new(),
+            diagnosis: Diagnosis::default(),
+            model,
+        };
+        diagnoser.update();
+        diagnoser
+    }
+
+    /// The model.
+    pub fn model(&self) -> &Arc<Model> {
+        &self.model
+    }
+
+    /// What is known of each test.
+    pub fn outcomes(&self) -> &[Outcome] {
+        &self.outcomes
+    }
+
+    /// The diagnosis of the outcomes so far.
+    pub fn diagnosis(&self) -> &Diagnosis {
+        &self.diagnosis
+    }
+
+    /// Takes the outcome of a test; true if it is another than before. A test that the model does not have is ignored.
+    pub fn set(&mut self, test: usize, outcome: Outcome) -> bool {
+        self.set_all([(test, outcome)])
+    }
+
+    /// Takes several outcomes and diagnoses once; true if one is another than before.
+    pub fn set_all(&mut self, outcomes: impl IntoIterator<Item = (usize, Outcome)>) -> bool {
+        let mut changed = false;
+        for (test, outcome) in outcomes {
+            if let Some(known) = self.outcomes.get_mut(test)
+                && *known != outcome
+            {
+                (*known, changed) = (outcome, true);
+            }
+        }
+        if changed {
+            self.update();
+        }
+        changed
+    }
+
+    fn update(&mut self) {
+        let mut left_out = Bits::new(self.outcomes.len());
+        let mut known = std::mem::take(&mut self.solved);
+        let (good, mut unexplained) = loop {
+            let evidence = Evidence::new(&self.model, &self.exclusions, &self.outcomes, &left_out);
+            for group in groups(evidence.conflicts, evidence.nogoods, self.model.modes.len()) {
+                let before = known.iter().position(|solved| solved.group == group);
+                let before = before.map(|index| known.swap_remove(index));
+                self.solved.push(before.unwrap_or_else(|| solve(&self.model, &self.costs, group)));
+            }
+            let excluded: Vec<usize> = self
+                .solved
+                .iter()
+                .filter(|solved| !solved.is_explained())
+                .flat_map(|solved| solved.diagnosis.tests.clone())
+                .collect();
+            if excluded.is_empty() {
+                break (evidence.good, evidence.unexplained);
+            }
+            // A test that is not explained accuses nothing: its other conflicts are left out, too, and the groups made again.
+            excluded.into_iter().for_each(|test| left_out.insert(test));
+            known.append(&mut self.solved);
+        };
+        unexplained.extend(left_out.iter());
+        unexplained.sort_unstable();
+        unexplained.dedup();
+        let contradiction = (!unexplained.is_empty()).then(|| {
+            let retraction = Retraction::new(&self.model, &self.exclusions, &self.outcomes, &self.costs);
+            retraction.contradiction(unexplained)
+        });
+        self.diagnosis = self.labelled(&good, contradiction);
+    }
+
+    fn labelled(&self, good: &Bits, contradiction: Option<Contradiction>) -> Diagnosis {
+        let mut modes = vec![Health::Unknown; self.model.modes.len()];
+        let mut mark = |set: &Bits, health: Health| {
+            set.iter().for_each(|mode| modes.get_mut(mode).into_iter().for_each(|known| *known = health));
+        };
+        mark(good, Health::Good);
+        for solved in &self.solved {
+            mark(&solved.suspect, Health::Suspect);
+            mark(&solved.bad, Health::Bad);
+        }
+        let component = |(index, component): (usize, &crate::model::Component)| {
+            let mut healths = component.modes.iter().filter_map(|mode| modes.get(*mode).copied());
+            if self.solved.iter().any(|solved| solved.bad_components.contains(&index)) {
+                return Health::Bad;
+            }
+            match healths.clone().max() {
+                Some(worst @ (Health::Bad | Health::Suspect)) => worst,
+                _ if healths.all(|health| health == Health::Good) => Health::Good,
+                _ => Health::Unknown,
+            }
+        };
+        Diagnosis {
+            components: self.model.components.iter().enumerate().map(component).collect(),
+            modes,
+            groups: self.solved.iter().map(|solved| solved.diagnosis.clone()).collect(),
+            contradiction,
+        }
+    }
+}
+
+impl Solved {
+    /// False if every set of its failure modes that explains its failed tests would have made a passed test fail.
+    fn is_explained(&self) -> bool {
+        !(self.diagnosis.candidates.is_empty() && self.diagnosis.end == SearchEnd::All)
+    }
+}
+
+impl Diagnosis {
+    /// The likeliest candidates for all failed tests, at most `keep`; the empty set where no test failed. The shares are those of the
+    /// candidates found in each group, multiplied.
+    pub fn candidates(&self, keep: usize) -> Vec<Candidate> {
+        let modes = self.modes.len();
+        let mut whole = vec![Candidate { modes: Bits::new(modes), cost: 0.0, share: 1.0 }];
+        for group in &self.groups {
+            let mut joined = Vec::new();
+            for (index, one) in whole.iter().enumerate() {
+                // Of sorted lists, only pairs before this one can be among the first.
+                for other in group.candidates.iter().take(keep / (index + 1)) {
+                    joined.push(Candidate {
+                        modes: one.modes.union(&other.modes),
+                        cost: one.cost + other.cost,
+                        share: one.share * other.share,
+                    });
+                }
+            }
+            joined.sort_by(|a, b| a.cost.total_cmp(&b.cost).then_with(|| a.modes.iter().cmp(b.modes.iter())));
+            joined.truncate(keep);
+            whole = joined;
+        }
+        whole
+    }
+
+    /// How the search ended over all groups.
+    pub fn end(&self) -> SearchEnd {
+        self.groups.iter().fold(SearchEnd::All, |end, group| end.worse(group.end))
+    }
+}
+
+/// What the outcomes say, without the tests that are left out.
+pub(crate) struct Evidence {
+    pub(crate) good: Bits,
+    pub(crate) conflicts: Vec<Conflict>,
+    /// Sets that do not hold a good one.
+    pub(crate) nogoods: Vec<Bits>,
+    /// Failed tests of which a conflict has no failure mode left.
+    pub(crate) unexplained: Vec<usize>,
+}
+
+impl Evidence {
+    pub(crate) fn new(model: &Model, exclusions: &[Exclusion], outcomes: &[Outcome], left_out: &Bits) -> Evidence {
+        let good = Evidence::good(model, exclusions, outcomes, left_out);
+        let counted = || outcomes.iter().enumerate().filter(|(test, _)| !left_out.contains(*test));
+        let passed = || counted().filter(|(_, outcome)| **outcome == Outcome::Passed);
+        let excluded = || passed().filter_map(|(test, _)| exclusions.get(test));
+        let nogoods = excluded().flat_map(|exclusion| &exclusion.nogoods).filter(|set| !set.intersects(&good));
+        let nogoods: Vec<Bits> = nogoods.cloned().collect();
+        let (mut conflicts, mut unexplained) = (Vec::new(), Vec::new());
+        for (index, _) in counted().filter(|(_, outcome)| outcome.is_failure()) {
+            let clauses = model.tests.get(index).map_or(&[][..], |test| test.clauses());
+            if clauses.iter().any(|clause| clause.is_subset(&good)) {
+                unexplained.push(index);
+            } else {
+                conflicts.extend(clauses.iter().map(|clause| Conflict { test: index, modes: clause.without(&good) }));
+            }
+        }
+        Evidence { good, conflicts, nogoods, unexplained }
+    }
+
+    /// Failure modes that a passed test clears.
+    pub(crate) fn good(model: &Model, exclusions: &[Exclusion], outcomes: &[Outcome], left_out: &Bits) -> Bits {
+        let mut good = Bits::new(model.modes.len());
+        for (test, (outcome, exclusion)) in outcomes.iter().zip(exclusions).enumerate() {
+            if *outcome == Outcome::Passed && !left_out.contains(test) {
+                good.extend(&exclusion.clears);
+            }
+        }
+        good
+    }
+}
+
+fn solve(model: &Model, costs: &[f64], group: Group) -> Solved {
+    let modes = model.modes.len();
+    let clauses = minimal(group.conflicts.iter().map(|conflict| conflict.modes.clone()).collect());
+    let problem =
+        Problem { modes, clauses: &clauses, nogoods: &group.nogoods, costs, keep: CANDIDATES_MAX, nodes: NODES_MAX };
+    let (found, end) = search(&problem);
+    let odds: Vec<f64> =
+        found.iter().map(|set| libm::exp(found.first().map_or(0.0, |best| best.cost) - set.cost)).collect();
+    let all: f64 = odds.iter().sum();
+    let candidates: Vec<Candidate> = found
+        .into_iter()
+        .zip(odds)
+        .map(|(found, odds)| Candidate { modes: found.set, cost: found.cost, share: odds / all })
+        .collect();
+    // Every minimal clause has, for each of its modes, a minimal hitting set with it; without a set that must not be held as a whole,
+    // health follows from the clauses alone. With one, it follows from the candidates if all are known.
+    let by_candidates = !group.nogoods.is_empty() && end == SearchEnd::All;
+    let sets: Vec<&Bits> = candidates.iter().map(|candidate| &candidate.modes).collect();
+    let (bad, mut suspect) = if by_candidates {
+        (common(modes, &sets), union(modes, sets.iter().copied()))
+    } else {
+        let single = clauses.iter().filter(|clause| clause.len() == 1);
+        (union(modes, single), union(modes, clauses.iter()))
+    };
+    suspect.subtract(&bad);
+    let bad_components = (0..model.components.len()).filter(|index| {
+        let own = model.components.get(*index).map(|component| Bits::of(modes, component.modes.iter().copied()));
+        own.is_some_and(|own| match by_candidates {
+            true => sets.iter().all(|set| set.intersects(&own)),
+            false => clauses.iter().any(|clause| clause.is_subset(&own)),
+        })
+    });
+    let bad_components = bad_components.collect();
+    let mut tests: Vec<usize> = group.conflicts.iter().map(|conflict| conflict.test).collect();
+    tests.dedup();
+    Solved { diagnosis: GroupDiagnosis { tests, candidates, end }, group, bad, suspect, bad_components }
+}
+
+fn union<'a>(modes: usize, sets: impl Iterator<Item = &'a Bits>) -> Bits {
+    sets.fold(Bits::new(modes), |all, set| all.union(set))
+}
+
+fn common(modes: usize, sets: &[&Bits]) -> Bits {
+    let mut shared = sets.first().map_or_else(|| Bits::new(modes), |set| (*set).clone());
+    sets.iter().for_each(|set| shared.retain(set));
+    shared
+}

@@ -1,0 +1,70 @@
+//! The error of a model or results file: what failed and where, why, what to do.
+
+use std::fmt;
+
+/// Why a text is not a model, or not results of its tests.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DiagnosisError {
+    /// Name of the file as the caller gave it.
+    pub file: String,
+    /// `line:column` of text that cannot be read, or the path of a field, such as `tests[3].needs[0]`; empty for the whole file.
+    pub place: String,
+    /// Why.
+    pub reason: String,
+    /// What to do, in the imperative.
+    pub help: String,
+}
+
+impl DiagnosisError {
+    /// What failed and where, without the reason.
+    pub fn headline(&self) -> String {
+        match self.place.as_str() {
+            "" => format!("{} cannot be used for diagnosis", self.file),
+            place if place.starts_with(|first: char| first.is_ascii_digit()) => {
+                format!("{}:{place} cannot be read", self.file)
+            }
+            place => format!("{}: `{place}` is invalid", self.file),
+        }
+    }
+}
+
+impl fmt::Display for DiagnosisError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}; {}", self.headline(), self.reason, self.help)
+    }
+}
+
+impl std::error::Error for DiagnosisError {}
+
+/// Errors of one file.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FileName<'a>(pub(crate) &'a str);
+
+impl FileName<'_> {
+    pub(crate) fn error(
+        self,
+        place: impl Into<String>,
+        reason: impl Into<String>,
+        help: impl Into<String>,
+    ) -> DiagnosisError {
+        DiagnosisError { file: self.0.to_string(), place: place.into(), reason: reason.into(), help: help.into() }
+    }
+
+    /// Text that is not JSON, or JSON of another shape.
+    pub(crate) fn unreadable(self, error: &serde_json::Error) -> DiagnosisError {
+        let text = error.to_string();
+        // serde_json appends the place, which is in front here.
+        let reason = text.rsplit_once(" at line ").map_or(text.as_str(), |(reason, _)| reason).to_string();
+        let place = format!("{}:{}", error.line(), error.column());
+        self.error(place, reason, "docs/reference/diagnosis.md describes the file")
+    }
+}
+
+/// The name among `known` that is most like `wanted`, as a hint.
+pub(crate) fn nearest<'a>(wanted: &str, known: impl Iterator<Item = &'a str>) -> String {
+    let likeness = |name: &&str| (strsim::jaro_winkler(wanted, name) * 1e6) as u64;
+    match known.max_by_key(likeness).filter(|name| strsim::jaro_winkler(wanted, name) > 0.75) {
+        Some(name) => format!("write `{name}`, or declare `{wanted}`"),
+        None => format!("declare `{wanted}`, or correct the name"),
+    }
+}

@@ -1,0 +1,61 @@
+//! Conflicts that share failure modes, as groups that can be diagnosed separately: every candidate is one set of each group.
+//!
+//! Bound: O(conflicts x groups x words).
+
+use crate::bits::Bits;
+
+/// Failure modes of which one is present, since a test failed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Conflict {
+    pub(crate) test: usize,
+    pub(crate) modes: Bits,
+}
+
+/// Conflicts that have no failure mode in common with others.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Group {
+    /// All failure modes of the conflicts.
+    pub(crate) modes: Bits,
+    pub(crate) conflicts: Vec<Conflict>,
+    /// Sets that are not present as a whole, since a test passed.
+    pub(crate) nogoods: Vec<Bits>,
+}
+
+/// The groups of these conflicts, in order of their least failure mode. Sets of `nogoods` that no candidate can hold are left out.
+pub(crate) fn groups(conflicts: Vec<Conflict>, nogoods: Vec<Bits>, modes: usize) -> Vec<Group> {
+    let mut groups: Vec<Group> = Vec::new();
+    for conflict in conflicts {
+        let set = conflict.modes.clone();
+        join(&mut groups, set, |group| group.conflicts.push(conflict));
+    }
+    let mut all = Bits::new(modes);
+    groups.iter().for_each(|group| all.extend(&group.modes));
+    for nogood in nogoods.into_iter().filter(|nogood| nogood.is_subset(&all)) {
+        join(&mut groups, nogood.clone(), |group| group.nogoods.push(nogood));
+    }
+    for group in &mut groups {
+        group.conflicts.sort_by(|a, b| (a.test, &a.modes).cmp(&(b.test, &b.modes)));
+        group.nogoods.sort();
+        group.nogoods.dedup();
+    }
+    groups.sort_by_key(|group| group.modes.first());
+    groups
+}
+
+/// Merges the groups that share modes with `set`, and gives the merged one to `add`.
+fn join(groups: &mut Vec<Group>, set: Bits, add: impl FnOnce(&mut Group)) {
+    let (mut touched, mut others): (Vec<Group>, Vec<Group>) =
+        groups.drain(..).partition(|group| group.modes.intersects(&set));
+    // The largest takes the others in: each conflict moves seldom.
+    touched.sort_by_key(|group| group.conflicts.len());
+    let mut whole = touched.pop().unwrap_or(Group { modes: set.clone(), conflicts: Vec::new(), nogoods: Vec::new() });
+    whole.modes.extend(&set);
+    for group in touched {
+        whole.modes.extend(&group.modes);
+        whole.conflicts.extend(group.conflicts);
+        whole.nogoods.extend(group.nogoods);
+    }
+    add(&mut whole);
+    others.push(whole);
+    *groups = others;
+}

@@ -1,0 +1,254 @@
+//! Minimal hitting sets: the least sets of failure modes that explain all failed tests, the likeliest first.
+//!
+//! Depth first, so that a search that runs out of nodes has found good sets by then. Every set is reached once: of the modes of a
+//! branching clause, those tried before are available to later branches, and those tried later are not; a partial set one of whose
+//! modes no longer hits a clause alone is left (Murakami and Uno 2014). Once as many sets as are kept have been found, partial sets
+//! that cannot be cheaper than the worst of them are left, too; the bound adds the cheapest modes of clauses that have none in common.
+//! Bound: the nodes given, each O(words x (modes of the set + sets that must not be held)).
+
+use crate::bits::Bits;
+
+/// How a search ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SearchEnd {
+    /// Every minimal set is among those found.
+    All,
+    /// There may be more minimal sets, none of which is likelier than those found.
+    Likeliest,
+    /// The limit of nodes ended the search: there may be more sets, and likelier ones.
+    NodeLimit,
+}
+
+/// What is searched.
+pub(crate) struct Problem<'a> {
+    /// Number of modes.
+    pub(crate) modes: usize,
+    /// Sets that must each be hit; none is empty or part of another.
+    pub(crate) clauses: &'a [Bits],
+    /// Sets that must not be held as a whole.
+    pub(crate) nogoods: &'a [Bits],
+    /// Cost of each mode, above 0.
+    pub(crate) costs: &'a [f64],
+    /// As many sets are kept.
+    pub(crate) keep: usize,
+    /// As many partial sets are examined.
+    pub(crate) nodes: usize,
+}
+
+/// A set with its cost.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Found {
+    pub(crate) set: Bits,
+    pub(crate) cost: f64,
+}
+
+/// Clauses among which the one to branch on is chosen; the first are the smallest where the caller sorts them.
+const SCANNED_MAX: usize = 12;
+/// Clauses that the bound considers.
+const BOUND_SCANNED_MAX: usize = 48;
+/// Sums in another order differ by less.
+const TOLERANCE: f64 = 1e-9;
+
+/// The cheapest minimal hitting sets, by cost and then in order.
+pub(crate) fn search(problem: &Problem<'_>) -> (Vec<Found>, SearchEnd) {
+    let clauses = problem.clauses.len();
+    let mut columns = vec![Bits::new(clauses); problem.modes];
+    let mut available = Bits::new(problem.modes);
+    for (index, clause) in problem.clauses.iter().enumerate() {
+        for mode in clause.iter() {
+            if let Some(column) = columns.get_mut(mode) {
+                column.insert(index);
+            }
+        }
+        available.extend(clause);
+    }
+    let mut search = Search {
+        problem,
+        all: Bits::of(clauses, 0..clauses),
+        columns,
+        nodes: problem.nodes,
+        found: Vec::new(),
+        end: SearchEnd::All,
+        chosen: Vec::new(),
+    };
+    let state = State { set: Bits::new(problem.modes), once: Bits::new(clauses), twice: Bits::new(clauses), cost: 0.0 };
+    search.extend(&state, &mut available);
+    if search.found.is_empty() && search.end == SearchEnd::NodeLimit {
+        search.greedy(state);
+    }
+    (search.found, search.end)
+}
+
+/// A partial set.
+struct State {
+    set: Bits,
+    /// Clauses that are hit at least once, and at least twice.
+    once: Bits,
+    twice: Bits,
+    cost: f64,
+}
+
+struct Search<'a> {
+    problem: &'a Problem<'a>,
+    /// All clauses.
+    all: Bits,
+    /// The clauses that each mode hits.
+    columns: Vec<Bits>,
+    nodes: usize,
+    /// By cost, the most expensive at the end.
+    found: Vec<Found>,
+    end: SearchEnd,
+    chosen: Vec<usize>,
+}
+
+impl Search<'_> {
+    /// Extends a partial set by all of its ways. `available` is as before when it returns.
+    fn extend(&mut self, state: &State, available: &mut Bits) {
+        let Some(branch) = self.branch(state, available) else {
+            if state.once.len() == self.problem.clauses.len() {
+                self.keep(state);
+            }
+            return;
+        };
+        if self.is_beaten(state, available) {
+            self.end = self.end.worse(SearchEnd::Likeliest);
+            return;
+        }
+        available.subtract(&branch);
+        for mode in self.in_order(&branch, state) {
+            if self.nodes == 0 {
+                self.end = SearchEnd::NodeLimit;
+                break;
+            }
+            self.nodes -= 1;
+            let Some(next) = self.with(state, mode) else { continue };
+            self.chosen.push(mode);
+            self.extend(&next, available);
+            self.chosen.pop();
+            if self.end == SearchEnd::NodeLimit {
+                break;
+            }
+            available.insert(mode);
+        }
+        available.extend(&branch);
+    }
+
+    /// One set, where the nodes were not enough for the first: hits the first open clause by the mode that hits most for its cost, again
+    /// and again, and then removes what is not needed.
+    fn greedy(&mut self, mut state: State) {
+        loop {
+            let clause = self.unhit(&state).next();
+            let Some(mode) = clause.map(|clause| self.in_order(clause, &state)) else { break };
+            let Some(mode) = mode.first().copied() else { return };
+            state.set.insert(mode);
+            self.columns.get(mode).into_iter().for_each(|column| state.once.extend(column));
+        }
+        let hits = |set: &Bits| self.problem.clauses.iter().all(|clause| clause.intersects(set));
+        for mode in state.set.clone().iter() {
+            state.set.remove(mode);
+            if !hits(&state.set) {
+                state.set.insert(mode);
+            }
+        }
+        if !self.problem.nogoods.iter().any(|nogood| nogood.is_subset(&state.set)) {
+            self.keep(&state);
+        }
+    }
+
+    /// The available modes of the clause that has the fewest among the first; `None` if all clauses are hit, or one cannot be.
+    fn branch(&self, state: &State, available: &Bits) -> Option<Bits> {
+        let mut fewest: Option<(usize, &Bits)> = None;
+        for clause in self.unhit(state).take(SCANNED_MAX) {
+            let count = clause.common(available);
+            if count == 0 {
+                return None;
+            }
+            if fewest.is_none_or(|(least, _)| count < least) {
+                fewest = Some((count, clause));
+            }
+        }
+        let (_, clause) = fewest?;
+        let mut branch = clause.clone();
+        branch.retain(available);
+        Some(branch)
+    }
+
+    /// Clauses that are not hit, in their order.
+    fn unhit<'s>(&'s self, state: &'s State) -> impl Iterator<Item = &'s Bits> {
+        let open = self.all.words().iter().zip(state.once.words()).map(|(all, once)| all & !once);
+        open.enumerate()
+            .flat_map(|(word, rest)| Bits::numbers(word, rest))
+            .filter_map(|index| self.problem.clauses.get(index))
+    }
+
+    /// Modes of a clause, those first that hit much for their cost.
+    fn in_order(&self, branch: &Bits, state: &State) -> Vec<usize> {
+        let worth = |mode: usize| {
+            let hits = self.columns.get(mode).map_or(0, |column| column.beyond(&state.once));
+            self.cost(mode) / hits.max(1) as f64
+        };
+        let mut modes: Vec<(f64, usize)> = branch.iter().map(|mode| (worth(mode), mode)).collect();
+        modes.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        modes.into_iter().map(|(_, mode)| mode).collect()
+    }
+
+    fn cost(&self, mode: usize) -> f64 {
+        self.problem.costs.get(mode).copied().unwrap_or(f64::INFINITY)
+    }
+
+    /// The partial set with one mode more; `None` if a mode of it is then in vain, or it holds what must not be held.
+    fn with(&self, state: &State, mode: usize) -> Option<State> {
+        let column = self.columns.get(mode)?;
+        let (mut once, mut twice, mut set) = (state.once.clone(), state.twice.clone(), state.set.clone());
+        let pairs = twice.words_mut().iter_mut().zip(once.words()).zip(column.words());
+        pairs.for_each(|((twice, once), column)| *twice |= once & column);
+        once.extend(column);
+        set.insert(mode);
+        let is_needed = |chosen: &usize| self.columns.get(*chosen).is_some_and(|column| column.beyond(&twice) > 0);
+        let is_good =
+            self.chosen.iter().all(is_needed) && !self.problem.nogoods.iter().any(|nogood| nogood.is_subset(&set));
+        is_good.then(|| State { set, once, twice, cost: state.cost + self.cost(mode) })
+    }
+
+    /// True if no set from here on can be cheaper than the worst of those kept.
+    fn is_beaten(&self, state: &State, available: &Bits) -> bool {
+        let worst = match self.found.last() {
+            Some(worst) if self.found.len() >= self.problem.keep => worst.cost,
+            _ => return false,
+        };
+        let mut bound = state.cost;
+        let mut seen = Bits::new(self.problem.modes);
+        for clause in self.unhit(state).take(BOUND_SCANNED_MAX) {
+            let mut ways = clause.clone();
+            ways.retain(available);
+            if !ways.intersects(&seen) {
+                bound += ways.iter().map(|mode| self.cost(mode)).fold(f64::INFINITY, f64::min);
+                seen.extend(&ways);
+            }
+        }
+        bound > worst + TOLERANCE
+    }
+
+    fn keep(&mut self, state: &State) {
+        // Summed in the order of the modes: equal sets have equal costs, however they were reached.
+        let cost = state.set.iter().map(|mode| self.cost(mode)).sum();
+        let found = Found { set: state.set.clone(), cost };
+        let order = |other: &Found| other.cost.total_cmp(&cost).then_with(|| other.set.iter().cmp(found.set.iter()));
+        let at = self.found.partition_point(|other| order(other).is_lt());
+        self.found.insert(at, found);
+        if self.found.len() > self.problem.keep {
+            self.found.truncate(self.problem.keep);
+            self.end = self.end.worse(SearchEnd::Likeliest);
+        }
+    }
+}
+
+impl SearchEnd {
+    pub(crate) fn worse(self, other: SearchEnd) -> SearchEnd {
+        match (self, other) {
+            (SearchEnd::NodeLimit, _) | (_, SearchEnd::NodeLimit) => SearchEnd::NodeLimit,
+            (SearchEnd::Likeliest, _) | (_, SearchEnd::Likeliest) => SearchEnd::Likeliest,
+            (SearchEnd::All, SearchEnd::All) => SearchEnd::All,
+        }
+    }
+}

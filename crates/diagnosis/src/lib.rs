@@ -1,0 +1,32 @@
+//! Diagnosis by a dependency model: components with failure modes, signals, tests, and what each test's failure says.
+//!
+//! A model (multi-signal flow graph; Deb, Pattipati, Raghavan, Shakeri and Shrestha 1995) states which failure modes make which tests
+//! fail, with AND/OR paths for redundancy. From it follow the testability figures, and from test outcomes the health of each failure
+//! mode with the minimal sets of faults that explain the outcomes (Reiter 1987). The crate is pure: it reads text, touches no file,
+//! clock or random source, and iterates over nothing in hash order. `docs/reference/diagnosis.md` describes the files and every figure.
+
+mod bits;
+mod contradiction;
+mod diagnoser;
+mod error;
+mod formula;
+mod grouping;
+mod hitting;
+pub mod limits;
+mod model;
+mod pdl;
+mod raw;
+mod read;
+mod results;
+mod testability;
+mod text;
+
+pub use bits::Bits;
+pub use contradiction::Contradiction;
+pub use diagnoser::{Candidate, Diagnoser, Diagnosis, GroupDiagnosis, Health, Outcome};
+pub use error::DiagnosisError;
+pub use hitting::SearchEnd;
+pub use model::{Component, FailureMode, Model, Monitor, Test};
+pub use results::Results;
+pub use testability::{ISOLATION_SIZES, Mask, TestSet, Testability, testability};
+pub use text::explain;

@@ -1,0 +1,135 @@
+//! A checked model: components, failure modes, tests, and when each test fails.
+
+use crate::bits::Bits;
+use crate::formula::Formula;
+
+/// A dependency model that has been checked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    /// Its name.
+    pub name: String,
+    /// Components in the order of the file.
+    pub components: Vec<Component>,
+    /// Failure modes of all components in the order of the file; tests and diagnoses name them by their index.
+    pub modes: Vec<FailureMode>,
+    /// Tests in the order of the file; diagnoses name them by their index.
+    pub tests: Vec<Test>,
+    /// Signals that no test depends on, by name: they contribute nothing.
+    pub unused_signals: Vec<String>,
+}
+
+/// A part that can fail as a whole and is replaced or avoided as a whole.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Component {
+    /// Its name, a symbol of PDL.
+    pub name: String,
+    /// What it is, for reports; its name if the file states nothing else.
+    pub title: String,
+    /// Its failure modes by index.
+    pub modes: Vec<usize>,
+    /// The goal of PDL that responds to its failure.
+    pub response: Option<String>,
+}
+
+/// One way in which a component fails.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FailureMode {
+    /// Its name: that of the component if it has one mode, else `component/mode`.
+    pub name: String,
+    /// What it is, for reports.
+    pub title: String,
+    /// The component by index.
+    pub component: usize,
+    /// Probability of failing in an hour of flight, above 0 and below 0.5.
+    pub probability_per_hour: f64,
+    /// The failure comes and goes: a passed test does not exclude it.
+    pub is_intermittent: bool,
+}
+
+/// A test and what makes it fail.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Test {
+    /// Its name, a symbol of PDL.
+    pub name: String,
+    /// What it is, for reports.
+    pub title: String,
+    /// What tells in PDL whether it fails; `None` if its outcome comes from outside.
+    pub monitor: Option<Monitor>,
+    pub(crate) formula: Formula,
+}
+
+/// How PDL tests.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Monitor {
+    /// Condition under which the test has failed.
+    pub fails: String,
+    /// Condition under which it has passed.
+    pub passes: String,
+}
+
+impl Test {
+    /// Minimal sets of failure modes that make it fail together.
+    pub fn implicants(&self) -> &[Bits] {
+        &self.formula.implicants
+    }
+
+    /// Minimal sets of failure modes of which each has a present one when the test fails.
+    pub fn clauses(&self) -> &[Bits] {
+        &self.formula.clauses
+    }
+
+    /// True if these failure modes make it fail.
+    pub fn fails_with(&self, present: &Bits) -> bool {
+        self.formula.implicants.iter().any(|implicant| implicant.is_subset(present))
+    }
+}
+
+impl Model {
+    /// The D-matrix by failure modes: the tests that each failure mode alone makes fail.
+    pub fn rows(&self) -> Vec<Bits> {
+        let mut rows = vec![Bits::new(self.tests.len()); self.modes.len()];
+        for (test, column) in self.columns().iter().enumerate() {
+            for mode in column.iter() {
+                if let Some(row) = rows.get_mut(mode) {
+                    row.insert(test);
+                }
+            }
+        }
+        rows
+    }
+
+    /// The D-matrix by tests: the failure modes that alone make each test fail.
+    pub fn columns(&self) -> Vec<Bits> {
+        let alone = |test: &Test| {
+            let single = test.implicants().iter().filter(|implicant| implicant.len() == 1);
+            Bits::of(self.modes.len(), single.filter_map(Bits::first))
+        };
+        self.tests.iter().map(alone).collect()
+    }
+
+    /// The test with this name.
+    pub fn test(&self, name: &str) -> Option<usize> {
+        self.tests.iter().position(|test| test.name == name)
+    }
+
+    /// The component with this name.
+    pub fn component(&self, name: &str) -> Option<usize> {
+        self.components.iter().position(|component| component.name == name)
+    }
+
+    /// Name of a failure mode; empty for an index beyond.
+    pub fn mode_name(&self, mode: usize) -> &str {
+        self.modes.get(mode).map_or("", |mode| mode.name.as_str())
+    }
+
+    /// Name of a test; empty for an index beyond.
+    pub fn test_name(&self, test: usize) -> &str {
+        self.tests.get(test).map_or("", |test| test.name.as_str())
+    }
+
+    /// What a failure mode adds to the cost of a candidate: the negative logarithm of its prior odds.
+    pub fn cost(&self, mode: usize) -> f64 {
+        let probability = self.modes.get(mode).map_or(0.5, |mode| mode.probability_per_hour);
+        libm::log1p(-probability) - libm::log(probability)
+    }
+}

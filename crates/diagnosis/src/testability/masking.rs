@@ -1,0 +1,58 @@
+//! Failures that other failures hide, and pairs of failures that look like a third one.
+
+use crate::bits::Bits;
+use crate::limits::MASKS_MAX;
+use std::collections::BTreeMap;
+
+/// Two failures whose failed tests together are those of a third one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Mask {
+    /// The two failure modes.
+    pub pair: (usize, usize),
+    /// The failure mode that they look like.
+    pub looks_like: usize,
+}
+
+/// Pairs of detected failure modes of which the first makes all tests fail that the second does; of equal ones, the pair in order.
+pub(super) fn hidden(rows: &[Bits], detected: &[usize]) -> Vec<(usize, usize)> {
+    let row = |mode: &usize| rows.get(*mode);
+    let mut pairs = Vec::new();
+    for (index, first) in detected.iter().enumerate() {
+        for second in detected.iter().skip(index + 1) {
+            let (Some(one), Some(other)) = (row(first), row(second)) else { continue };
+            if other.is_subset(one) {
+                pairs.push((*first, *second));
+            } else if one.is_subset(other) {
+                pairs.push((*second, *first));
+            }
+        }
+    }
+    pairs.sort_unstable();
+    pairs
+}
+
+/// Pairs of which neither hides the other and that together look like a third failure mode: the first of them, and their number.
+pub(super) fn masks(rows: &[Bits], detected: &[usize]) -> (Vec<Mask>, usize) {
+    let mut by_row: BTreeMap<&Bits, Vec<usize>> = BTreeMap::new();
+    for mode in detected {
+        if let Some(row) = rows.get(*mode) {
+            by_row.entry(row).or_default().push(*mode);
+        }
+    }
+    let (mut masks, mut count) = (Vec::new(), 0);
+    for (index, first) in detected.iter().enumerate() {
+        for second in detected.iter().skip(index + 1) {
+            let (Some(one), Some(other)) = (rows.get(*first), rows.get(*second)) else { continue };
+            if one.is_subset(other) || other.is_subset(one) {
+                continue;
+            }
+            for looks_like in by_row.get(&one.union(other)).into_iter().flatten() {
+                count += 1;
+                if masks.len() < MASKS_MAX {
+                    masks.push(Mask { pair: (*first, *second), looks_like: *looks_like });
+                }
+            }
+        }
+    }
+    (masks, count)
+}

@@ -1,0 +1,133 @@
+//! Why a component has its health: the tests that say so.
+
+use super::{mode_names, test_names};
+use crate::bits::Bits;
+use crate::diagnoser::{Diagnoser, Health, Outcome};
+use crate::hitting::SearchEnd;
+use std::fmt::Write;
+
+/// Explains the health of each failure mode of a component by tests; `None` if the model has no such component.
+pub fn explain(diagnoser: &Diagnoser, component: &str) -> Option<String> {
+    let model = diagnoser.model();
+    let index = model.component(component)?;
+    let found = model.components.get(index)?;
+    let health = diagnoser.diagnosis().components.get(index).copied().unwrap_or_default();
+    let mut text = format!("{component} ({}) is {health}", found.title);
+    for mode in &found.modes {
+        let reason = Reasons { diagnoser, mode: *mode }.text();
+        let health = diagnoser.diagnosis().modes.get(*mode).copied().unwrap_or_default();
+        // Writing to a string cannot fail.
+        let _ = match found.modes.len() {
+            1 => write!(text, "{reason}"),
+            _ => write!(text, "\n{} is {health}{reason}", model.mode_name(*mode)),
+        };
+    }
+    text.push('\n');
+    Some(text)
+}
+
+struct Reasons<'a> {
+    diagnoser: &'a Diagnoser,
+    mode: usize,
+}
+
+impl Reasons<'_> {
+    fn text(&self) -> String {
+        let health = self.diagnoser.diagnosis().modes.get(self.mode).copied().unwrap_or_default();
+        match health {
+            Health::Good => format!(" because tests passed that it alone would have made fail: {}", self.clearing()),
+            Health::Bad | Health::Suspect => self.accused(health),
+            Health::Unknown => self.unknown(),
+        }
+    }
+
+    fn tests(&self, wanted: impl Fn(Outcome) -> bool, accuses: impl Fn(usize) -> bool) -> Vec<usize> {
+        let outcomes = self.diagnoser.outcomes().iter().enumerate();
+        outcomes.filter(|(test, outcome)| wanted(**outcome) && accuses(*test)).map(|(test, _)| test).collect()
+    }
+
+    fn alone(&self, test: usize) -> bool {
+        let implicants = self.diagnoser.model().tests.get(test).map_or(&[][..], |test| test.implicants());
+        implicants.iter().any(|implicant| implicant.len() == 1 && implicant.contains(self.mode))
+    }
+
+    fn clearing(&self) -> String {
+        let tests = self.tests(|outcome| outcome == Outcome::Passed, |test| self.alone(test));
+        test_names(self.diagnoser.model(), tests.into_iter())
+    }
+
+    /// The failed tests that accuse it, each with the tests that clear everything else that could have made it fail.
+    fn accused(&self, health: Health) -> String {
+        let model = self.diagnoser.model();
+        let diagnosis = self.diagnoser.diagnosis();
+        let good = |mode: &usize| diagnosis.modes.get(*mode) == Some(&Health::Good);
+        let mut text = String::new();
+        for test in self.tests(Outcome::is_failure, |_| true) {
+            let clauses = model.tests.get(test).map_or(&[][..], |test| test.clauses());
+            for clause in clauses.iter().filter(|clause| clause.contains(self.mode)) {
+                let others = || clause.iter().filter(|mode| *mode != self.mode);
+                let cleared: Vec<usize> = others().filter(good).collect();
+                let open: Vec<usize> = others().filter(|mode| !good(mode)).collect();
+                let _ = write!(text, "\n  {} failed", model.test_name(test));
+                if !open.is_empty() {
+                    let _ = write!(text, "; {} could be the reason, too", mode_names(model, open.into_iter()));
+                }
+                if !cleared.is_empty() {
+                    let by = test_names(model, self.tests_that_clear(&cleared).iter());
+                    let _ = write!(text, "; {} cleared by {by}", mode_names(model, cleared.into_iter()));
+                }
+            }
+        }
+        let group = diagnosis
+            .groups
+            .iter()
+            .find(|group| group.candidates.iter().any(|candidate| candidate.modes.contains(self.mode)));
+        let limited = diagnosis.groups.iter().any(|group| group.end == SearchEnd::NodeLimit);
+        let head = match (health, group) {
+            (Health::Bad, _) => " because every candidate holds it".to_string(),
+            (_, Some(group)) => {
+                let with = group.candidates.iter().filter(|candidate| candidate.modes.contains(self.mode));
+                let (count, share) = with.fold((0, 0.0), |(count, share), one| (count + 1, share + one.share));
+                let all = group.candidates.len();
+                let more = if group.end == SearchEnd::All { "" } else { " found" };
+                format!(
+                    " because it is in {count} of {all} candidates{more}, {:.1} % of their prior odds",
+                    100.0 * share
+                )
+            }
+            (_, None) if limited => " because it may be in a candidate; the search ended at its limit".to_string(),
+            (_, None) => " because it may be in a candidate that is less likely than those kept".to_string(),
+        };
+        format!("{head}{text}")
+    }
+
+    /// Passed tests that clear one of these failure modes each: of each, the first.
+    fn tests_that_clear(&self, modes: &[usize]) -> Bits {
+        let first = |mode: &usize| {
+            let one = Reasons { diagnoser: self.diagnoser, mode: *mode };
+            one.tests(|outcome| outcome == Outcome::Passed, |test| one.alone(test)).first().copied()
+        };
+        Bits::of(self.diagnoser.model().tests.len(), modes.iter().filter_map(first))
+    }
+
+    fn unknown(&self) -> String {
+        let names = |tests: Vec<usize>| test_names(self.diagnoser.model(), tests.into_iter());
+        let concerned = |test: usize| {
+            let implicants = self.diagnoser.model().tests.get(test).map_or(&[][..], |test| test.implicants());
+            implicants.iter().any(|implicant| implicant.contains(self.mode))
+        };
+        let failed = self.tests(Outcome::is_failure, concerned);
+        let open = self.tests(|outcome| outcome == Outcome::Unknown, concerned);
+        if (0..self.diagnoser.model().tests.len()).all(|test| !concerned(test)) {
+            return " because no test depends on it".to_string();
+        }
+        let mut text = " because no passed test clears it".to_string();
+        if !failed.is_empty() {
+            let _ = write!(text, " and others explain what it could: {}", names(failed));
+        }
+        if !open.is_empty() {
+            let _ = write!(text, "; not run: {}", names(open));
+        }
+        text
+    }
+}

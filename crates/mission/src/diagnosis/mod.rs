@@ -1,0 +1,59 @@
+//! Diagnosis by a dependency model: model files, the service that diagnoses in flight, and why a component has its health.
+
+mod service;
+mod why;
+
+pub use service::DiagnosisService;
+pub use why::why;
+
+use crate::error::{MissionError, MissionResult};
+use crate::files::read_text;
+use apex_diagnosis::{Diagnoser, DiagnosisError, Model, Results, testability};
+use std::path::Path;
+use std::sync::Arc;
+
+/// What is asked of a model on the ground.
+#[derive(Clone, Copy, Debug)]
+pub enum Wanted<'a> {
+    /// Its testability.
+    Report,
+    /// The diagnosis of the outcomes in this file.
+    Results(&'a Path),
+    /// The PDL that follows from it.
+    Pdl,
+}
+
+/// The answer as text, or as JSON; PDL is text always.
+///
+/// # Errors
+/// A model or results file that cannot be read or used.
+pub fn answer(path: &Path, wanted: Wanted<'_>, json: bool) -> MissionResult<String> {
+    let model = parse(&path.display().to_string(), &read_text(path)?)?;
+    let shown = |value: serde_json::Value| format!("{value:#}\n");
+    Ok(match wanted {
+        Wanted::Pdl => model.pdl(),
+        Wanted::Report => {
+            let report = testability(&model);
+            if json { shown(report.json(&model)) } else { report.text(&model) }
+        }
+        Wanted::Results(results) => {
+            let results =
+                Results::parse(&results.display().to_string(), &read_text(results)?, &model).map_err(invalid)?;
+            let mut diagnoser = Diagnoser::new(model);
+            diagnoser.set_all(results.outcomes.into_iter().enumerate());
+            if json { shown(diagnoser.json()) } else { diagnoser.text() }
+        }
+    })
+}
+
+/// Reads the text of a model file; `file` names it in errors.
+///
+/// # Errors
+/// As [`Model::parse`].
+pub(crate) fn parse(file: &str, text: &str) -> MissionResult<Arc<Model>> {
+    Model::parse(file, text).map(Arc::new).map_err(invalid)
+}
+
+fn invalid(error: DiagnosisError) -> MissionError {
+    MissionError::data(error.headline()).because(&error.reason).help(error.help)
+}

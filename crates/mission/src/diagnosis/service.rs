@@ -1,0 +1,268 @@
+//! The diagnosis service: outcomes of tests come in as measurements and messages, diagnoses go out as measurements and messages.
+//!
+//! Runs: in the fold of the situation, after each step that has an outcome. What it reports enters the next batch and is recorded like all
+//! inputs, so that PDL watches it and replay derives the same. In: `(test-outcome TEST)` with `passed`, `failed`, `intermittent` or
+//! `unknown`, and the messages `(test-passed TEST)`, `(test-failed TEST)`, `(test-intermittent TEST)`, `(test-unknown TEST)`. Out:
+//! `(test-state TEST)`, `(health COMPONENT)`, `(candidates MODEL)`, and the messages `(diagnosed COMPONENT HEALTH FAILED-TESTS)` and
+//! `(tests-contradict UNEXPLAINED TESTS)`. Bound: that of [`Diagnoser`] for each batch, O(tests + components) otherwise.
+
+use apex_diagnosis::{Contradiction, Diagnoser, Health, Model, Outcome};
+use apex_model::effect::Effect;
+use apex_model::event::{Batch, EventKind, StateVariable};
+use apex_model::symbol::Symbol;
+use apex_model::time::Time;
+use apex_model::value::Value;
+use apex_runtime::ports::Input;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// Candidates that are published, the likeliest first.
+const PUBLISHED_MAX: usize = 5;
+
+/// State of the service: the outcomes, from which everything else follows, and what was published of it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct DiagnosisService {
+    outcomes: Vec<Outcome>,
+    published: Option<Published>,
+    #[serde(skip)]
+    kept: Kept,
+}
+
+/// What was published last.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Published {
+    outcomes: Vec<Outcome>,
+    components: Vec<Health>,
+    candidates: Value,
+    /// Unexplained tests, and a set of tests that contradict them.
+    contradiction: Option<(Vec<usize>, Vec<usize>)>,
+}
+
+/// The diagnoser of these outcomes, made again after a snapshot.
+#[derive(Clone, Debug, Default)]
+struct Kept(Option<Diagnoser>);
+
+impl PartialEq for Kept {
+    /// A function of the outcomes: nothing of its own.
+    fn eq(&self, _: &Kept) -> bool {
+        true
+    }
+}
+
+/// What the service reports after a step.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Reported {
+    /// Inputs for the next batch.
+    pub inputs: Vec<Input>,
+    /// Lines for the report.
+    pub notes: Vec<String>,
+}
+
+impl DiagnosisService {
+    /// What is known of each test; empty before the first step.
+    pub fn outcomes(&self) -> &[Outcome] {
+        &self.outcomes
+    }
+
+    /// Observes a step: the messages of its batch, then those that the agent says.
+    pub fn observe(&mut self, model: &Arc<Model>, batch: &Batch, effects: &[Effect]) -> Reported {
+        let mut reported = Reported::default();
+        self.outcomes.resize(model.tests.len(), Outcome::Unknown);
+        let of_agent = effects.iter().filter_map(|effect| match effect {
+            Effect::Inform { form, .. } => message(form),
+            _ => None,
+        });
+        for (name, outcome) in batch.events.iter().filter_map(|event| said(&event.kind)).chain(of_agent) {
+            match (model.test(&name), outcome) {
+                (Some(test), Ok(outcome)) => {
+                    self.outcomes.get_mut(test).into_iter().for_each(|known| *known = outcome);
+                }
+                (None, _) => reported.notes.push(format!("model `{}` has no test `{name}`", model.name)),
+                (_, Err(word)) => reported.notes.push(format!("`{word}` is not an outcome of test `{name}`")),
+            }
+        }
+        if self.published.as_ref().is_some_and(|published| published.outcomes == self.outcomes) {
+            return reported;
+        }
+        let diagnoser = self.kept.0.get_or_insert_with(|| Diagnoser::new(Arc::clone(model)));
+        diagnoser.set_all(self.outcomes.iter().copied().enumerate());
+        let next = Published::of(diagnoser);
+        let before = self.published.replace(next.clone());
+        Changes { model, now: batch.now, before: before.as_ref(), next: &next }.report(&mut reported);
+        reported
+    }
+}
+
+/// A test's name with its outcome, or with the word that is not one.
+fn said(kind: &EventKind) -> Option<(String, Result<Outcome, String>)> {
+    match kind {
+        EventKind::Measurement(variable, value) if variable.attribute.is("test-outcome") => {
+            let word = name(value);
+            Some((name(&variable.object), Outcome::of_word(&word).ok_or(word)))
+        }
+        EventKind::Occurrence(form) => message(form),
+        _ => None,
+    }
+}
+
+/// A message `(test-OUTCOME TEST)`.
+fn message(form: &Value) -> Option<(String, Result<Outcome, String>)> {
+    let [Value::Symbol(word), test] = form.as_list()? else { return None };
+    let outcome = Outcome::of_word(word.folded().strip_prefix("test-")?)?;
+    Some((name(test), Ok(outcome)))
+}
+
+fn name(value: &Value) -> String {
+    value.as_symbol().map_or_else(|| value.to_string(), |name| name.folded().to_string())
+}
+
+impl Published {
+    fn of(diagnoser: &Diagnoser) -> Published {
+        let (model, diagnosis) = (diagnoser.model(), diagnoser.diagnosis());
+        let set =
+            |modes: &apex_diagnosis::Bits| Value::list(modes.iter().map(|mode| Value::symbol(model.mode_name(mode))));
+        let candidates = diagnosis.candidates(PUBLISHED_MAX);
+        let named =
+            |found: &Contradiction| (found.unexplained.clone(), found.left_out.first().cloned().unwrap_or_default());
+        Published {
+            outcomes: diagnoser.outcomes().to_vec(),
+            components: diagnosis.components.clone(),
+            candidates: Value::list(candidates.iter().map(|candidate| set(&candidate.modes))),
+            contradiction: diagnosis.contradiction.as_ref().map(named),
+        }
+    }
+}
+
+/// The difference of two diagnoses.
+struct Changes<'a> {
+    model: &'a Model,
+    now: Time,
+    before: Option<&'a Published>,
+    next: &'a Published,
+}
+
+impl Changes<'_> {
+    fn report(&self, reported: &mut Reported) {
+        for (index, (test, outcome)) in self.model.tests.iter().zip(&self.next.outcomes).enumerate() {
+            if self.before.and_then(|before| before.outcomes.get(index)) != Some(outcome) {
+                let word =
+                    Outcome::WORDS.iter().find(|(_, known)| known == outcome).map_or("unknown", |(word, _)| word);
+                self.measure("test-state", &test.name, Value::symbol(word), reported);
+            }
+        }
+        for (index, (component, health)) in self.model.components.iter().zip(&self.next.components).enumerate() {
+            let before = self.before.and_then(|before| before.components.get(index));
+            if before == Some(health) {
+                continue;
+            }
+            self.measure("health", &component.name, Value::symbol(health.word()), reported);
+            let is_fault = |health: Health| matches!(health, Health::Bad | Health::Suspect);
+            if is_fault(*health) || before.copied().is_some_and(is_fault) {
+                let tests = self.names(&self.failed());
+                let form =
+                    [Value::symbol("diagnosed"), Value::symbol(&component.name), Value::symbol(health.word()), tests];
+                self.say(form.to_vec(), reported);
+                let tests: Vec<&str> = self.failed().into_iter().map(|test| self.model.test_name(test)).collect();
+                let failed = if tests.is_empty() { "no test".to_string() } else { tests.join(", ") };
+                reported.notes.push(format!("{} is {health}; failed: {failed}", component.name));
+            }
+        }
+        if self.before.is_none_or(|before| before.candidates != self.next.candidates) {
+            self.measure("candidates", &self.model.symbol(), self.next.candidates.clone(), reported);
+        }
+        if let Some((unexplained, left_out)) = &self.next.contradiction
+            && self.before.is_none_or(|before| before.contradiction != self.next.contradiction)
+        {
+            let form = [Value::symbol("tests-contradict"), self.names(unexplained), self.names(left_out)];
+            self.say(form.to_vec(), reported);
+            let left_out: Vec<&str> = left_out.iter().map(|test| self.model.test_name(*test)).collect();
+            reported.notes.push(format!("tests contradict each other; consistent without {}", left_out.join(", ")));
+        }
+    }
+
+    fn failed(&self) -> Vec<usize> {
+        let failed = |outcome: &Outcome| matches!(outcome, Outcome::Failed | Outcome::Intermittent);
+        let outcomes = self.next.outcomes.iter().enumerate();
+        outcomes.filter(|(_, outcome)| failed(outcome)).map(|(test, _)| test).collect()
+    }
+
+    fn names(&self, tests: &[usize]) -> Value {
+        Value::list(tests.iter().map(|test| Value::symbol(self.model.test_name(*test))))
+    }
+
+    fn measure(&self, attribute: &str, object: &str, value: Value, reported: &mut Reported) {
+        let variable = StateVariable::new(Symbol::new(attribute), Value::symbol(object));
+        reported.inputs.push(Input::new(self.now, EventKind::Measurement(variable, value)));
+    }
+
+    fn say(&self, items: Vec<Value>, reported: &mut Reported) {
+        reported.inputs.push(Input::new(self.now, EventKind::Occurrence(Value::list(items))));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a failed test should stop")]
+
+    use super::*;
+    use apex_model::event::Event;
+
+    fn model() -> Arc<Model> {
+        let text = include_str!("../../../../library/diagnosis/observation-uav.json");
+        Arc::new(Model::parse("observation-uav.json", text).unwrap())
+    }
+
+    fn batch(forms: &[&str]) -> Batch {
+        let read = |form: &&str| EventKind::Occurrence(apex_pdl::read_value(form).unwrap());
+        let event = |kind| Event { sequence: 0, at: Time::ZERO, kind };
+        Batch { now: Time::ZERO, events: forms.iter().map(read).map(event).collect() }
+    }
+
+    fn shown(reported: &Reported) -> Vec<String> {
+        let text = |input: &Input| match &input.kind {
+            EventKind::Measurement(variable, value) => format!("{variable} = {value}"),
+            EventKind::Occurrence(form) => form.to_string(),
+            other => format!("{other:?}"),
+        };
+        reported.inputs.iter().map(text).collect()
+    }
+
+    #[test]
+    fn everything_is_published_once_and_then_what_changes() {
+        let (model, mut service) = (model(), DiagnosisService::default());
+        assert_eq!(service.observe(&model, &batch(&[]), &[]).inputs.len(), 25 + 17 + 1);
+        assert_eq!(service.observe(&model, &batch(&[]), &[]), Reported::default());
+        let passed = ["(test-passed payload-voltage)", "(test-passed computer-heartbeat)", "(test-passed sharpness)"];
+        service.observe(&model, &batch(&passed), &[]);
+        let reported = service.observe(&model, &batch(&["(test-failed radio-rssi)"]), &[]);
+        let shown = shown(&reported);
+        assert!(shown.contains(&"(health antenna-cable) = suspect".to_string()), "{shown:?}");
+        assert!(shown.contains(&"(candidates observation-uav) = ((radio-modem) (antenna-cable) (radio-antenna))".to_string()));
+    }
+
+    #[test]
+    fn what_the_agent_says_of_a_test_counts_as_what_it_hears() {
+        let (model, mut heard, mut said) = (model(), DiagnosisService::default(), DiagnosisService::default());
+        let inform = Effect::Inform { form: apex_pdl::read_value("(test-failed imu-self-test)").unwrap(), task: apex_model::task::TaskId(1) };
+        let by_effect = said.observe(&model, &batch(&[]), &[inform]);
+        assert_eq!(by_effect, heard.observe(&model, &batch(&["(test-failed imu-self-test)"]), &[]));
+        assert!(shown(&by_effect).contains(&"(health imu) = bad".to_string()));
+    }
+
+    #[test]
+    fn a_restored_service_goes_on_as_before() {
+        let (model, mut service) = (model(), DiagnosisService::default());
+        service.observe(&model, &batch(&["(test-failed gps-fix)"]), &[]);
+        let bytes = postcard::to_stdvec(&service).unwrap();
+        let mut restored: DiagnosisService = postcard::from_bytes(&bytes).unwrap();
+        assert_eq!(restored, service);
+        let next = batch(&["(test-passed gps-fix)"]);
+        assert_eq!(restored.observe(&model, &next, &[]), service.observe(&model, &next, &[]));
+    }
+
+    #[test]
+    fn an_unknown_test_is_noted() {
+        let reported = DiagnosisService::default().observe(&model(), &batch(&["(test-failed nonsense)"]), &[]);
+        assert_eq!(reported.notes, ["model `observation-uav` has no test `nonsense`"]);
+    }
+}

@@ -1,0 +1,23 @@
+//! Why a component has its health at an instant of a recorded flight: the tests that say so.
+
+use crate::error::MissionResult;
+use crate::recorded::{mission_of, situation_at};
+use apex_diagnosis::{Diagnoser, explain};
+use apex_model::time::Time;
+use apex_runtime::record::RecordReader;
+use std::sync::Arc;
+
+/// Explains the health of `component` after the last step not later than `at`; `None` if the record's mission has no model with it.
+///
+/// # Errors
+/// A record that cannot be read.
+pub fn why(reader: &RecordReader, component: &str, at: Time) -> MissionResult<Option<String>> {
+    let Some(mission) = mission_of(reader)? else { return Ok(None) };
+    let Some(model) = mission.diagnosis.as_ref().filter(|model| model.component(component).is_some()) else {
+        return Ok(None);
+    };
+    let situation = situation_at(reader, &mission, at)?;
+    let mut diagnoser = Diagnoser::new(Arc::clone(model));
+    diagnoser.set_all(situation.diagnosis.outcomes().iter().copied().enumerate());
+    Ok(explain(&diagnoser, component))
+}
