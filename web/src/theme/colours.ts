@@ -23,7 +23,7 @@ const DARK = {
   enabled: '#d9b24e',
   ongoing: '#3fb68b',
   interrupted: '#e5794b',
-  terminated: '#7d8996',
+  terminated: '#97a3b0',
   known: '#93a0ae',
   planned: '#c3cedb',
   observing: '#ffb938',
