@@ -187,7 +187,9 @@ test('a failed flight looks failed at its end, and not before', async ({ page })
 
 for (const theme of ['dark', 'light']) {
   for (const [width, height] of SCREENS) {
-    test(`G1: nothing overlaps in the header at ${width}x${height}, ${theme}`, async ({ page }) => {
+    test(`G1: no panels and no parts of the header overlap at ${width}x${height}, ${theme}`, async ({
+      page,
+    }) => {
       await page.setViewportSize({ width, height });
       await open(page, `?t=40000&theme=${theme}`);
       const faults = await page.evaluate(() => {
@@ -207,6 +209,18 @@ for (const theme of ['dark', 'light']) {
             const across = Math.min(one.box.right, two.box.right) - Math.max(one.box.left, two.box.left);
             const down = Math.min(one.box.bottom, two.box.bottom) - Math.max(one.box.top, two.box.top);
             if (across > 0.5 && down > 0.5) found.push(`${one.text} lies on ${two.text}`);
+          }
+        }
+        const panels = [...document.querySelectorAll('main section')].filter(
+          node => !node.parentElement?.closest('section'),
+        );
+        for (const [index, one] of panels.entries()) {
+          const [a, name] = [one.getBoundingClientRect(), one.getAttribute('aria-label')];
+          for (const two of panels.slice(index + 1)) {
+            const b = two.getBoundingClientRect();
+            const across = Math.min(a.right, b.right) - Math.max(a.left, b.left);
+            const down = Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top);
+            if (across > 0.5 && down > 0.5) found.push(`${name} lies on ${two.getAttribute('aria-label')}`);
           }
         }
         return found;
