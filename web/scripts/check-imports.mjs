@@ -11,9 +11,10 @@ const ROOMS = {
   time: [],
   theme: [],
   units: [],
+  words: [],
   record: ['time'],
   player: ['record', 'time'],
-  panels: ['player', 'record', 'time', 'theme', 'units'],
+  panels: ['player', 'record', 'time', 'theme', 'units', 'words'],
   app: ['panels', 'player', 'record', 'time', 'theme'],
 };
 /** Package -> where it may be imported. */

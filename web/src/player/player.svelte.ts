@@ -275,6 +275,12 @@ export class Player {
     this.askLanes();
   }
 
+  /** Shows a window of time. */
+  showWindow(range: Range): void {
+    this.visible = shift(range, this.range, 0);
+    this.askLanes();
+  }
+
   showAll(): void {
     this.visible = this.range;
     this.askLanes();

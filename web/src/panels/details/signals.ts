@@ -113,7 +113,7 @@ export function excursionsOf(window: SignalWindow): { answered: ExcursionView[];
   return { answered: answered.map(view), others: guarded.length - answered.length + window.left_out };
 }
 
-/** The entry of the plot at `index` as a sentence: time, value, and the extremes of the pixel if there are several samples. */
+/** The entry of the plot at `index` in words: time, value, and the extremes of the pixel if there are several samples. */
 export function pointWords(window: SignalWindow, index: number): string {
   const time = window.t_ns[index] ?? window.t_ns.at(-1);
   const mean = window.mean[Math.min(index, window.mean.length - 1)];
