@@ -113,7 +113,7 @@ export function excursionsOf(window: SignalWindow): { answered: ExcursionView[];
   return { answered: answered.map(view), others: guarded.length - answered.length + window.left_out };
 }
 
-/** The entry of the plot at `index` in words: time, value, and the extremes of the pixel if there are several samples. */
+/** The entry of the plot at `index` as text: time, value, and the extremes of the pixel if there are several samples. */
 export function pointWords(window: SignalWindow, index: number): string {
   const time = window.t_ns[index] ?? window.t_ns.at(-1);
   const mean = window.mean[Math.min(index, window.mean.length - 1)];
@@ -151,7 +151,7 @@ export function statisticsOf(window: SignalWindow): { name: string; value: strin
   ];
 }
 
-/** `9:00:00 to 9:20:00`: a range in words. */
+/** `9:00:00 to 9:20:00`: a range as text. */
 export function rangeWords(range: Range): string {
   return `${missionTime(range.fromNs).slice(2)} to ${missionTime(range.toNs).slice(2)}`;
 }
