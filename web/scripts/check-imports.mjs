@@ -10,15 +10,18 @@ const source = fileURLToPath(new URL('../src', import.meta.url));
 const ROOMS = {
   time: [],
   theme: [],
+  units: [],
+  words: [],
   record: ['time'],
   player: ['record', 'time'],
-  panels: ['player', 'record', 'time', 'theme'],
+  panels: ['player', 'record', 'time', 'theme', 'units', 'words'],
   app: ['panels', 'player', 'record', 'time', 'theme'],
 };
 /** Package -> where it may be imported. */
 const PACKAGES = {
   svelte: () => true,
   'maplibre-gl': file => file.startsWith('panels/map/'),
+  uplot: file => file.startsWith('panels/details/'),
   vitest: file => file.endsWith('.test.ts'),
 };
 

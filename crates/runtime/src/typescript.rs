@@ -6,9 +6,10 @@ use crate::explain::{
     TaskExplanation, Unmet, Why,
 };
 use crate::record::view::{
-    Band, Bar, Ending, EventRow, Events, Growth, LandingPlace, Lane, LeftOutTarget, Mission, More, PlanInForce,
-    PlannedVisit, RecordStatus, Report, Section, Snippet, StateWord, Surroundings, Target, TargetChange, Targets, Task,
-    Tasks, Timeline, Track, Trouble, TroubleKind, Troubles, Zone,
+    Band, Bar, Ending, EventRow, Events, Excursion, Growth, LandingPlace, Lane, LeftOutTarget, Mission, More,
+    PlanInForce, PlannedVisit, RecordStatus, Report, Section, Signal, SignalKind, SignalLimit, SignalWindow,
+    SignalWindows, Signals, Snippet, StateWord, Statistics, Surroundings, Target, TargetChange, Targets, Task, Tasks,
+    Timeline, Track, Trouble, TroubleKind, Troubles, Zone,
 };
 use std::path::Path;
 use ts_rs::{Config, TS};
@@ -72,6 +73,14 @@ fn typescript_types_of_the_record_view_are_current() {
         declaration::<Section>(),
         declaration::<Report>(),
         declaration::<Snippet>(),
+        declaration::<SignalKind>(),
+        declaration::<SignalLimit>(),
+        declaration::<Signal>(),
+        declaration::<Signals>(),
+        declaration::<Excursion>(),
+        declaration::<Statistics>(),
+        declaration::<SignalWindow>(),
+        declaration::<SignalWindows>(),
     ];
     check("view.ts", "", &declarations);
 }

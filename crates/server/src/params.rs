@@ -1,6 +1,6 @@
 //! Query parameters of the addresses. Times are whole nanoseconds of mission time.
 
-use apex_runtime::record::view::{EventsQuery, TasksQuery, TimelineQuery, TrackQuery};
+use apex_runtime::record::view::{EventsQuery, SignalQuery, TasksQuery, TimelineQuery, TrackQuery};
 use serde::Deserialize;
 
 /// Parameters of `/api/track`.
@@ -67,6 +67,18 @@ pub(crate) struct AtParams {
     pub(crate) at: Option<i64>,
 }
 
+/// Parameters of `/api/samples`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SamplesParams {
+    /// Names of state variables, separated by commas.
+    names: String,
+    from: Option<i64>,
+    to: Option<i64>,
+    at: Option<i64>,
+    px: Option<usize>,
+}
+
 /// Parameters of `/api/source`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -91,6 +103,14 @@ impl From<TimelineParams> for TimelineQuery {
     fn from(params: TimelineParams) -> TimelineQuery {
         let TimelineParams { from, to, at, lanes, px, with } = params;
         TimelineQuery { from_ns: from, to_ns: to, at_ns: at, lanes, pixels: px, with }
+    }
+}
+
+impl From<SamplesParams> for SignalQuery {
+    fn from(params: SamplesParams) -> SignalQuery {
+        let SamplesParams { names, from, to, at, px } = params;
+        let names = names.split(',').map(|name| name.trim().to_owned()).filter(|name| !name.is_empty()).collect();
+        SignalQuery { names, from_ns: from, to_ns: to, at_ns: at, pixels: px }
     }
 }
 

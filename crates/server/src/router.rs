@@ -1,9 +1,12 @@
 //! The table of addresses: from a request to the record view and back.
 
 use crate::answer::{Answer, ApiError};
-use crate::params::{AtParams, EventsParams, SourceParams, TasksParams, TimelineParams, TrackParams, WhyParams};
+use crate::params::{
+    AtParams, EventsParams, SamplesParams, SourceParams, TasksParams, TimelineParams, TrackParams, WhyParams,
+};
 use crate::state::{AppState, QueryParams, Shared, blocking, checked, no_record};
 use crate::{assets, flights, guard, live, why};
+use apex_runtime::RecordError;
 use apex_runtime::record::view::{RecordView, SourceLine};
 use axum::Json;
 use axum::Router;
@@ -35,6 +38,8 @@ pub(crate) fn router(state: Arc<AppState>) -> Router {
         .route("/api/surroundings", get(surroundings))
         .route("/api/plan", get(plan))
         .route("/api/troubles", get(troubles)) // english: allow
+        .route("/api/signals", get(signals))
+        .route("/api/samples", get(samples))
         .route("/api/report", get(report))
         .route("/api/source", get(source))
         .route("/api/live", get(live))
@@ -101,6 +106,24 @@ async fn report(State(state): Shared, params: QueryParams<AtParams>) -> Answer<R
     read(state, move |view| Ok(view.report(at)?)).await
 }
 
+async fn signals(State(state): Shared, params: QueryParams<AtParams>) -> Answer<Response> {
+    let at = checked(params)?.at;
+    let program = state.program();
+    read(state, move |view| Ok(view.signals(at, program.as_ref())?)).await
+}
+
+async fn samples(State(state): Shared, params: QueryParams<SamplesParams>) -> Answer<Response> {
+    let query = checked(params)?.into();
+    let program = state.program();
+    read(state, move |view| match view.signal_windows(&query, program.as_ref()) {
+        Err(RecordError::Question(error)) => {
+            Err(ApiError::bad_request(error, "`/api/signals` lists the state variables of the record"))
+        }
+        other => Ok(other?),
+    })
+    .await
+}
+
 async fn source(State(state): Shared, params: QueryParams<SourceParams>) -> Answer<Response> {
     let place = checked(params)?.place;
     let line = SourceLine::parse(&place)
@@ -117,7 +140,7 @@ async fn source(State(state): Shared, params: QueryParams<SourceParams>) -> Answ
 }
 
 async fn live(State(state): Shared, headers: HeaderMap, upgrade: WebSocketUpgrade) -> Response {
-    if state.view.is_none() {
+    if state.views.is_none() {
         return no_record().into_response();
     }
     if !guard::same_origin(&headers) {

@@ -2,14 +2,14 @@
 
 use crate::flights::{FlightOptions, Tower};
 use crate::router::router;
-use crate::state::{AppState, LoadSources};
+use crate::state::{AppState, LoadSources, Views};
 use apex_runtime::RecordError;
 use apex_runtime::record::view::RecordView;
 use std::future::Future;
 use std::io;
 use std::net::{IpAddr, SocketAddr};
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 /// How long open connections may hold up the end of the program.
@@ -65,7 +65,8 @@ pub enum ServeError {
 /// When the record cannot be read, the port cannot be had, or the network fails; each says what to do.
 pub fn serve(options: ServeOptions) -> Result<(), ServeError> {
     let ServeOptions { record, agent, load, flights, ready, .. } = options;
-    let view = record.as_ref().map(|record| RecordView::open(record, agent)).transpose()?.map(Mutex::new);
+    let view = record.as_ref().map(|record| RecordView::open(record, agent)).transpose()?;
+    let views = view.map(Views::new).transpose()?;
     let tower = flights.map(|flights| Arc::new(Tower::new(flights)));
     let asked = SocketAddr::new(options.address, options.port);
     let runtime = tokio::runtime::Builder::new_multi_thread()
@@ -87,7 +88,15 @@ pub fn serve(options: ServeOptions) -> Result<(), ServeError> {
                 tower.close();
             }
         };
-        let state = AppState { record, agent, load, view, tower, loopback: bound.ip().is_loopback() };
+        let state = AppState {
+            record,
+            agent,
+            load,
+            views,
+            program: OnceLock::new(),
+            tower,
+            loopback: bound.ip().is_loopback(),
+        };
         axum::serve(listener, router(Arc::new(state))).with_graceful_shutdown(stop).await.map_err(ServeError::Stopped)
     });
     // However serving ended: no flight is cut off.

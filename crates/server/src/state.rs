@@ -1,15 +1,19 @@
-//! What request handlers share: the record's connection, the flights, and how they check parameters and block.
+//! What request handlers share: connections to the record, the flights, and how they check parameters and block.
 
 use crate::answer::{Answer, ApiError};
 use crate::flights::Tower;
 use apex_model::source::SourceFile;
+use apex_runtime::RecordError;
 use apex_runtime::record::Program;
 use apex_runtime::record::view::RecordView;
 use axum::extract::rejection::QueryRejection;
 use axum::extract::{Query, State};
 use axum::http::StatusCode;
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError};
+
+/// Questions that are answered at the same time.
+const CONNECTIONS: usize = 4;
 
 /// Checks the PDL sources of a record again, so that an instant can be restored; the server knows no syntax.
 pub type LoadSources = Arc<dyn Fn(&[SourceFile]) -> Result<Program, String> + Send + Sync>;
@@ -22,8 +26,10 @@ pub(crate) struct AppState {
     pub(crate) agent: usize,
     /// Checks the recorded sources again; without it instants are not restored.
     pub(crate) load: Option<LoadSources>,
-    /// The shared connection to the record, if there is one.
-    pub(crate) view: Option<Mutex<RecordView>>,
+    /// Connections to the record, if there is one.
+    pub(crate) views: Option<Views>,
+    /// The record's checked program, loaded at its first use; none if it cannot be loaded.
+    pub(crate) program: OnceLock<Option<Program>>,
     /// The flights of this server, if it may fly.
     pub(crate) tower: Option<Arc<Tower>>,
     /// True if only this machine can reach the server.
@@ -31,12 +37,16 @@ pub(crate) struct AppState {
 }
 
 impl AppState {
-    /// Reads with the shared connection; blocks while another request reads.
+    /// Reads with one of the connections; blocks while all are in use.
     pub(crate) fn read<T>(&self, query: impl FnOnce(&mut RecordView) -> Answer<T>) -> Answer<T> {
-        // A query that panicked has written nothing: the connection is as good as before.
-        let view = self.view.as_ref().ok_or_else(no_record)?;
-        let mut view = view.lock().unwrap_or_else(PoisonError::into_inner);
-        query(&mut view)
+        self.views.as_ref().ok_or_else(no_record)?.read(query)
+    }
+
+    /// The record's checked program; none without a loader, and if its sources cannot be loaded.
+    pub(crate) fn program(&self) -> Option<Program> {
+        let load = self.load.as_deref()?;
+        let loaded = || self.read(|view| Ok(view.reader().load(load)?)).ok();
+        self.program.get_or_init(loaded).clone()
     }
 
     /// The flights of this server.
@@ -50,6 +60,54 @@ impl AppState {
                 "start it with a folder of missions: `apex serve --missions FOLDER`",
             )
         })
+    }
+}
+
+/// Connections to one record. Each question has one to itself, so that a long one does not hold up the others.
+pub(crate) struct Views {
+    free: Mutex<Vec<RecordView>>,
+    returned: Condvar,
+}
+
+impl Views {
+    /// The connection `first` and copies of it.
+    ///
+    /// # Errors
+    /// As [`RecordView::beside`].
+    pub(crate) fn new(first: RecordView) -> Result<Views, RecordError> {
+        let mut views = Vec::with_capacity(CONNECTIONS);
+        for _ in 1..CONNECTIONS {
+            views.push(first.beside()?);
+        }
+        // The last one is taken first: while one question comes at a time, one index of tasks is built.
+        views.push(first);
+        Ok(Views { free: Mutex::new(views), returned: Condvar::new() })
+    }
+
+    fn read<T>(&self, query: impl FnOnce(&mut RecordView) -> Answer<T>) -> Answer<T> {
+        let free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut free = self.returned.wait_while(free, |free| free.is_empty()).unwrap_or_else(PoisonError::into_inner);
+        let Some(view) = free.pop() else { return Err(no_record()) };
+        drop(free);
+        // Also after a panic of the query: it has written nothing, so the connection is as good as before.
+        let mut lent = Lent { views: self, view: Some(view) };
+        match lent.view.as_mut() {
+            Some(view) => query(view),
+            None => Err(no_record()),
+        }
+    }
+}
+
+/// A connection in use; it is given back when it is dropped.
+struct Lent<'a> {
+    views: &'a Views,
+    view: Option<RecordView>,
+}
+
+impl Drop for Lent<'_> {
+    fn drop(&mut self) {
+        self.views.free.lock().unwrap_or_else(PoisonError::into_inner).extend(self.view.take());
+        self.views.returned.notify_one();
     }
 }
 

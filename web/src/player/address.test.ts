@@ -1,7 +1,15 @@
 import { describe, expect, it } from 'vitest';
 import { readAddress, writeAddress } from './address';
 
-const nothing = { atNs: null, window: null, selection: null, theme: null };
+const nothing = {
+  atNs: null,
+  window: null,
+  selection: null,
+  theme: null,
+  strips: null,
+  span: null,
+  tab: null,
+};
 
 describe('the address', () => {
   it('is read back as it was written', () => {
@@ -10,9 +18,14 @@ describe('the address', () => {
       window: { fromNs: 32_100e9, toNs: 33_900e9 },
       selection: { target: 'castle-rock' },
       theme: 'light' as const,
+      strips: ['roll-angle aircraft-1', 'fuel aircraft-1'],
+      span: { fromNs: 32_200e9, toNs: 32_300e9 },
+      tab: 'signals' as const,
     };
     const text = writeAddress('', state);
-    expect(text).toBe('?t=33432.5&w=32100-33900&sel=target:castle-rock&theme=light');
+    expect(text).toBe(
+      '?t=33432.5&w=32100-33900&sel=target:castle-rock&tab=signals&strips=roll-angle+aircraft-1,fuel+aircraft-1&range=32200-32300&theme=light',
+    );
     expect(readAddress(text)).toEqual({ address: state, faults: [] });
     expect(readAddress('?t=live&sel=task:341').address).toEqual({
       ...nothing,

@@ -13,7 +13,17 @@ export interface Address {
   window: Range | null;
   selection: Selection;
   theme: 'light' | 'dark' | null;
+  /** Signals that are plotted, by name without parentheses. */
+  strips: string[] | null;
+  /** Selected stretch of time, for statistics. */
+  span: Range | null;
+  /** Tab of the details. */
+  tab: Tab | null;
 }
+
+/** The tabs of the details. */
+export const TABS = ['why', 'signals', 'log', 'report'] as const;
+export type Tab = (typeof TABS)[number];
 
 /** What is wrong in an address, one sentence for each parameter; the rest is used. */
 export function readAddress(search: string): { address: Address; faults: string[] } {
@@ -30,6 +40,9 @@ export function readAddress(search: string): { address: Address; faults: string[
     atNs: read('t', parseInstant, 'seconds of mission time, or live'),
     window: read('w', parseWindow, 'two times in seconds, 3600-7200'),
     selection: read('sel', parseSelection, 'task:NUMBER or target:NAME'),
+    strips: read('strips', text => text.split(',').filter(Boolean), 'names of signals'),
+    span: read('range', parseWindow, 'two times in seconds, 3600-7200'),
+    tab: read('tab', text => TABS.find(tab => tab === text) ?? null, TABS.join(', ')),
     theme: read('theme', text => (text === 'light' || text === 'dark' ? text : null), 'light or dark'),
   };
   return { address, faults };
@@ -44,9 +57,12 @@ export function writeAddress(before: string, address: Address): string {
   set('t', atNs === null ? null : atNs === 'live' ? 'live' : seconds(atNs));
   set('w', window && `${seconds(window.fromNs)}-${seconds(window.toNs)}`);
   set('sel', selection && ('task' in selection ? `task:${selection.task}` : `target:${selection.target}`));
+  set('tab', address.tab);
+  set('strips', address.strips?.join(',') ?? null);
+  set('range', address.span && `${seconds(address.span.fromNs)}-${seconds(address.span.toNs)}`);
   set('theme', address.theme);
   // Colons are legal in a query and stay readable.
-  const text = parameters.toString().replaceAll('%3A', ':');
+  const text = parameters.toString().replaceAll('%3A', ':').replaceAll('%2C', ',');
   return text === '' ? '' : `?${text}`;
 }
 

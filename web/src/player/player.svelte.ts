@@ -20,7 +20,7 @@ import type {
   Track,
   Trouble,
 } from '../record/types';
-import type { Address, Selection } from './address';
+import type { Address, Selection, Tab } from './address';
 import { advance, clamp, otherSpeed, type Range, shift, speedFor, stepNs, zoom } from './clock';
 
 /** A growing record is read again at most this often; drawing all of it is the dear part. */
@@ -60,6 +60,12 @@ export class Player {
   trouble = $state<{ error: string; help: string } | null>(null);
 
   selection = $state.raw<Selection>(null);
+  /** Plotted signals by name without parentheses; none chosen means those that matter most. */
+  strips = $state.raw<string[] | null>(null);
+  /** The selected stretch of time. */
+  span = $state.raw<Range | null>(null);
+  /** The tab of the details; none chosen means the log, or why once a task is selected. */
+  tab = $state.raw<Tab | null>(null);
   showEnded = $state(true);
   find = $state('');
 
@@ -177,6 +183,9 @@ export class Player {
       atNs: this.following ? (this.live ? null : this.atNs) : first ? null : this.atNs,
       window: whole ? null : this.visible,
       selection: this.selection,
+      strips: this.strips,
+      span: this.span,
+      tab: this.tab,
     };
   }
 
@@ -186,6 +195,9 @@ export class Player {
     this.visible = window ? shift(window, this.range, 0) : this.range;
     if (JSON.stringify(selection) !== JSON.stringify(this.selection)) this.why = null;
     this.selection = selection;
+    this.strips = address.strips;
+    this.span = address.span;
+    this.tab = address.tab;
     if (atNs === 'live' || (atNs === null && this.live)) this.seek(this.range.toNs, true);
     else this.seek(atNs ?? this.range.fromNs);
   }
@@ -263,6 +275,12 @@ export class Player {
     this.askLanes();
   }
 
+  /** Shows a window of time. */
+  showWindow(range: Range): void {
+    this.visible = shift(range, this.range, 0);
+    this.askLanes();
+  }
+
   showAll(): void {
     this.visible = this.range;
     this.askLanes();
@@ -277,6 +295,7 @@ export class Player {
   }
 
   select(task: number | null): void {
+    if (task !== null) this.tab = null;
     this.choose(task === null ? null : { task });
   }
 

@@ -6,6 +6,8 @@ import type {
   Mission,
   PlanInForce,
   Report,
+  Signals,
+  SignalWindows,
   Snippet,
   Surroundings,
   Target,
@@ -26,6 +28,15 @@ export interface TimelineQuery {
   with: number | null;
 }
 
+/** A window of signals as drawn on so many pixels, of what was known at an instant. */
+export interface SamplesQuery {
+  names: string[];
+  fromNs: number;
+  toNs: number;
+  atNs: number;
+  pixels: number;
+}
+
 /** What a panel may ask a record; a finished one and a growing one answer alike. */
 export interface RecordSource {
   mission(atNs: number | null): Promise<Mission>;
@@ -40,6 +51,9 @@ export interface RecordSource {
   /** `explain` asks for what is awaited too, for which the server restores the instant. */
   why(task: number, atNs: number, explain: boolean): Promise<TaskExplanation>;
   report(atNs: number): Promise<Report>;
+  /** The state variables that were measured by then. */
+  signals(atNs: number): Promise<Signals>;
+  samples(query: SamplesQuery): Promise<SignalWindows>;
   source(place: string): Promise<Snippet>;
   /** Calls back on every growth until the record is complete; the answer stops it. */
   watch(onGrowth: (growth: Growth) => void, onConnection: (connected: boolean) => void): () => void;
@@ -68,6 +82,15 @@ export class ServedRecord implements RecordSource {
   track = (): Promise<Track> => this.get('track', { points: 4000 });
   report = (atNs: number): Promise<Report> => this.get('report', { at: whole(atNs) });
   surroundings = (): Promise<Surroundings> => this.get('surroundings', {});
+  signals = (atNs: number): Promise<Signals> => this.get('signals', { at: whole(atNs) });
+  samples = (query: SamplesQuery): Promise<SignalWindows> =>
+    this.get('samples', {
+      names: query.names.join(','),
+      from: whole(query.fromNs),
+      to: whole(query.toNs),
+      at: whole(query.atNs),
+      px: Math.round(query.pixels),
+    });
   plan = (atNs: number): Promise<PlanInForce | null> => this.get('plan', { at: whole(atNs) });
   troubles = (atNs: number): Promise<Troubles> => this.get('troubles', { at: whole(atNs) }); // english: allow
   targets = async (atNs: number): Promise<Target[]> =>

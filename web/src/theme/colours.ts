@@ -23,7 +23,7 @@ const DARK = {
   enabled: '#d9b24e',
   ongoing: '#3fb68b',
   interrupted: '#e5794b',
-  terminated: '#7d8996',
+  terminated: '#97a3b0',
   known: '#93a0ae',
   planned: '#c3cedb',
   observing: '#ffb938',
@@ -31,6 +31,8 @@ const DARK = {
   skipped: '#dd5f7c',
   chosen: '#1d3651',
   strip: '#8fb4d8',
+  band: '#2a3036',
+  ghost: '#7a828b',
   halo: '#0d141cd0',
   craft: '#ffffff',
 };
@@ -69,6 +71,8 @@ const LIGHT: Record<ColourName, string> = {
   skipped: '#a82e52',
   chosen: '#d9e6f4',
   strip: '#3b6c9c',
+  band: '#e3e0d8',
+  ghost: '#838689',
   halo: '#fcfbf8d0',
   craft: '#1a1c1e',
 };

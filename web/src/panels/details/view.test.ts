@@ -1,5 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { EventRow, Moment, TaskExplanation, Why } from '../../record/types';
+import { whyTree } from './tree';
 import { flownTargets, hasSource, logLines, reportView, snippetLines, toneOf, whyView } from './view';
 
 function moment(id: number, more: Partial<Moment> = {}): Moment {
@@ -138,7 +139,10 @@ describe('why', () => {
       why.now,
       'camera is with T9 (pan), priority 7 + interrupt cost 0.1 against 3',
     ]);
-    expect(view.waiting).toEqual([{ what: '(on camera-1)', now: 'off', place: 'a.pdl:4:2' }]);
+    const waits = whyTree(full.explanation, new Map()).find(node => node.id === 'waits');
+    expect(waits?.children.map(leaf => [leaf.glyph, leaf.text, leaf.place])).toEqual([
+      ['○', 'on camera 1: off', 'a.pdl:4:2'],
+    ]);
     expect(view.facts[0]?.value).toBe('T+0:00:05 · 2007-09-08 01:00:05Z');
   });
 });

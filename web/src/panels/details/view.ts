@@ -16,7 +16,6 @@ export interface CauseView {
 
 export interface WhyView {
   sentences: string[];
-  waiting: { what: string; now: string; place: string | null }[];
   /** The newest first: why it is as it is now stands at the top. */
   causes: CauseView[];
   facts: { name: string; value: string }[];
@@ -26,7 +25,6 @@ export function whyView(why: TaskExplanation, epochUtc: string | null): WhyView 
   const { task, explanation } = why;
   return {
     sentences: [why.now, ...blockedSentences(explanation.blocked)],
-    waiting: explanation.waiting.map(({ what, now, place }) => ({ what, now, place })),
     causes: explanation.history.map(moment => causeView(moment, task.goal)).reverse(),
     facts: facts(task, why.at_ns, epochUtc),
   };

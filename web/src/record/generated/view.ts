@@ -671,3 +671,241 @@ first_line: number,
  * The lines.
  */
 lines: Array<string>, };
+
+/**
+ * Kind of the values of a signal.
+ */
+export type SignalKind = "number" | "words" | "other";
+
+/**
+ * A limit, or a threshold, of a signal. Values beyond it satisfy the condition.
+ */
+export type SignalLimit = { 
+/**
+ * Values below it are beyond, in the signal's unit; none if low values are not.
+ */
+low: number | null, 
+/**
+ * Values above it are beyond, in the signal's unit; none if high values are not.
+ */
+high: number | null, 
+/**
+ * For how many seconds values must be beyond it; none if one sample is enough.
+ */
+duration_s: number | null, 
+/**
+ * What else must hold, as PDL text; empty if nothing.
+ */
+also: string, 
+/**
+ * True if a step that repeats or responds watches it; false for a threshold that is waited for once.
+ */
+guarded: boolean, 
+/**
+ * The step that it starts, by its tag.
+ */
+step: string, 
+/**
+ * `file:line:column` of the condition.
+ */
+place: string, };
+
+/**
+ * A recorded state variable.
+ */
+export type Signal = { 
+/**
+ * Its name in PDL, `(roll-angle aircraft-1)`.
+ */
+name: string, 
+/**
+ * Its attribute, `roll-angle`.
+ */
+attribute: string, 
+/**
+ * Its object, `aircraft-1`.
+ */
+object: string, 
+/**
+ * The unit of its numbers as PDL writes it; empty for numbers without a unit and for words.
+ */
+unit: string, 
+/**
+ * Kind of its values.
+ */
+kind: SignalKind, 
+/**
+ * Mission time in nanoseconds of its first sample.
+ */
+first_ns: number, 
+/**
+ * The limits that the mission watches.
+ */
+limits: Array<SignalLimit>, };
+
+/**
+ * The signals that were measured by an instant.
+ */
+export type Signals = { 
+/**
+ * In order of their first sample.
+ */
+signals: Array<Signal>, };
+
+/**
+ * A stretch of time in which all samples were beyond a limit.
+ */
+export type Excursion = { 
+/**
+ * The limit's place in the list of limits.
+ */
+limit: number, 
+/**
+ * Mission time in nanoseconds of the first sample beyond it.
+ */
+from_ns: number, 
+/**
+ * Mission time in nanoseconds of the last sample beyond it.
+ */
+to_ns: number, 
+/**
+ * The value farthest beyond it.
+ */
+peak: number, 
+/**
+ * Number of samples.
+ */
+samples: number, 
+/**
+ * When the executive found the condition satisfied in it, nanoseconds of mission time; none if it did not: too short,
+ * not watched then, or what else must hold did not.
+ */
+raised_ns: number | null, };
+
+/**
+ * Statistics of the samples of a window, each sample with the same weight.
+ */
+export type Statistics = { 
+/**
+ * Number of samples.
+ */
+samples: number, 
+/**
+ * The smallest value.
+ */
+low: number, 
+/**
+ * The largest value.
+ */
+high: number, 
+/**
+ * The mean.
+ */
+mean: number, 
+/**
+ * The standard deviation of the samples about their mean.
+ */
+deviation: number, 
+/**
+ * The first value.
+ */
+first: number, 
+/**
+ * The last value.
+ */
+last: number, };
+
+/**
+ * A signal in a window of time. The lists have one length: one entry for each sample, or for each pixel with samples if
+ * there are more. The last sample before the window comes first, so that a line enters it.
+ */
+export type SignalWindow = { 
+/**
+ * Mission time in nanoseconds of the first sample of the entry.
+ */
+t_ns: Array<number>, 
+/**
+ * The smallest value.
+ */
+low: Array<number>, 
+/**
+ * The largest value.
+ */
+high: Array<number>, 
+/**
+ * The mean of the values; for words the place in `words` of the last one.
+ */
+mean: Array<number>, 
+/**
+ * Number of samples.
+ */
+count: Array<number>, 
+/**
+ * The words of a signal of words.
+ */
+words: Array<string>, 
+/**
+ * Statistics of the samples in the window; none without samples, and for words.
+ */
+statistics: Statistics | null, 
+/**
+ * Number of samples in the window.
+ */
+samples: number, 
+/**
+ * The stretches of the window in which samples were beyond a limit, by time.
+ */
+excursions: Array<Excursion>, 
+/**
+ * Number of shorter excursions, which the executive did not answer, that are left out.
+ */
+left_out: number, 
+/**
+ * Its name in PDL, `(roll-angle aircraft-1)`.
+ */
+name: string, 
+/**
+ * Its attribute, `roll-angle`.
+ */
+attribute: string, 
+/**
+ * Its object, `aircraft-1`.
+ */
+object: string, 
+/**
+ * The unit of its numbers as PDL writes it; empty for numbers without a unit and for words.
+ */
+unit: string, 
+/**
+ * Kind of its values.
+ */
+kind: SignalKind, 
+/**
+ * Mission time in nanoseconds of its first sample.
+ */
+first_ns: number, 
+/**
+ * The limits that the mission watches.
+ */
+limits: Array<SignalLimit>, };
+
+/**
+ * Windows of signals.
+ */
+export type SignalWindows = { 
+/**
+ * Start of the window, nanoseconds of mission time.
+ */
+from_ns: number, 
+/**
+ * End of the window, nanoseconds of mission time.
+ */
+to_ns: number, 
+/**
+ * Mission time in nanoseconds up to which the flight is known.
+ */
+at_ns: number, 
+/**
+ * One for each name, in the order asked for; names without samples by the instant have none.
+ */
+windows: Array<SignalWindow>, };

@@ -13,6 +13,8 @@ mod index;
 mod mission;
 mod plan;
 mod report;
+mod samples;
+mod signals;
 mod source;
 mod state;
 mod surroundings;
@@ -26,6 +28,10 @@ pub use events::{EventRow, Events, EventsQuery};
 pub use mission::{Ending, Growth, Mission, RecordStatus};
 pub use plan::{LeftOutTarget, PlanInForce, PlannedVisit};
 pub use report::{Report, Section};
+pub use signals::{
+    Excursion, SIGNALS_MAX, Signal, SignalKind, SignalLimit, SignalQuery, SignalWindow, SignalWindows, Signals,
+    Statistics,
+};
 pub use source::{Snippet, SourceLine};
 pub use state::StateWord;
 pub use surroundings::{LandingPlace, Surroundings, Zone};
@@ -40,7 +46,9 @@ use crate::error::RecordError;
 use announcements::Announcements;
 use index::TaskIndex;
 use rusqlite::Connection;
+use signals::SampleIndex;
 use std::path::Path;
+use std::sync::{Arc, Mutex};
 
 /// A flight record opened for questions about one agent. Owns its connection, so it can move to another thread.
 pub struct RecordView {
@@ -49,6 +57,8 @@ pub struct RecordView {
     index: TaskIndex,
     /// When late targets became known, brought up to date before each use.
     announcements: Announcements,
+    /// The samples, shared by all views of one record.
+    samples: Arc<Mutex<SampleIndex>>,
 }
 
 impl RecordView {
@@ -57,8 +67,19 @@ impl RecordView {
     /// # Errors
     /// As [`RecordReader::open`].
     pub fn open(path: &Path, agent: usize) -> Result<RecordView, RecordError> {
-        let reader = RecordReader::open_at(path, agent)?;
-        Ok(RecordView { reader, index: TaskIndex::default(), announcements: Announcements::default() })
+        Ok(RecordView::of(RecordReader::open_at(path, agent)?, Arc::default()))
+    }
+
+    fn of(reader: RecordReader, samples: Arc<Mutex<SampleIndex>>) -> RecordView {
+        RecordView { reader, index: TaskIndex::default(), announcements: Announcements::default(), samples }
+    }
+
+    /// Another view of the same record with a separate connection, for a question at the same time.
+    ///
+    /// # Errors
+    /// As [`RecordReader::open`].
+    pub fn beside(&self) -> Result<RecordView, RecordError> {
+        Ok(RecordView::of(self.reader.of_agent(self.reader.agent)?, Arc::clone(&self.samples)))
     }
 
     /// The record's steps, sources and snapshots, which explanations read.

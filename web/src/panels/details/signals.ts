@@ -1,0 +1,178 @@
+/** What the signals panel shows: which signals, their columns for drawing, limits and excursions as text; pure. */
+
+import type { Range } from '../../player/clock';
+import type { Excursion, Signal, SignalLimit, SignalWindow } from '../../record/types';
+import { missionTime, NANOSECONDS_PER_SECOND, span } from '../../time/format';
+import { type ShownUnit, shownUnit, withUnit } from '../../units/aviation';
+
+/** Signals without a limit that are shown at first, where the record has them. */
+const FIRST = ['altitude', 'ground-speed', 'fuel', 'battery-charge'];
+/** Signals shown at first. */
+const FIRST_COUNT = 4;
+
+/** `roll angle`, and with the object where another one has the same attribute. */
+export function signalWords(signal: Signal, all: readonly Signal[]): string {
+  const attribute = signal.attribute.replaceAll('-', ' ');
+  const alone = all.filter(other => other.attribute === signal.attribute).length < 2;
+  return alone ? attribute : `${attribute} of ${signal.object.replaceAll('-', ' ')}`;
+}
+
+/** The name of a signal in the address: without parentheses, `roll-angle aircraft-1`. */
+export function addressName(signal: Signal): string {
+  return signal.name.replace(/^\(|\)$/g, '');
+}
+
+/** The signals of the address; without one those that the mission guards, then some that every flight has. */
+export function chosenSignals(all: readonly Signal[], asked: readonly string[] | null): Signal[] {
+  if (asked) {
+    return asked.flatMap(
+      name => all.find(signal => addressName(signal) === name && signal.kind !== 'other') ?? [],
+    );
+  }
+  const guarded = all.filter(signal => signal.limits.some(limit => limit.guarded));
+  const usual = FIRST.flatMap(name => all.find(signal => signal.attribute === name) ?? []);
+  return [...new Set([...guarded, ...usual])].slice(0, FIRST_COUNT);
+}
+
+export function unitOf(signal: Signal): ShownUnit {
+  return shownUnit(`${signal.attribute} ${signal.object}`, signal.unit);
+}
+
+/** Columns for the plot: seconds of mission time, then lowest, highest and mean values in the shown unit. */
+export type Columns = [number[], number[], number[], number[]];
+
+export function columnsOf(window: SignalWindow, atNs: number): Columns {
+  const { factor } = unitOf(window);
+  const scaled = (values: readonly number[]) => values.map(value => value * factor);
+  const columns: Columns = [
+    window.t_ns.map(time => time / NANOSECONDS_PER_SECOND),
+    scaled(window.low),
+    scaled(window.high),
+    scaled(window.mean),
+  ];
+  const last = window.t_ns.at(-1);
+  // A word holds until the next one.
+  if (window.kind === 'words' && last !== undefined && last < atNs) {
+    const word = window.mean.at(-1) ?? 0;
+    columns[0].push(atNs / NANOSECONDS_PER_SECOND);
+    for (const column of columns.slice(1)) column.push(word);
+  }
+  return columns;
+}
+
+/** The range of the value axis: all values, the limits within reach of them, and some room. */
+export function valueRange(window: SignalWindow): [number, number] {
+  if (window.kind === 'words') return [-0.5, Math.max(window.words.length - 0.5, 0.5)];
+  const { factor } = unitOf(window);
+  let low = Math.min(...window.low);
+  let high = Math.max(...window.high);
+  if (!Number.isFinite(low)) return [0, 1];
+  const reach = high - low;
+  for (const limit of window.limits) {
+    for (const bound of [limit.low, limit.high]) {
+      if (bound === null || bound < low - reach || bound > high + reach) continue;
+      low = Math.min(low, bound);
+      high = Math.max(high, bound);
+    }
+  }
+  const room = Math.max((high - low) * 0.08, Math.abs(high) * 0.01, 1e-6);
+  return [(low - room) * factor, (high + room) * factor];
+}
+
+/** `±3.00° for 5.0 s`, `below 0.200 for 20 s`. */
+export function limitWords(limit: SignalLimit, signal: Signal): string {
+  const { unit, factor } = unitOf(signal);
+  const { low, high } = limit;
+  const both = low !== null && high !== null;
+  const text = both
+    ? low === -high
+      ? `beyond ±${withUnit(high * factor, unit)}`
+      : `outside ${withUnit(low * factor, unit)} to ${withUnit(high * factor, unit)}`
+    : low !== null
+      ? `below ${withUnit(low * factor, unit)}`
+      : `above ${withUnit((high ?? 0) * factor, unit)}`;
+  return limit.duration_s === null ? text : `${text} for ${span(limit.duration_s * NANOSECONDS_PER_SECOND)}`;
+}
+
+export interface ExcursionView {
+  atNs: number;
+  text: string;
+  raised: boolean;
+}
+
+/** Excursions of guarded limits as text, those that the mission answered; and how many it did not answer. */
+export function excursionsOf(window: SignalWindow): { answered: ExcursionView[]; others: number } {
+  const { unit, factor } = unitOf(window);
+  const guarded = window.excursions.filter(one => window.limits[one.limit]?.guarded);
+  const answered = guarded.filter(one => one.raised_ns !== null);
+  const view = (one: Excursion): ExcursionView => ({
+    atNs: one.from_ns,
+    text: `${missionTime(one.from_ns)}, ${span(one.to_ns - one.from_ns)}, up to ${withUnit(one.peak * factor, unit)}`,
+    raised: true,
+  });
+  return { answered: answered.map(view), others: guarded.length - answered.length + window.left_out };
+}
+
+/** The entry of the plot at `index` as text: time, value, and the extremes of the pixel if there are several samples. */
+export function pointWords(window: SignalWindow, index: number): string {
+  const time = window.t_ns[index] ?? window.t_ns.at(-1);
+  const mean = window.mean[Math.min(index, window.mean.length - 1)];
+  if (time === undefined || mean === undefined) return '';
+  if (window.kind === 'words') return `${missionTime(time)} ${window.words[mean] ?? ''}`;
+  const { unit, factor } = unitOf(window);
+  const count = window.count[index] ?? 1;
+  const value = `${missionTime(time, 1)} ${withUnit(mean * factor, unit)}`;
+  if (count < 2) return value;
+  const [low, high] = [window.low[index] ?? mean, window.high[index] ?? mean];
+  return `${value}, ${withUnit(low * factor, unit)} to ${withUnit(high * factor, unit)} of ${count} samples`;
+}
+
+/** The last known value as text. */
+export function valueNow(window: SignalWindow): string {
+  const last = window.mean.at(-1);
+  if (last === undefined) return '';
+  if (window.kind === 'words') return window.words[last] ?? '';
+  const { unit, factor } = unitOf(window);
+  return withUnit((window.statistics?.last ?? last) * factor, unit);
+}
+
+/** Statistics as pairs; the range is that of the question. */
+export function statisticsOf(window: SignalWindow): { name: string; value: string }[] {
+  const { statistics } = window;
+  if (!statistics) return [{ name: 'samples', value: String(window.samples) }];
+  const { unit, factor } = unitOf(window);
+  const shown = (value: number) => withUnit(value * factor, unit);
+  return [
+    { name: 'lowest', value: shown(statistics.low) },
+    { name: 'highest', value: shown(statistics.high) },
+    { name: 'mean', value: shown(statistics.mean) },
+    { name: 'deviation', value: shown(statistics.deviation) },
+    { name: 'samples', value: String(statistics.samples) },
+  ];
+}
+
+/** `9:00:00 to 9:20:00`: a range as text. */
+export function rangeWords(range: Range): string {
+  return `${missionTime(range.fromNs).slice(2)} to ${missionTime(range.toNs).slice(2)}`;
+}
+
+/** The samples of one window as comma-separated values, in the record's own unit, one line for each sample. */
+export function csvOf(windows: readonly SignalWindow[]): string {
+  const lines = ['signal,unit,time_s,value,lowest,highest,samples'];
+  for (const window of windows) {
+    window.t_ns.forEach((time, index) => {
+      const word = window.kind === 'words';
+      const mean = window.mean[index] ?? Number.NaN;
+      const value = word ? (window.words[mean] ?? '') : String(mean);
+      const extremes = word ? ',' : `${window.low[index]},${window.high[index]}`;
+      const seconds = time / NANOSECONDS_PER_SECOND;
+      const text = [quoted(window.name), window.unit, seconds, quoted(value), extremes, window.count[index]];
+      lines.push(text.join(','));
+    });
+  }
+  return `${lines.join('\n')}\n`;
+}
+
+function quoted(text: string): string {
+  return /[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
+}
