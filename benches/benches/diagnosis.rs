@@ -2,6 +2,8 @@
 //!
 //! Every case alternates the outcome of one test, so that each iteration diagnoses two changes; figures are halved by `Throughput`.
 
+#![allow(clippy::panic, clippy::indexing_slicing, reason = "a measurement stops where it is surprised")]
+
 use apex_diagnosis::{Diagnoser, Model, Outcome};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::fmt::Write;

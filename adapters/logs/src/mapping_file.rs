@@ -332,7 +332,7 @@ mod tests {
         assert_eq!(again.entries, file.entries);
         assert_eq!((again.time, again.declarations), (file.time, file.declarations));
         let rolls = again.entries.iter().filter(|(entry, _)| entry.variable.attribute.is("roll-angle"));
-        assert_eq!(rolls.count(), 1, "the own entry stands in the place of the one that ships");
+        assert_eq!(rolls.count(), 1, "the own entry replaces the one that ships");
     }
 
     #[test]

@@ -2,10 +2,12 @@
 
 mod csv_writer;
 mod parquet_writer;
+mod plot;
 mod result_writer;
 
 pub use csv_writer::CsvWriter;
 pub use parquet_writer::ParquetWriter;
+pub use plot::plot;
 pub use result_writer::ResultWriter;
 
 use apex_executive::state::recorded::Recorded;

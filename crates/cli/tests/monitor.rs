@@ -331,7 +331,7 @@ fn columns_that_no_condition_reads_change_no_result() {
         // A condition that is judged at every instant makes everything be read.
         let with_all = desk.apex(&["monitor", condition, "(:function (> +met+ 90s))", "--inputs", "a.csv"]).well().out;
         let of_first: String =
-            with_all.lines().filter(|line| line.starts_with("1: ")).map(|line| format!("{}\n", &line[3..])).collect();
+            with_all.lines().filter_map(|line| line.strip_prefix("1: ")).map(|line| format!("{line}\n")).collect();
         let plain: String =
             own.lines().filter(|line| !line.starts_with("  ")).map(|line| format!("{line}\n")).collect();
         assert_eq!(plain, of_first);

@@ -5,7 +5,7 @@
 //! Bound: [`RETRACTIONS_MAX`] sets of tests.
 
 use crate::bits::{Bits, minimal};
-use crate::diagnoser::{Evidence, Exclusion, Outcome};
+use crate::evidence::{Evidence, Exclusion, Outcome};
 use crate::grouping::{Group, groups};
 use crate::hitting::{Problem, SearchEnd, search};
 use crate::limits::{ALTERNATIVES_MAX, RETRACTION_NODES_MAX, RETRACTION_SEARCH, RETRACTIONS_MAX};
@@ -15,7 +15,7 @@ use std::collections::BTreeSet;
 /// Outcomes that exclude each other.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Contradiction {
-    /// Failed tests, by index, that no failure explains beside the passed tests. The diagnosis leaves them out.
+    /// Failed tests, by index, that no failure explains together with the passed tests. The diagnosis leaves them out.
     pub unexplained: Vec<usize>,
     /// Sets of tests, by index, without each of which the other outcomes are consistent; all of one size, at most [`ALTERNATIVES_MAX`].
     pub left_out: Vec<Vec<usize>>,

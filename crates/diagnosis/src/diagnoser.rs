@@ -7,47 +7,14 @@
 
 use crate::bits::{Bits, minimal};
 use crate::contradiction::{Contradiction, Retraction};
-use crate::grouping::{Conflict, Group, groups};
+use crate::evidence::{Evidence, Exclusion, Outcome};
+use crate::grouping::{Group, groups};
 use crate::hitting::{Problem, SearchEnd, search};
 use crate::limits::{CANDIDATES_MAX, NODES_MAX};
 use crate::model::Model;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::sync::Arc;
-
-/// What is known of a test.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Outcome {
-    /// It was not run, or its result is out of date.
-    #[default]
-    Unknown,
-    /// It passed.
-    Passed,
-    /// It failed.
-    Failed,
-    /// It fails at some times and passes at others: something that it depends on fails, and its passes clear nothing.
-    Intermittent,
-}
-
-impl Outcome {
-    /// All outcomes with their words.
-    pub const WORDS: [(&'static str, Outcome); 4] = [
-        ("unknown", Outcome::Unknown),
-        ("passed", Outcome::Passed),
-        ("failed", Outcome::Failed),
-        ("intermittent", Outcome::Intermittent),
-    ];
-
-    /// The outcome of this word.
-    pub fn of_word(word: &str) -> Option<Outcome> {
-        Outcome::WORDS.iter().find(|(known, _)| *known == word).map(|(_, outcome)| *outcome)
-    }
-
-    pub(crate) fn is_failure(self) -> bool {
-        matches!(self, Outcome::Failed | Outcome::Intermittent)
-    }
-}
 
 /// What is known of a failure mode, or of a component.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -116,15 +83,6 @@ pub struct Diagnosis {
     pub groups: Vec<GroupDiagnosis>,
     /// Outcomes that exclude each other.
     pub contradiction: Option<Contradiction>,
-}
-
-/// What passed tests exclude.
-#[derive(Clone, Debug)]
-pub(crate) struct Exclusion {
-    /// Failure modes that are not present.
-    pub(crate) clears: Bits,
-    /// Sets of failure modes that are not present together.
-    pub(crate) nogoods: Vec<Bits>,
 }
 
 /// A group with its diagnosis, kept while its conflicts stay as they are.
@@ -308,48 +266,6 @@ impl Diagnosis {
     /// How the search ended over all groups.
     pub fn end(&self) -> SearchEnd {
         self.groups.iter().fold(SearchEnd::All, |end, group| end.worse(group.end))
-    }
-}
-
-/// What the outcomes say, without the tests that are left out.
-pub(crate) struct Evidence {
-    pub(crate) good: Bits,
-    pub(crate) conflicts: Vec<Conflict>,
-    /// Sets that do not hold a good one.
-    pub(crate) nogoods: Vec<Bits>,
-    /// Failed tests of which a conflict has no failure mode left.
-    pub(crate) unexplained: Vec<usize>,
-}
-
-impl Evidence {
-    pub(crate) fn new(model: &Model, exclusions: &[Exclusion], outcomes: &[Outcome], left_out: &Bits) -> Evidence {
-        let good = Evidence::good(model, exclusions, outcomes, left_out);
-        let counted = || outcomes.iter().enumerate().filter(|(test, _)| !left_out.contains(*test));
-        let passed = || counted().filter(|(_, outcome)| **outcome == Outcome::Passed);
-        let excluded = || passed().filter_map(|(test, _)| exclusions.get(test));
-        let nogoods = excluded().flat_map(|exclusion| &exclusion.nogoods).filter(|set| !set.intersects(&good));
-        let nogoods: Vec<Bits> = nogoods.cloned().collect();
-        let (mut conflicts, mut unexplained) = (Vec::new(), Vec::new());
-        for (index, _) in counted().filter(|(_, outcome)| outcome.is_failure()) {
-            let clauses = model.tests.get(index).map_or(&[][..], |test| test.clauses());
-            if clauses.iter().any(|clause| clause.is_subset(&good)) {
-                unexplained.push(index);
-            } else {
-                conflicts.extend(clauses.iter().map(|clause| Conflict { test: index, modes: clause.without(&good) }));
-            }
-        }
-        Evidence { good, conflicts, nogoods, unexplained }
-    }
-
-    /// Failure modes that a passed test clears.
-    pub(crate) fn good(model: &Model, exclusions: &[Exclusion], outcomes: &[Outcome], left_out: &Bits) -> Bits {
-        let mut good = Bits::new(model.modes.len());
-        for (test, (outcome, exclusion)) in outcomes.iter().zip(exclusions).enumerate() {
-            if *outcome == Outcome::Passed && !left_out.contains(test) {
-                good.extend(&exclusion.clears);
-            }
-        }
-        good
     }
 }
 

@@ -196,7 +196,7 @@ impl Search<'_> {
         self.problem.costs.get(mode).copied().unwrap_or(f64::INFINITY)
     }
 
-    /// The partial set with one mode more; `None` if a mode of it is then in vain, or it holds what must not be held.
+    /// The partial set with one mode more; `None` if a mode of it is then not needed, or it holds what must not be held.
     fn with(&self, state: &State, mode: usize) -> Option<State> {
         let column = self.columns.get(mode)?;
         let (mut once, mut twice, mut set) = (state.once.clone(), state.twice.clone(), state.set.clone());

@@ -9,6 +9,7 @@ mod bits;
 mod contradiction;
 mod diagnoser;
 mod error;
+mod evidence;
 mod formula;
 mod grouping;
 mod hitting;
@@ -23,8 +24,9 @@ mod text;
 
 pub use bits::Bits;
 pub use contradiction::Contradiction;
-pub use diagnoser::{Candidate, Diagnoser, Diagnosis, GroupDiagnosis, Health, Outcome};
+pub use diagnoser::{Candidate, Diagnoser, Diagnosis, GroupDiagnosis, Health};
 pub use error::DiagnosisError;
+pub use evidence::Outcome;
 pub use hitting::SearchEnd;
 pub use model::{Component, FailureMode, Model, Monitor, Test};
 pub use results::Results;

@@ -44,7 +44,7 @@ impl Model {
     }
 }
 
-/// What a name stands for, by index.
+/// Meaning of a name, by index.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Named {
     Component(usize),

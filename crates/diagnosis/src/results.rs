@@ -1,7 +1,7 @@
 //! A results file: outcomes of tests, stated by name.
 
-use crate::diagnoser::Outcome;
 use crate::error::{DiagnosisError, FileName, nearest};
+use crate::evidence::Outcome;
 use crate::model::Model;
 use serde::Deserialize;
 

@@ -1,5 +1,7 @@
 //! The worked model: D-matrix, testability figures and twelve diagnosed outcomes, compared with figures that were computed separately.
 
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
+
 use apex_diagnosis::{Diagnoser, Health, Model, Outcome, SearchEnd, testability};
 use std::sync::Arc;
 

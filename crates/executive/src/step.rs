@@ -100,7 +100,7 @@ fn work_through(cycle: &mut Cycle<'_>, events: &[Event]) {
 
 /// Rounds that this instant may take: each message from outside may cause as many as one alone.
 fn cascade_rounds(cycle: &Cycle<'_>) -> u64 {
-    cycle.agent.limits.of(Limit::CascadeRounds).saturating_mul(cycle.agent.from_outside_at(cycle.now))
+    cycle.agent.limits.of(Limit::CascadeRounds).saturating_mul(cycle.agent.outside_messages_at(cycle.now))
 }
 
 /// Did nothing happen at this instant but one sample that touches nobody? Most samples are such.

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// `(state-variable (ATTR ?object) .. :derived EXPR [:join J])`: how samples of the variable are computed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Derivation {
-    /// The variable that stands for the object, without `?`.
+    /// The variable of the object, without `?`.
     pub object: Symbol,
     /// What the expression reads, each once.
     pub inputs: Vec<DerivationInput>,
@@ -53,7 +53,7 @@ pub enum Reading {
 /// How samples of several variables are brought to one instant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Join {
-    /// A variable has the value of its latest sample, for so long at most; none is without limit.
+    /// A variable has the value of its latest sample, for this time at most; none is without limit.
     Hold(Option<Duration>),
     /// A number lies on the line between the samples before and after, which are so far apart at most; other values hold.
     Interpolate(Duration),

@@ -73,11 +73,11 @@ impl Views {
     /// The connection `first` and copies of it.
     ///
     /// # Errors
-    /// As [`RecordView::beside`].
+    /// A view of the same record with another connection.
     pub(crate) fn new(first: RecordView) -> Result<Views, RecordError> {
         let mut views = Vec::with_capacity(CONNECTIONS);
         for _ in 1..CONNECTIONS {
-            views.push(first.beside()?);
+            views.push(first.reopened()?);
         }
         // The last one is taken first: while one question comes at a time, one index of tasks is built.
         views.push(first);

@@ -385,7 +385,7 @@ impl Maker {
             for (relation, length) in &mut episode.duration {
                 (*relation, *length) = (Relation::GreaterOrEqual, (*length).max(STEP));
             }
-            // A window that slides has a first and a last value of its own.
+            // A window that slides has a first and a last value.
             let slides = episode.value.is_empty() && !episode.duration.is_empty();
             let ends = |constraints: Vec<Constraint>| if slides { constraints } else { Vec::new() };
             episode = Episode {

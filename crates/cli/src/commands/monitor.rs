@@ -41,7 +41,7 @@ pub fn run(options: &MonitorOptions) -> CliResult {
         table = Some(begun.map_err(unwritten)?);
     }
     if let Some(path) = &options.plot {
-        crate::monitor::plot::check_name(path)?;
+        check_picture_name(path)?;
         table_file::refuse_to_overwrite(path, inputs, "--plot")?;
         if inputs.len() > 1 {
             return Err(CliError::user("`--plot` draws one input").help("name one with `--inputs`"));
@@ -130,11 +130,35 @@ fn watch(
         watching.known = fed.as_ref().map(Clone::clone).unwrap_or_default();
         let verdicts = watching.end()?;
         if let (Some(path), Some(intervals)) = (&options.plot, &watching.intervals) {
-            crate::monitor::plot::draw(path, &watching.session, &watching.conditions, intervals)?;
+            draw(path, &watching, intervals)?;
         }
         return fed.map(|_| Some(verdicts));
     }
     fed.map(|_| None)
+}
+
+/// Writes the picture of what was watched.
+fn draw(path: &Path, watching: &Watching<'_>, intervals: &[(Time, Time)]) -> CliResult {
+    let failed = |error: Box<dyn std::error::Error>| {
+        CliError::failure(format!("cannot write {}", path.display())).because(error)
+    };
+    let picture = apex_tables::plot(&watching.session, &watching.conditions, intervals).map_err(failed)?;
+    let picture = picture.ok_or_else(|| {
+        CliError::user(format!("nothing to draw in {}", path.display()))
+            .because("no sample of what the conditions read is a number")
+            .help("name other conditions, or leave `--plot` out")
+    })?;
+    std::fs::write(path, picture).map_err(|error| failed(error.into()))
+}
+
+/// Refuses names of files that are not pictures of a kind that can be drawn.
+fn check_picture_name(path: &Path) -> CliResult {
+    match path.extension() {
+        Some(extension) if extension.eq_ignore_ascii_case("svg") => Ok(()),
+        _ => Err(CliError::user(format!("`--plot {}` is not a name of an SVG file", path.display()))
+            .because("pictures are drawn as SVG, which browsers show and other programs convert")
+            .help("end the name in .svg")),
+    }
 }
 
 fn list_fields(mut source: Source, json: bool) -> CliResult {

@@ -1,4 +1,3 @@
 //! What `apex monitor` and `apex export` read: inputs of all kinds.
 
 pub mod input;
-pub mod plot;

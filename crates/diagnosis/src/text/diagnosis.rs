@@ -1,7 +1,8 @@
 //! A diagnosis as text and JSON.
 
 use super::{mode_names, test_names};
-use crate::diagnoser::{Candidate, Diagnoser, Diagnosis, Health, Outcome};
+use crate::diagnoser::{Candidate, Diagnoser, Diagnosis, Health};
+use crate::evidence::Outcome;
 use crate::hitting::SearchEnd;
 use crate::limits::{CANDIDATES_MAX, NODES_MAX};
 use crate::model::Model;
@@ -115,7 +116,7 @@ fn note(end: SearchEnd) -> Option<String> {
 fn add_contradiction(model: &Model, diagnosis: &Diagnosis, text: &mut String) {
     let Some(contradiction) = &diagnosis.contradiction else { return };
     let unexplained = test_names(model, contradiction.unexplained.iter().copied());
-    let _ = writeln!(text, "contradiction: no failure explains {unexplained} beside the tests that passed");
+    let _ = writeln!(text, "contradiction: no failure explains {unexplained} together with the tests that passed");
     let sets: Vec<String> =
         contradiction.left_out.iter().map(|set| format!("{{{}}}", test_names(model, set.iter().copied()))).collect();
     let smallest = if contradiction.is_smallest { "smallest sets of tests" } else { "sets of tests" };

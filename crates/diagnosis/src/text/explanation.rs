@@ -1,8 +1,9 @@
-//! Why a component has its health: the tests that say so.
+//! Why a component has its health: the tests that show it.
 
 use super::{mode_names, test_names};
 use crate::bits::Bits;
-use crate::diagnoser::{Diagnoser, Health, Outcome};
+use crate::diagnoser::{Diagnoser, Health};
+use crate::evidence::Outcome;
 use crate::hitting::SearchEnd;
 use std::fmt::Write;
 

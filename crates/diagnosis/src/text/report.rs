@@ -86,7 +86,7 @@ impl Testability {
             ("tests that say the same".to_string(), groups(&self.equal_tests, &tests)),
             ("tests that no single failure makes fail".to_string(), tests(&self.silent_tests)),
             (format!("{smallest} ({})", self.test_set.tests.len()), tests(&self.test_set.tests)),
-            ("redundant beside them".to_string(), test_names(model, beyond)),
+            ("redundant given them".to_string(), test_names(model, beyond)),
             ("hidden failures".to_string(), unless_none(&hidden)),
             (format!("two failures like a third ({})", self.masks_count), unless_none(&masks)),
         ]);

@@ -1,6 +1,8 @@
 //! A second witness: small random models, diagnosed by trying all fault sets. It reads the model's JSON itself, follows the needs of
 //! each test for each fault set, and shares no code with the crate.
 
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
+
 mod witness;
 
 use apex_diagnosis::{Diagnoser, Health, Model, Outcome, SearchEnd, testability};

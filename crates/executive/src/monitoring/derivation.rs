@@ -39,7 +39,7 @@ pub(crate) struct Derived {
     pub(crate) recording: Recording,
 }
 
-/// What derivations can see besides histories.
+/// What derivations can see in addition to histories.
 pub(crate) struct Surroundings<'a> {
     pub(crate) library: &'a Library,
     pub(crate) host: &'a HostFunctions,

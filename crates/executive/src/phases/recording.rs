@@ -64,10 +64,11 @@ fn count_outside(cycle: &mut Cycle<'_>, events: &[Event]) {
     }
     let (now, added) = (cycle.now, count as u64);
     let burst = &mut cycle.agent.burst;
-    *burst = if burst.0 == now { (now, burst.1.saturating_add(added)) } else { (now, added) };
+    let is_same_instant = burst.0 == now;
+    *burst = if is_same_instant { (now, burst.1.saturating_add(added)) } else { (now, added) };
     cycle.agent.next.outside = cycle.agent.next.outside.saturating_add(added);
-    let most = usize::try_from(cycle.agent.burst.1).unwrap_or(usize::MAX);
-    cycle.agent.histories.expect_events(most);
+    let messages = events.iter().filter(|event| matches!(event.kind, EventKind::Occurrence(_))).count();
+    cycle.agent.histories.expect_events(messages, is_same_instant);
 }
 
 /// Records what the agent said to itself in the round before.
@@ -133,7 +134,7 @@ fn occurrence(cycle: &mut Cycle<'_>, form: Value, at: Time) {
 
 /// Keeps the message for repeating steps that are busy.
 fn hear(cycle: &mut Cycle<'_>, message: Occurrence) {
-    let burst = usize::try_from(cycle.agent.from_outside_at(cycle.now)).unwrap_or(usize::MAX);
+    let burst = usize::try_from(cycle.agent.outside_messages_at(cycle.now)).unwrap_or(usize::MAX);
     let most = cycle.agent.limits.count(Limit::MonitorResults).saturating_add(burst);
     for task in cycle.agent.listening.hear(&message, most) {
         let message = format!(

@@ -3,6 +3,7 @@
 mod attributes;
 mod banks;
 mod gaps;
+mod reading;
 mod results;
 mod scene;
 #[cfg(test)]
@@ -10,7 +11,6 @@ mod tests;
 mod watched;
 
 use crate::constants;
-use crate::monitoring::combination::interest;
 use crate::monitoring::combination::monitors;
 use crate::monitoring::combination::result_report::{self, ResultReportKind};
 use crate::monitoring::derivation::{self, Changed, Surroundings};
@@ -24,7 +24,7 @@ use crate::state::episode_index::LeafId;
 use crate::state::histories::history::Histories;
 use crate::state::interests::Interests;
 use crate::state::monitor_set::Found;
-use crate::state::monitors::monitor::{Interest, Satisfaction, Verdict};
+use crate::state::monitors::monitor::Satisfaction;
 use crate::state::recorded::Recorded;
 use crate::state::table::Table;
 use apex_model::agent_limits::Limits;
@@ -217,7 +217,7 @@ impl MonitorSession {
         self.take_in(variable, at, recording)
     }
 
-    /// Shows what became of a sample to the conditions that watch its variable.
+    /// Shows a sample to the conditions that watch its variable.
     fn take_in(&mut self, variable: &StateVariable, at: Time, recording: Recording) -> Option<Recorded> {
         if !self.interests.ignore_variable(variable) {
             self.stimuli.extend(recording.stimulus);
@@ -284,51 +284,6 @@ impl MonitorSession {
             }
             self.watches.put(number, watched);
         }
-    }
-
-    /// The results since the last call, in order of recognition.
-    pub fn take_results(&mut self) -> Vec<MonitorResult> {
-        std::mem::take(&mut self.results)
-    }
-
-    /// What went wrong since the last call; at most [`SESSION_TROUBLES_MAX`], the first ones.
-    pub fn take_troubles(&mut self) -> Vec<SessionError> {
-        std::mem::take(&mut self.troubles)
-    }
-
-    /// The session's time: [`Time::BEGINNING`] before anything happened.
-    pub fn now(&self) -> Time {
-        self.world.now
-    }
-
-    /// The library in whose terms conditions are understood.
-    pub fn library(&self) -> &Arc<Library> {
-        &self.world.library
-    }
-
-    /// What is remembered, with counts of late, replaced and missing samples.
-    pub fn histories(&self) -> &Histories {
-        &self.world.histories
-    }
-
-    /// What a condition must be reported of, as far as it is known; empty while it is waited for.
-    pub fn interests(&self, id: MonitorId) -> Vec<Interest> {
-        let monitor = self.watches.get(id.0).and_then(|watched| watched.monitor.as_ref());
-        monitor.map(interest::interests).unwrap_or_default()
-    }
-
-    /// What can be said about a condition at the last instant that is over; none when it is not watched.
-    pub fn verdict(&self, id: MonitorId) -> Option<Judgement> {
-        let watched = self.watches.get(id.0)?;
-        let results = watched.results;
-        if let Some(first) = &watched.first {
-            return Some(Judgement { verdict: Verdict::Satisfied(first.clone()), because: Vec::new(), results });
-        }
-        let Some(mut monitor) = self.as_told(id, watched) else {
-            return Some(Judgement { verdict: Verdict::Unknown, because: vec![watched::not_begun(watched)], results });
-        };
-        let verdict = monitors::verdict(&mut monitor, &self.world);
-        Some(Judgement { verdict, because: monitors::unmet(&monitor, &self.world), results })
     }
 
     fn arrival(&mut self) -> u64 {

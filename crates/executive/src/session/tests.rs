@@ -5,6 +5,7 @@ mod derived;
 mod point_orders;
 
 use super::*;
+use crate::state::monitors::monitor::Verdict;
 use apex_model::source::Place;
 use apex_pdl::{CheckOptions, SourceText, check_conditions};
 use proptest::prelude::*;

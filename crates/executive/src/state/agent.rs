@@ -225,7 +225,7 @@ impl Agent {
 
     /// By how much limits on one instant grow at `now`: each message from outside may cause as much as one alone. What tasks
     /// say to themselves and to one another does not count.
-    pub(crate) fn from_outside_at(&self, now: Time) -> u64 {
+    pub(crate) fn outside_messages_at(&self, now: Time) -> u64 {
         if self.burst.0 == now { self.burst.1.max(1) } else { 1 }
     }
 

@@ -38,7 +38,7 @@ impl Listening {
         self.tasks.contains_key(&task)
     }
 
-    /// The task becomes busy. Messages up to `answered`, in order of time and arrival, are answered or passed over; `also` are
+    /// The task becomes busy. Messages up to `answered`, in order of time and arrival, are answered or skipped; `also` are
     /// messages of this instant that are not.
     pub fn begin<'a>(
         &mut self,
@@ -76,7 +76,7 @@ impl Listening {
         heard
     }
 
-    /// The task is not repeated any more.
+    /// The task is no longer repeated.
     pub fn forget(&mut self, task: TaskId) {
         self.tasks.remove(&task);
     }
@@ -88,7 +88,7 @@ impl Listening {
         }
     }
 
-    /// A message has come; at most `most` wait for one task. Returns the tasks that dropped one for it for the first time.
+    /// A message has arrived; at most `most` wait for one task. Returns the tasks that dropped one for it for the first time.
     pub fn hear(&mut self, message: &Occurrence, most: usize) -> Vec<TaskId> {
         let mut dropping = Vec::new();
         let head = message.head();

@@ -5,7 +5,7 @@ use apex_model::time::Time;
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 
-/// Last repetition, parent, step and number: who was repeated comes behind who was not or was earlier; else written order
+/// Last repetition, parent, step and number: a repeated task comes behind one that was not or was earlier; else written order
 /// among siblings, creation order among others.
 pub type FamilyOrder = (Time, TaskId, u32, TaskId);
 

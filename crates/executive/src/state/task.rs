@@ -134,10 +134,10 @@ pub struct Extras {
     /// Since when `instants` counts.
     #[serde(default)]
     pub counted_since: Time,
-    /// Instants within a second at which instances began although nothing had come from outside.
+    /// Instants within a second at which instances began although nothing had arrived from outside.
     #[serde(default)]
     pub instants: u32,
-    /// How much had come from outside when an instance began last.
+    /// How much had arrived from outside when an instance began last.
     #[serde(default)]
     pub outside: u64,
     /// Combinations of `:for-new` variables already answered.

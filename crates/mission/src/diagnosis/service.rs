@@ -43,7 +43,7 @@ struct Published {
 struct Kept(Option<Diagnoser>);
 
 impl PartialEq for Kept {
-    /// A function of the outcomes: nothing of its own.
+    /// A function of the outcomes, without state.
     fn eq(&self, _: &Kept) -> bool {
         true
     }
@@ -237,13 +237,20 @@ mod tests {
         let reported = service.observe(&model, &batch(&["(test-failed radio-rssi)"]), &[]);
         let shown = shown(&reported);
         assert!(shown.contains(&"(health antenna-cable) = suspect".to_string()), "{shown:?}");
-        assert!(shown.contains(&"(candidates observation-uav) = ((radio-modem) (antenna-cable) (radio-antenna))".to_string()));
+        assert!(
+            shown.contains(
+                &"(candidates observation-uav) = ((radio-modem) (antenna-cable) (radio-antenna))".to_string()
+            )
+        );
     }
 
     #[test]
     fn what_the_agent_says_of_a_test_counts_as_what_it_hears() {
         let (model, mut heard, mut said) = (model(), DiagnosisService::default(), DiagnosisService::default());
-        let inform = Effect::Inform { form: apex_pdl::read_value("(test-failed imu-self-test)").unwrap(), task: apex_model::task::TaskId(1) };
+        let inform = Effect::Inform {
+            form: apex_pdl::read_value("(test-failed imu-self-test)").unwrap(),
+            task: apex_model::task::TaskId(1),
+        };
         let by_effect = said.observe(&model, &batch(&[]), &[inform]);
         assert_eq!(by_effect, heard.observe(&model, &batch(&["(test-failed imu-self-test)"]), &[]));
         assert!(shown(&by_effect).contains(&"(health imu) = bad".to_string()));

@@ -1,4 +1,4 @@
-//! Why a component has its health at an instant of a recorded flight: the tests that say so.
+//! Why a component has its health at an instant of a recorded flight: the tests that show it.
 
 use crate::error::MissionResult;
 use crate::recorded::{mission_of, situation_at};

@@ -212,7 +212,7 @@ impl Lowering {
         }
     }
 
-    /// Refuses what stands in the place of a state variable and is a condition or a call.
+    /// Refuses what replaces a state variable and is a condition or a call.
     pub(crate) fn refuse_expression(&mut self, attribute: &Symbol, objects: &[Datum], span: Span) -> Option<()> {
         let is_condition = attribute.folded().starts_with(':');
         let is_call = self.names.is_operator(attribute)

@@ -20,7 +20,7 @@ use std::sync::Arc;
 type Names = BTreeSet<Symbol>;
 
 impl Lowering {
-    /// The conditions of a clause, which hold together: joined, and each use of a variable looked at.
+    /// The conditions of a clause, which hold together: joined, and each use of a variable inspected.
     pub(crate) fn clause_conditions(&mut self, mut conditions: Vec<Condition>, clause: Span) -> Vec<Condition> {
         let constraints = join(&mut conditions);
         for condition in &conditions {
@@ -32,7 +32,7 @@ impl Lowering {
         vec![Condition { tag: None, kind: ConditionKind::And(conditions, constraints), place: clause.place() }]
     }
 
-    /// Reports variables that a part uses by itself, but that get their value in another part.
+    /// Reports variables that a part uses alone, but that get their value in another part.
     fn report_apart(&mut self, condition: &Condition, clause: Span) {
         let mut leaves = Vec::new();
         each_leaf(condition, &mut |leaf| leaves.push(leaf));

@@ -149,7 +149,7 @@ impl Scope {
         self.binders.get(name).and_then(Binders::first)
     }
 
-    /// The use of `name` that stands at `place`.
+    /// The use of `name` at `place`.
     pub(crate) fn use_at(&self, name: &Symbol, place: Place) -> Option<Span> {
         self.uses.iter().find(|(used, _, span)| used == name && span.place() == place).map(|(.., span)| *span)
     }

@@ -283,7 +283,7 @@ impl Lowering {
         let message = "`:missed-messages` is `answer` or `drop`";
         let diagnostic = Diagnostic::error(codes::MALFORMED, datum.span, message)
             .reason("it says whether messages that come while the step is busy are answered later")
-            .help("leave it out to have all of them answered, one after the other");
+            .help("leave it out to have all of them answered, in order");
         self.refuse(diagnostic)
     }
 

@@ -201,7 +201,7 @@ impl<'a> Schedule<'a> {
         Ok(Judged { visits: Vec::new(), end_s, score: -self.costs.of_flight(end_s - start_s) })
     }
 
-    /// A sentence for people: why the problem has no plan, from what [`Schedule::idle`] says.
+    /// A sentence that says why the problem has no plan, from what [`Schedule::idle`] says.
     pub(crate) fn no_plan(&self, idle: &Infeasibility) -> String {
         match idle {
             Infeasibility::TooLate { over_s } => format!(

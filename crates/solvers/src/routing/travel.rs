@@ -9,7 +9,9 @@ use super::zones::{distance_m, holds};
 use apex_geo::direction::Direction;
 use apex_geo::geodesy::{self, Position, RAD_PER_DEG};
 use apex_geo::travel::{Air, EndpointId, Network, Setting, TravelError, Trip};
-use apex_model::problem::{AirspaceZone, FOREVER_S, SingleVisitProblem, TravelTimes, UNREACHABLE_S, ZoneKind};
+use apex_model::problem::{
+    AirspaceZone, FOREVER_S, Manoeuvre, SingleVisitProblem, TravelTimes, UNREACHABLE_S, ZoneKind,
+};
 use std::collections::BTreeMap;
 
 /// Work units of looking at one leg, or at one way on from a bend.
@@ -420,9 +422,7 @@ fn line_track_rad(problem: &SingleVisitProblem, node: PointKey) -> Option<f64> {
     };
     let (here, there, back) = match node {
         PointKey::Start | PointKey::Base => return None,
-        PointKey::Entry(target, manoeuvre) => {
-            lines(target, manoeuvre)?.first().map(|(from, to)| (*from, *to, false))?
-        }
+        PointKey::Entry(target, it) => lines(target, it)?.first().map(|(from, to)| (*from, *to, false))?,
         PointKey::Exit(target, manoeuvre) => lines(target, manoeuvre)?.last().map(|(from, to)| (*to, *from, true))?,
     };
     let (length_m, azimuth_deg) = geodesy::inverse(here, there);
@@ -437,14 +437,9 @@ fn place(problem: &SingleVisitProblem, node: PointKey) -> (Position, f64) {
         let target = problem.targets.get(target);
         let manoeuvre = target.and_then(|target| target.manoeuvres.get(manoeuvre));
         let overhead = target.map_or(problem.start, |target| target.position);
-        let position = match manoeuvre {
-            Some(manoeuvre) if entry => {
-                manoeuvre.entry.or(manoeuvre.lines.first().map(|(from, _)| *from)).unwrap_or(overhead)
-            }
-            Some(manoeuvre) => manoeuvre.lines.last().map_or(overhead, |(_, to)| *to),
-            None => overhead,
-        };
-        (position, manoeuvre.map_or(cruise_m, |manoeuvre| manoeuvre.altitude_m))
+        let begins = |m: &Manoeuvre| m.entry.or(m.lines.first().map(|(from, _)| *from));
+        let position = manoeuvre.and_then(|m| if entry { begins(m) } else { m.lines.last().map(|(_, to)| *to) });
+        (position.unwrap_or(overhead), manoeuvre.map_or(cruise_m, |manoeuvre| manoeuvre.altitude_m))
     };
     match node {
         PointKey::Start => (problem.start, problem.start_altitude_m),

@@ -51,7 +51,7 @@ pub(crate) fn count_instance(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), Ca
     let (instances, instants) = (u64::from(extras.instances), u64::from(extras.instants));
     let limits = &cycle.agent.limits;
     // Each message from outside is answered: a burst of them is no loop.
-    if instances > limits.of(Limit::RepetitionsPerInstant).saturating_mul(cycle.agent.from_outside_at(now)) {
+    if instances > limits.of(Limit::RepetitionsPerInstant).saturating_mul(cycle.agent.outside_messages_at(now)) {
         return Err(limits.reached(Limit::RepetitionsPerInstant));
     }
     if instants > limits.of(Limit::RepetitionsPerSecond) {

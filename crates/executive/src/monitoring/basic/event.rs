@@ -81,7 +81,7 @@ fn holds(
         && all(&timing.duration, &Value::Duration(Duration::ZERO), Reading::Span, bindings, context, site.place)?)
 }
 
-/// The patterns of messages that a condition combines; what forbids messages or relates them in time begins anew.
+/// The patterns of messages that a condition combines; what forbids messages or relates them in time begins again.
 pub(crate) fn patterns<'a>(condition: &'a Condition, found: &mut Vec<&'a Pattern>) {
     match &condition.kind {
         ConditionKind::Event { pattern, .. } => found.push(pattern),

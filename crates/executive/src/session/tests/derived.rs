@@ -100,7 +100,7 @@ proptest! {
     }
 }
 
-/// What a session tells of `condition` over samples `(variable, value, seconds)`.
+/// Results of a session for `condition` over samples `(variable, value, seconds)`.
 fn tells(declarations: &str, condition: &str, samples: &[(&str, Value, f64)]) -> Vec<String> {
     let mut session = MonitorSession::new(library_of(declarations), HostFunctions::default()).unwrap();
     session.watch(read(condition).1, Time::ZERO).unwrap();

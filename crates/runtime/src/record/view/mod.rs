@@ -78,7 +78,7 @@ impl RecordView {
     ///
     /// # Errors
     /// As [`RecordReader::open`].
-    pub fn beside(&self) -> Result<RecordView, RecordError> {
+    pub fn reopened(&self) -> Result<RecordView, RecordError> {
         Ok(RecordView::of(self.reader.of_agent(self.reader.agent)?, Arc::clone(&self.samples)))
     }
 

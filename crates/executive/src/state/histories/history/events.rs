@@ -21,7 +21,8 @@ impl Histories {
         while let Some(oldest) = self.events.front().map(|event| event.at) {
             let newest = self.events.back().map_or(oldest, |event| event.at);
             if newest - oldest <= self.event_lookback {
-                if self.events.len() <= self.most.events.saturating_add(self.most.burst) {
+                let burst = if self.most.burst > 1 { self.most.burst } else { 0 };
+                if self.events.len() <= self.most.events.saturating_add(burst) {
                     return;
                 }
                 self.events_overflowed |= newest > oldest;
@@ -31,9 +32,11 @@ impl Histories {
         }
     }
 
-    /// So many messages and samples have come from outside at this instant; all of its messages are kept.
-    pub fn expect_events(&mut self, burst: usize) {
-        self.most.burst = if burst > 1 { burst } else { 0 };
+    /// So many more messages have arrived from outside, at the same instant as those before or at a later one: several of one instant
+    /// are all kept.
+    pub fn expect_events(&mut self, messages: usize, is_same_instant: bool) {
+        let before = if is_same_instant { self.most.burst } else { 0 };
+        self.most.burst = before.saturating_add(messages);
     }
 
     /// Remembered messages with `start <= at`, in order of time and, within an instant, of arrival.

@@ -1,6 +1,5 @@
 //! A picture of what was watched, as SVG: each state variable over time, its limits, and the intervals of all results.
 
-use crate::error::{CliError, CliResult};
 use apex_executive::MonitorSession;
 use apex_model::condition::{Condition, ConditionKind, Constraint};
 use apex_model::event::StateVariable;
@@ -10,11 +9,10 @@ use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 use apex_model::value::Value;
 use plotters::prelude::*;
-use std::path::Path;
 
 const WIDTH: u32 = 1_000;
 const PANEL_HEIGHT: u32 = 220;
-/// Panels of one picture; further variables are left out, and the picture says so.
+/// Panels of one picture; further variables are left out, as the picture states.
 const PANELS_MAX: usize = 20;
 /// Points of one line; of more samples each column keeps its least and greatest.
 const POINTS_MAX: usize = 4_000;
@@ -28,37 +26,24 @@ struct Panel {
     limits: Vec<f64>,
 }
 
-/// Refuses names of files that are not pictures of a kind that can be drawn.
+/// The picture of the variables of the session that `conditions` read, with the intervals of their results, as SVG; none where no
+/// sample is a number.
 ///
 /// # Errors
-/// The name does not end in `.svg`.
-pub fn check_name(path: &Path) -> CliResult {
-    match path.extension().map(|extension| extension.to_ascii_lowercase()) {
-        Some(extension) if extension == "svg" => Ok(()),
-        _ => Err(CliError::user(format!("`--plot {}` is not a name of an SVG file", path.display()))
-            .because("pictures are drawn as SVG, which browsers show and other programs convert")
-            .help("end the name in .svg")),
-    }
-}
-
-/// Draws the variables of the session that `conditions` read, with the intervals of their results.
-///
-/// # Errors
-/// No sample is a number; the file cannot be written.
-pub fn draw(path: &Path, session: &MonitorSession, conditions: &[Condition], intervals: &[(Time, Time)]) -> CliResult {
+/// What the drawing library reports.
+pub fn plot(
+    session: &MonitorSession,
+    conditions: &[Condition],
+    intervals: &[(Time, Time)],
+) -> Result<Option<String>, Box<dyn std::error::Error>> {
     let panels: Vec<Panel> =
         session.histories().iter().filter_map(|(variable, _)| panel(session, variable, conditions)).collect();
     if panels.is_empty() {
-        return Err(CliError::user(format!("nothing to draw in {}", path.display()))
-            .because("no sample of what the conditions read is a number")
-            .help("name other conditions, or leave `--plot` out"));
+        return Ok(None);
     }
-    let failed = |error: Box<dyn std::error::Error>| {
-        CliError::failure(format!("cannot write {}", path.display())).because(error)
-    };
     let mut text = String::new();
-    svg(&mut text, &panels, intervals).map_err(failed)?;
-    std::fs::write(path, text).map_err(|error| failed(error.into()))
+    svg(&mut text, &panels, intervals)?;
+    Ok(Some(text))
 }
 
 fn panel(session: &MonitorSession, variable: &StateVariable, conditions: &[Condition]) -> Option<Panel> {

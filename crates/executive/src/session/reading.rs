@@ -1,0 +1,57 @@
+//! What a session is asked: results, troubles, time, histories, and what can be said about a condition now.
+
+use super::{Judgement, MonitorResult, MonitorSession, SessionError, watched};
+use crate::monitoring::combination::{interest, monitors};
+use crate::state::clause::MonitorId;
+use crate::state::histories::history::Histories;
+use crate::state::monitors::monitor::{Interest, Verdict};
+use apex_model::library::Library;
+use apex_model::time::Time;
+use std::sync::Arc;
+
+impl MonitorSession {
+    /// The results since the last call, in order of recognition.
+    pub fn take_results(&mut self) -> Vec<MonitorResult> {
+        std::mem::take(&mut self.results)
+    }
+
+    /// What went wrong since the last call; at most [`SESSION_TROUBLES_MAX`], the first ones.
+    pub fn take_troubles(&mut self) -> Vec<SessionError> {
+        std::mem::take(&mut self.troubles)
+    }
+
+    /// The session's time: [`Time::BEGINNING`] before anything happened.
+    pub fn now(&self) -> Time {
+        self.world.now
+    }
+
+    /// The library in whose terms conditions are understood.
+    pub fn library(&self) -> &Arc<Library> {
+        &self.world.library
+    }
+
+    /// What is remembered, with counts of late, replaced and missing samples.
+    pub fn histories(&self) -> &Histories {
+        &self.world.histories
+    }
+
+    /// What a condition must be reported of, as far as it is known; empty while it is waited for.
+    pub fn interests(&self, id: MonitorId) -> Vec<Interest> {
+        let monitor = self.watches.get(id.0).and_then(|watched| watched.monitor.as_ref());
+        monitor.map(interest::interests).unwrap_or_default()
+    }
+
+    /// What can be said about a condition at the last instant that is over; none when it is not watched.
+    pub fn verdict(&self, id: MonitorId) -> Option<Judgement> {
+        let watched = self.watches.get(id.0)?;
+        let results = watched.results;
+        if let Some(first) = &watched.first {
+            return Some(Judgement { verdict: Verdict::Satisfied(first.clone()), because: Vec::new(), results });
+        }
+        let Some(mut monitor) = self.as_told(id, watched) else {
+            return Some(Judgement { verdict: Verdict::Unknown, because: vec![watched::not_begun(watched)], results });
+        };
+        let verdict = monitors::verdict(&mut monitor, &self.world);
+        Some(Judgement { verdict, because: monitors::unmet(&monitor, &self.world), results })
+    }
+}
