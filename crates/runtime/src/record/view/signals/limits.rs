@@ -115,15 +115,7 @@ fn parts(condition: &Condition, visit: &mut impl FnMut(&Condition)) {
         ConditionKind::Allen { parts: list, .. } => list.iter().for_each(|part| parts(part, visit)),
         ConditionKind::Probing { condition, .. } => parts(condition, visit),
         // A negated comparison is not a limit, and the others compare no samples.
-        ConditionKind::Not(_)
-        | ConditionKind::Absent(..)
-        | ConditionKind::Delay(..)
-        | ConditionKind::Timestamp(..)
-        | ConditionKind::Event { .. }
-        | ConditionKind::TaskEnded(_)
-        | ConditionKind::TaskState { .. }
-        | ConditionKind::Function(_)
-        | ConditionKind::Cyclic(_) => {}
+        _ => {}
     }
 }
 
