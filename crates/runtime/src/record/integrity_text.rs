@@ -1,4 +1,4 @@
-//! The result of checking a record, as a sentence and as JSON.
+//! The result of checking a record, as text and as JSON.
 
 use super::{FileSeal, Integrity};
 use serde_json::{Value, json};
