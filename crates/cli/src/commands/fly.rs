@@ -28,6 +28,9 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult {
     let pace = options.pace.map(checked_pace).transpose()?;
     let until = options.until.as_deref().map(|text| sources::parse_time(text, "--until")).transpose()?;
     let mission = Arc::new(sources::load_mission(&options.mission)?);
+    if let Some(runs) = options.runs {
+        return commands::fly_runs::run(options, runs, until, &mission, &means(options, planners)?);
+    }
     let pace = apex_simulation::pace_of(&mission, pace)?;
     let short_name = Mission::short_name(&options.mission);
     let path = options.record.clone().unwrap_or_else(|| PathBuf::from(format!("{short_name}.apex")));
@@ -158,6 +161,15 @@ fn stopped_by_signal() -> Receiver<Control> {
         }
     });
     controls
+}
+
+/// A bar over the flights of a series.
+pub fn runs_bar(runs: usize, hidden: bool) -> ProgressBar {
+    let bar = if hidden { ProgressBar::hidden() } else { ProgressBar::new(runs as u64) };
+    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos} of {len} flights  (real {elapsed}, left {eta})") {
+        bar.set_style(style);
+    }
+    bar
 }
 
 /// A bar over mission time.
