@@ -1,4 +1,4 @@
-//! Tables that are at hand as a whole, column by column.
+//! Tables that are written as a whole, column by column.
 
 use crate::parquet_writer::{column, failed, field};
 use parquet::basic::Type as Physical;

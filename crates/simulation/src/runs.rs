@@ -209,7 +209,7 @@ fn fly_one(mission: &Arc<Mission>, means: &PlanningResources, seed: u64, until: 
     let mut vehicle = world(mission, Some(seed))?;
     let mut check = FlightCheck::new(mission);
     let (quiet, controls) = mpsc::channel();
-    // A mission in real time is flown as fast as possible: no person takes part in a series.
+    // A mission in real time is flown as fast as possible: no operator takes part in a series.
     quiet.send(Control::Quiet).unwrap_or_default();
     let terms = apex_runtime::FlyOptions { controls: Some(controls), ..MissionFlight::terms(mission, until) };
     let flight = MissionFlight::new(Arc::clone(mission), means.clone()).fly(&mut vehicle, terms, &mut [&mut check])?;

@@ -163,15 +163,6 @@ fn stopped_by_signal() -> Receiver<Control> {
     controls
 }
 
-/// A bar over the flights of a series.
-pub fn runs_bar(runs: usize, hidden: bool) -> ProgressBar {
-    let bar = if hidden { ProgressBar::hidden() } else { ProgressBar::new(runs as u64) };
-    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos} of {len} flights  (real {elapsed}, left {eta})") {
-        bar.set_style(style);
-    }
-    bar
-}
-
 /// A bar over mission time.
 struct Progress {
     bar: ProgressBar,

@@ -8,6 +8,7 @@ use apex_mission::deliberation::PlanningResources;
 use apex_model::time::Time;
 use apex_simulation::{RunRow, RunSummary, RunTerms, fly_runs};
 use apex_tables::{Cells, write_columns};
+use indicatif::{ProgressBar, ProgressStyle};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -26,7 +27,7 @@ pub fn run(
     let stopped = Arc::new(AtomicBool::new(false));
     let signal = Arc::clone(&stopped);
     stopping::at_signal(move || signal.store(true, Ordering::Relaxed));
-    let bar = super::fly::runs_bar(runs, options.no_progress || options.json);
+    let bar = runs_bar(runs, options.no_progress || options.json);
     let rows = fly_runs(mission, means, &terms, || {
         bar.inc(1);
         !stopped.load(Ordering::Relaxed)
@@ -43,6 +44,15 @@ pub fn run(
     }
     output::print(summary)?;
     out.map_or(Ok(()), |(path, _)| output::print_line(format_args!("Table: {} rows in {}", rows.len(), path.display())))
+}
+
+/// A bar over the flights of a series.
+fn runs_bar(runs: usize, hidden: bool) -> ProgressBar {
+    let bar = if hidden { ProgressBar::hidden() } else { ProgressBar::new(runs as u64) };
+    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos} of {len} flights  (real {elapsed}, left {eta})") {
+        bar.set_style(style);
+    }
+    bar
 }
 
 fn is_parquet(path: &Path) -> CliResult<bool> {
