@@ -31,7 +31,7 @@ pub fn explain(diagnoser: &Diagnoser, component: &str) -> Option<String> {
 /// The facts of [`explain`] as JSON: `component`, `title`, `health`, and of each failure mode its `name` and `health`, the
 /// passed tests that clear it (`cleared_by`), the `failed` tests that accuse it with what else could be the reason (`open`)
 /// and what cannot (`cleared`), the tests `not_run` that could tell, and its `candidates` (`count`, `of`, `share`; null if it
-/// is in none). `text` is the explanation in words. `None` if the model has no such component.
+/// is in none). `text` is the explanation as text. `None` if the model has no such component.
 pub fn explain_json(diagnoser: &Diagnoser, component: &str) -> Option<Value> {
     let text = explain(diagnoser, component)?;
     let model = diagnoser.model();
