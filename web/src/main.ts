@@ -3,7 +3,9 @@
 import { mount } from 'svelte';
 import App from './App.svelte';
 import { readAddress } from './player/address';
+import { Operator } from './player/operator.svelte';
 import { Player } from './player/player.svelte';
+import { ServedFlight } from './record/operation';
 import { ServedRecord } from './record/source';
 import { applyColours } from './theme/colours';
 import './theme/theme.css';
@@ -18,5 +20,7 @@ await Promise.allSettled([
 const target = document.getElementById('app');
 if (!target) throw new Error('index.html has no element #app');
 const player = new Player(new ServedRecord(window.location.origin));
-mount(App, { target, props: { player, theme: address.theme, faults } });
+const operator = new Operator(new ServedFlight(window.location.origin));
+mount(App, { target, props: { player, operator, theme: address.theme, faults } });
 void player.open(address);
+void operator.watch();

@@ -7,7 +7,7 @@ use crate::explain::{
 };
 use crate::record::view::{
     Band, Bar, Ending, EventRow, Events, Excursion, Growth, LandingPlace, Lane, LeftOutTarget, Mission, More,
-    PlanInForce, PlannedVisit, RecordStatus, Report, Section, Signal, SignalKind, SignalLimit, SignalWindow,
+    PlanInForce, PlannedVisit, Plans, RecordStatus, Report, Section, Signal, SignalKind, SignalLimit, SignalWindow,
     SignalWindows, Signals, Snippet, StateWord, Statistics, Surroundings, Target, TargetChange, Targets, Task, Tasks,
     Timeline, Track, Trouble, TroubleKind, Troubles, Zone,
 };
@@ -64,6 +64,7 @@ fn typescript_types_of_the_record_view_are_current() {
         declaration::<PlannedVisit>(),
         declaration::<LeftOutTarget>(),
         declaration::<PlanInForce>(),
+        declaration::<Plans>(),
         declaration::<TroubleKind>(),
         declaration::<Trouble>(),
         declaration::<Troubles>(),

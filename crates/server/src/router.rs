@@ -5,7 +5,7 @@ use crate::params::{
     AtParams, EventsParams, SamplesParams, SourceParams, TasksParams, TimelineParams, TrackParams, WhyParams,
 };
 use crate::state::{AppState, QueryParams, Shared, blocking, checked, no_record};
-use crate::{assets, flights, guard, live, why};
+use crate::{assets, flights, guard, live, operation, seen, why};
 use apex_runtime::RecordError;
 use apex_runtime::record::view::{RecordView, SourceLine};
 use axum::Json;
@@ -44,6 +44,8 @@ pub(crate) fn router(state: Arc<AppState>) -> Router {
         .route("/api/source", get(source))
         .route("/api/live", get(live))
         .merge(flights::routes::routes(&state))
+        .merge(operation::routes::routes(&state))
+        .merge(seen::routes())
         .fallback(assets::page)
         .method_not_allowed_fallback(other_method)
         .layer(middleware::from_fn(add_headers))

@@ -2,6 +2,8 @@
 
 use crate::answer::{Answer, ApiError};
 use crate::flights::Tower;
+use crate::operation::FlightDoor;
+use crate::seen::SeenGround;
 use apex_model::source::SourceFile;
 use apex_runtime::RecordError;
 use apex_runtime::record::Program;
@@ -30,6 +32,10 @@ pub(crate) struct AppState {
     pub(crate) views: Option<Views>,
     /// The record's checked program, loaded at its first use; none if it cannot be loaded.
     pub(crate) program: OnceLock<Option<Program>>,
+    /// The way to the run that writes the record, if it is under way in this program.
+    pub(crate) door: Option<FlightDoor>,
+    /// The ground that the record's sensors have seen, as far as it was asked for.
+    pub(crate) seen: SeenGround,
     /// The flights of this server, if it may fly.
     pub(crate) tower: Option<Arc<Tower>>,
     /// True if only this machine can reach the server.

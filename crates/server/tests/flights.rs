@@ -23,6 +23,10 @@ fn missions() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions")
 }
 
+fn read() -> apex_server::ReadDatum {
+    Arc::new(|text| apex_pdl::read_value(text).map_err(|diagnostic| diagnostic.message))
+}
+
 fn means() -> PlanningResources {
     PlanningResources::of(&Arc::new(apex_solvers::shipped()))
 }
@@ -36,7 +40,8 @@ fn start(missions: Option<PathBuf>, records: &Path, address: Ipv4Addr) -> Socket
         address: IpAddr::V4(address),
         port: 0,
         load: None,
-        flights: missions.map(|missions| FlightOptions { missions, records: records.into(), means: means() }),
+        door: None,
+        flights: missions.map(|missions| FlightOptions { missions, records: records.into(), read: read(), means: means() }),
         ready: Box::new(move |url| sender.send(url.to_owned()).unwrap()),
     };
     std::thread::spawn(move || serve(options).unwrap());

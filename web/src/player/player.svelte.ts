@@ -23,6 +23,8 @@ import type {
 import type { Address, Selection, Tab } from './address';
 import { advance, clamp, otherSpeed, type Range, shift, speedFor, stepNs, zoom } from './clock';
 
+import { Scenery } from './scenery.svelte';
+
 /** A growing record is read again at most this often; drawing all of it is the dear part. */
 const REREAD_MS = 1500;
 /** A full explanation restores an instant: it is asked for when the cursor has rested this long. */
@@ -50,6 +52,9 @@ export class Player {
   why = $state.raw<TaskExplanation | null>(null);
   whyTrouble = $state<string | null>(null);
 
+  /** Plans, the ground seen, wind and link. */
+  readonly scenery: Scenery;
+
   atNs = $state(0);
   visible = $state.raw<Range>({ fromNs: 0, toNs: 0 });
   playing = $state(false);
@@ -74,6 +79,7 @@ export class Player {
   private growth: Growth | null = null;
   private readAt = 0;
   private rereadTimer: ReturnType<typeof setTimeout> | undefined;
+  private sceneryTimer: ReturnType<typeof setTimeout> | undefined;
   private restTimer: ReturnType<typeof setTimeout> | undefined;
   private frame = 0;
   private stopWatching: (() => void) | undefined;
@@ -88,6 +94,7 @@ export class Player {
   >;
 
   constructor(readonly source: RecordSource) {
+    this.scenery = new Scenery(source);
     this.taskQuestions = new LatestOnly(
       question => source.tasks(question),
       answer => {
@@ -207,6 +214,7 @@ export class Player {
     this.pause();
     clearTimeout(this.rereadTimer);
     clearTimeout(this.restTimer);
+    clearTimeout(this.sceneryTimer);
     this.stopWatching?.();
   }
 
@@ -367,6 +375,9 @@ export class Player {
       with: this.selectedTask,
     });
     const task = this.selectedTask;
+    this.scenery.askPlans(this.atNs);
+    clearTimeout(this.sceneryTimer);
+    this.sceneryTimer = setTimeout(() => this.scenery.ask(this.atNs), REST_MS);
     clearTimeout(this.restTimer);
     if (task === null) return;
     this.whyQuestions.put({ task, atNs: this.atNs, explain: false });

@@ -1,10 +1,12 @@
 /** The one way to a flight record: questions to the server, and news of its growth. */
 
+import type { Footprints, VehicleFacts } from './seen';
 import type {
   Events,
   Growth,
   Mission,
   PlanInForce,
+  Plans,
   Report,
   Signals,
   SignalWindows,
@@ -46,6 +48,12 @@ export interface RecordSource {
   targets(atNs: number): Promise<Target[]>;
   surroundings(): Promise<Surroundings>;
   plan(atNs: number): Promise<PlanInForce | null>;
+  /** All plans so far; only the last two have routes. */
+  plans(atNs: number): Promise<Plans>;
+  /** The ground that sensors had seen by then. */
+  footprints(atNs: number): Promise<Footprints>;
+  /** Null if the record is not of a mission. */
+  vehicle(): Promise<VehicleFacts | null>;
   troubles(atNs: number): Promise<Troubles>;
   events(query: { toNs: number; limit: number; find: string; kinds: string }): Promise<Events>;
   /** `explain` asks for what is awaited too, for which the server restores the instant. */
@@ -92,6 +100,9 @@ export class ServedRecord implements RecordSource {
       px: Math.round(query.pixels),
     });
   plan = (atNs: number): Promise<PlanInForce | null> => this.get('plan', { at: whole(atNs) });
+  plans = (atNs: number): Promise<Plans> => this.get('plans', { at: whole(atNs) });
+  footprints = (atNs: number): Promise<Footprints> => this.get('footprints', { at: whole(atNs) });
+  vehicle = (): Promise<VehicleFacts | null> => this.get('vehicle', {});
   troubles = (atNs: number): Promise<Troubles> => this.get('troubles', { at: whole(atNs) }); // english: allow
   targets = async (atNs: number): Promise<Target[]> =>
     (await this.get<Targets>('targets', { at: whole(atNs) })).targets;

@@ -520,6 +520,19 @@ route: Array<[number, number]>,
 left_out: Array<LeftOutTarget>, };
 
 /**
+ * The plans adopted by an instant.
+ */
+export type Plans = { 
+/**
+ * By number. Only the last two have their routes.
+ */
+plans: Array<PlanInForce>, 
+/**
+ * Earlier plans that are left out, because there are more than [`PLANS_MAX`].
+ */
+left_out: number, };
+
+/**
  * Kind of an entry.
  */
 export type TroubleKind = "failed" | "interrupted" | "fault" | "left-out" | "ended";

@@ -26,7 +26,7 @@ mod troubles;
 
 pub use events::{EventRow, Events, EventsQuery};
 pub use mission::{Ending, Growth, Mission, RecordStatus};
-pub use plan::{LeftOutTarget, PlanInForce, PlannedVisit};
+pub use plan::{LeftOutTarget, PLANS_MAX, PlanInForce, PlannedVisit, Plans};
 pub use report::{Report, Section};
 pub use signals::{
     Excursion, SIGNALS_MAX, Signal, SignalKind, SignalLimit, SignalQuery, SignalWindow, SignalWindows, Signals,
