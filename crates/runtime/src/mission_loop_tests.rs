@@ -363,12 +363,15 @@ fn every_command_has_one_end_and_is_an_input() {
     let (_, lines, ends) = commanded(Some(1000.0), orders, &[1]);
     assert!(matches!(ends[0], CommandEnd::Accepted { .. }), "{ends:?}");
     assert_eq!(ends[1], CommandEnd::Expired);
-    let rejected = |end: &CommandEnd, part: &str| matches!(end, CommandEnd::Rejected { reason } if reason.contains(part));
+    let rejected =
+        |end: &CommandEnd, part: &str| matches!(end, CommandEnd::Rejected { reason } if reason.contains(part));
     assert!(rejected(&ends[2], "question 3 is not open"), "{ends:?}");
     assert!(rejected(&ends[3], "which does not exist") && rejected(&ends[4], "a pace of -1"), "{ends:?}");
     assert!(matches!(ends[5], CommandEnd::Accepted { .. }), "{ends:?}");
     let all = lines.join("\n");
-    for (number, end) in [(1, "accepted"), (2, "expired"), (3, "rejected"), (4, "rejected"), (5, "rejected"), (6, "accepted")] {
+    for (number, end) in
+        [(1, "accepted"), (2, "expired"), (3, "rejected"), (4, "rejected"), (5, "rejected"), (6, "accepted")]
+    {
         let entry = format!("(operator-command {number} \"order {}\" {end}", number - 1);
         assert_eq!(all.matches(&entry).count(), 1, "{entry} in {all}");
     }
@@ -424,7 +427,8 @@ fn a_flight_that_holds_for_solvers_is_the_fast_flight_at_every_pace() {
         let options =
             FlyOptions { pace: Some(1.0), hold_for_solvers: true, clock, inputs: inputs(), ..FlyOptions::default() };
         let agents = std::slice::from_mut(&mut agent);
-        let end = fly_by((obey, Box::new(queue)), agents, &mut balloon, &mut Slow, &mut [&mut scribe], options).unwrap();
+        let end =
+            fly_by((obey, Box::new(queue)), agents, &mut balloon, &mut Slow, &mut [&mut scribe], options).unwrap();
         assert_eq!((scribe.0.as_slice(), end.late.steps), (fast.as_slice(), 0), "{takes_s} s on the wall");
     }
 }

@@ -6,7 +6,10 @@ use crate::state::{AppState, QueryParams, Shared, blocking, checked, no_record};
 use apex_mission::recorded::mission_of;
 use apex_mission::score::{FlownScore, Footprints};
 use apex_mission::vehicle::Airframe;
+use apex_mission::{Target, TargetKind};
 use apex_model::time::Time;
+use apex_observation::target::WantedLook;
+use apex_observation::timing::WindowNeed;
 use apex_runtime::record::RecordReader;
 use axum::Json;
 use axum::Router;
@@ -28,7 +31,11 @@ struct Fold {
 
 /// The routes.
 pub(crate) fn routes() -> Router<Arc<AppState>> {
-    Router::new().route("/api/footprints", get(footprints)).route("/api/plans", get(plans)).route("/api/vehicle", get(vehicle))
+    Router::new()
+        .route("/api/footprints", get(footprints))
+        .route("/api/plans", get(plans))
+        .route("/api/facts", get(facts))
+        .route("/api/holdings", get(holdings))
 }
 
 async fn footprints(State(state): Shared, params: QueryParams<WindowParams>) -> Answer<Response> {
@@ -44,26 +51,55 @@ async fn plans(State(state): Shared, params: QueryParams<AtParams>) -> Answer<Re
     Ok(Json(plans).into_response())
 }
 
-/// What the map must know of the mission: known from its start.
+async fn holdings(State(state): Shared, params: QueryParams<WindowParams>) -> Answer<Response> {
+    let WindowParams { from, to, at } = checked(params)?;
+    let holdings = blocking(move || state.read(|view| Ok(view.holdings((from, to), at)?))).await?;
+    Ok(Json(holdings).into_response())
+}
+
+/// What the page must know of the mission beside its record: all of it is in the mission's files.
 #[derive(Debug, Serialize)]
-struct VehicleFacts {
+struct MissionFacts {
     /// `fixed-wing` or `rotorcraft`.
     kind: &'static str,
     /// Greatest distance from a landing place that the mission allows, metres; none if it states none.
     landing_distance_m_max: Option<f64>,
+    /// Windows of the wanted looks of targets. The page shows those of targets that are known.
+    windows: Vec<WantedWindow>,
 }
 
-/// The vehicle of the record's mission; `null` if the record is not of a mission.
-async fn vehicle(State(state): Shared) -> Answer<Response> {
+/// A window in which a look at a target has its full worth.
+#[derive(Debug, Serialize)]
+struct WantedWindow {
+    target: String,
+    look: String,
+    from_ns: i64,
+    to_ns: i64,
+}
+
+fn windows_of(target: &Target) -> Vec<WantedWindow> {
+    let TargetKind::Fire(fire) = &target.kind else { return Vec::new() };
+    let window = |look: &WantedLook, window: &WindowNeed| WantedWindow {
+        target: target.id.clone(),
+        look: look.name.clone(),
+        from_ns: Time::from_seconds(window.from_s).0,
+        to_ns: Time::from_seconds(window.until_s).0,
+    };
+    fire.wanted.looks.iter().flat_map(|look| look.windows.iter().map(move |each| window(look, each))).collect()
+}
+
+/// Facts of the record's mission; `null` if the record is not of a mission.
+async fn facts(State(state): Shared) -> Answer<Response> {
     let facts = blocking(move || {
         let path = state.record.as_ref().ok_or_else(no_record)?;
         let mission = mission_of(&RecordReader::open(path)?)?;
-        Ok(mission.map(|mission| VehicleFacts {
+        Ok(mission.map(|mission| MissionFacts {
             kind: match mission.model.airframe {
                 Airframe::FixedWing => "fixed-wing",
                 Airframe::Rotorcraft => "rotorcraft",
             },
             landing_distance_m_max: mission.requirements.landing_distance_m_max(),
+            windows: mission.targets.iter().flat_map(windows_of).collect(),
         }))
     })
     .await?;

@@ -41,7 +41,12 @@ fn start(missions: Option<PathBuf>, records: &Path, address: Ipv4Addr) -> Socket
         port: 0,
         load: None,
         door: None,
-        flights: missions.map(|missions| FlightOptions { missions, records: records.into(), read: read(), means: means() }),
+        flights: missions.map(|missions| FlightOptions {
+            missions,
+            records: records.into(),
+            read: read(),
+            means: means(),
+        }),
         ready: Box::new(move |url| sender.send(url.to_owned()).unwrap()),
     };
     std::thread::spawn(move || serve(options).unwrap());

@@ -20,7 +20,7 @@ import type {
   Track,
   Trouble,
 } from '../record/types';
-import type { Address, Selection, Tab } from './address';
+import type { Address, Rows, Selection, Tab } from './address';
 import { advance, clamp, otherSpeed, type Range, shift, speedFor, stepNs, zoom } from './clock';
 
 import { Scenery } from './scenery.svelte';
@@ -71,6 +71,8 @@ export class Player {
   span = $state.raw<Range | null>(null);
   /** The tab of the details; none chosen means the log, or why once a task is selected. */
   tab = $state.raw<Tab | null>(null);
+  /** The rows of the timeline. */
+  rows = $state.raw<Rows>('tasks');
   showEnded = $state(true);
   find = $state('');
 
@@ -193,6 +195,7 @@ export class Player {
       strips: this.strips,
       span: this.span,
       tab: this.tab,
+      rows: this.rows,
     };
   }
 
@@ -205,6 +208,7 @@ export class Player {
     this.strips = address.strips;
     this.span = address.span;
     this.tab = address.tab;
+    this.rows = address.rows ?? 'tasks';
     if (atNs === 'live' || (atNs === null && this.live)) this.seek(this.range.toNs, true);
     else this.seek(atNs ?? this.range.fromNs);
   }

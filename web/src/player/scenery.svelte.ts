@@ -4,9 +4,9 @@
  */
 
 import { LatestOnly } from '../record/latest';
-import { airSignals, type Footprints, type VehicleFacts } from '../record/seen';
-import type { RecordSource } from '../record/source';
-import type { Plans, SignalWindow } from '../record/types';
+import { airSignals, type Footprints, type MissionFacts } from '../record/seen';
+import type { HoldingsQuery, RecordSource } from '../record/source';
+import type { Holdings, Plans, SignalWindow } from '../record/types';
 
 /** Entries along the track for links, and for wind. */
 const LINK_PIXELS = 800;
@@ -17,11 +17,13 @@ export class Scenery {
   footprints = $state.raw<Footprints | null>(null);
   wind = $state.raw<SignalWindow[]>([]);
   links = $state.raw<SignalWindow[]>([]);
-  vehicle = $state.raw<VehicleFacts | null>(null);
+  facts = $state.raw<MissionFacts | null>(null);
+  holdings = $state.raw<Holdings | null>(null);
   /** What cannot be read, in one sentence; the map says so. */
   trouble = $state<string | null>(null);
   private readonly questions: LatestOnly<number, void>;
   private readonly planQuestions: LatestOnly<number, Plans>;
+  private readonly holdingQuestions: LatestOnly<HoldingsQuery, Holdings>;
   private asked = false;
 
   constructor(private readonly source: RecordSource) {
@@ -42,6 +44,18 @@ export class Scenery {
       },
       fail,
     );
+    this.holdingQuestions = new LatestOnly(
+      query => source.holdings(query),
+      holdings => {
+        this.holdings = holdings;
+      },
+      fail,
+    );
+  }
+
+  /** Who held which resource, where that is shown. */
+  askHoldings(query: HoldingsQuery): void {
+    this.holdingQuestions.put(query);
   }
 
   /** The plans belong to every instant. */
@@ -56,7 +70,7 @@ export class Scenery {
 
   private async read(atNs: number): Promise<void> {
     if (!this.asked) {
-      this.vehicle = await this.source.vehicle();
+      this.facts = await this.source.facts();
       this.asked = true;
     }
     const [footprints, { signals }] = await Promise.all([

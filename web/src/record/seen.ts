@@ -20,10 +20,12 @@ export interface Footprints {
   pictures: { t_ns: number; corners: Pair[] }[];
 }
 
-/** What is known of the vehicle from the start. */
-export interface VehicleFacts {
+/** What the mission's files say, known from the start. */
+export interface MissionFacts {
   kind: 'fixed-wing' | 'rotorcraft';
   landing_distance_m_max: number | null;
+  /** In which looks at targets have their full worth. */
+  windows: { target: string; look: string; from_ns: number; to_ns: number }[];
 }
 
 /** The signals that the map draws along the flown track. */

@@ -1,9 +1,10 @@
 /** The one way to a flight record: questions to the server, and news of its growth. */
 
-import type { Footprints, VehicleFacts } from './seen';
+import type { Footprints, MissionFacts } from './seen';
 import type {
   Events,
   Growth,
+  Holdings,
   Mission,
   PlanInForce,
   Plans,
@@ -39,6 +40,13 @@ export interface SamplesQuery {
   pixels: number;
 }
 
+/** A window of holdings, of what was known at an instant. */
+export interface HoldingsQuery {
+  fromNs: number;
+  toNs: number;
+  atNs: number;
+}
+
 /** What a panel may ask a record; a finished one and a growing one answer alike. */
 export interface RecordSource {
   mission(atNs: number | null): Promise<Mission>;
@@ -52,8 +60,10 @@ export interface RecordSource {
   plans(atNs: number): Promise<Plans>;
   /** The ground that sensors had seen by then. */
   footprints(atNs: number): Promise<Footprints>;
+  /** Who held which resource. */
+  holdings(query: HoldingsQuery): Promise<Holdings>;
   /** Null if the record is not of a mission. */
-  vehicle(): Promise<VehicleFacts | null>;
+  facts(): Promise<MissionFacts | null>;
   troubles(atNs: number): Promise<Troubles>;
   events(query: { toNs: number; limit: number; find: string; kinds: string }): Promise<Events>;
   /** `explain` asks for what is awaited too, for which the server restores the instant. */
@@ -102,7 +112,13 @@ export class ServedRecord implements RecordSource {
   plan = (atNs: number): Promise<PlanInForce | null> => this.get('plan', { at: whole(atNs) });
   plans = (atNs: number): Promise<Plans> => this.get('plans', { at: whole(atNs) });
   footprints = (atNs: number): Promise<Footprints> => this.get('footprints', { at: whole(atNs) });
-  vehicle = (): Promise<VehicleFacts | null> => this.get('vehicle', {});
+  holdings = (query: HoldingsQuery): Promise<Holdings> =>
+    this.get('holdings', {
+      from: whole(query.fromNs),
+      to: whole(query.toNs),
+      at: whole(query.atNs),
+    });
+  facts = (): Promise<MissionFacts | null> => this.get('facts', {});
   troubles = (atNs: number): Promise<Troubles> => this.get('troubles', { at: whole(atNs) }); // english: allow
   targets = async (atNs: number): Promise<Target[]> =>
     (await this.get<Targets>('targets', { at: whole(atNs) })).targets;

@@ -44,7 +44,8 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult {
     let mut recorder = apex_simulation::create_record(&path, &mission, options.seed)?;
     let started = std::time::Instant::now();
     let begin = if options.paused { Some(0.0) } else { pace };
-    let (door, controls) = match options.serve.then(|| FlightDoor::new(&mission, begin, commands::serve::read_datum())) {
+    let (door, controls) = match options.serve.then(|| FlightDoor::new(&mission, begin, commands::serve::read_datum()))
+    {
         Some((door, controls)) => (Some(door), controls),
         None => (None, stopped_by_signal()),
     };
@@ -60,6 +61,8 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult {
     let mut observers: Vec<&mut dyn Observer> = vec![&mut progress];
     observers.extend(watch.as_mut().map(|watch| watch as &mut dyn Observer));
     let flown = apex_simulation::fly(mission, means, options.seed, terms, &mut recorder, &mut observers);
+    // The page learns that the flight is over.
+    drop(watch);
     progress.bar.finish_and_clear();
     let flight = flown?;
     let seconds = started.elapsed().as_secs_f64();

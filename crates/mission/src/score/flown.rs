@@ -89,7 +89,15 @@ impl FlownScore {
         let cameras =
             camera_names(&mission.model).into_iter().filter_map(|name| camera_of(&mission.model, name)).collect();
         let epoch_unix_s = mission.settings.epoch_unix_s;
-        Ok(Some(FlownScore { observation, ground, scanner, cameras, epoch_unix_s, latest: Latest::default(), footprints: None }))
+        Ok(Some(FlownScore {
+            observation,
+            ground,
+            scanner,
+            cameras,
+            epoch_unix_s,
+            latest: Latest::default(),
+            footprints: None,
+        }))
     }
 
     /// Collects footprints from here on.

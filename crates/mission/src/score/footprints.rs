@@ -56,7 +56,8 @@ impl Footprints {
     /// The part in `from_ns ..= to_ns`; nothing of it depends on what was seen later.
     pub fn between(&self, from_ns: i64, to_ns: i64) -> Footprints {
         let is_in = |t_ns: i64| (from_ns..=to_ns).contains(&t_ns);
-        let cut = |swath: &Swath| Swath { lines: swath.lines.iter().filter(|line| is_in(line.t_ns)).copied().collect() };
+        let cut =
+            |swath: &Swath| Swath { lines: swath.lines.iter().filter(|line| is_in(line.t_ns)).copied().collect() };
         Footprints {
             swaths: self.swaths.iter().map(cut).filter(|swath| !swath.lines.is_empty()).collect(),
             pictures: self.pictures.iter().filter(|picture| is_in(picture.t_ns)).cloned().collect(),
@@ -86,7 +87,12 @@ impl FootprintLog {
     }
 
     /// The scanner records at `at`, over ground of `ground_m` above mean sea level.
-    pub(super) fn line(&mut self, latest: &Latest, setting: &ScannerSetting, (at, ground_m, gap_s_max): (Time, f64, f64)) {
+    pub(super) fn line(
+        &mut self,
+        latest: &Latest,
+        setting: &ScannerSetting,
+        (at, ground_m, gap_s_max): (Time, f64, f64),
+    ) {
         let Some((position, altitude_m)) = latest.place else { return };
         let known = latest.attitude(at);
         let attitude = known.unwrap_or(Attitude { heading_deg: 0.0, pitch_deg: 0.0, roll_deg: 0.0 });

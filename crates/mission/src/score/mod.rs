@@ -9,7 +9,7 @@ mod value;
 
 pub use crate::predicted::Predicted;
 pub use flown::FlownScore;
-pub use footprints::{Footprints, SeenLine, SeenPicture, Swath};
 pub(crate) use flown::told;
+pub use footprints::{Footprints, SeenLine, SeenPicture, Swath};
 pub(crate) use value::flight_score;
 pub use value::{Cost, CostKind, FlightScore, ScoredLook};

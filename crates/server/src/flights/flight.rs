@@ -8,10 +8,10 @@ use apex_mission::error::MissionResult;
 use apex_mission::recording;
 use apex_model::effect::Effect;
 use apex_model::event::Batch;
+use apex_runtime::FlyOptions;
 use apex_runtime::ports::Observer;
 use apex_runtime::record::Recorder;
 use apex_runtime::record::view::{Report, Section};
-use apex_runtime::FlyOptions;
 use serde::Serialize;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
@@ -91,8 +91,14 @@ impl Flight {
     fn flown(&self, preparation: Preparation) -> MissionResult<End> {
         let Preparation { mission, means, terms, mut recorder } = preparation;
         let (mut progress, mut watch) = (Progress(&self.now_ns), self.door.watch());
-        let outcome =
-            apex_simulation::fly(mission, means, Some(self.seed), terms, &mut recorder, &mut [&mut progress, &mut watch])?;
+        let outcome = apex_simulation::fly(
+            mission,
+            means,
+            Some(self.seed),
+            terms,
+            &mut recorder,
+            &mut [&mut progress, &mut watch],
+        )?;
         self.now_ns.store(outcome.end.at.0, Ordering::Relaxed);
         let section = |(name, body): (&str, serde_json::Value)| Section { section: name.to_string(), body };
         let report = Report { sections: outcome.report.sections().into_iter().map(section).collect() };

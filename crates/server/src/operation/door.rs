@@ -114,6 +114,11 @@ impl FlightDoor {
         FlightWatch::new(self.shared.seen.clone())
     }
 
+    /// True until the run has ended. A paused run writes nothing for long, and is under way nevertheless.
+    pub(crate) fn is_under_way(&self) -> bool {
+        !self.shared.seen.state().is_over
+    }
+
     /// Ends the run in good order, as the system asks: not a person's command.
     pub fn stop(&self) {
         self.say(Control::Stop);
@@ -183,10 +188,11 @@ impl FlightDoor {
         let seen = self.shared.seen.state();
         let sent = self.sent();
         let pace = sent.pace_now();
-        let targets = self.shared.targets.keys().map(|id| TargetNews {
-            id: id.clone(),
-            known: self.is_known(id, &seen).unwrap_or_default(),
-        });
+        let targets = self
+            .shared
+            .targets
+            .keys()
+            .map(|id| TargetNews { id: id.clone(), known: self.is_known(id, &seen).unwrap_or_default() });
         Operation {
             now_ns: seen.now_ns,
             pace,

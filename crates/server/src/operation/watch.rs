@@ -31,6 +31,9 @@ pub(crate) struct SeenState {
     pub(crate) questions: Vec<OpenQuestion>,
     /// The request that planners work on; mission time stands still meanwhile.
     pub(crate) planning: Option<Planning>,
+    /// The run has ended.
+    #[serde(skip)]
+    pub(crate) is_over: bool,
     /// Targets that messages have announced (true) or declared gone (false).
     #[serde(skip)]
     pub(crate) news: BTreeMap<String, bool>,
@@ -87,6 +90,12 @@ pub struct FlightWatch {
 impl FlightWatch {
     pub(crate) fn new(seen: Seen) -> FlightWatch {
         FlightWatch { seen, asked: Vec::new() }
+    }
+}
+
+impl Drop for FlightWatch {
+    fn drop(&mut self) {
+        self.seen.kept().state.is_over = true;
     }
 }
 
