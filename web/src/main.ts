@@ -2,6 +2,7 @@
 
 import { mount } from 'svelte';
 import App from './App.svelte';
+import Paper from './panels/report/Paper.svelte';
 import { readAddress } from './player/address';
 import { Operator } from './player/operator.svelte';
 import { Player } from './player/player.svelte';
@@ -19,8 +20,18 @@ await Promise.allSettled([
 ]);
 const target = document.getElementById('app');
 if (!target) throw new Error('index.html has no element #app');
-const player = new Player(new ServedRecord(window.location.origin));
-const operator = new Operator(new ServedFlight(window.location.origin));
-mount(App, { target, props: { player, operator, theme: address.theme, faults } });
-void player.open(address);
-void operator.watch();
+const source = new ServedRecord(window.location.origin);
+if (new URLSearchParams(window.location.search).get('print') === '1') {
+  applyColours(document.documentElement, 'light');
+  mount(Paper, { target, props: { source, atNs: typeof address.atNs === 'number' ? address.atNs : null } });
+} else {
+  start(target);
+}
+
+function start(target: HTMLElement): void {
+  const player = new Player(source);
+  const operator = new Operator(new ServedFlight(window.location.origin));
+  mount(App, { target, props: { player, operator, theme: address.theme, faults } });
+  void player.open(address);
+  void operator.watch();
+}

@@ -24,7 +24,7 @@ export interface Address {
 }
 
 /** The tabs of the details. */
-export const TABS = ['why', 'signals', 'log', 'report'] as const;
+export const TABS = ['why', 'signals', 'plans', 'log', 'report'] as const;
 export type Tab = (typeof TABS)[number];
 
 /** The kinds of rows of the timeline; tasks at first. */

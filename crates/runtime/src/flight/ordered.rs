@@ -18,14 +18,15 @@ impl Flight<'_, '_> {
             None => CommandEnd::Accepted { at },
             Some(reason) => CommandEnd::Rejected { reason },
         };
-        // If the sender was first, the command has expired.
-        let end = if command.ticket.settle(end.clone()) { end } else { CommandEnd::Expired };
+        // The sender may have been first: then the command has expired, or was refused before it came here.
+        let settled = command.ticket.settle(end.clone());
+        let end = if settled { end } else { command.ticket.end().unwrap_or(CommandEnd::Expired) };
         let author = match &command.order {
             Order::Input(Some(agent), _) if self.group.check_agent(agent).is_ok() => Some(agent.clone()),
             _ => self.group.agent(0).map(|agent| agent.name.clone()),
         };
         self.group.deliver(Input { at, kind: command.entry(&end), agent: author })?;
-        if !matches!(end, CommandEnd::Accepted { .. }) {
+        if !settled || !matches!(end, CommandEnd::Accepted { .. }) {
             return Ok(None);
         }
         match &command.order {

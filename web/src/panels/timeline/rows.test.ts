@@ -1,6 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import type { Holdings, PlanInForce, Target } from '../../record/types';
-import { resourceRows, targetRows } from './rows';
+import { targetRows } from '../../record/visits';
+import { resourceRows } from './rows';
 import { NAMES_PX, scaleOf } from './view';
 
 function target(id: string, history: [number, string][]): Target {
