@@ -81,9 +81,8 @@ test('a flight is run, stepped, answered and changed from the page, and the reco
   const colour = await page.getByTestId('last-command').evaluate(node => getComputedStyle(node).color);
   expect(colour).toBe('rgb(255, 138, 101)');
 
-  // Run until the smoke is seen, at 28 minutes.
-  await page.getByTestId('run-pace').selectOption('300');
-  await lastCommand(page, 'pace 300: accepted');
+  await page.getByTestId('run-pace').selectOption('120');
+  await lastCommand(page, 'pace 120: accepted');
   await expect.poll(async () => (await operation()).now_ns, { timeout: 30_000 }).toBeGreaterThan(500e9);
   await page.getByTestId('run-pause').click();
   await expect(state).toHaveText('paused');
@@ -102,8 +101,10 @@ test('a flight is run, stepped, answered and changed from the page, and the reco
   await page.getByTestId('target-add').selectOption('sawmill');
   await lastCommand(page, 'add target sawmill: accepted');
 
-  // The question about the smoke has options, a default and a deadline; the answer is in the record.
+  // The question about the smoke, at 28 minutes, has options, a default and a deadline; the answer is in the record.
   await page.getByTestId('run-pause').click();
+  await expect.poll(async () => (await operation()).now_ns, { timeout: 60_000 }).toBeGreaterThan(1500e9);
+  await page.getByTestId('run-pace').selectOption('10');
   const question = page.getByTestId('question').filter({ hasText: 'Smoke at a structure' });
   await expect(question).toBeVisible({ timeout: 60_000 });
   await page.getByTestId('run-pause').click();
@@ -125,7 +126,7 @@ test('a flight is run, stepped, answered and changed from the page, and the reco
   const commands = recorded().join('\n');
   for (const entry of [
     '"step" accepted',
-    'pace 300" accepted',
+    'pace 120" accepted',
     'message: hello" rejected',
     'winery: 77" accepted',
     'remove target sawmill" accepted',

@@ -127,7 +127,7 @@ fn flown_of(reader: &RecordReader) -> Answer<Option<FlownScore>> {
     let Some(mission) = mission_of(reader)? else { return Ok(None) };
     let flown = FlownScore::new(&mission)
         .map_err(|reason| ApiError::bad_request(reason, "look at the targets of the record's mission"))?;
-    Ok(flown.map(FlownScore::with_footprints))
+    Ok(flown.map(FlownScore::only_footprints))
 }
 
 impl Fold {

@@ -67,15 +67,15 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult {
     let flight = flown?;
     let seconds = started.elapsed().as_secs_f64();
     print_flight(&flight, seconds, &path, options.json)?;
-    match sherpa {
-        Some(sherpa) if flight.end.reason != EndReason::Stopped => {
+    if let Some(sherpa) = sherpa {
+        // After Ctrl-C the server has ended already; a person who stops the flight from the page still looks at it.
+        if !sherpa.is_finished() {
             output::print_line("Sherpa goes on serving the record; Ctrl-C ends it")?;
-            // Its own thread has told what went wrong, if anything.
-            sherpa.join().ok();
-            Ok(())
         }
-        _ => Ok(()),
+        // Its own thread has told what went wrong, if anything.
+        sherpa.join().ok();
     }
+    Ok(())
 }
 
 fn print_flight(flight: &FlightOutcome, seconds: f64, path: &Path, json: bool) -> CliResult {

@@ -100,14 +100,14 @@ impl FlownScore {
         }))
     }
 
-    /// Collects footprints from here on.
+    /// Collects footprints from here on instead of the score, which costs a hundred times more.
     #[must_use]
-    pub fn with_footprints(self) -> FlownScore {
+    pub fn only_footprints(self) -> FlownScore {
         FlownScore { footprints: Some(FootprintLog::default()), ..self }
     }
 
     /// The ground seen so far, with the swath under way up to its last kept line; empty without
-    /// [`FlownScore::with_footprints`].
+    /// [`FlownScore::only_footprints`].
     pub fn footprints(&self) -> Option<&Footprints> {
         self.footprints.as_ref().map(|log| &log.seen)
     }
@@ -159,6 +159,7 @@ impl FlownScore {
         if let Some(picture) = self.picture(&camera, at) {
             if let Some(log) = &mut self.footprints {
                 log.picture(&picture, at, self.observation.elevation_m_near(picture.sample.position));
+                return;
             }
             self.observation.picture(&picture, &self.ground);
         }
@@ -222,11 +223,12 @@ impl FlownScore {
             return;
         }
         let Some((position, altitude_m)) = self.latest.place else { return };
-        let sample = self.flight_sample(at, position, altitude_m);
         if let (Some(log), Some(setting)) = (&mut self.footprints, &self.scanner) {
             let ground_m = self.observation.elevation_m_near(position);
             log.line(&self.latest, setting, (at, ground_m, SAMPLE_GAP_S_MAX));
+            return;
         }
+        let sample = self.flight_sample(at, position, altitude_m);
         self.observation.sample(sample, &self.ground);
     }
 

@@ -199,6 +199,10 @@ function polyline(
 function drawTargets(context: CanvasRenderingContext2D, scene: Scene, project: Project): void {
   const points = scene.targets.map(target => ({ target, ...project(target.position) }));
   const taken: Box[] = points.map(({ x, y }) => ({ x: x - 7, y: y - 7, width: 14, height: 14 }));
+  if (scene.aircraft) {
+    const { x, y } = project(scene.aircraft.position);
+    taken.push({ x: x - 13, y: y - 13, width: 26, height: 26 });
+  }
   for (const { target, x, y } of points) drawSymbol(context, target, x, y, target.id === scene.selected);
   // The chosen one and what is worked on have the first right to a label, then the valuable ones.
   const rank = (target: TargetView) =>
