@@ -59,7 +59,7 @@ test('every target has a row with the times of all plans, and none before it is 
   // What the executive itself says about the plans.
   const trace = execFileSync(
     apexProgram(),
-    ['trace', process.env.APEX_RECORD ?? '', '--json', '--type', 'procedure-added'],
+    ['trace', process.env.APEX_RECORD ?? '', '--json', '--type', 'plan'],
     { maxBuffer: 1 << 28 },
   );
   const adopted = trace
@@ -82,7 +82,8 @@ test('rows of resources name the holder of the instant', async ({ page }) => {
   const rows = page.getByTestId('resource-rows');
   await expect(rows.getByRole('row')).toHaveCount(resources.length);
   const path = resources.find(row => row.resource === 'flight-path');
-  const holder = path?.holdings.find(one => one.open);
+  // A child holds the share of its parent: the last one is at work.
+  const holder = path?.holdings.findLast(one => one.open);
   await expect(rows.getByRole('row').first()).toContainText('flight-path');
   if (holder)
     await expect(rows.locator('[role="gridcell"]').nth(1)).toHaveAttribute(
@@ -107,11 +108,12 @@ test('the map shows ground seen, wind, reach and the replaced plan, and only wha
   const map = page.getByTestId('map');
   await expect(page.getByTestId('wind')).toContainText(/wind from \d{3}° at \d+ kt, measured/);
   const early = await countColours(page, map, colours);
-  expect(early[COLOURS.seen] ?? 0).toBeLessThan(3);
+  const before = early[COLOURS.seen] ?? 0;
+  expect(before).toBeLessThan(20);
   await open(page, `?t=${at}`);
   await expect
     .poll(async () => (await countColours(page, map, colours))[COLOURS.seen] ?? 0)
-    .toBeGreaterThan(3);
+    .toBeGreaterThan(before + 20);
   const { plans } = await ask<Plans>(`plans?at=${at}000000000`);
   expect(plans.slice(0, -2).every((plan: PlanInForce) => plan.route.length === 0)).toBe(true);
   expect(plans.at(-2)?.route.length).toBeGreaterThan(10);

@@ -389,9 +389,10 @@ fn plans_ground_seen_and_holders_are_those_of_the_instant_also_for_many_callers(
     let path = rows.iter().find(|row| row["resource"].as_str().unwrap().contains("flight-path")).unwrap();
     let held = path["holdings"].as_array().unwrap();
     assert!(held.iter().all(|one| one["to_ns"].as_i64().unwrap() <= 300_000_000_000), "{held:?}");
+    assert!(held.windows(2).all(|pair| pair[0]["from_ns"].as_i64() <= pair[1]["from_ns"].as_i64()), "by begin");
     assert!(
-        held.windows(2).all(|pair| pair[0]["to_ns"].as_i64() <= pair[1]["from_ns"].as_i64()),
-        "one holder at a time"
+        held.iter().any(|one| one["open"] == json!(true)),
+        "a helicopter in the air has a task that holds its path"
     );
     assert_eq!(get(server, "/api/holdings?at=soon").0, 400);
 
