@@ -197,6 +197,9 @@ pub struct FlyOptions {
     /// Serve Sherpa while flying, and continue serving after.
     #[arg(long)]
     pub serve: bool,
+    /// Begin paused: mission time stands still at 0 until the page resumes it.
+    #[arg(long)]
+    pub paused: bool,
     /// Port of Sherpa.
     #[arg(long, default_value_t = 8040, value_name = "NUMBER")]
     pub port: u16,
