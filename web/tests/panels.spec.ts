@@ -149,7 +149,7 @@ test('a layer of the user is drawn, never sent, and a wrong file is explained', 
       .poll(async () => (await countColours(page, map, [COLOURS.user]))[COLOURS.user] ?? 0)
       .toBeGreaterThan(40);
   await page.getByTestId('layer-file').setInputFiles(file('bad.json', '{"type": "Topology"}'));
-  await expect(page.getByTestId('layer-trouble')).toContainText('bad.json is not GeoJSON');
+  await expect(page.getByTestId('layer-fault')).toContainText('bad.json is not GeoJSON');
   await expectNoFaults(page, 'a layer and a wrong file');
   expect(sent).toEqual([]);
   await page.getByTestId('user-layer').click();

@@ -37,7 +37,7 @@ impl SeenGround {
 fn flown_of(reader: &RecordReader) -> Answer<Option<FlownScore>> {
     let Some(mission) = mission_of(reader)? else { return Ok(None) };
     let flown = FlownScore::new(&mission)
-        .map_err(|reason| ApiError::bad_request(reason, "look at the targets of the record's mission"))?;
+        .map_err(|reason| ApiError::bad_request(reason, "check the targets of the record's mission"))?;
     Ok(flown.map(FlownScore::only_footprints))
 }
 
