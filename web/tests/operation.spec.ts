@@ -121,7 +121,7 @@ test('a flight is run, stepped, answered and changed from the page, and the reco
 
   await page.getByTestId('run-stop').click();
   await expect(page.getByTestId('operator')).toHaveCount(0);
-  await expect(page.getByTestId('status')).toContainText('stopped from outside');
+  await expect(page.getByTestId('status')).toHaveAttribute('title', 'it was stopped from outside');
 
   const commands = recorded().join('\n');
   for (const entry of [

@@ -86,8 +86,8 @@ test('rows of resources name the holder of the instant', async ({ page }) => {
   const holder = path?.holdings.findLast(one => one.open);
   await expect(rows.getByRole('row').first()).toContainText('flight-path');
   if (holder)
-    await expect(rows.locator('[role="gridcell"]').nth(1)).toHaveAttribute(
-      'aria-label',
+    await expect(rows.locator('[role="gridcell"]').first()).toHaveAttribute(
+      'title',
       new RegExp(`T${holder.task} `),
     );
   await expectNoFaults(page, 'rows of resources');
@@ -149,7 +149,7 @@ test('a layer of the user is drawn, never sent, and a wrong file is explained', 
       .poll(async () => (await countColours(page, map, [COLOURS.user]))[COLOURS.user] ?? 0)
       .toBeGreaterThan(40);
   await page.getByTestId('layer-file').setInputFiles(file('bad.json', '{"type": "Topology"}'));
-  await expect(page.getByTestId('layer-trouble')).toContainText('bad.json is not GeoJSON');
+  await expect(page.getByTestId('layer-fault')).toContainText('bad.json is not GeoJSON');
   await expectNoFaults(page, 'a layer and a wrong file');
   expect(sent).toEqual([]);
   await page.getByTestId('user-layer').click();

@@ -1,4 +1,4 @@
-//! Commands of a person to a run that is under way, each with exactly one end: accepted, rejected, or expired.
+//! Commands of an operator to a run that is under way, each with exactly one end: accepted, rejected, or expired.
 //!
 //! The run settles a command when it takes it, at one instant of mission time, and writes the command with its end into the
 //! record as an input: the event `(operator-command NUMBER WORDS accepted)`, `(.. rejected REASON)` or `(.. expired)`. The
@@ -16,15 +16,15 @@ const HEAD: &str = "operator-command";
 /// What a command asks of the run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Order {
-    /// An input for one agent, or for all: an answer, a message, news of a target.
+    /// An input for one agent, or for all: an answer, a message, updates of a target.
     Input(Option<Symbol>, EventKind),
     /// Another pace; see [`crate::FlyOptions::pace`].
     Pace(Option<f64>),
     /// Continue to the next instant with a visible effect (a decision, a command, a question, output), then pause.
     Step,
-    /// End the run in good order.
+    /// End the run cleanly.
     Stop,
-    /// Nothing but the entry in the record: a person has noticed something.
+    /// Nothing but the entry in the record: an operator has noticed something.
     Note,
 }
 
@@ -71,7 +71,7 @@ impl Ticket {
 pub struct Command {
     /// Number, from 1, in the order of sending.
     pub number: u64,
-    /// The command in words, for the record.
+    /// The command as text, for the record.
     pub words: String,
     /// What it asks.
     pub order: Order,
@@ -103,5 +103,24 @@ impl Drop for Command {
     fn drop(&mut self) {
         // A run that ends leaves commands behind that it has not taken.
         self.ticket.settle(CommandEnd::Rejected { reason: "the flight ended before it took the command".into() });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::terms::Control;
+    use std::sync::mpsc::channel;
+
+    #[test]
+    fn a_command_that_the_run_does_not_take_is_rejected_at_its_end() {
+        let ticket = Ticket::default();
+        let command = Command { number: 1, words: "late".into(), order: Order::Note, ticket: ticket.clone() };
+        let (operators, controls) = channel();
+        operators.send(Control::Command(Arc::new(command))).unwrap();
+        drop((operators, controls));
+        let end = ticket.end().unwrap();
+        assert!(matches!(&end, CommandEnd::Rejected { reason } if reason.contains("ended before")), "{end:?}");
+        assert!(!ticket.settle(CommandEnd::Expired), "one end only");
     }
 }

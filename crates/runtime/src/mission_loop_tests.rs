@@ -405,18 +405,6 @@ fn a_step_runs_to_the_next_effect_and_pauses() {
 }
 
 #[test]
-fn a_command_that_the_run_does_not_take_is_rejected_at_its_end() {
-    let ticket = Ticket::default();
-    let command = Command { number: 1, words: "late".into(), order: Order::Note, ticket: ticket.clone() };
-    let (people, controls) = channel();
-    people.send(Control::Command(Arc::new(command))).unwrap();
-    drop((people, controls));
-    let end = ticket.end().unwrap();
-    assert!(matches!(&end, CommandEnd::Rejected { reason } if reason.contains("ended before")), "{end:?}");
-    assert!(!ticket.settle(CommandEnd::Expired), "one end only");
-}
-
-#[test]
 fn a_flight_that_holds_for_solvers_is_the_fast_flight_at_every_pace() {
     let inputs = || vec![said(12.0, "go"), said(3.0, "plan"), said(4.0, "forget")];
     let (_, fast) = fly_balloon(5, FlyOptions { inputs: inputs(), ..FlyOptions::default() });

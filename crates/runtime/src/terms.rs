@@ -73,7 +73,7 @@ pub enum Control {
     InputFor(Symbol, EventKind),
     /// Another pace; see [`FlyOptions::pace`].
     Pace(Option<f64>),
-    /// A person's command, which ends as accepted, rejected or expired.
+    /// An operator's command, which ends as accepted, rejected or expired.
     Command(Arc<Command>),
     /// Nothing more will be said but [`Control::Stop`]: the run need not wait for inputs.
     Quiet,

@@ -1,15 +1,12 @@
 //! `/api/footprints` and `/api/plans`: the ground that the sensors have seen, and all plans, as known at an instant.
 
-use crate::answer::{Answer, ApiError};
+use crate::answer::Answer;
 use crate::params::{AtParams, WindowParams};
 use crate::state::{AppState, QueryParams, Shared, blocking, checked, no_record};
 use apex_mission::recorded::mission_of;
-use apex_mission::score::{FlownScore, Footprints};
 use apex_mission::vehicle::Airframe;
 use apex_mission::{Target, TargetKind};
 use apex_model::time::Time;
-use apex_observation::target::WantedLook;
-use apex_observation::timing::WindowNeed;
 use apex_runtime::record::RecordReader;
 use axum::Json;
 use axum::Router;
@@ -17,17 +14,7 @@ use axum::extract::State;
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use serde::Serialize;
-use std::sync::{Arc, Mutex, PoisonError};
-
-/// The fold over the record's steps, as far as it has come. A finished record is folded once.
-#[derive(Default)]
-pub(crate) struct SeenGround(Mutex<Option<Fold>>);
-
-struct Fold {
-    /// None: the mission observes nothing, or cannot be loaded.
-    flown: Option<FlownScore>,
-    last: (i64, Time),
-}
+use std::sync::Arc;
 
 /// The routes.
 pub(crate) fn routes() -> Router<Arc<AppState>> {
@@ -41,7 +28,11 @@ pub(crate) fn routes() -> Router<Arc<AppState>> {
 async fn footprints(State(state): Shared, params: QueryParams<WindowParams>) -> Answer<Response> {
     let WindowParams { from, to, at } = checked(params)?;
     let to_ns = to.unwrap_or(i64::MAX).min(at.unwrap_or(i64::MAX));
-    let seen = blocking(move || state.seen.between(&state, from.unwrap_or(i64::MIN), to_ns)).await?;
+    let seen = blocking(move || {
+        let path = state.record.as_ref().ok_or_else(no_record)?;
+        state.seen.between(path, from.unwrap_or(i64::MIN), to_ns)
+    })
+    .await?;
     Ok(Json(seen).into_response())
 }
 
@@ -57,7 +48,7 @@ async fn holdings(State(state): Shared, params: QueryParams<WindowParams>) -> An
     Ok(Json(holdings).into_response())
 }
 
-/// What the page must know of the mission beside its record: all of it is in the mission's files.
+/// What the page must know of the mission next to its record: all of it is in the mission's files.
 #[derive(Debug, Serialize)]
 struct MissionFacts {
     /// `fixed-wing` or `rotorcraft`.
@@ -68,7 +59,7 @@ struct MissionFacts {
     windows: Vec<WantedWindow>,
 }
 
-/// A window in which a look at a target has its full worth.
+/// A window in which an image of a target has its full worth.
 #[derive(Debug, Serialize)]
 struct WantedWindow {
     target: String,
@@ -79,13 +70,15 @@ struct WantedWindow {
 
 fn windows_of(target: &Target) -> Vec<WantedWindow> {
     let TargetKind::Fire(fire) = &target.kind else { return Vec::new() };
-    let window = |look: &WantedLook, window: &WindowNeed| WantedWindow {
+    let looks = fire.wanted.looks.iter();
+    let windows = looks.flat_map(|look| look.windows.iter().map(|window| (look.name.clone(), window)));
+    let wanted = windows.map(|(look, window)| WantedWindow {
         target: target.id.clone(),
-        look: look.name.clone(),
+        look,
         from_ns: Time::from_seconds(window.from_s).0,
         to_ns: Time::from_seconds(window.until_s).0,
-    };
-    fire.wanted.looks.iter().flat_map(|look| look.windows.iter().map(move |each| window(look, each))).collect()
+    });
+    wanted.collect()
 }
 
 /// Facts of the record's mission; `null` if the record is not of a mission.
@@ -104,43 +97,4 @@ async fn facts(State(state): Shared) -> Answer<Response> {
     })
     .await?;
     Ok(Json(facts).into_response())
-}
-
-impl SeenGround {
-    /// The footprints in a window. One caller at a time folds; the others wait for what it finds.
-    fn between(&self, state: &AppState, from_ns: i64, to_ns: i64) -> Answer<Footprints> {
-        let mut slot = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let path = state.record.as_ref().ok_or_else(no_record)?;
-        let reader = RecordReader::open(path)?.of_agent(0)?;
-        let fold = match slot.take() {
-            Some(fold) => fold,
-            None => Fold { flown: flown_of(&reader)?, last: (0, Time::BEGINNING) },
-        };
-        let fold = slot.insert(fold);
-        fold.advance(&reader)?;
-        let seen = fold.flown.as_ref().and_then(FlownScore::footprints);
-        Ok(seen.map(|seen| seen.between(from_ns, to_ns)).unwrap_or_default())
-    }
-}
-
-fn flown_of(reader: &RecordReader) -> Answer<Option<FlownScore>> {
-    let Some(mission) = mission_of(reader)? else { return Ok(None) };
-    let flown = FlownScore::new(&mission)
-        .map_err(|reason| ApiError::bad_request(reason, "look at the targets of the record's mission"))?;
-    Ok(flown.map(FlownScore::only_footprints))
-}
-
-impl Fold {
-    /// Takes the steps that were recorded since the last time.
-    fn advance(&mut self, reader: &RecordReader) -> Answer<()> {
-        let Some(flown) = &mut self.flown else { return Ok(()) };
-        for step in reader.steps_between(self.last.1, Time::END)?.without_effects() {
-            let step = step?;
-            if step.batch_number > self.last.0 {
-                flown.observe(&step.batch);
-                self.last = (step.batch_number, step.batch.now);
-            }
-        }
-        Ok(())
-    }
 }

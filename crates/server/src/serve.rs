@@ -3,7 +3,7 @@
 use crate::flights::{FlightOptions, Tower};
 use crate::operation::FlightDoor;
 use crate::router::router;
-use crate::seen::SeenGround;
+use crate::seen_ground::SeenGround;
 use crate::state::{AppState, LoadSources, Views};
 use apex_runtime::RecordError;
 use apex_runtime::record::view::RecordView;

@@ -3,7 +3,7 @@
 use crate::answer::{Answer, ApiError};
 use crate::flights::Tower;
 use crate::operation::FlightDoor;
-use crate::seen::SeenGround;
+use crate::seen_ground::SeenGround;
 use apex_model::source::SourceFile;
 use apex_runtime::RecordError;
 use apex_runtime::record::Program;

@@ -1,9 +1,9 @@
-/** The Operator: what a person sees of a flight under way, and the commands to it. It decides nothing: the flight does. */
+/** The Operator: what an operator sees of a flight under way, and the commands to it. It decides nothing: the flight does. */
 
 import type { Operation, ServedFlight, Wish } from '../record/operation';
 import { RecordError } from '../record/source';
 
-/** The flight is looked at so often; commands on their way are counted in tenths of seconds. */
+/** The state is read this often; commands on their way are counted in tenths of seconds. */
 const LOOK_MS = 400;
 const LOOK_QUICK_MS = 150;
 
@@ -16,7 +16,7 @@ export class Operator {
 
   constructor(private readonly flight: ServedFlight) {}
 
-  /** Looks at the flight until it is told to stop looking, or there is none. */
+  /** Reads the state until it is closed, or there is no flight. */
   async watch(): Promise<void> {
     clearTimeout(this.timer);
     try {

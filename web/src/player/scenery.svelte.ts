@@ -19,7 +19,7 @@ export class Scenery {
   links = $state.raw<SignalWindow[]>([]);
   facts = $state.raw<MissionFacts | null>(null);
   holdings = $state.raw<Holdings | null>(null);
-  /** What cannot be read, in one sentence; the map says so. */
+  /** What cannot be read, in one sentence, for the map. */
   trouble = $state<string | null>(null);
   private readonly questions: LatestOnly<number, void>;
   private readonly planQuestions: LatestOnly<number, Plans>;

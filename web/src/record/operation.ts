@@ -1,4 +1,4 @@
-/** The flight under way behind a record: its state for a person, and commands to it. */
+/** The flight under way behind a record: its state for an operator, and commands to it. */
 
 import { RecordError } from './source';
 
@@ -36,7 +36,7 @@ export interface Operation {
   commands: CommandState[];
 }
 
-/** What a person asks of the flight. */
+/** What an operator asks of the flight. */
 export type Wish =
   | { do: 'pause' | 'resume' | 'step' | 'stop' }
   | { do: 'pace'; pace: number | null }

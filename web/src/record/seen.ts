@@ -1,4 +1,4 @@
-/** What the map asks of a record beside the generated types: the ground seen, and the vehicle. */
+/** What the map asks of a record next to the generated types: the ground seen, and the vehicle. */
 
 import type { Signal } from './types';
 
@@ -24,7 +24,7 @@ export interface Footprints {
 export interface MissionFacts {
   kind: 'fixed-wing' | 'rotorcraft';
   landing_distance_m_max: number | null;
-  /** In which looks at targets have their full worth. */
+  /** In which images of targets have their full worth. */
   windows: { target: string; look: string; from_ns: number; to_ns: number }[];
 }
 

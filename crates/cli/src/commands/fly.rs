@@ -71,7 +71,7 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult {
     let seconds = started.elapsed().as_secs_f64();
     print_flight(&flight, seconds, &path, options.json)?;
     if let Some(sherpa) = sherpa {
-        // After Ctrl-C the server has ended already; a person who stops the flight from the page still looks at it.
+        // After Ctrl-C the server has ended already; an operator who stops the flight from the page still reads it.
         if !sherpa.is_finished() {
             output::print_line("Sherpa goes on serving the record; Ctrl-C ends it")?;
         }

@@ -65,7 +65,7 @@ impl Footprints {
     }
 }
 
-/// Collects footprints beside the score.
+/// Collects footprints next to the score.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FootprintLog {
     pub(super) seen: Footprints,

@@ -1,4 +1,4 @@
-//! Commands of a person, as the run takes them: each is checked, settled, recorded as an input, and executed if accepted.
+//! Commands of an operator, as the run takes them: each is checked, settled, recorded as an input, and executed if accepted.
 
 use super::{Flight, Waited};
 use crate::commands::{Command, CommandEnd, Order};
@@ -7,7 +7,7 @@ use crate::ports::Input;
 use apex_model::event::EventKind;
 use apex_model::time::Time;
 
-/// The pace of a step: as fast as possible, but still with a clock, so that the run waits for people at its end.
+/// The pace of a step: as fast as possible, but still with a clock, so that the run waits for operators at its end.
 const STEP_PACE: f64 = 1e9;
 
 impl Flight<'_, '_> {
@@ -47,7 +47,7 @@ impl Flight<'_, '_> {
         Ok(None)
     }
 
-    /// The step has come to something visible: mission time stands still again.
+    /// The step has arrived to something visible: mission time stands still again.
     pub(super) fn pause_after_step(&mut self, now: Time) -> Result<(), RunError> {
         self.stepping = false;
         self.pacer.set(Some(0.0), now).map_err(RunError::Options)

@@ -2,13 +2,13 @@
 
 use crate::answer::{Answer, ApiError};
 use crate::flights::request::{FlightRequest, PlanParams};
-use crate::guard;
+use crate::own_pages::own_pages_only;
 use crate::state::{AppState, Shared, blocking, checked};
 use axum::extract::rejection::{JsonRejection, PathRejection, QueryRejection};
-use axum::extract::{DefaultBodyLimit, Path, Query, Request, State};
+use axum::extract::{DefaultBodyLimit, Path, Query, State};
+use axum::http::StatusCode;
 use axum::http::header::{CONTENT_TYPE, LOCATION};
-use axum::http::{Method, StatusCode};
-use axum::middleware::{self, Next};
+use axum::middleware;
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use axum::{Json, Router};
@@ -30,26 +30,6 @@ pub(crate) fn routes(state: &Arc<AppState>) -> Router<Arc<AppState>> {
         .route("/api/flights/{id}/stop", post(stop))
         .layer(DefaultBodyLimit::max(BODY_MAX_BYTES))
         .layer(middleware::from_fn_with_state(Arc::clone(state), own_pages_only))
-}
-
-/// Lets only programs and pages of this machine start and stop flights.
-pub(crate) async fn own_pages_only(State(state): Shared, request: Request, next: Next) -> Response {
-    if request.method() == Method::POST {
-        let refused = if !guard::same_origin(request.headers()) {
-            Some(("this page comes from another site", "open the page that this server serves"))
-        } else if !state.loopback {
-            Some((
-                "this server flies no missions: it answers to other machines, and has no password",
-                "start it without `--address`, or with 127.0.0.1",
-            ))
-        } else {
-            None
-        };
-        if let Some((error, help)) = refused {
-            return ApiError::forbidden(error, help).into_response();
-        }
-    }
-    next.run(request).await
 }
 
 async fn missions(State(state): Shared) -> Answer<Response> {

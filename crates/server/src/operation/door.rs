@@ -119,18 +119,18 @@ impl FlightDoor {
         !self.shared.seen.state().is_over
     }
 
-    /// Ends the run in good order, as the system asks: not a person's command.
+    /// Ends the run cleanly, as the system asks: not an operator's command.
     pub fn stop(&self) {
         self.say(Control::Stop);
     }
 
-    /// Lets a paused run continue, because no person can any longer: not a person's command.
+    /// Lets a paused run continue, because no operator can any longer: not an operator's command.
     pub fn resume(&self) {
         let running = self.sent().running;
         self.say(Control::Pace(running));
     }
 
-    /// Says that the run need not wait for people.
+    /// Says that the run need not wait for operators.
     pub fn be_quiet(&self) {
         self.say(Control::Quiet);
     }
@@ -167,7 +167,7 @@ impl FlightDoor {
             command.ticket.settle(CommandEnd::Rejected { reason });
         }
         sent.entries.push_back(entry);
-        // A command that nobody takes settles itself.
+        // A command that no run takes settles itself.
         self.say(Control::Command(Arc::new(command)));
         number
     }

@@ -1,6 +1,6 @@
-//! Operating a flight under way: run control, answers, messages, news of targets.
+//! Operating a flight under way: run control, answers, messages, updates of targets.
 //!
-//! `door` carries commands to the run and knows how each ended; `watch` is an observer of the run that keeps what a person needs
+//! `door` carries commands to the run and knows how each ended; `watch` is an observer of the run that keeps what an operator needs
 //! to decide: open questions, planning under way, targets; `request` reads and checks commands; `routes` is the table of
 //! addresses. A command ends in exactly one of accepted, rejected and expired, and the run records it as an input.
 

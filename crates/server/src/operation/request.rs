@@ -65,15 +65,15 @@ pub(crate) enum Wish {
         /// The value.
         value: f64,
     },
-    /// A person has noticed an alarm.
+    /// An operator has noticed an alarm.
     Acknowledge {
-        /// The alarm, in words.
+        /// The alarm, as text.
         alarm: String,
     },
 }
 
 impl Wish {
-    /// The command in words, as recorded.
+    /// The command as text, as recorded.
     pub(crate) fn words(&self) -> String {
         match self {
             Wish::Pause => "pause".into(),

@@ -1,9 +1,9 @@
 //! The addresses for operating: the flight of the served record, and flights that the server started.
 
 use crate::answer::{Answer, ApiError};
-use crate::flights::routes::own_pages_only;
 use crate::operation::door::{CommandState, FlightDoor};
 use crate::operation::request::Wish;
+use crate::own_pages::own_pages_only;
 use crate::state::{AppState, Shared};
 use axum::extract::rejection::{JsonRejection, PathRejection};
 use axum::extract::{DefaultBodyLimit, Path};
@@ -16,7 +16,7 @@ use std::time::Duration;
 
 /// Bytes of the largest body: a message of the longest size, escaped.
 const BODY_MAX_BYTES: usize = 16 << 10;
-/// How often a command is looked at until it has an end.
+/// Time between two checks of whether a command has an end.
 const LOOK: Duration = Duration::from_millis(10);
 
 /// The routes; commands are taken from this server's own pages and from programs of this machine only.

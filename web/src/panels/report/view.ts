@@ -61,7 +61,7 @@ export function seenBetween(
 ): { outline: [number, number][]; valid: boolean }[] {
   const swaths = footprints.swaths.flatMap(({ lines }) => {
     const inside = lines.filter(line => line.t_ns >= fromNs && line.t_ns <= toNs);
-    // Neighbours are patches of their own, so that invalid lines stay visible between valid ones.
+    // Neighbours are separate patches, so that invalid lines stay visible between valid ones.
     return inside.slice(1).map((line, index) => {
       const before = inside[index] ?? line;
       return {

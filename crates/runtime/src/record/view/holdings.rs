@@ -1,14 +1,9 @@
 //! Which task held which resource when, from the decisions that granted it.
 
 use super::RecordView;
-use super::index::task_number;
+use super::holding_index::Held;
 use crate::error::RecordError;
-use apex_model::cause::Cause;
-use apex_model::effect::{DecisionKind, Effect};
-use apex_model::task::TaskState;
-use rusqlite::Connection;
 use serde::Serialize;
-use std::collections::BTreeMap;
 
 /// Holdings of one resource that one answer holds; the others are counted.
 const HOLDINGS_MAX: usize = 500;
@@ -49,66 +44,6 @@ pub struct Holding {
     pub open: bool,
 }
 
-/// All holdings, kept in memory and grown with the record. Bound: each transition is read once.
-#[derive(Default)]
-pub(super) struct HoldingIndex {
-    seen_effect: i64,
-    resources: Vec<(String, Vec<Held>)>,
-    /// Places in `resources` of what a task holds.
-    held: BTreeMap<u64, Vec<(usize, usize)>>,
-}
-
-#[derive(Clone)]
-struct Held {
-    task: u64,
-    amount: Option<String>,
-    from_ns: i64,
-    to_ns: Option<i64>,
-}
-
-impl HoldingIndex {
-    pub(super) fn refresh(&mut self, connection: &Connection) -> rusqlite::Result<()> {
-        let sql = "SELECT id, t_ns, task, to_state, body FROM effect WHERE id > ?1 AND kind = 'transition' ORDER BY id";
-        let mut statement = connection.prepare_cached(sql)?;
-        let mut rows = statement.query([self.seen_effect])?;
-        while let Some(row) = rows.next()? {
-            self.seen_effect = row.get(0)?;
-            let at_ns: i64 = row.get(1)?;
-            let Some(task) = task_number(row, 2)? else { continue };
-            // Leaving the state gives everything back.
-            for (resource, place) in self.held.remove(&task).unwrap_or_default() {
-                let slot = self.resources.get_mut(resource).and_then(|(_, list)| list.get_mut(place));
-                if let Some(held) = slot {
-                    held.to_ns = Some(at_ns);
-                }
-            }
-            if row.get::<_, Option<String>>(3)?.as_deref() == Some("ongoing") {
-                let body: Vec<u8> = row.get(4)?;
-                self.grant(task, at_ns, &body);
-            }
-        }
-        Ok(())
-    }
-
-    /// Keeps what a transition to `ongoing` granted. The row of another version says nothing.
-    fn grant(&mut self, task: u64, at_ns: i64, body: &[u8]) {
-        let Ok(Effect::Decided(decision)) = postcard::from_bytes(body) else { return };
-        let DecisionKind::Transition { to: TaskState::Ongoing, .. } = decision.kind else { return };
-        let Cause::ResourcesGranted { resources } = decision.because.cause else { return };
-        for share in resources {
-            let name = share.resource.to_string();
-            let index = self.resources.iter().position(|(known, _)| *known == name).unwrap_or_else(|| {
-                self.resources.push((name, Vec::new()));
-                self.resources.len() - 1
-            });
-            let Some((_, list)) = self.resources.get_mut(index) else { continue };
-            let amount = share.amount.map(|amount| amount.to_string());
-            list.push(Held { task, amount, from_ns: at_ns, to_ns: None });
-            self.held.entry(task).or_default().push((index, list.len() - 1));
-        }
-    }
-}
-
 impl RecordView {
     /// Who held which resource in the window `from_ns ..= to_ns`, as known at `at_ns` (nanoseconds of mission time; none means
     /// the record's end).
@@ -143,7 +78,7 @@ impl RecordView {
             holdings.drain(..left_out);
             ResourceRow { resource: resource.clone(), holdings, left_out }
         };
-        let resources = self.holdings.resources.iter().filter(|(_, list)| known(list)).map(row).collect();
+        let resources = self.holdings.resources().iter().filter(|(_, list)| known(list)).map(row).collect();
         Ok(Holdings { resources })
     }
 }

@@ -9,6 +9,7 @@
 mod announcements;
 pub(crate) mod decisions;
 mod events;
+mod holding_index;
 mod holdings;
 mod index;
 mod mission;
@@ -46,7 +47,7 @@ pub use troubles::{Trouble, TroubleKind, Troubles};
 use super::reader::RecordReader;
 use crate::error::RecordError;
 use announcements::Announcements;
-use holdings::HoldingIndex;
+use holding_index::HoldingIndex;
 use index::TaskIndex;
 use rusqlite::Connection;
 use signals::SampleIndex;

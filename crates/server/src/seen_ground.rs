@@ -1,0 +1,57 @@
+//! The ground that the sensors of a record have seen, folded from its steps.
+
+use crate::answer::{Answer, ApiError};
+use apex_mission::recorded::mission_of;
+use apex_mission::score::{FlownScore, Footprints};
+use apex_model::time::Time;
+use apex_runtime::record::RecordReader;
+use std::path::Path;
+use std::sync::{Mutex, PoisonError};
+
+/// The fold over the record's steps, as far as it is done. A finished record is folded once.
+#[derive(Default)]
+pub(crate) struct SeenGround(Mutex<Option<Fold>>);
+
+struct Fold {
+    /// None: the mission observes nothing, or cannot be loaded.
+    flown: Option<FlownScore>,
+    last: (i64, Time),
+}
+
+impl SeenGround {
+    /// The footprints in a window. One caller at a time folds; the others wait for what it finds.
+    pub(crate) fn between(&self, path: &Path, from_ns: i64, to_ns: i64) -> Answer<Footprints> {
+        let mut slot = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let reader = RecordReader::open(path)?.of_agent(0)?;
+        let fold = match slot.take() {
+            Some(fold) => fold,
+            None => Fold { flown: flown_of(&reader)?, last: (0, Time::BEGINNING) },
+        };
+        let fold = slot.insert(fold);
+        fold.advance(&reader)?;
+        let seen = fold.flown.as_ref().and_then(FlownScore::footprints);
+        Ok(seen.map(|seen| seen.between(from_ns, to_ns)).unwrap_or_default())
+    }
+}
+
+fn flown_of(reader: &RecordReader) -> Answer<Option<FlownScore>> {
+    let Some(mission) = mission_of(reader)? else { return Ok(None) };
+    let flown = FlownScore::new(&mission)
+        .map_err(|reason| ApiError::bad_request(reason, "check the targets of the record's mission"))?;
+    Ok(flown.map(FlownScore::only_footprints))
+}
+
+impl Fold {
+    /// Takes the steps that were recorded since the last time.
+    fn advance(&mut self, reader: &RecordReader) -> Answer<()> {
+        let Some(flown) = &mut self.flown else { return Ok(()) };
+        for step in reader.steps_between(self.last.1, Time::END)?.without_effects() {
+            let step = step?;
+            if step.batch_number > self.last.0 {
+                flown.observe(&step.batch);
+                self.last = (step.batch_number, step.batch.now);
+            }
+        }
+        Ok(())
+    }
+}
