@@ -40,7 +40,7 @@ impl std::fmt::Display for NoPlan {
 /// Nothing is left to plan for, or the data make no sense.
 pub fn pose(mission: &Mission, situation: &Situation, flown: Option<&FlownScore>, at: Time) -> Result<Problem, NoPlan> {
     if mission.targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_))) {
-        single_visit(mission, situation, flown, at).map(Problem::SingleVisit)
+        single_visits(mission, situation, flown, at, &|_| true).map(Problem::SingleVisit)
     } else {
         surveillance(mission, situation, at).map(Problem::Surveillance)
     }
@@ -51,18 +51,23 @@ pub(super) fn here(mission: &Mission, situation: &Situation) -> Position {
     situation.vehicle.position.unwrap_or(mission.start)
 }
 
-fn single_visit(
+/// The problem of single visits of those looks that are asked for, by their names in plans.
+///
+/// # Errors
+/// As [`pose`].
+pub(crate) fn single_visits(
     mission: &Mission,
     situation: &Situation,
     flown: Option<&FlownScore>,
     at: Time,
+    is_asked: &dyn Fn(&str) -> bool,
 ) -> Result<SingleVisitProblem, NoPlan> {
     let model = &mission.model;
     let planning = &model.planning;
     let now_s = at.seconds();
     let energy = energy(mission, situation);
     let start = here(mission, situation);
-    let (targets, precedence) = wanted(mission, situation, flown, at)?;
+    let (targets, precedence) = wanted(mission, situation, flown, at, is_asked)?;
     Ok(SingleVisitProblem {
         targets,
         vehicle: SingleVisitVehicle {
@@ -105,11 +110,16 @@ fn latest_end_s(duration_s: f64, end_margin_s: f64, now_s: f64) -> f64 {
 /// Targets of a problem, and pairs of their names of which the first must come first.
 type Wanted = (Vec<SingleVisitTarget>, Vec<(String, String)>);
 
-/// The looks that are still wanted, each posed as a separate target, and which come before which.
-fn wanted(mission: &Mission, situation: &Situation, flown: Option<&FlownScore>, at: Time) -> Result<Wanted, NoPlan> {
+/// The looks that are still wanted and asked for, each posed as a separate target, and which come before which.
+fn wanted(
+    mission: &Mission,
+    situation: &Situation,
+    flown: Option<&FlownScore>,
+    at: Time,
+    is_asked: &dyn Fn(&str) -> bool,
+) -> Result<Wanted, NoPlan> {
     let start = here(mission, situation);
-    let is_open = |name: &str| !situation.observed().any(|visit| visit.target == name);
-    let results = flown.map(FlownScore::results).unwrap_or_default();
+    let is_open = |name: &str| is_asked(name) && !situation.observed().any(|visit| visit.target == name);
     let (mut targets, mut after, mut troubles) = (Vec::new(), Vec::new(), Vec::new());
     for target in &mission.targets {
         let TargetKind::Fire(fire) = &target.kind else { continue };
@@ -129,8 +139,8 @@ fn wanted(mission: &Mission, situation: &Situation, flown: Option<&FlownScore>, 
                 }
             };
             let shortest_s = manoeuvres.iter().map(|manoeuvre| manoeuvre.duration_s).fold(f64::INFINITY, f64::min);
-            let result = results.iter().find(|result| result.name == target.id);
-            let result = result.and_then(|result| result.looks.iter().find(|seen| seen.name == look.name));
+            let result = flown.and_then(|flown| flown.result(&target.id));
+            let result = result.as_ref().and_then(|result| result.looks.iter().find(|seen| seen.name == look.name));
             let seen = result.map_or(0.0, |seen| seen.factors.product() * look.value);
             after.extend(fire.wanted.after.iter().map(|need| (need.target.clone(), name.clone())));
             targets.push(SingleVisitTarget {

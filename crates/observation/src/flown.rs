@@ -290,6 +290,21 @@ impl FlownObservation {
         self.watched.iter().map(|watched| assess(&watched.target, &watched.grid, &[&watched.looks], &context)).collect()
     }
 
+    /// The result of one target without the causes of its losses; none for an unknown name, and for a target of which nothing has been
+    /// seen. Bound: O(looks of the target).
+    pub fn result(&self, name: &str) -> Option<TargetResult> {
+        let seen = |watched: &&Watched| watched.looks.passes.iter().any(|pass| !pass.looks.is_empty());
+        let watched = self.watched.iter().find(|watched| watched.target.name == name).filter(seen)?;
+        let first_valid_s = self.first_valid_s();
+        let context = AssessContext {
+            zero_unix_s: self.settings.zero_unix_s,
+            products: &self.products,
+            first_valid_s: &first_valid_s,
+            is_explained: false,
+        };
+        Some(assess(&watched.target, &watched.grid, &[&watched.looks], &context))
+    }
+
     fn end_passes(&mut self) {
         self.watched.iter_mut().for_each(|watched| watched.looks.end_pass());
     }

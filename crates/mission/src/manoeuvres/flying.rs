@@ -113,11 +113,11 @@ fn join(
         turn_radius_m: turn_radius_m(model),
         wind_mps: Point { x: wind.east_mps, y: wind.north_mps },
     };
-    let paths = flyer.paths(
+    let path = flyer.quickest(
         Pose { point: plane.project(exit)?, track_rad: direction(out_deg) },
         Pose { point: plane.project(lead_in)?, track_rad: direction(track_deg) },
     );
-    let turn_s = paths.first()?.time_s;
+    let turn_s = path?.time_s;
     Some((turn_s + lead_s, turn_s * airspeed_mps + lead_m))
 }
 
