@@ -193,10 +193,10 @@ impl Flyer {
         let exact_s = EXACT * (circle_s + direct_s);
         let mut before = look(direct_s);
         for index in 1..=count as usize {
-            if direct_s + lasts_s * (index as f64 - 1.0) / count > until_s + exact_s {
-                return None;
-            }
             let now_s = direct_s + lasts_s * index as f64 / count;
+            if now_s - lasts_s / count > until_s + exact_s {
+                break;
+            }
             let now = look(now_s);
             // Where the word begins or ceases to lead from here to there, as much of the time as it does.
             let since = match (before, now) {
@@ -205,14 +205,7 @@ impl Flyer {
                 (before, now) => before.zip(now),
             };
             if let Some((early, late)) = since {
-                let halves = match early.jumps_to(&late, self.turn_radius_m) {
-                    false => vec![(early, late)],
-                    true => {
-                        let (left, right) =
-                            narrowed(early, late, &look, |middle| !early.jumps_to(middle, self.turn_radius_m));
-                        vec![(early, left), (right, late)]
-                    }
-                };
+                let halves = parted(early, late, &look, self.turn_radius_m);
                 for (early, late) in
                     halves.into_iter().filter(|(early, late)| (early.missed_s > 0.0) != (late.missed_s > 0.0))
                 {
@@ -260,6 +253,20 @@ fn outermost(mut known: PathCandidate, mut until_s: f64, look: &dyn Fn(f64) -> O
         }
     }
     known
+}
+
+/// The span between two candidates, in two parts where the length jumps within it.
+fn parted(
+    early: PathCandidate,
+    late: PathCandidate,
+    look: &dyn Fn(f64) -> Option<PathCandidate>,
+    radius: f64,
+) -> Vec<(PathCandidate, PathCandidate)> {
+    if !early.jumps_to(&late, radius) {
+        return vec![(early, late)];
+    }
+    let (left, right) = narrowed(early, late, look, |middle| !early.jumps_to(middle, radius));
+    vec![(early, left), (right, late)]
 }
 
 /// The last instant at which something holds, and the first at which it does not, of two between which that changes.

@@ -203,7 +203,7 @@ fn trade(
                 // Only what the plan still visits can be displaced.
                 let is_ahead = |name: &str| visits_ahead(plan, &lost.target).any(|visit| visit.target == name);
                 let delay = (at.seconds(), leaves_s, again.total_s);
-                match single_visits(&believed, situation, Some(flown), at, &is_ahead) {
+                match single_visits(&believed, (situation, Some(flown), at), (&is_ahead, false)) {
                     Ok(problem) => price(&problem, plan, &lost.target, from, delay)?,
                     // Nothing left to plan for: time costs nothing but itself.
                     Err(_) => (0.0, Vec::new()),

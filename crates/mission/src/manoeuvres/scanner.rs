@@ -158,6 +158,9 @@ pub(super) struct Sweep {
 impl Sweep {
     /// The manoeuvre with the causes of its losses: most sweeps are sorted out before their causes are read.
     pub(super) fn explained(self, wish: &Wish<'_>) -> Manoeuvre {
+        if !wish.is_explained {
+            return self.manoeuvre;
+        }
         let quality = factors(wish, &self.scanner, &self.lines, true).unwrap_or(self.manoeuvre.quality);
         Manoeuvre { quality, ..self.manoeuvre }
     }

@@ -207,7 +207,7 @@ impl FlownScore {
         self.observation.valid_looks_s(target).into_iter().any(|time_s| (from_s..=until_s).contains(&time_s))
     }
 
-    /// What the looks of one target have come to; none while nothing of it has been seen.
+    /// The result of the looks of one target; none while nothing of it has been seen.
     pub fn result(&self, target: &str) -> Option<TargetResult> {
         self.observation.result(target)
     }
