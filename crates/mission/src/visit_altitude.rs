@@ -1,4 +1,4 @@
-//! Altitudes from which sites are looked at.
+//! Altitudes from which sites are observed.
 
 use crate::observing::looks_with;
 use crate::vehicle::Airframe;
