@@ -1,4 +1,5 @@
-//! Observation: prediction of a sweep of four lines (at most 1 ms), and the score of a flight of 24 hours (at most 0.5 s).
+//! Observation: prediction of a sweep of four lines (at most 1 ms), the score of a flight of 24 hours (at most 0.5 s), and the candidates
+//! of 40 targets, each with heights, spacings, turns in the wind and predicted factors (at most 1 s).
 #![allow(missing_docs, reason = "criterion's macros make public items")]
 
 use apex_geo::geodesy::{self, Position};
@@ -155,5 +156,49 @@ fn score(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, prediction, score);
+/// A mission over 40 fires of different sizes, in the wind.
+fn mission(folder: &std::path::Path) -> Option<apex_mission::Mission> {
+    let fires = (0..40).map(|number| {
+        let (row, column) = (f64::from(number / 8), f64::from(number % 8));
+        format!(
+            "{{\"type\": \"Feature\", \"properties\": {{\"id\": \"fire-{number}\", \"kind\": \"fire\", \"acres\": {}, \"value\": 50, \
+             \"resolution_m\": 10, \"elevation_m\": {}}}, \"geometry\": {{\"type\": \"Point\", \"coordinates\": [{:.3}, {:.3}]}}}}",
+            1_000 + 700 * number,
+            400 + 40 * number,
+            -120.0 + 0.5 * column,
+            36.0 + 0.5 * row
+        )
+    });
+    let home = "{\"type\": \"Feature\", \"properties\": {\"id\": \"home\", \"kind\": \"base\", \"elevation_m\": 700}, \"geometry\": \
+                {\"type\": \"Point\", \"coordinates\": [-118.0, 35.0]}}";
+    let features: Vec<String> = fires.chain([home.to_string()]).collect();
+    let collection = format!("{{\"type\": \"FeatureCollection\", \"features\": [{}]}}", features.join(",\n"));
+    let winds =
+        "altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps,edr\n0,6000,250,8,0.15\n6000,18000,270,18,0.08\n";
+    let program = "(defapplication \"Bench\" :type native-sim :libraries (\"vehicle\" \"aerial-observation\")\n\
+                   :vehicle (sim :model predator-b :at home) :start \"2007-09-08T01:00:00Z\" :duration 20h\n\
+                   :targets \"fires.geojson\" :forecast \"winds.csv\"\n\
+                   :agents ((agent aircraft-1 :initial-task (map the fires))))\n\
+                   (solver auto (index (map the fires)) :budget 1s)\n";
+    for (name, text) in [("fires.geojson", collection.as_str()), ("winds.csv", winds), ("mission.pdl", program)] {
+        std::fs::write(folder.join(name), text).ok()?;
+    }
+    apex_mission::Mission::load(folder).ok()
+}
+
+fn candidates(c: &mut Criterion) {
+    let Ok(folder) = tempfile::tempdir() else { return };
+    let Some(mission) = mission(folder.path()) else { return };
+    let situation = apex_mission::situation::Situation::default();
+    let mut group = c.benchmark_group("observation");
+    group.sample_size(10);
+    group.bench_function("candidates of 40 targets", |b| {
+        b.iter(|| {
+            black_box(apex_mission::problem::pose(&mission, &situation, None, apex_model::time::Time::ZERO).is_ok())
+        });
+    });
+    group.finish();
+}
+
+criterion_group!(benches, prediction, score, candidates);
 criterion_main!(benches);

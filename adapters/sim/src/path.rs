@@ -85,6 +85,9 @@ impl Line {
 const INTERCEPT_RAD_MAX: f64 = 0.8;
 const INTERCEPT_S: f64 = 6.0;
 
+/// A vehicle is on a chord of an arc within this share of its turn radius.
+const OFF_ARC_SHARE: f64 = 0.5;
+
 /// The course that follows `path` from `state`; none: keep the heading. `turn_radius_m` is the tightest turn.
 pub(crate) fn course(path: &Path, state: &State, turn_radius_m: f64) -> Option<Course> {
     let speed = state.ground_speed().max(1.0);
@@ -99,7 +102,13 @@ pub(crate) fn course(path: &Path, state: &State, turn_radius_m: f64) -> Option<C
             Some(Course { course_rad: azimuth_rad, rate_rad_s: 0.0 })
         }
         Path::Line(line) => Some(along(line, state, 0.0)),
-        Path::Leg(line, turn_rad_per_m) => Some(along(line, state, turn_rad_per_m * speed)),
+        Path::Leg(line, turn_rad_per_m) => {
+            let (along_m, across_m, _) = line.locate(state.position);
+            // Off the arc, turning on with it would only circle, and drift with the wind.
+            let near_m = OFF_ARC_SHARE * turn_radius_m;
+            let is_on_arc = across_m.abs() <= near_m && (-near_m..=line.length_m + near_m).contains(&along_m);
+            Some(along(line, state, if is_on_arc { turn_rad_per_m * speed } else { 0.0 }))
+        }
         Path::Circle(circle) => {
             let (inwards_rad, distance_m) = bearing(state.position, circle.centre);
             let sense = if circle.clockwise { 1.0 } else { -1.0 };

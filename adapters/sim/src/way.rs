@@ -14,6 +14,8 @@ pub(crate) struct Way {
     /// The point that the present leg leads to.
     next: usize,
     leg: Line,
+    /// Length of the legs after it.
+    rest_m: f64,
     /// How much the course changes for each metre of the leg, so that a chain of short legs is flown as an arc.
     turn_rad_per_m: f64,
     is_fixed_wing: bool,
@@ -47,8 +49,8 @@ impl Way {
         let next = points.iter().position(|point| !is_passed(point)).unwrap_or(points.len().saturating_sub(1));
         let first = points.get(next)?;
         let leg = Line::new(here.state.position, first.position);
-        let mut way = Way { points, next, leg, turn_rad_per_m: 0.0, is_fixed_wing };
-        way.turn_rad_per_m = way.turn_rad_per_m(here);
+        let mut way = Way { points, next, leg, rest_m: 0.0, turn_rad_per_m: 0.0, is_fixed_wing };
+        (way.turn_rad_per_m, way.rest_m) = (way.turn_rad_per_m(here), way.rest_m());
         Some(way)
     }
 
@@ -76,10 +78,12 @@ impl Way {
             Some(point) if !self.is_fixed_wing => bearing(position, point.position).1,
             _ => (self.leg.length_m - self.leg.locate(position).0).max(0.0),
         };
+        (left_m, left_m + self.rest_m)
+    }
+
+    fn rest_m(&self) -> f64 {
         let ahead = || self.points.iter().skip(self.next);
-        let legs = ahead().zip(ahead().skip(1));
-        let rest_m: f64 = legs.map(|(from, to)| bearing(from.position, to.position).1).sum();
-        (left_m, left_m + rest_m)
+        ahead().zip(ahead().skip(1)).map(|(from, to)| bearing(from.position, to.position).1).sum()
     }
 
     /// Goes on to the leg on which the vehicle is now. False when the whole way is flown.
@@ -93,7 +97,7 @@ impl Way {
             let Some(after) = self.points.get(self.next + 1) else { return false };
             self.leg = Line::new(point.position, after.position);
             self.next += 1;
-            self.turn_rad_per_m = self.turn_rad_per_m(here);
+            (self.turn_rad_per_m, self.rest_m) = (self.turn_rad_per_m(here), self.rest_m());
         }
         false
     }

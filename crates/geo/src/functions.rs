@@ -43,9 +43,9 @@ const FUNCTIONS: &[(&str, usize, usize, Body)] = &[
         Ok(angle(sun::solar_elevation_deg(at(a, 0)?.position, number(a, 1, Dimension::NONE)?)))
     }),
     // A mission replaces these by functions that know its airspace, terrain and landing places.
-    ("way-to", 5, 5, |_| Ok(Value::nil())),
-    ("way-to-circle", 5, 5, |_| Ok(Value::nil())),
-    ("way-to-line", 6, 6, |_| Ok(Value::nil())),
+    ("way-to", 5, 6, |_| Ok(Value::nil())),
+    ("way-to-circle", 5, 6, |_| Ok(Value::nil())),
+    ("way-to-line", 6, 7, |_| Ok(Value::nil())),
     ("way-to-landing", 4, 4, |_| Ok(Value::nil())),
     ("way-to-segment", 6, 6, |a| Ok(Value::list(a.iter().skip(3).take(2).cloned()))),
     ("flight-time-limit", 3, 5, flight_time_limit),

@@ -24,13 +24,14 @@ pub(crate) struct PlannedEnergy {
 pub(crate) fn energy(mission: &Mission, situation: &Situation) -> PlannedEnergy {
     let (model, vehicle) = (&mission.model, &situation.vehicle);
     let drain = model.drain_planned_per_s(mission.cruise_altitude_m());
-    let reserve_s = model.reserve() / drain;
+    let reserve = reserve_share(mission) * model.reserve();
+    let reserve_s = reserve / drain;
     match &model.energy {
         EnergyModel::Fuel(fuel) => {
             let fuel_kg = vehicle.fuel_kg.unwrap_or(fuel.capacity_kg);
             PlannedEnergy {
                 fuel_kg,
-                fuel_reserve_kg: model.reserve(),
+                fuel_reserve_kg: reserve,
                 fuel_flow_kg_per_s: drain,
                 endurance_s: fuel_kg / drain,
                 reserve_s,
@@ -43,5 +44,32 @@ pub(crate) fn energy(mission: &Mission, situation: &Situation) -> PlannedEnergy 
             endurance_s: vehicle.battery_charge.unwrap_or(1.0) * battery.full_j() / drain,
             reserve_s,
         },
+    }
+}
+
+/// The reserve that the mission requires, as a multiple of that of the vehicle's own rule: plans keep the greater one, so that a flight
+/// as planned raises no alarm.
+fn reserve_share(mission: &Mission) -> f64 {
+    let stated_s = mission.requirements.energy_reserve_s.unwrap_or(0.0);
+    (stated_s / mission.model.reserve_s()).max(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn plans_keep_the_greater_of_the_reserves_of_vehicle_and_mission() {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/western-states");
+        let mut mission = Mission::load(&folder).unwrap();
+        let own = energy(&mission, &Situation::default());
+        mission.requirements.energy_reserve_s = Some(2.0 * mission.model.reserve_s());
+        let stated = energy(&mission, &Situation::default());
+        assert_eq!(stated.fuel_reserve_kg, 2.0 * own.fuel_reserve_kg);
+        assert_eq!(stated.reserve_s, 2.0 * own.reserve_s);
+        mission.requirements.energy_reserve_s = Some(60.0);
+        assert_eq!(energy(&mission, &Situation::default()), own);
+        mission.requirements.energy_reserve_s = None;
+        assert_eq!(energy(&mission, &Situation::default()), own);
     }
 }

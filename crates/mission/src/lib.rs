@@ -44,6 +44,7 @@ mod targets;
 pub mod text;
 pub mod vehicle;
 pub mod verification;
+mod visit_altitude;
 pub mod ways;
 
 pub use modems::Modem;

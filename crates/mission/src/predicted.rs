@@ -12,7 +12,7 @@ pub struct Predicted {
     pub timing: f64,
     /// Points.
     pub worth: f64,
-    /// Mission time at which it should begin, s.
+    /// Mission time at which it should begin, s: its first line, after the lead-in.
     pub begin_s: f64,
     /// Mission time at which it should end, s.
     pub end_s: f64,

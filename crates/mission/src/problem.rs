@@ -6,9 +6,10 @@ use super::situation::Situation;
 use super::{Mission, Site, TargetKind};
 use crate::energy::energy;
 use crate::manoeuvres::{self, Wish};
-use crate::observing::looks_with;
 use crate::score::FlownScore;
-use crate::vehicle::{Airframe, turn_radius_m};
+use crate::vehicle::turn_radius_m;
+use crate::visit_altitude::sites;
+pub use crate::visit_altitude::visit_altitude_m;
 use apex_geo::geodesy;
 use apex_model::problem::{
     AirspaceZone, EventRate, Position, Problem, SingleVisitProblem, SingleVisitTarget, SingleVisitVehicle,
@@ -40,7 +41,7 @@ impl std::fmt::Display for NoPlan {
 /// Nothing is left to plan for, or the data make no sense.
 pub fn pose(mission: &Mission, situation: &Situation, flown: Option<&FlownScore>, at: Time) -> Result<Problem, NoPlan> {
     if mission.targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_))) {
-        single_visit(mission, situation, flown, at).map(Problem::SingleVisit)
+        single_visits(mission, (situation, flown, at), (&|_| true, true)).map(Problem::SingleVisit)
     } else {
         surveillance(mission, situation, at).map(Problem::Surveillance)
     }
@@ -51,18 +52,28 @@ pub(super) fn here(mission: &Mission, situation: &Situation) -> Position {
     situation.vehicle.position.unwrap_or(mission.start)
 }
 
-fn single_visit(
+/// Which looks are asked for, by their names in plans, and whether the causes of what they lose are.
+pub(crate) type Asked<'a> = (&'a dyn Fn(&str) -> bool, bool);
+
+/// What is known, what has been observed, and when.
+pub(crate) type Known<'a> = (&'a Situation, Option<&'a FlownScore>, Time);
+
+/// The problem of single visits of those looks that are asked for.
+///
+/// # Errors
+/// As [`pose`].
+pub(crate) fn single_visits(
     mission: &Mission,
-    situation: &Situation,
-    flown: Option<&FlownScore>,
-    at: Time,
+    known: Known<'_>,
+    asked: Asked<'_>,
 ) -> Result<SingleVisitProblem, NoPlan> {
+    let (situation, _, at) = known;
     let model = &mission.model;
     let planning = &model.planning;
     let now_s = at.seconds();
     let energy = energy(mission, situation);
     let start = here(mission, situation);
-    let (targets, precedence) = wanted(mission, situation, flown, at)?;
+    let (targets, precedence) = wanted(mission, known, asked)?;
     Ok(SingleVisitProblem {
         targets,
         vehicle: SingleVisitVehicle {
@@ -105,11 +116,14 @@ fn latest_end_s(duration_s: f64, end_margin_s: f64, now_s: f64) -> f64 {
 /// Targets of a problem, and pairs of their names of which the first must come first.
 type Wanted = (Vec<SingleVisitTarget>, Vec<(String, String)>);
 
-/// The looks that are still wanted, each posed as a separate target, and which come before which.
-fn wanted(mission: &Mission, situation: &Situation, flown: Option<&FlownScore>, at: Time) -> Result<Wanted, NoPlan> {
+/// The looks that are still wanted and asked for, each posed as a separate target, and which come before which.
+fn wanted(
+    mission: &Mission,
+    (situation, flown, at): Known<'_>,
+    (is_asked, is_explained): Asked<'_>,
+) -> Result<Wanted, NoPlan> {
     let start = here(mission, situation);
-    let is_open = |name: &str| !situation.observed().any(|visit| visit.target == name);
-    let results = flown.map(FlownScore::results).unwrap_or_default();
+    let is_open = |name: &str| is_asked(name) && !situation.observed().any(|visit| visit.target == name);
     let (mut targets, mut after, mut troubles) = (Vec::new(), Vec::new(), Vec::new());
     for target in &mission.targets {
         let TargetKind::Fire(fire) = &target.kind else { continue };
@@ -120,7 +134,7 @@ fn wanted(mission: &Mission, situation: &Situation, flown: Option<&FlownScore>, 
         let way_s = geodesy::distance_m(start, target.position) / mission.model.true_airspeed_m_s_cruise;
         for (name, look) in fire.looks().filter(|(name, _)| is_open(name)) {
             let from_s = timing::first_s(look, at.seconds() + way_s);
-            let wish = Wish { mission, target, fire, look, approach: start, from_s };
+            let wish = Wish { mission, target, fire, look, approach: start, from_s, is_explained };
             let manoeuvres = match manoeuvres::of(&wish) {
                 Ok(manoeuvres) => manoeuvres,
                 Err(why) => {
@@ -129,8 +143,8 @@ fn wanted(mission: &Mission, situation: &Situation, flown: Option<&FlownScore>, 
                 }
             };
             let shortest_s = manoeuvres.iter().map(|manoeuvre| manoeuvre.duration_s).fold(f64::INFINITY, f64::min);
-            let result = results.iter().find(|result| result.name == target.id);
-            let result = result.and_then(|result| result.looks.iter().find(|seen| seen.name == look.name));
+            let result = flown.and_then(|flown| flown.result(&target.id));
+            let result = result.as_ref().and_then(|result| result.looks.iter().find(|seen| seen.name == look.name));
             let seen = result.map_or(0.0, |seen| seen.factors.product() * look.value);
             after.extend(fire.wanted.after.iter().map(|need| (need.target.clone(), name.clone())));
             targets.push(SingleVisitTarget {
@@ -167,7 +181,15 @@ fn wanted(mission: &Mission, situation: &Situation, flown: Option<&FlownScore>, 
 pub(crate) fn trouble(mission: &Mission, target: &super::Target, name: &str) -> Option<String> {
     let TargetKind::Fire(fire) = &target.kind else { return None };
     let (_, look) = fire.looks().find(|(of_look, _)| of_look == name)?;
-    let wish = Wish { mission, target, fire, look, approach: mission.start, from_s: timing::first_s(look, 0.0) };
+    let wish = Wish {
+        mission,
+        target,
+        fire,
+        look,
+        approach: mission.start,
+        from_s: timing::first_s(look, 0.0),
+        is_explained: false,
+    };
     manoeuvres::of(&wish).err()
 }
 
@@ -196,34 +218,6 @@ fn surveillance(mission: &Mission, situation: &Situation, at: Time) -> Result<Su
         endurance_s,
     })
 }
-
-fn sites(mission: &Mission) -> impl Iterator<Item = &super::Target> {
-    mission.targets.iter().filter(|target| matches!(target.kind, TargetKind::Site(_)))
-}
-
-/// Altitude above mean sea level from which a site is looked at.
-pub fn visit_altitude_m(mission: &Mission, site: &super::Target) -> f64 {
-    match mission.model.airframe {
-        Airframe::Rotorcraft => site.elevation_m + hover_height_m(mission, site),
-        Airframe::FixedWing => {
-            let planning = &mission.model.planning;
-            let highest_m = sites(mission).map(|site| site.elevation_m).fold(f64::NEG_INFINITY, f64::max);
-            (highest_m + planning.visit_height_m).min(planning.ceiling_share * mission.model.ceiling_m)
-        }
-    }
-}
-
-/// Height over the ground from which a rotorcraft sees a site: the one of its vehicle file, lower where the camera needs that
-/// for the wanted pixels, but not lower than the clearance from terrain.
-fn hover_height_m(mission: &Mission, site: &super::Target) -> f64 {
-    let usual_m = mission.model.planning.visit_height_m;
-    let (Some(camera), TargetKind::Site(wanted)) = (looks_with(&mission.model), &site.kind) else { return usual_m };
-    let fine_m = site.height_m + wanted.resolution_m / camera.pixel_rad();
-    usual_m.min(fine_m.max(mission.requirements.terrain_clearance_m.unwrap_or(0.0) + LEVEL_M))
-}
-
-/// Height by which a vehicle may leave its altitude.
-const LEVEL_M: f64 = 3.0;
 
 /// The ways between the sites at `positions`, around obstacles, for a plan that begins at `now_s`.
 ///

@@ -103,9 +103,10 @@ const COMPLETE: f64 = 0.999;
 fn is_seen_in_passing(target: &Target, name: &str, flown: Result<&FlownScore, &str>) -> bool {
     let (TargetKind::Fire(fire), Ok(flown)) = (&target.kind, flown) else { return false };
     let look = fire.looks().find(|(of_look, _)| of_look == name);
-    let results = flown.results();
-    let result = results.iter().find(|result| result.name == target.id);
-    let seen = look.zip(result).and_then(|((_, look), result)| result.looks.iter().find(|seen| seen.name == look.name));
+    let result = flown.result(&target.id);
+    let seen = look
+        .zip(result.as_ref())
+        .and_then(|((_, look), result)| result.looks.iter().find(|seen| seen.name == look.name));
     seen.is_some_and(|seen| seen.value > 0.0 && seen.factors.product() >= COMPLETE)
 }
 

@@ -281,13 +281,21 @@ impl FlownObservation {
     /// The results of all targets, in their order, from what has been seen so far.
     pub fn results(&self) -> Vec<TargetResult> {
         let first_valid_s = self.first_valid_s();
-        let context = AssessContext {
-            zero_unix_s: self.settings.zero_unix_s,
-            products: &self.products,
-            first_valid_s: &first_valid_s,
-            is_explained: true,
-        };
-        self.watched.iter().map(|watched| assess(&watched.target, &watched.grid, &[&watched.looks], &context)).collect()
+        self.watched.iter().map(|watched| self.assessed(watched, &first_valid_s, true)).collect()
+    }
+
+    /// The result of one target without the causes of its losses; none for an unknown name, and for a target of which nothing has been
+    /// seen. Bound: O(looks of the target).
+    pub fn result(&self, name: &str) -> Option<TargetResult> {
+        let seen = |watched: &&Watched| watched.looks.passes.iter().any(|pass| !pass.looks.is_empty());
+        let watched = self.watched.iter().find(|watched| watched.target.name == name).filter(seen)?;
+        Some(self.assessed(watched, &self.first_valid_s(), false))
+    }
+
+    fn assessed(&self, watched: &Watched, first_valid_s: &BTreeMap<String, f64>, is_explained: bool) -> TargetResult {
+        let (zero_unix_s, products) = (self.settings.zero_unix_s, self.products.as_slice());
+        let context = AssessContext { zero_unix_s, products, first_valid_s, is_explained };
+        assess(&watched.target, &watched.grid, &[&watched.looks], &context)
     }
 
     fn end_passes(&mut self) {

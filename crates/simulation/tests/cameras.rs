@@ -96,7 +96,7 @@ fn fly(mission: Mission, path: &Path) -> FlightOutcome {
 }
 
 /// Compares plan and flight of every look: points within `share` of the value, and the time from the end of the visit before to
-/// the end of this one within `share`, or three seconds; 10 s more for a fixed wing.
+/// the end of this one within `share`, or three seconds.
 fn compare(name: &str, report: &Report, share: f64) -> usize {
     const SECONDS: f64 = 3.0;
     let MissionValue::Score(score) = &report.value else { panic!("of another kind") };
@@ -121,13 +121,7 @@ fn compare(name: &str, report: &Report, share: f64) -> usize {
             let (planned_s, flown_s) = (predicted.end_s - planned_s, end_s - flown_s);
             println!("{name} {}: {flown_s:.1} s flown, {planned_s:.1} s planned", look.id);
             let off = (flown_s - planned_s).abs();
-            // Plans of a fixed wing count the lead-in of a line twice: 16 s of 263 s in still air.
-            let lead_in_s = if name.starts_with("fixed-wing") { 10.0 } else { 0.0 };
-            assert!(
-                off <= (share * planned_s).max(SECONDS) + lead_in_s,
-                "{name} {}: {flown_s} s, planned {planned_s} s",
-                look.id
-            );
+            assert!(off <= (share * planned_s).max(SECONDS), "{name} {}: {flown_s} s, planned {planned_s} s", look.id);
         }
         before = Some((predicted.end_s, end_s));
     }

@@ -282,3 +282,37 @@ fn impossible_figures_are_refused_by_name() {
     with(":station home :full-level 1km :range 8km :fading-db 0", ":lost-link (:good 0.4)").unwrap();
     with("", "").unwrap();
 }
+
+/// Wherever the shadow lies along the pipeline, it costs the points in it and not the rest of the mission.
+#[test]
+fn a_pipeline_is_inspected_beyond_a_shadow() {
+    use apex_mission::Mission;
+    use apex_mission::deliberation::PlanningResources;
+    use apex_mission::flight::MissionFlight;
+    use apex_mission::report::MissionValue;
+    let shipped = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/pipeline-inspection");
+    for (middle, least_points) in [("flange-20", 310.0), ("crossing-23", 340.0)] {
+        let folder = tempfile::tempdir().unwrap();
+        for entry in std::fs::read_dir(&shipped).unwrap() {
+            let entry = entry.unwrap();
+            std::fs::copy(entry.path(), folder.path().join(entry.file_name())).unwrap();
+        }
+        let program = folder.path().join("mission.pdl");
+        let text = std::fs::read_to_string(&program).unwrap();
+        assert!(text.contains(":around crossing-23"));
+        std::fs::write(&program, text.replace(":around crossing-23", &format!(":around {middle}"))).unwrap();
+        let mission = std::sync::Arc::new(Mission::load(folder.path()).unwrap());
+        let mut vehicle = apex_simulation::world(&mission, None).unwrap();
+        let means = PlanningResources::of(&std::sync::Arc::new(apex_solvers::shipped()));
+        let terms = MissionFlight::terms(&mission, None);
+        let flown =
+            MissionFlight::new(std::sync::Arc::clone(&mission), means).fly(&mut vehicle, terms, &mut []).unwrap();
+        let text = flown.report.text();
+        assert_eq!(flown.report.end.1, "the initial task is done", "{middle}: {text}");
+        let losses = flown.report.notes.iter().filter(|note| note.text.contains("lost: going back")).count();
+        assert!((1..=2).contains(&losses), "{middle}: {losses} losses\n{text}");
+        let MissionValue::Score(score) = &flown.report.value else { panic!("of another kind") };
+        let points: f64 = score.looks.iter().map(|look| look.flown.points).sum();
+        assert!(points >= least_points, "{middle}: {points:.0} points\n{text}");
+    }
+}

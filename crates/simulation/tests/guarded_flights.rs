@@ -111,6 +111,16 @@ fn a_recorded_flight_by_ways_is_replayed_and_verified() {
     assert!(result.positions > 1_000 && result.unsaid().next().is_none(), "{result}");
 }
 
+/// It waits for hours next to a zone, and descends meanwhile to the altitude of its way.
+#[test]
+fn a_wait_keeps_out_of_zones_at_every_altitude_that_it_is_flown_at() {
+    let folder = tempfile::tempdir().unwrap();
+    RandomMission::new(266).write(folder.path());
+    let mission = Arc::new(Mission::load(folder.path()).unwrap());
+    let result = fly(&mission, 266);
+    assert!(result.positions > 1_000 && result.unsaid().next().is_none(), "{result}");
+}
+
 #[test]
 fn random_missions_keep_their_requirements() {
     let (mut wrong, mut positions, mut broken) = (Vec::new(), 0, 0);

@@ -19,8 +19,6 @@ const FAR_FIRES: [&str; 5] = ["butler-2", "zaca", "lick", "moonlight", "egley-co
 /// How much later or earlier than planned an observation may begin, in a flight of six hours: the first descent, and turns that are
 /// planned longer than they are flown.
 const BEGIN_S: f64 = 120.0;
-/// A visit of a plan begins with the lead-in, of 24 s at the cruise speed and the strongest wind; that of a flight with the first line.
-const LEAD_IN_S: f64 = 30.0;
 
 fn mission() -> Mission {
     mission_of_fires(&FIRES, true)
@@ -107,7 +105,7 @@ fn observations_begin_when_the_plan_says() {
     let mut late = Vec::new();
     for visit in visits {
         let predicted = visit.predicted.as_ref().unwrap();
-        let late_s = visit.begin.seconds() - predicted.begin_s - LEAD_IN_S;
+        let late_s = visit.begin.seconds() - predicted.begin_s;
         println!("{}: planned for {:.0} s, flown {late_s:+.0} s", visit.target, predicted.begin_s);
         if late_s.abs() > BEGIN_S {
             late.push((visit.target.clone(), late_s));

@@ -106,17 +106,9 @@ impl Flyer {
     /// All paths from one pose to the other, each the quickest of its word, quickest first; none where the wind is too
     /// strong for a pose, or stronger than the vehicle is quick.
     pub fn paths(&self, from: Pose, to: Pose) -> Vec<TurnPath> {
-        let slow = libm::hypot(self.wind_mps.x, self.wind_mps.y) >= self.true_airspeed_mps;
-        if slow || self.turn_radius_m.is_nan() || self.turn_radius_m <= 0.0 {
-            return Vec::new();
-        }
-        let heading = |pose: Pose| pose.track_rad.map(|track_rad| self.heading_rad(track_rad));
-        let (start, end) = match (heading(from), heading(to)) {
-            (Some(None), _) | (_, Some(None)) => return Vec::new(),
-            (start, end) => (start.flatten(), end.flatten()),
-        };
+        let Some((start, end)) = self.headings(from, to) else { return Vec::new() };
         let mut found: Vec<TurnPath> = words(start.is_some(), end.is_some())
-            .filter_map(|word| self.path(word, (from, start), (to, end)))
+            .filter_map(|word| self.path(word, (from, start), (to, end), f64::INFINITY))
             .collect();
         if found.is_empty() {
             // Too near for turns at one end only: every eighth of a right angle is tried at the other.
@@ -131,14 +123,43 @@ impl Flyer {
         found
     }
 
+    /// The first of [`Flyer::paths`]. No word is tried at instants when another has been flown already.
+    pub fn quickest(&self, from: Pose, to: Pose) -> Option<TurnPath> {
+        let (start, end) = self.headings(from, to)?;
+        let mut best: Option<TurnPath> = None;
+        for word in words(start.is_some(), end.is_some()) {
+            let until_s = best.map_or(f64::INFINITY, |best| best.time_s);
+            let path = self.path(word, (from, start), (to, end), until_s);
+            best = match (best, path) {
+                (Some(best), Some(path)) if path.time_s < best.time_s => Some(path),
+                (best, path) => best.or(path),
+            };
+        }
+        best.or_else(|| self.paths(from, to).first().copied())
+    }
+
+    /// Headings at both ends, where tracks are stated; none where the wind allows no path.
+    fn headings(&self, from: Pose, to: Pose) -> Option<(Option<f64>, Option<f64>)> {
+        let slow = libm::hypot(self.wind_mps.x, self.wind_mps.y) >= self.true_airspeed_mps;
+        if slow || self.turn_radius_m.is_nan() || self.turn_radius_m <= 0.0 {
+            return None;
+        }
+        let heading = |pose: Pose| pose.track_rad.map(|track_rad| self.heading_rad(track_rad));
+        match (heading(from), heading(to)) {
+            (Some(None), _) | (_, Some(None)) => None,
+            (start, end) => Some((start.flatten(), end.flatten())),
+        }
+    }
+
     /// The first instant found at which a path of this word and just that duration is at its end. Nobody is there before who
     /// flies straight; from then on instants are tried one after the other, and where the length jumps between two of them,
-    /// because a turn shrinks to none or has become a full circle, both sides of the jump.
+    /// because a turn shrinks to none or has become a full circle, both sides of the jump. Instants that begin after `until_s` are not tried.
     fn path(
         &self,
         word: PathType,
         (from, start): (Pose, Option<f64>),
         (to, end): (Pose, Option<f64>),
+        until_s: f64,
     ) -> Option<TurnPath> {
         let circle_s = TAU * self.turn_radius_m / self.true_airspeed_mps;
         let ends = PathEnds::new(word, self.turn_radius_m, (from.point, start), end);
@@ -173,6 +194,9 @@ impl Flyer {
         let mut before = look(direct_s);
         for index in 1..=count as usize {
             let now_s = direct_s + lasts_s * index as f64 / count;
+            if now_s - lasts_s / count > until_s + exact_s {
+                break;
+            }
             let now = look(now_s);
             // Where the word begins or ceases to lead from here to there, as much of the time as it does.
             let since = match (before, now) {
@@ -181,14 +205,7 @@ impl Flyer {
                 (before, now) => before.zip(now),
             };
             if let Some((early, late)) = since {
-                let halves = match early.jumps_to(&late, self.turn_radius_m) {
-                    false => vec![(early, late)],
-                    true => {
-                        let (left, right) =
-                            narrowed(early, late, &look, |middle| !early.jumps_to(middle, self.turn_radius_m));
-                        vec![(early, left), (right, late)]
-                    }
-                };
+                let halves = parted(early, late, &look, self.turn_radius_m);
                 for (early, late) in
                     halves.into_iter().filter(|(early, late)| (early.missed_s > 0.0) != (late.missed_s > 0.0))
                 {
@@ -236,6 +253,20 @@ fn outermost(mut known: PathCandidate, mut until_s: f64, look: &dyn Fn(f64) -> O
         }
     }
     known
+}
+
+/// The span between two candidates, in two parts where the length jumps within it.
+fn parted(
+    early: PathCandidate,
+    late: PathCandidate,
+    look: &dyn Fn(f64) -> Option<PathCandidate>,
+    radius: f64,
+) -> Vec<(PathCandidate, PathCandidate)> {
+    if !early.jumps_to(&late, radius) {
+        return vec![(early, late)];
+    }
+    let (left, right) = narrowed(early, late, look, |middle| !early.jumps_to(middle, radius));
+    vec![(early, left), (right, late)]
 }
 
 /// The last instant at which something holds, and the first at which it does not, of two between which that changes.

@@ -10,7 +10,6 @@ pub use solve::{Deliberation, PLAN_VISITS_MAX, PlanningResources, SolveOptions, 
 pub use steps::translate;
 
 use crate::Mission;
-use crate::link::without_weak_links;
 use crate::problem::{NoPlan, here, pose};
 use crate::report::{Report, report};
 use crate::score::{FlownScore, told};
@@ -172,7 +171,7 @@ impl Question {
     ) -> Question {
         let believed = situation.updates.believed(mission);
         let here_now = here(&believed, situation);
-        let believed = without_weak_links(believed, &situation.links, here_now);
+        let believed = situation.links.without_weak_links(believed, here_now);
         let problem = pose(&believed, situation, flown, at);
         let previous = problem
             .as_ref()

@@ -4,10 +4,10 @@
 //! been seen and to what the rest of the observation will see, in the turbulence that is measured. The price is the difference between
 //! the values of the rest of the plan, begun now and begun after the segment. The answer `(segment-weighed TARGET FROM TO again|leave
 //! GAIN PRICE TEXT)` enters the next batch, and is recorded like all inputs.
-//! Bound: one planning problem posed and O(n^2) judgements of its n visits.
+//! Bound: one planning problem posed of the n visits that the plan still has ahead, and O(n^2) judgements of them.
 
 use crate::observing::{ForecastAir, NoTerrain, scanner_of};
-use crate::problem::pose;
+use crate::problem::single_visits;
 use crate::score::FlownScore;
 use crate::situation::Situation;
 use crate::ways::{Limits, Request, Segment};
@@ -17,7 +17,7 @@ use apex_geo::wind;
 use apex_model::effect::Effect;
 use apex_model::event::EventKind;
 use apex_model::planned::Location;
-use apex_model::problem::{Plan, Problem, SingleVisitPlan, SingleVisitProblem};
+use apex_model::problem::{Plan, PlannedVisit, SingleVisitPlan, SingleVisitProblem};
 use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_observation::footprint::Ground;
@@ -200,14 +200,13 @@ fn trade(
     let (price_points, dropped) = match &situation.plan {
         Some(made) => match &made.plan {
             Plan::SingleVisit(plan) => {
-                let posed = pose(&believed, situation, Some(flown), at);
-                // Nothing left to plan for: time costs nothing but itself.
-                match posed {
-                    Ok(Problem::SingleVisit(problem)) => {
-                        let delay = (at.seconds(), leaves_s, again.total_s);
-                        price(&problem, plan, &lost.target, from, delay)?
-                    }
-                    _ => (0.0, Vec::new()),
+                // Only what the plan still visits can be displaced.
+                let is_ahead = |name: &str| visits_ahead(plan, &lost.target).any(|visit| visit.target == name);
+                let delay = (at.seconds(), leaves_s, again.total_s);
+                match single_visits(&believed, (situation, Some(flown), at), (&is_ahead, false)) {
+                    Ok(problem) => price(&problem, plan, &lost.target, from, delay)?,
+                    // Nothing left to plan for: time costs nothing but itself.
+                    Err(_) => (0.0, Vec::new()),
                 }
             }
             Plan::Surveillance(_) => (0.0, Vec::new()),
@@ -322,10 +321,15 @@ fn price(
     Ok(((at_once.score - delayed.score).max(0.0), names.collect()))
 }
 
+/// The visits of the plan after the one that is observed; all of them where it is not in the plan.
+fn visits_ahead<'a>(plan: &'a SingleVisitPlan, observed: &str) -> impl Iterator<Item = &'a PlannedVisit> {
+    let after = plan.visits.iter().position(|visit| visit.target == observed).map_or(0, |at| at + 1);
+    plan.visits.iter().skip(after)
+}
+
 /// The visits of the plan that are still open, after the present one, with the manoeuvres of the problem that are nearest to theirs.
 fn ahead(problem: &SingleVisitProblem, plan: &SingleVisitPlan, observed: &str) -> Vec<OrderedVisit> {
-    let after = plan.visits.iter().position(|visit| visit.target == observed).map_or(0, |at| at + 1);
-    let visits = plan.visits.iter().skip(after).filter_map(|visit| {
+    let visits = visits_ahead(plan, observed).filter_map(|visit| {
         let target = problem.targets.iter().position(|target| target.name == visit.target)?;
         let planned_s = visit.end_s - visit.begin_s;
         let manoeuvres = problem.targets.get(target)?.manoeuvres.iter().enumerate();

@@ -3,10 +3,9 @@
 //! Bound: O(cells + targets x losses); at most [`ZONES_MAX`] zones for each link.
 
 use super::belief::{Belief, Beliefs};
-use super::learned::{BAND_M, Cell};
-use super::memory::LinkMemory;
-use crate::problem::visit_altitude_m;
+use super::learned::{BAND_M, Cell, Learned};
 use crate::vehicle::turn_radius_m;
+use crate::visit_altitude::visit_altitude_m;
 use crate::{Mission, Target, TargetKind};
 use apex_geo::geodesy;
 use apex_model::problem::{AirspaceZone, Position, TimeWindow, ZoneKind};
@@ -19,17 +18,21 @@ const ZONES_MAX: usize = 40;
 const GRID_STEPS: i32 = 40;
 /// Height over a place where the link is weak that is avoided, too, m.
 const ABOVE_M: f64 = 50.0;
-/// Zones keep so many circles away from the vehicle and the base, so that both can be left.
+/// Weak cells count from so many circles, and so far, away from the vehicle and the base, so that both can be left.
 const CIRCLES: f64 = 2.5;
+const ROOM_M: f64 = 20.0;
 
 /// A rectangle of cells: first and last step north, first and last step east, band.
 type Block = (i32, i32, i32, i32, i32);
 
+/// What the flight has learned of a link, by its name.
+pub(super) type Lookup<'a> = &'a dyn Fn(&str) -> Option<&'a Learned>;
+
 /// The mission with the weak links that are known when the vehicle is `here`: zones that are added, targets that are left out.
-pub(crate) fn without_weak_links(mut mission: Mission, memory: &LinkMemory, here: Position) -> Mission {
+pub(super) fn without_weak_links(mut mission: Mission, learned: Lookup<'_>, here: Position) -> Mission {
     let (mut zones, mut weak) = (Vec::new(), Vec::new());
     for link in &mission.link_map {
-        let beliefs = Beliefs::new(&mission, link, memory.link(&link.name));
+        let beliefs = Beliefs::new(&mission, link, learned(&link.name));
         for target in mission.targets.iter().filter(|target| target.is_observable()) {
             if weak.iter().all(|(known, _)| *known != target.id)
                 && let Some(reason) = reason(&mission, &beliefs, target)
@@ -37,7 +40,7 @@ pub(crate) fn without_weak_links(mut mission: Mission, memory: &LinkMemory, here
                 weak.push((target.id.clone(), reason));
             }
         }
-        zones.extend(areas(&mission, &beliefs, here));
+        zones.extend(areas(&mission, &beliefs, &[here, mission.start]));
     }
     mission.zones.extend(zones);
     mission.weak_targets = weak;
@@ -57,6 +60,11 @@ fn reason(mission: &Mission, beliefs: &Beliefs<'_>, target: &Target) -> Option<S
     {
         return Some(match belief {
             Belief::Measured(level) => format!("the link over {name} is below {nominal} there: measured {level:.2}"),
+            Belief::Shadow(level) => {
+                format!(
+                    "the link over {name} is assumed below {nominal} there: measured {level:.2} next to it, or above"
+                )
+            }
             Belief::Predicted(level, distance_m) => format!(
                 "the link over {name} is below {nominal} there: predicted {level:.2}, {:.1} km from the station",
                 distance_m / 1e3
@@ -64,7 +72,7 @@ fn reason(mission: &Mission, beliefs: &Beliefs<'_>, target: &Target) -> Option<S
         });
     }
     // What led to a loss is not tried again, unless the link was good there since.
-    let is_good = matches!(beliefs.at(target.position, altitude_m), Some(Belief::Measured(_)));
+    let is_good = matches!(beliefs.at(target.position, altitude_m), Some(Belief::Measured(level)) if level >= nominal);
     let losses = beliefs.learned.map_or(&[][..], |learned| &learned.losses);
     let on_the_way = |goal: Position| geodesy::distance_m(goal, target.position) <= radius_m + beliefs.cells.side_m;
     let loss = losses.iter().rev().find(|loss| loss.goal.is_some_and(on_the_way)).filter(|_| !is_good)?;
@@ -92,8 +100,14 @@ fn altitude_m(mission: &Mission, target: &Target) -> f64 {
     }
 }
 
-/// Areas where the link is weak, except where the vehicle and its base are.
-fn areas(mission: &Mission, beliefs: &Beliefs<'_>, here: Position) -> Vec<AirspaceZone> {
+/// Areas where the links are weak as far as the mission's data and the flight tell: what ways in flight avoid.
+pub(super) fn weak_areas(mission: &Mission, learned: Lookup<'_>) -> Vec<AirspaceZone> {
+    let beliefs = mission.link_map.iter().map(|link| Beliefs::new(mission, link, learned(&link.name)));
+    beliefs.flat_map(|beliefs| areas(mission, &beliefs, &[])).collect()
+}
+
+/// Areas where the link is weak, except around these places.
+fn areas(mission: &Mission, beliefs: &Beliefs<'_>, places: &[Position]) -> Vec<AirspaceZone> {
     let mut weak: BTreeSet<Cell> = BTreeSet::new();
     let cells = beliefs.cells;
     for cell in beliefs.learned.iter().flat_map(|learned| learned.cells().keys()) {
@@ -102,6 +116,7 @@ fn areas(mission: &Mission, beliefs: &Beliefs<'_>, here: Position) -> Vec<Airspa
             weak.insert(*cell);
         }
     }
+    weak.extend(beliefs.shaded());
     // A goal on the way that led to a loss is not flown to again.
     for loss in beliefs.learned.iter().flat_map(|learned| &learned.losses) {
         if let Some(goal) = loss.goal {
@@ -115,10 +130,13 @@ fn areas(mission: &Mission, beliefs: &Beliefs<'_>, here: Position) -> Vec<Airspa
     weak.extend(stated(mission, beliefs));
     let kept_m = CIRCLES * mission.model.turns.circle_width * turn_radius_m(&mission.model)
         + mission.requirements.zone_margin_m.min(mission.requirements.obstacle_margin_m)
-        + 0.5 * cells.side_m;
+        + ROOM_M;
+    weak.retain(|(north, east, band)| {
+        let block = (*north, *north, *east, *east, *band);
+        places.iter().all(|place| away_m(&cells, &block, *place) > kept_m)
+    });
     let mut zones: Vec<AirspaceZone> = blocks(&weak)
         .into_iter()
-        .filter(|block| [here, mission.start].iter().all(|place| away_m(&cells, block, *place) > kept_m))
         .map(|(south, north, west, east, band)| AirspaceZone {
             name: format!("weak link over {}", beliefs.name),
             kind: ZoneKind::Restricted,

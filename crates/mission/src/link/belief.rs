@@ -1,14 +1,16 @@
-//! The level that is assumed at a place: measured there, else as stated and corrected, else fitted to what was measured.
+//! The level that is assumed at a place: measured there, else that of a shadow that was found next to it or above it, else as stated and
+//! corrected, else fitted to what was measured.
 //!
-//! Bound: O(cells) once for each plan, O(log cells + shadows) per place.
+//! Bound: O(cells x losses) once for each plan, O(log cells + shadows) per place.
 
-use super::learned::{Cells, Learned};
+use super::learned::{Cell, Cells, Learned, Loss, Measured};
 use crate::Mission;
 use crate::link_map::StatedLink;
 use crate::lost_link::LostLink;
 use apex_geo::geodesy;
 use apex_geo::link::LevelModel;
 use apex_model::problem::Position;
+use std::collections::BTreeMap;
 
 /// Samples from which the mean of a cell is used.
 const SAMPLES_MIN: u32 = 2;
@@ -19,6 +21,8 @@ const FITTED_MIN: usize = 6;
 const CORRECTION_MAX: f64 = 0.3;
 /// Distances of a fit must differ by this factor (decimal logarithm).
 const SPREAD_MIN: f64 = 0.1;
+/// A shadow is assumed to reach at most so many cells beyond what was measured of it.
+const SHADOW_STEPS_MAX: i32 = 4;
 /// Near full level the law is not seen.
 const SATURATED: f64 = 0.97;
 
@@ -27,13 +31,15 @@ const SATURATED: f64 = 0.97;
 pub(crate) enum Belief {
     /// Mean of the samples in the cell.
     Measured(f64),
+    /// Next to, or below, a place where this level was measured and no law explains it: a shadow has an extent.
+    Shadow(f64),
     /// By the stated law and shadows, or a law fitted to the samples; at this distance from the station, m.
     Predicted(f64, f64),
 }
 
 impl Belief {
     pub(crate) fn level(self) -> f64 {
-        let (Belief::Measured(level) | Belief::Predicted(level, _)) = self;
+        let (Belief::Measured(level) | Belief::Shadow(level) | Belief::Predicted(level, _)) = self;
         level
     }
 }
@@ -50,6 +56,16 @@ pub(crate) struct Beliefs<'a> {
     correction: f64,
     /// `level = a + b log10(distance in m)`.
     fit: Option<(f64, f64)>,
+    /// Columns of cells in an unknown shadow.
+    shadow: BTreeMap<(i32, i32), Shade>,
+}
+
+/// A column of cells that is in a shadow up to a band, with the level that was measured nearest to it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Shade {
+    pub(crate) top: i32,
+    steps: i32,
+    level: f64,
 }
 
 impl<'a> Beliefs<'a> {
@@ -66,6 +82,7 @@ impl<'a> Beliefs<'a> {
             station: link.station,
             correction: 0.0,
             fit: None,
+            shadow: BTreeMap::new(),
         };
         // Shadows do not belong to the law: only cells where the link works count.
         let heard: Vec<(Position, f64, f64)> = learned
@@ -92,15 +109,53 @@ impl<'a> Beliefs<'a> {
                 beliefs.fit = line(&points.collect::<Vec<_>>());
             }
         }
+        beliefs.shadow = beliefs.shadows();
         beliefs
     }
 
-    /// The level at a place; `None` if nothing is known of it.
-    pub(crate) fn at(&self, place: Position, altitude_m: f64) -> Option<Belief> {
-        let measured = self.learned.and_then(|learned| learned.cells().get(&self.cells.of(place, altitude_m)));
-        if let Some(measured) = measured.filter(|measured| measured.count() >= SAMPLES_MIN) {
-            return Some(Belief::Measured(measured.mean()));
+    /// The columns in shadows that only measurements know. Where one was found, its edge is not: it is assumed a cell farther on all
+    /// sides, and a cell more for each further loss near it, except where the link was good.
+    fn shadows(&self) -> BTreeMap<(i32, i32), Shade> {
+        let mut shadow: BTreeMap<(i32, i32), Shade> = BTreeMap::new();
+        let Some(learned) = self.learned else { return shadow };
+        let nominal = self.lost.nominal;
+        let is_known = |measured: &&Measured| measured.count() >= SAMPLES_MIN;
+        for (cell, measured) in learned.cells() {
+            let (middle, altitude_m) = self.cells.middle(*cell);
+            let is_explained = || self.by_law(middle, altitude_m).is_some_and(|(level, _)| level < nominal);
+            if Some(measured).filter(is_known).is_none() || measured.mean() >= nominal || is_explained() {
+                continue;
+            }
+            let near_m = f64::from(SHADOW_STEPS_MAX + 1) * self.cells.side_m;
+            let near = |loss: &&Loss| geodesy::distance_m(loss.here.position, middle) <= near_m;
+            let losses = i32::try_from(learned.losses.iter().filter(near).count()).unwrap_or(i32::MAX);
+            let reach = losses.min(SHADOW_STEPS_MAX);
+            for north in -reach..=reach {
+                for east in -reach..=reach {
+                    let new = Shade { top: cell.2, steps: north.abs().max(east.abs()), level: measured.mean() };
+                    let shade = shadow.entry((cell.0 + north, cell.1 + east)).or_insert(new);
+                    let top = shade.top.max(new.top);
+                    *shade = Shade { top, ..if new.steps < shade.steps { new } else { *shade } };
+                }
+            }
         }
+        for (cell, _) in learned.cells().iter().filter(|(_, measured)| is_known(measured) && measured.mean() >= nominal)
+        {
+            let column = (cell.0, cell.1);
+            if shadow.get(&column).is_some_and(|shade| shade.steps > 0 && cell.2 <= shade.top) {
+                shadow.remove(&column);
+            }
+        }
+        shadow
+    }
+
+    /// The columns in shadows that only measurements know.
+    pub(crate) fn shaded(&self) -> impl Iterator<Item = Cell> {
+        self.shadow.iter().map(|((north, east), shade)| (*north, *east, shade.top))
+    }
+
+    /// The level by the stated or the fitted law, with the distance from the station.
+    fn by_law(&self, place: Position, altitude_m: f64) -> Option<(f64, f64)> {
         let distance_m = geodesy::distance_m(self.station, place);
         let predicted = match (self.stated, self.fit) {
             (Some(model), _) => {
@@ -110,7 +165,20 @@ impl<'a> Beliefs<'a> {
             (None, Some((a, b))) => a + b * libm::log10(distance_m.max(1.0)),
             (None, None) => return None,
         };
-        Some(Belief::Predicted(predicted.clamp(0.0, 1.0), distance_m))
+        Some((predicted.clamp(0.0, 1.0), distance_m))
+    }
+
+    /// The level at a place; `None` if nothing is known of it.
+    pub(crate) fn at(&self, place: Position, altitude_m: f64) -> Option<Belief> {
+        let cell = self.cells.of(place, altitude_m);
+        let measured = self.learned.and_then(|learned| learned.cells().get(&cell));
+        if let Some(measured) = measured.filter(|measured| measured.count() >= SAMPLES_MIN) {
+            return Some(Belief::Measured(measured.mean()));
+        }
+        if let Some(shade) = self.shadow.get(&(cell.0, cell.1)).filter(|shade| cell.2 <= shade.top) {
+            return Some(Belief::Shadow(shade.level));
+        }
+        self.by_law(place, altitude_m).map(|(level, distance_m)| Belief::Predicted(level, distance_m))
     }
 
     /// As [`Beliefs::at`], where the link is weak.

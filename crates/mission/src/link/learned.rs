@@ -12,6 +12,8 @@ use std::collections::BTreeMap;
 
 /// Cells of one link at most: at 200 m more than a day of flight of a small aircraft.
 const CELLS_MAX: usize = 4_096;
+/// Cells that are looked for at once when the oldest are dropped.
+const OLDEST_KEPT: usize = 512;
 /// Losses that are remembered: more than any flight has, since many end it.
 const LOSSES_MAX: usize = 64;
 /// Least length of a cell's side, m (correlation of shadows: tens to hundreds of metres).
@@ -130,6 +132,38 @@ pub(crate) struct Learned {
     trail: Vec<(f64, Location)>,
     /// Where the link was good last.
     pub(crate) good_place: Option<Location>,
+    #[serde(skip)]
+    oldest: Oldest,
+}
+
+/// The cells that were visited longest ago, the oldest last, as they were when this was filled: a cache, and so no part of what is known.
+#[derive(Clone, Debug, Default)]
+struct Oldest(Vec<(f64, Cell)>);
+
+impl PartialEq for Oldest {
+    fn eq(&self, _: &Oldest) -> bool {
+        true
+    }
+}
+
+impl Oldest {
+    /// The cell that was visited longest ago. Bound: O(1), and O(cells log cells) after [`OLDEST_KEPT`] of them.
+    fn take(&mut self, cells: &BTreeMap<Cell, Measured>) -> Option<Cell> {
+        loop {
+            while let Some((last_s, cell)) = self.0.pop() {
+                if cells.get(&cell).is_some_and(|measured| measured.last_s == last_s) {
+                    return Some(cell);
+                }
+            }
+            if cells.is_empty() {
+                return None;
+            }
+            self.0 = cells.iter().map(|(cell, measured)| (measured.last_s, *cell)).collect();
+            self.0.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            self.0.truncate(OLDEST_KEPT);
+            self.0.reverse();
+        }
+    }
 }
 
 impl Learned {
@@ -162,7 +196,7 @@ impl Learned {
 
     fn remember(&mut self, cell: Cell, at_s: f64, level: f64) {
         if self.cells.len() >= CELLS_MAX && !self.cells.contains_key(&cell) {
-            let oldest = self.cells.iter().min_by(|a, b| a.1.last_s.total_cmp(&b.1.last_s)).map(|(cell, _)| *cell);
+            let oldest = self.oldest.take(&self.cells);
             oldest.and_then(|oldest| self.cells.remove(&oldest));
         }
         let measured = self.cells.entry(cell).or_default();

@@ -1,8 +1,10 @@
 //! The links of a flight as the situation remembers them, and what it publishes of them.
 //!
 //! Published as inputs of the next batch, so that the record holds them: `(good-link-place MODEM)` as the vehicle moves on, and
-//! `(contingency-place MODEM)` and `(lost-link-default MODEM)` when the link is lost.
+//! `(contingency-place MODEM)` and `(lost-link-default MODEM)` when the link is lost, and `(weak-link-areas AIRCRAFT)` when it is lost or
+//! regained: ways in flight go around these areas.
 
+use super::avoid;
 use super::belief::Beliefs;
 use super::learned::{Cells, Learned};
 use crate::Mission;
@@ -10,7 +12,7 @@ use apex_geo::geodesy;
 use apex_model::effect::{CommandId, Effect};
 use apex_model::event::{Batch, EventKind, StateVariable};
 use apex_model::planned::Location;
-use apex_model::problem::{LandingPlace, Position};
+use apex_model::problem::{AirspaceZone, LandingPlace, Position};
 use apex_model::quantity::Dimension;
 use apex_model::symbol::Symbol;
 use apex_model::time::Time;
@@ -35,6 +37,8 @@ pub struct LinkMemory {
     is_on_ground: bool,
     /// The flight command that was sent last, and where it leads.
     goal: Option<(CommandId, Position)>,
+    /// The areas that were published last.
+    areas: Vec<AirspaceZone>,
 }
 
 /// One link.
@@ -107,6 +111,10 @@ impl LinkMemory {
 
     fn hear(&mut self, mission: &Mission, at: Time, form: &Value, inputs: &mut Vec<Input>) {
         let Some([Value::Symbol(head), name, ..]) = form.as_list() else { return };
+        if head.is("communication-regained") {
+            inputs.extend(self.new_areas(mission, at));
+            return;
+        }
         if !head.is("communication-lost") {
             return;
         }
@@ -119,6 +127,18 @@ impl LinkMemory {
         let place = contingency_place(mission, &name, &link.learned, here);
         inputs.push(sample(at, "contingency-place", &name, place));
         inputs.push(sample(at, "lost-link-default", &name, Value::symbol(default.word())));
+        inputs.extend(self.new_areas(mission, at));
+    }
+
+    /// What ways avoid from now on; none where that has not changed.
+    fn new_areas(&mut self, mission: &Mission, at: Time) -> Option<Input> {
+        let areas = avoid::weak_areas(mission, &|name| self.link(name));
+        if areas == self.areas {
+            return None;
+        }
+        let shown = areas.iter().map(area_value).collect::<Vec<Value>>();
+        self.areas = areas;
+        Some(sample(at, "weak-link-areas", mission.agent.name.printed(), Value::list(shown)))
     }
 
     fn take_command(&mut self, mission: &Mission, command: CommandId, form: &Value) {
@@ -131,6 +151,11 @@ impl LinkMemory {
         if let Some((goal, _)) = places.last() {
             self.goal = Some((command, goal));
         }
+    }
+
+    /// The mission with the weak links that are known when the vehicle is `here`: zones that are added, targets that are left out.
+    pub(crate) fn without_weak_links(&self, mission: Mission, here: Position) -> Mission {
+        avoid::without_weak_links(mission, &|name| self.link(name), here)
     }
 
     /// A link by its name.
@@ -155,6 +180,14 @@ fn contingency_place(mission: &Mission, name: &str, learned: &Learned, here: Loc
     let nearest =
         places.iter().min_by(|a, b| is_weak(a).cmp(&is_weak(b)).then(distance_m(a).total_cmp(&distance_m(b))));
     nearest.map_or_else(|| mission.settings.start.clone(), |place| Value::symbol(&place.name))
+}
+
+/// `(NAME TOP CORNER ..)`: the name of an area, its upper face in metres above sea level, and its corners.
+fn area_value(area: &AirspaceZone) -> Value {
+    let tenth = |degrees: f64| Value::Real(libm::round(degrees * 1e6) / 1e6);
+    let corner = |at: &Position| Value::list([tenth(at.latitude_deg), tenth(at.longitude_deg)]);
+    let head = [Value::text(&area.name), Value::Real(area.altitude_m_max)];
+    Value::list(head.into_iter().chain(area.corners.iter().map(corner)))
 }
 
 fn sample(at: Time, attribute: &str, name: &str, value: Value) -> Input {

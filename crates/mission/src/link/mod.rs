@@ -5,5 +5,4 @@ mod belief;
 mod learned;
 mod memory;
 
-pub(crate) use avoid::without_weak_links;
 pub use memory::LinkMemory;

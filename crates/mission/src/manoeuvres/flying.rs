@@ -2,7 +2,7 @@
 //! plans them, and a straight piece before each line on which the wings come level.
 
 use crate::vehicle::{Airframe, VehicleModel, turn_radius_m};
-use crate::ways::LEAD_IN_S;
+use crate::ways::lead_in_s;
 use apex_geo::geodesy::{self, RAD_PER_DEG};
 use apex_geo::plane::{Plane, Point};
 use apex_geo::travel::{Flyer, Pose};
@@ -113,17 +113,17 @@ fn join(
         turn_radius_m: turn_radius_m(model),
         wind_mps: Point { x: wind.east_mps, y: wind.north_mps },
     };
-    let paths = flyer.paths(
+    let path = flyer.quickest(
         Pose { point: plane.project(exit)?, track_rad: direction(out_deg) },
         Pose { point: plane.project(lead_in)?, track_rad: direction(track_deg) },
     );
-    let turn_s = paths.first()?.time_s;
+    let turn_s = path?.time_s;
     Some((turn_s + lead_s, turn_s * airspeed_mps + lead_m))
 }
 
 /// Length of the lead-in of a fixed wing: as ways in flight end before a line, so that plan and flight agree.
 fn lead_in_m(model: &VehicleModel, field: &WindField) -> f64 {
-    LEAD_IN_S * (model.true_airspeed_m_s_cruise + wind::speed_mps_max(field))
+    lead_in_s(model) * (model.true_airspeed_m_s_cruise + wind::speed_mps_max(field))
 }
 
 /// Time that a rotorcraft needs beyond the way at cruise speed to come from a standstill, stop again and hang still.

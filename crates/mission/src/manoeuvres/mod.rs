@@ -24,23 +24,26 @@ const MANOEUVRES_MAX: usize = 8;
 /// Why there is none, with what comes nearest.
 pub(crate) fn of(wish: &Wish<'_>) -> Result<Vec<Manoeuvre>, String> {
     let model = &wish.mission.model;
-    let made = match &wish.fire.pictures.camera {
-        None if carries_scanner(model) => scanner::sweeps(wish)?,
-        _ => camera::ways(wish)?,
-    };
-    Ok(best(made))
+    match &wish.fire.pictures.camera {
+        None if carries_scanner(model) => {
+            let sweeps = best(scanner::sweeps(wish)?, |sweep| &sweep.manoeuvre);
+            Ok(sweeps.into_iter().map(|sweep| sweep.explained(wish)).collect())
+        }
+        _ => Ok(best(camera::ways(wish)?, |manoeuvre| manoeuvre)),
+    }
 }
 
 /// The front of worth against time, best worth first; evenly thinned where it is long.
-fn best(mut made: Vec<Manoeuvre>) -> Vec<Manoeuvre> {
+fn best<T>(mut made: Vec<T>, manoeuvre: impl Fn(&T) -> &Manoeuvre) -> Vec<T> {
     made.sort_by(|a, b| {
+        let (a, b) = (manoeuvre(a), manoeuvre(b));
         let worth = b.quality.product().total_cmp(&a.quality.product());
         worth.then(a.duration_s.total_cmp(&b.duration_s))
     });
-    let mut front: Vec<Manoeuvre> = Vec::new();
-    for manoeuvre in made {
-        if front.last().is_none_or(|last| manoeuvre.duration_s < last.duration_s) {
-            front.push(manoeuvre);
+    let mut front: Vec<T> = Vec::new();
+    for way in made {
+        if front.last().is_none_or(|last| manoeuvre(&way).duration_s < manoeuvre(last).duration_s) {
+            front.push(way);
         }
     }
     let count = front.len();
@@ -49,5 +52,5 @@ fn best(mut made: Vec<Manoeuvre>) -> Vec<Manoeuvre> {
     }
     // The best and the quickest stay.
     let kept = |index: usize| (0..MANOEUVRES_MAX).any(|slot| slot * (count - 1) / (MANOEUVRES_MAX - 1) == index);
-    front.into_iter().enumerate().filter(|(index, _)| kept(*index)).map(|(_, manoeuvre)| manoeuvre).collect()
+    front.into_iter().enumerate().filter(|(index, _)| kept(*index)).map(|(_, way)| way).collect()
 }

@@ -154,7 +154,7 @@ fn draft(
         name: format!("{kind}-{height_m:.0}m"),
         altitude_m,
         lines,
-        // Runs with pictures are short, and their turns are planned longer than they are flown: more room would lengthen them.
+        // Missions without requirements leave joins to the autopilot, which chooses where a lead-in begins.
         entry: None,
         duration_s: flown.duration_s + if model.airframe == Airframe::FixedWing { LEAVE_S } else { 0.0 },
         length_m: flown.length_m,

@@ -29,7 +29,7 @@ struct Draft {
 ///
 /// # Errors
 /// Why there is none, with what comes nearest.
-pub(super) fn sweeps(wish: &Wish<'_>) -> Result<Vec<Manoeuvre>, String> {
+pub(super) fn sweeps(wish: &Wish<'_>) -> Result<Vec<Sweep>, String> {
     let Some(scanner) = scanner_of(&wish.mission.model) else {
         return Err(format!("the vehicle `{}` carries no line scanner", wish.mission.model.name));
     };
@@ -147,9 +147,27 @@ fn promising(drafts: Vec<Draft>) -> Vec<Draft> {
     drafts.into_iter().zip(kept).filter(|(_, kept)| *kept).map(|(draft, _)| draft).collect()
 }
 
-/// The manoeuvre with its predicted factors; none where it adds nothing.
-fn predicted(wish: &Wish<'_>, scanner: &PredictedScanner, draft: Draft) -> Option<Manoeuvre> {
-    let wanted = ObservedTarget { looks: vec![wish.look.clone()], after: Vec::new(), ..wish.fire.wanted.clone() };
+/// A sweep with its predicted factors.
+pub(super) struct Sweep {
+    /// The sweep as planners see it; the causes of its losses are stated by [`Sweep::explained`].
+    pub(super) manoeuvre: Manoeuvre,
+    lines: Vec<PlannedLine>,
+    scanner: PredictedScanner,
+}
+
+impl Sweep {
+    /// The manoeuvre with the causes of its losses: most sweeps are sorted out before their causes are read.
+    pub(super) fn explained(self, wish: &Wish<'_>) -> Manoeuvre {
+        if !wish.is_explained {
+            return self.manoeuvre;
+        }
+        let quality = factors(wish, &self.scanner, &self.lines, true).unwrap_or(self.manoeuvre.quality);
+        Manoeuvre { quality, ..self.manoeuvre }
+    }
+}
+
+/// The sweep with its predicted factors; none where it adds nothing.
+fn predicted(wish: &Wish<'_>, scanner: &PredictedScanner, draft: Draft) -> Option<Sweep> {
     let lines: Vec<PlannedLine> = draft
         .flown
         .lines
@@ -164,6 +182,28 @@ fn predicted(wish: &Wish<'_>, scanner: &PredictedScanner, draft: Draft) -> Optio
             on_ground_s: None,
         })
         .collect();
+    let quality = factors(wish, scanner, &lines, false)?;
+    let manoeuvre = Manoeuvre {
+        name: draft.name,
+        altitude_m: draft.altitude_m,
+        lines: draft.lines,
+        entry: draft.flown.entry,
+        duration_s: draft.flown.duration_s,
+        length_m: draft.flown.length_m,
+        quality,
+        pictures: None,
+    };
+    (manoeuvre.quality.product() > 0.0).then(|| Sweep { manoeuvre, lines, scanner: scanner.clone() })
+}
+
+/// What the lines are predicted to see of the wanted look.
+fn factors(
+    wish: &Wish<'_>,
+    scanner: &PredictedScanner,
+    lines: &[PlannedLine],
+    is_explained: bool,
+) -> Option<QualityFactors> {
+    let wanted = ObservedTarget { looks: vec![wish.look.clone()], after: Vec::new(), ..wish.fire.wanted.clone() };
     let first_valid_s = BTreeMap::new();
     let air = ForecastAir::new(wish.mission);
     let context = PredictionContext {
@@ -173,20 +213,10 @@ fn predicted(wish: &Wish<'_>, scanner: &PredictedScanner, draft: Draft) -> Optio
         seen: None,
         products: &[],
         first_valid_s: &first_valid_s,
-        is_explained: true,
+        is_explained,
     };
-    let result = predict(&wanted, &wish.fire.grid, &lines, scanner, &context);
-    let quality = quality(result.looks.first()?);
-    (quality.product() > 0.0).then_some(Manoeuvre {
-        name: draft.name,
-        altitude_m: draft.altitude_m,
-        lines: draft.lines,
-        entry: draft.flown.entry,
-        duration_s: draft.flown.duration_s,
-        length_m: draft.flown.length_m,
-        quality,
-        pictures: None,
-    })
+    let result = predict(&wanted, &wish.fire.grid, lines, scanner, &context);
+    result.looks.first().map(quality)
 }
 
 /// Predicted factors with their causes.

@@ -18,4 +18,6 @@ pub(crate) struct Wish<'a> {
     pub(crate) approach: Position,
     /// The earliest time of the observation.
     pub(crate) from_s: f64,
+    /// The causes of what sweeps lose are wanted, too: that takes as long as their prediction.
+    pub(crate) is_explained: bool,
 }

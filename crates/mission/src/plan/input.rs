@@ -6,7 +6,6 @@ use crate::Mission;
 use crate::deliberation::{Deliberation, translate, validate};
 use crate::error::{MissionError, MissionResult};
 use crate::files::{nearby_help, read_text};
-use crate::link::without_weak_links;
 use crate::problem::pose;
 use crate::situation::Situation;
 use apex_metrics::survival;
@@ -132,7 +131,7 @@ impl PlanInput {
     pub fn of_mission(mission: Mission) -> MissionResult<PlanInput> {
         let (goal, budget) = goal_and_budget(&mission);
         let (situation, here) = (Situation::default(), mission.start);
-        let mission = without_weak_links(mission, &situation.links, here);
+        let mission = situation.links.without_weak_links(mission, here);
         let problem = pose(&situation.updates.believed(&mission), &situation, None, Time::ZERO)
             .map_err(|reason| MissionError::planning("there is nothing to plan").because(reason))?;
         let (name, seed) = (mission.settings.name.clone(), mission.settings.seed);

@@ -242,6 +242,11 @@ impl FlownScore {
         self.observation.valid_looks_s(target).into_iter().any(|time_s| (from_s..=until_s).contains(&time_s))
     }
 
+    /// The result of the looks of one target; none while nothing of it has been seen.
+    pub fn result(&self, target: &str) -> Option<TargetResult> {
+        self.observation.result(target)
+    }
+
     /// What each target's looks have come to.
     pub fn results(&self) -> Vec<TargetResult> {
         self.observation.results()

@@ -18,10 +18,11 @@ use crate::diagnosis::DiagnosisService;
 use crate::link::LinkMemory;
 use crate::predicted::Predicted;
 use crate::requirements::Watch;
+use apex_geo::wind;
 use apex_model::effect::{DecisionKind, Effect, Method, SolveRequestId};
 use apex_model::event::{Batch, EventKind, SolverReport};
 use apex_model::limits::SOLVE_REQUESTS_MAX;
-use apex_model::planned::PlannedActivity;
+use apex_model::planned::{Location, PlannedActivity};
 use apex_model::problem::Plan;
 use apex_model::source::Place;
 use apex_model::time::Time;
@@ -88,6 +89,8 @@ pub struct Situation {
     answers: BTreeMap<SolveRequestId, MadePlan>,
     /// Lines of each target whose observation has been chosen.
     planned_lines: BTreeMap<String, Vec<ScanLine>>,
+    /// Where the first of these lines begins.
+    line_begins: BTreeMap<String, Location>,
     /// Requirements compared with the flight.
     watch: Watch,
     /// What was measured of radio links.
@@ -116,7 +119,7 @@ impl Situation {
                     moved |= variable.attribute.is("location");
                     self.vehicle.measure(variable.attribute.folded(), value);
                 }
-                EventKind::Occurrence(form) => self.take_message(event.at, form),
+                EventKind::Occurrence(form) => self.take_message(mission, event.at, form),
                 EventKind::SolverReported(request, report) => self.take_answer(event.at, *request, report),
                 _ => {}
             }
@@ -125,7 +128,7 @@ impl Situation {
             visit.scan(&self.vehicle, mission.model.level_roll_deg_max);
         }
         for effect in effects {
-            self.take_effect(batch.now, effect);
+            self.take_effect(mission, batch.now, effect);
         }
         self.watch(mission, batch, effects);
         self.derived.extend(self.links.observe(mission, batch, effects));
@@ -181,27 +184,35 @@ impl Situation {
         }
     }
 
-    /// What the plan that is flown expects of an observation.
-    fn predicted(&self, target: &str) -> Option<Predicted> {
+    /// What the plan that is flown expects of an observation. A visit of a plan begins with the lead-in of its first line, an observation
+    /// with that line.
+    fn predicted(&self, mission: &Mission, target: &str) -> Option<Predicted> {
         let Plan::SingleVisit(plan) = &self.plan.as_ref()?.plan else { return None };
         let visit = plan.visits.iter().find(|visit| visit.target == target)?;
         let quality = visit.quality.clone()?;
         let (timing, worth) = (visit.timing, visit.worth);
-        Some(Predicted { quality, timing, worth, begin_s: visit.begin_s, end_s: visit.end_s })
+        let lead_in = visit.route.last().zip(self.line_begins.get(target));
+        let lead_in_s = lead_in.and_then(|(entry, begin)| {
+            let airspeed_mps = mission.model.true_airspeed_m_s_cruise;
+            let forecast = self.updates.forecast(mission);
+            wind::leg_time_s(*entry, begin.position, begin.altitude_m, airspeed_mps, forecast, visit.begin_s)
+        });
+        let begin_s = visit.begin_s + lead_in_s.unwrap_or(0.0);
+        Some(Predicted { quality, timing, worth, begin_s, end_s: visit.end_s })
     }
 
     fn change(&mut self, target: String, at: Time, state: TargetState, detail: String) {
         self.target_changes.push(TargetChange { target, at, state, detail });
     }
 
-    fn take_message(&mut self, at: Time, form: &Value) {
+    fn take_message(&mut self, mission: &Mission, at: Time, form: &Value) {
         let Some(event) = MissionEvent::read(form) else { return };
         match event {
             MissionEvent::Observing(target) => {
                 if self.open_visit().is_none_or(|visit| visit.target != target) {
                     self.change(target.clone(), at, TargetState::Observing, String::new());
                     let lines = self.planned_lines.get(&target).cloned().unwrap_or_default();
-                    let predicted = self.predicted(&target);
+                    let predicted = self.predicted(mission, &target);
                     self.visits.push(Visit::new(target, at, lines, predicted));
                 }
             }
@@ -284,9 +295,9 @@ impl Situation {
         }
     }
 
-    fn take_effect(&mut self, now: Time, effect: &Effect) {
+    fn take_effect(&mut self, mission: &Mission, now: Time, effect: &Effect) {
         match effect {
-            Effect::Inform { form, .. } => self.take_message(now, form),
+            Effect::Inform { form, .. } => self.take_message(mission, now, form),
             Effect::Solve(request) => {
                 self.asked.insert(request.request, now);
             }
@@ -329,7 +340,14 @@ impl Situation {
     }
 
     fn take_choice(&mut self, now: Time, goal: &Value, place: Place) {
-        if let PlannedActivity::Observe { target, lines, .. } = PlannedActivity::from_goal(goal) {
+        let activity = PlannedActivity::from_goal(goal);
+        if let PlannedActivity::Observe { target, lines, .. } | PlannedActivity::Photograph { target, lines, .. } =
+            &activity
+            && let Some((begin, _)) = lines.first()
+        {
+            self.line_begins.insert(target.clone(), *begin);
+        }
+        if let PlannedActivity::Observe { target, lines, .. } = activity {
             let lines = lines.iter().map(|(from, to)| ScanLine::new(from.position, to.position)).collect();
             self.planned_lines.insert(target, lines);
         }

@@ -3,11 +3,11 @@
 use super::landing::on_line;
 use super::limits::Limits;
 use super::segment::{Segment, SegmentWay};
-use super::{Broken, LEAD_IN_S, Request, Way};
+use super::{Broken, Request, Way};
 use apex_geo::geodesy;
 use apex_geo::location::Location;
 use apex_model::host::HostFunctions;
-use apex_model::problem::Position;
+use apex_model::problem::{AirspaceZone, Position, TimeWindow, ZoneKind};
 use apex_model::quantity::Dimension;
 use apex_model::time::Duration;
 use apex_model::value::Value;
@@ -15,12 +15,13 @@ use std::sync::Arc;
 
 type Body = fn(&Limits, &[Value]) -> Result<Value, String>;
 
-const FUNCTIONS: [(&str, usize, Body); 5] = [
-    ("way-to", 5, to_place),
-    ("way-to-circle", 5, to_circle),
-    ("way-to-line", 6, to_line),
-    ("way-to-landing", 4, to_landing),
-    ("way-to-segment", 6, to_segment),
+/// Names, least and greatest numbers of arguments: the last one, which may be left out, is `(weak-link-areas AIRCRAFT)`.
+const FUNCTIONS: [(&str, usize, usize, Body); 5] = [
+    ("way-to", 5, 6, to_place),
+    ("way-to-circle", 5, 6, to_circle),
+    ("way-to-line", 6, 7, to_line),
+    ("way-to-landing", 4, 4, to_landing),
+    ("way-to-segment", 6, 6, to_segment),
 ];
 
 /// A line that is joined from so near, and so nearly in its direction, is joined straight.
@@ -32,12 +33,15 @@ const CIRCLE_ENTRY: f64 = 2.0;
 /// Puts the functions of a mission in place of those without one.
 pub(crate) fn register(limits: Limits, functions: &mut HostFunctions) {
     let limits = Arc::new(limits);
-    for (name, count, body) in FUNCTIONS {
+    for (name, least, most, body) in FUNCTIONS {
         let limits = Arc::clone(&limits);
         let function = move |arguments: &[Value]| {
-            if arguments.len() != count {
-                return Err(format!("`{name}` takes {count} arguments and was given {}.", arguments.len()));
+            if !(least..=most).contains(&arguments.len()) {
+                let wanted = if least == most { least.to_string() } else { format!("{least} or {most}") };
+                return Err(format!("`{name}` takes {wanted} arguments and was given {}.", arguments.len()));
             }
+            let (arguments, areas) = arguments.split_at(least);
+            let limits = limits.with_weak(areas.first().map(weak_areas).unwrap_or_default());
             body(&limits, arguments).map_err(|reason| format!("`{name}`: {reason}"))
         };
         functions.register(name, Arc::new(function));
@@ -46,7 +50,7 @@ pub(crate) fn register(limits: Limits, functions: &mut HostFunctions) {
 
 /// As [`start_of`]; none also if nothing limits the ways.
 fn start(limits: &Limits, arguments: &[Value]) -> Result<Option<Request>, String> {
-    if limits.are_none() {
+    if limits.are_none() && !limits.has_weak() {
         return Ok(None);
     }
     let request = start_of(arguments)?;
@@ -103,6 +107,25 @@ fn spot(limits: &Limits, value: &Value) -> Result<(Position, Option<f64>), Strin
     }
 }
 
+/// The areas that the situation published as a value; what is not one of them is left out.
+fn weak_areas(value: &Value) -> Vec<AirspaceZone> {
+    let area = |item: &Value| {
+        let [Value::Text(name), top, corners @ ..] = item.as_list()? else { return None };
+        let (altitude_m_max, _) = top.as_number()?;
+        let corners: Vec<Position> =
+            corners.iter().filter_map(|at| Location::of(at).ok()).map(|at| at.position).collect();
+        (corners.len() >= 3).then(|| AirspaceZone {
+            name: name.to_string(),
+            kind: ZoneKind::Restricted,
+            corners,
+            altitude_m_min: 0.0,
+            altitude_m_max,
+            active: TimeWindow::ALWAYS,
+        })
+    };
+    value.as_list().unwrap_or_default().iter().filter_map(area).collect()
+}
+
 fn length(value: &Value) -> Result<Option<f64>, String> {
     match value.as_number() {
         _ if !value.is_true() => Ok(None),
@@ -144,7 +167,7 @@ fn to_circle(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let [.., place, time] = arguments else { return Ok(Value::nil()) };
     let Ok((to, stated_m)) = spot(limits, place) else { return Ok(Value::nil()) };
     let stay_s = match time.as_number() {
-        Some((seconds, Dimension::TIME)) if seconds.is_finite() => seconds,
+        Some((seconds, Dimension::TIME)) if seconds.is_finite() => seconds.max(0.0),
         _ => (limits.end_s - request.at_s).max(0.0),
     };
     let to_altitude_m = stated_m.unwrap_or(request.from_altitude_m);
@@ -194,7 +217,7 @@ fn to_line(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
         0.0
     };
     let (along_m, across_m) = geodesy::along_cross_track_m(begin, end, request.from);
-    let lead_m = LEAD_IN_S * (limits.true_airspeed_mps + limits.wind_mps_max());
+    let lead_m = limits.lead_in_s * (limits.true_airspeed_mps + limits.wind_mps_max());
     let course_deg = on_line(begin, end, along_m).1;
     let off_deg = request.from_track_rad.map_or(0.0, |track| geodesy::wrap_180(track.to_degrees() - course_deg).abs());
     let is_on_line = across_m.abs() <= ON_LINE_M
@@ -213,8 +236,11 @@ fn to_line(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
         ..request
     };
     // A line is met as the plan assumes it, by turns in the wind: an autopilot's own join knows no wind, and may come round again.
-    let open = || if is_fixed_wing { limits.open_way(&request) } else { None };
-    let way = limits.best_way(&request).or_else(open).map(|mut way| {
+    let way = match is_fixed_wing && !limits.are_none() {
+        true => limits.turning_way(&request).or_else(|| limits.open_way(&request)),
+        false => limits.best_way(&request),
+    };
+    let way = way.map(|mut way| {
         if is_fixed_wing {
             way.via.push(gate);
         }

@@ -2,7 +2,7 @@
 
 use super::limits::Limits;
 use super::route::{CIRCLE_ROOM, MARGIN_SHARES, Strictness};
-use super::{Broken, LEAD_IN_S, Request, Way};
+use super::{Broken, Request, Way};
 use apex_geo::geodesy;
 use apex_geo::wind;
 use apex_model::problem::Position;
@@ -77,7 +77,7 @@ impl Limits {
     /// What shuts the approach, or every way to it.
     fn approach(&self, request: &Request, course_deg: f64, margins: f64) -> Result<Way, String> {
         let out_deg = geodesy::wrap_360(course_deg + 180.0);
-        let lead_m = LEAD_IN_S * (self.true_airspeed_mps + self.wind_mps_max());
+        let lead_m = self.lead_in_s * (self.true_airspeed_mps + self.wind_mps_max());
         let begin = geodesy::destination(request.to, out_deg, self.final_approach_m + lead_m);
         // Who cannot descend before circles at the beginning of the approach.
         let above = Request { to: request.from, ..*request };
@@ -97,17 +97,29 @@ impl Limits {
 
 /// Room for a circle around its middle, as a multiple of its radius: joining it swings out.
 const AROUND_ROOM: f64 = 1.4;
+/// Share of the margins that circles keep.
+const CIRCLE_MARGINS: f64 = 0.2;
 /// Distances from a place at which circles are tried.
 const ASIDE_M: f64 = 2_000.0;
 const ASIDES: usize = 60;
 const ASIDE_DIRECTIONS: usize = 24;
 
 impl Limits {
-    /// The place nearest to that of a request around which a circle fits; else its own place, and what shuts it.
+    /// The place nearest to that of a request around which a circle fits for all of the stay; else its own place, and what shuts it.
+    /// A vehicle that is inside of the circle when it begins needs more space: it turns onto it from within.
     pub(super) fn circle_centre(&self, request: &Request) -> (Position, Option<String>) {
+        if self.are_none() {
+            return (request.to, None);
+        }
+        let radius_m = self.circle_radius_m();
+        // Who circles where it is climbs or descends on the circle; elsewhere it arrives at the altitude.
+        let is_here = geodesy::distance_m(request.from, request.to) < radius_m;
+        let from_altitude_m = if is_here { request.from_altitude_m } else { request.to_altitude_m };
         let shut_by = |centre: Position| {
-            let there = Request { from: centre, to: centre, from_altitude_m: request.to_altitude_m, ..*request };
-            self.shut_by(&there, (AROUND_ROOM * self.circle_radius_m(), 0.2))
+            let there = Request { from: centre, to: centre, from_altitude_m, ..*request };
+            let is_within = geodesy::distance_m(request.from, centre) < radius_m;
+            let width = if is_within { CIRCLE_ROOM } else { AROUND_ROOM };
+            self.shut_by(&there, (width * radius_m, CIRCLE_MARGINS))
         };
         let Some(name) = shut_by(request.to) else { return (request.to, None) };
         for aside in 1..=ASIDES {

@@ -4,15 +4,17 @@
 //! last. Of airspace, that is broken which takes the least time: an end that lies where it is forbidden to be is left, or
 //! reached, by the shortest leg; zones that enclose everything are passed through one by one.
 
-use super::limits::Limits;
+use super::limits::{Limits, TURN_WIDTH};
 use super::route::{MARGIN_SHARES, Strictness};
-use super::straight::TURN_ROOM;
 use super::{Broken, Request, Way};
 use apex_geo::geodesy;
 use apex_geo::plane::{self, Plane, Point};
 use apex_geo::travel::{Network, TravelError};
 use apex_model::problem::{AirspaceZone, Position, ZoneKind};
 
+/// A way around weak links takes at most this many times as long as the straight one, and this many seconds more.
+const WEAK_DETOUR: f64 = 3.0;
+const WEAK_DETOUR_S: f64 = 120.0;
 /// Distances at which a permitted place is searched: the first, the factor from one to the next, the last.
 const LOOK_M_FIRST: f64 = 200.0;
 const LOOK_GROWTH: f64 = 1.08;
@@ -24,11 +26,41 @@ const EDGE_M: f64 = 500.0;
 const MARGINS_LEFT: f64 = 0.2;
 
 impl Limits {
-    /// The way of a request: with every requirement where that can be, else with the least broken. None where it is straight.
+    /// The way of a request, around weak links where such a way is not much longer: with every requirement where that can be, else with
+    /// the least broken. None where it is straight.
     pub(super) fn best_way(&self, request: &Request) -> Option<Way> {
-        if self.are_none() || self.is_straight_open(request) {
+        match self.way_around_weak_links(request, true) {
+            Some(way) => way,
+            None if self.are_none() || self.is_straight_open(request) => None,
+            None => Some(self.required_way(request)),
+        }
+    }
+
+    /// As [`Limits::best_way`], by turns of this program also where the straight way is open: an autopilot's own turns onto a line may be
+    /// wider than what was checked around the straight way. None for a mission without requirements.
+    pub(super) fn turning_way(&self, request: &Request) -> Option<Way> {
+        if self.are_none() {
             return None;
         }
+        let around = self.way_around_weak_links(request, false).flatten();
+        Some(around.unwrap_or_else(|| self.required_way(request)))
+    }
+
+    /// A way that keeps every requirement and avoids weak links; within: none where it is straight and may be.
+    fn way_around_weak_links(&self, request: &Request, may_be_straight: bool) -> Option<Option<Way>> {
+        let limits = self.around_weak([request.from, request.to])?;
+        if may_be_straight && limits.is_straight_open(request) {
+            return Some(None);
+        }
+        let straight_s = geodesy::distance_m(request.from, request.to) / self.true_airspeed_mps;
+        let of_use = |way: &Way| way.hold_s + way.time_s <= WEAK_DETOUR * straight_s + WEAK_DETOUR_S;
+        let shares = MARGIN_SHARES.iter().filter(|share| **share > 0.0);
+        let mut ways = shares.filter_map(|share| limits.way(request, &Strictness::all(*share)).ok());
+        ways.next().filter(of_use).map(Some)
+    }
+
+    /// A way with turns, whatever the links.
+    fn required_way(&self, request: &Request) -> Way {
         let mut first = None;
         for margins in MARGIN_SHARES {
             match self.way(request, &Strictness::all(margins)) {
@@ -37,21 +69,21 @@ impl Limits {
                     let names = self.crossed(request, &way, (EDGE_M, true));
                     let why = "no way keeps a distance from its edge".to_string();
                     let broken = (!names.is_empty()).then(|| Broken { name: names.join("; "), why });
-                    return Some(Way { broken, ..way });
+                    return Way { broken, ..way };
                 }
-                Ok(way) => return Some(way),
+                Ok(way) => return way,
                 Err(reason) => first = first.or(Some(reason)),
             }
         }
         let why = first.unwrap_or(TravelError::Shut).to_string();
         let way = self.way_between_permitted_ends(request).or_else(|| self.through_zones(request, &why));
-        Some(way.unwrap_or_else(|| self.straight_anyway(request, why)))
+        way.unwrap_or_else(|| self.straight_anyway(request, why))
     }
 
     /// The way with what it breaks: the requirement without which it was searched, and every zone that it passes. Where the
     /// vehicle chooses its turns itself, every zone near them counts.
     fn breaking(&self, request: &Request, way: Way, (name, why): (&str, &str), has_turns: bool) -> Way {
-        let clearance_m = TURN_ROOM * self.turn_radius_m_over_ground();
+        let clearance_m = TURN_WIDTH * self.turn_radius_m_over_ground();
         let mut names: Vec<String> = name.split("; ").map(str::to_string).collect();
         names.extend(self.crossed(request, &way, (clearance_m, has_turns)));
         let mut known: Vec<String> = Vec::new();

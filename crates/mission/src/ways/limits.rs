@@ -1,10 +1,12 @@
 //! What of a mission ways depend on.
 
 use crate::vehicle::Airframe;
-use crate::vehicle::turn_radius_m;
+use crate::vehicle::{VehicleModel, turn_radius_m};
 use crate::{Mission, TargetKind};
 use apex_geo::landing;
+use apex_geo::plane::{self, Plane, Point};
 use apex_model::problem::{AirspaceZone, LandingPlace, Position, WindField, ZoneKind};
+use std::borrow::Cow;
 
 /// A part of the ground of one elevation.
 #[derive(Clone, Debug)]
@@ -18,6 +20,8 @@ pub(super) struct Patch {
 #[derive(Clone, Debug)]
 pub struct Limits {
     pub(super) zones: Vec<AirspaceZone>,
+    /// Areas where a link is weak: ways go around them where they can, and break nothing where they cannot.
+    pub(super) weak: Vec<AirspaceZone>,
     pub(super) landing_places: Vec<LandingPlace>,
     pub(super) landing_distance_m_max: Option<f64>,
     pub(super) wind: WindField,
@@ -34,6 +38,8 @@ pub struct Limits {
     pub(super) climb_rate_mps: f64,
     pub(super) descent_rate_mps: f64,
     pub(super) altitude_m_max: f64,
+    /// Straight flight before lines.
+    pub(super) lead_in_s: f64,
     pub(super) final_approach_m: f64,
     pub(super) final_approach_height_m: f64,
     /// When the mission ends.
@@ -42,6 +48,19 @@ pub struct Limits {
     places: Vec<(String, Position, f64)>,
 }
 
+/// Straight flight before a line, so that the wings are level where it begins: so many times as long as rolling into a turn takes, since
+/// the end of a turn leaves an error across the line; at least what autopilots keep for their own joins, at most what a large aircraft
+/// needs, s.
+const LEAD_IN_ROLLS: f64 = 8.0;
+const LEAD_IN_S: (f64, f64) = (16.0, 24.0);
+
+/// Seconds of straight flight before a line of a scanner or a camera.
+pub(crate) fn lead_in_s(model: &VehicleModel) -> f64 {
+    (LEAD_IN_ROLLS * model.bank_deg_max / model.roll_rate_deg_s_max).clamp(LEAD_IN_S.0, LEAD_IN_S.1)
+}
+
+/// Width of a turn, across, and its overshoot, as multiples of the radius over ground.
+pub(super) const TURN_WIDTH: f64 = 3.0;
 /// Height over ground that ways keep: fixed wing, rotorcraft. The first is 1,000 feet, the least height over open country
 /// (ICAO Annex 2, 4.6); the second is what small aircraft keep from obstacles.
 const GROUND_MARGIN_M: (f64, f64) = (300.0, 30.0);
@@ -65,6 +84,7 @@ impl Limits {
         let single_visits = mission.targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_)));
         Limits {
             zones: mission.zones.clone(),
+            weak: Vec::new(),
             landing_places: mission.landing_places(),
             landing_distance_m_max: mission.requirements.landing_distance_m_max(),
             wind: mission.forecast.clone(),
@@ -80,6 +100,7 @@ impl Limits {
             climb_rate_mps: model.climb_rate_m_s_max * model.planning.climb_share,
             descent_rate_mps: model.descent_rate_m_s_max * model.planning.descent_share,
             altitude_m_max: model.ceiling_m * model.planning.ceiling_share,
+            lead_in_s: lead_in_s(model),
             final_approach_m: model.final_approach_m,
             final_approach_height_m: model.final_approach_height_m,
             end_s: mission.settings.duration.seconds(),
@@ -90,6 +111,28 @@ impl Limits {
     /// Does the mission limit where one may fly?
     pub(super) fn are_none(&self) -> bool {
         self.zones.is_empty() && self.landing_distance_m_max.is_none()
+    }
+
+    /// Is there a link that is weak somewhere?
+    pub(super) fn has_weak(&self) -> bool {
+        !self.weak.is_empty()
+    }
+
+    /// The same limits with the areas that a flight has learned; as they are without any.
+    pub(super) fn with_weak(&self, areas: Vec<AirspaceZone>) -> Cow<'_, Limits> {
+        if areas.is_empty() { Cow::Borrowed(self) } else { Cow::Owned(Limits { weak: areas, ..self.clone() }) }
+    }
+
+    /// The same limits with those weak areas as zones, without those near the ends of a way.
+    pub(super) fn around_weak(&self, ends: [Position; 2]) -> Option<Limits> {
+        let near_m = self.margin_m + TURN_WIDTH * self.turn_radius_m_over_ground();
+        let is_clear = |zone: &&AirspaceZone| ends.iter().all(|end| distance_m(zone, *end) > near_m);
+        let weak: Vec<AirspaceZone> = self.weak.iter().filter(is_clear).cloned().collect();
+        if weak.is_empty() {
+            return None;
+        }
+        let zones = self.zones.iter().cloned().chain(weak).collect();
+        Some(Limits { zones, weak: Vec::new(), ..self.clone() })
     }
 
     /// Where a named place is, with its elevation.
@@ -145,8 +188,16 @@ impl Limits {
     }
 }
 
+/// Distance of a place from the outline of a zone; 0 inside.
+fn distance_m(zone: &AirspaceZone, place: Position) -> f64 {
+    let plane = Plane::new(place);
+    let corners: Vec<Point> = zone.corners.iter().filter_map(|corner| plane.project(*corner)).collect();
+    let here = Point::default();
+    if plane::inside(here, &corners) { 0.0 } else { plane::segment_to_edges(here, here, &corners) }
+}
+
 fn leg_is_near(from: Position, to: Position, patch: &Patch) -> bool {
-    let plane = apex_geo::plane::Plane::new(patch.position);
+    let plane = Plane::new(patch.position);
     let ends = plane.project(from).zip(plane.project(to));
-    ends.is_some_and(|(a, b)| apex_geo::plane::point_to_segment(Default::default(), a, b) <= patch.radius_m)
+    ends.is_some_and(|(a, b)| plane::point_to_segment(Default::default(), a, b) <= patch.radius_m)
 }

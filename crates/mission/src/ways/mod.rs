@@ -17,12 +17,10 @@ mod straight;
 
 pub(crate) use answers::register;
 pub use limits::Limits;
+pub(crate) use limits::lead_in_s;
 pub(crate) use segment::Segment;
 
 use apex_model::problem::Position;
-
-/// Seconds of straight flight before a line, so that the wings are level where it begins.
-pub(crate) const LEAD_IN_S: f64 = 24.0;
 
 /// From where to where, as a vehicle in flight asks.
 #[derive(Clone, Copy, Debug, PartialEq)]

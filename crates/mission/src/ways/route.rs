@@ -117,14 +117,20 @@ impl Limits {
         if must_be_level && late_s > 0.0 && has_room() { late_s } else { 0.0 }
     }
 
-    /// Where to wait: a place next to the vehicle with space for a circle.
-    fn hold_around(&self, request: &Request, hold_s: f64) -> Option<Position> {
+    /// Where to wait: a place next to the vehicle with space for a circle between its altitude and that of the way, for which it climbs
+    /// or descends while it waits; none where it is.
+    ///
+    /// # Errors
+    /// No place within reach has space for a circle.
+    fn hold_around(&self, request: &Request, altitude_m: f64, hold_s: f64) -> Result<Option<Position>, TravelError> {
         if hold_s < HOLD_S_MIN || self.turn_radius_m <= 0.0 {
-            return None;
+            return Ok(None);
         }
-        let here = Request { to: request.from, to_altitude_m: request.from_altitude_m, stay_s: hold_s, ..*request };
-        let (centre, shut_by) = self.circle_centre(&here);
-        (shut_by.is_none() && centre != request.from).then_some(centre)
+        let here = Request { to: request.from, to_altitude_m: altitude_m, stay_s: hold_s, ..*request };
+        match self.circle_centre(&here) {
+            (_, Some(_)) => Err(TravelError::NoRoomToTurn),
+            (centre, None) => Ok((centre != request.from).then_some(centre)),
+        }
     }
 
     fn way_at(&self, request: &Request, altitude_m: f64, strict: &Strictness) -> Result<Way, TravelError> {
@@ -158,7 +164,7 @@ impl Limits {
             via,
             altitude_m,
             hold_s: if hold_s < HOLD_S_MIN { 0.0 } else { hold_s },
-            hold_around: self.hold_around(request, hold_s),
+            hold_around: self.hold_around(request, altitude_m, hold_s)?,
             time_s: way_s + climb_m.abs() / rate_mps,
             broken: None,
         })

@@ -1,12 +1,10 @@
 //! Is the straight way open, with space for the turns at its ends?
 
 use super::Request;
-use super::limits::Limits;
+use super::limits::{Limits, TURN_WIDTH};
 use apex_geo::plane::{self, Plane, Point};
 use apex_model::problem::{AirspaceZone, Position, ZoneKind};
 
-/// Room for a turn: across, and its overshoot, as multiples of the radius over ground.
-pub(super) const TURN_ROOM: f64 = 3.0;
 /// Time that a flight may take longer than planned, and the earlier or later end of a zone's activity that it is prepared for.
 pub(super) const LATE_SHARE: f64 = 0.1;
 pub(super) const LATE_S: f64 = 900.0;
@@ -18,7 +16,7 @@ pub(super) const ABOVE_ZONE_M: f64 = 150.0;
 impl Limits {
     /// Does the straight way with the turns at both ends keep every requirement with its margin, whenever it is flown?
     pub(super) fn is_straight_open(&self, request: &Request) -> bool {
-        let room_m = TURN_ROOM * self.turn_radius_m_over_ground() + request.circle_radius_m;
+        let room_m = TURN_WIDTH * self.turn_radius_m_over_ground() + request.circle_radius_m;
         self.is_open(request, room_m)
     }
 

@@ -142,24 +142,44 @@ impl TargetGrid {
             high_y = high_y.max(corner.y);
         }
         let first = self.rows.partition_point(|row| row.y < low_y);
-        let mut crossings: Vec<f64> = Vec::with_capacity(8);
+        let edges: Vec<(Point, Point)> = apex_geo::plane::edges(polygon).collect();
+        let mut crossings: Vec<f64> = Vec::with_capacity(edges.len());
         for row in self.rows.iter().skip(first).take_while(|row| row.y <= high_y) {
             crossings.clear();
-            crossings.extend(apex_geo::plane::edges(polygon).filter_map(|(a, b)| {
-                let spans = (a.y > row.y) != (b.y > row.y);
-                spans.then(|| a.x + (b.x - a.x) * (row.y - a.y) / (b.y - a.y))
-            }));
-            crossings.sort_by(f64::total_cmp);
+            for (a, b) in &edges {
+                if (a.y > row.y) != (b.y > row.y) {
+                    crossings.push(a.x + (b.x - a.x) * (row.y - a.y) / (b.y - a.y));
+                }
+            }
+            // Most strips cross a row twice.
+            match crossings.as_mut_slice() {
+                [from, to] if *from > *to => std::mem::swap(from, to),
+                [_, _] => {}
+                many => many.sort_by(f64::total_cmp),
+            }
             let cells = self.row_cells(row);
             for pair in crossings.chunks_exact(2) {
                 let [from, to] = pair else { continue };
-                let start = cells.partition_point(|x| x < from);
-                let inside = cells.iter().enumerate().skip(start).take_while(|(_, x)| *x < to);
-                for (index, x) in inside {
+                let start = self.first_from(cells, *from);
+                for (index, x) in cells.iter().enumerate().skip(start) {
+                    if *x >= *to {
+                        break;
+                    }
                     hit(row.first + index, Point { x: *x, y: row.y });
                 }
             }
         }
+    }
+
+    /// The first of the cells of a row whose middle is not west of `x`. Middles are a cell or more apart, and mostly one.
+    fn first_from(&self, cells: &[f64], x: f64) -> usize {
+        let Some(west) = cells.first() else { return 0 };
+        let guess = libm::ceil((x - west) / self.cell_m).clamp(0.0, cells.len() as f64) as usize;
+        let is_before = |index: usize| cells.get(index).is_some_and(|middle| *middle < x);
+        if (guess == 0 || is_before(guess - 1)) && !is_before(guess) {
+            return guess;
+        }
+        cells.partition_point(|middle| *middle < x)
     }
 
     fn row_cells(&self, row: &Row) -> &[f64] {

@@ -23,22 +23,23 @@ impl Keep {
     }
 }
 
-/// The part of a polygon on one side of a line; edges along the line may be counted twice in opposite directions, which
-/// leaves the area exact.
-fn clipped(polygon: &[Point], keep: Keep) -> Vec<Point> {
-    let mut kept = Vec::with_capacity(polygon.len() + 2);
-    let before = polygon.iter().cycle().skip(polygon.len().saturating_sub(1));
-    for (from, to) in before.zip(polygon) {
-        let (from_side, to_side) = (keep.side(*from), keep.side(*to));
+/// Replaces `kept` by the part of a polygon on one side of a line; edges along the line may be counted twice in opposite directions,
+/// which leaves the area exact.
+fn clip(polygon: &[Point], keep: Keep, kept: &mut Vec<Point>) {
+    kept.clear();
+    let Some(last) = polygon.last() else { return };
+    let (mut from, mut from_side) = (*last, keep.side(*last));
+    for to in polygon {
+        let to_side = keep.side(*to);
         if (from_side >= 0.0) != (to_side >= 0.0) {
             let share = from_side / (from_side - to_side);
-            kept.push(from.plus(share, to.minus(*from)));
+            kept.push(from.plus(share, to.minus(from)));
         }
         if to_side >= 0.0 {
             kept.push(*to);
         }
+        (from, from_side) = (*to, to_side);
     }
-    kept
 }
 
 fn area(polygon: &[Point]) -> f64 {
@@ -50,10 +51,12 @@ fn area(polygon: &[Point]) -> f64 {
 pub(super) fn add_areas(polygon: &[Point], origin: Point, cell_m: f64, columns: usize, areas: &mut [f64], sign: f64) {
     let rows = areas.len().checked_div(columns).unwrap_or(0);
     let mut above = polygon.to_vec();
+    let (mut right, mut part) = (Vec::new(), Vec::new());
     for (row, cells) in (0..rows).zip(areas.chunks_mut(columns.max(1))) {
         let top = origin.y + (row + 1) as f64 * cell_m;
-        let mut right = clipped(&above, Keep::YTo(top));
-        above = clipped(&above, Keep::YFrom(top));
+        clip(&above, Keep::YTo(top), &mut right);
+        clip(&above, Keep::YFrom(top), &mut part);
+        std::mem::swap(&mut above, &mut part);
         if area(&right) == 0.0 {
             continue;
         }
@@ -63,8 +66,10 @@ pub(super) fn add_areas(polygon: &[Point], origin: Point, cell_m: f64, columns: 
         let last = (libm::floor((most_x - origin.x) / cell_m).max(0.0) as usize).min(columns.saturating_sub(1));
         for (column, cell) in cells.iter_mut().enumerate().take(last + 1).skip(first) {
             let edge = origin.x + (column + 1) as f64 * cell_m;
-            *cell += sign * area(&clipped(&right, Keep::XTo(edge)));
-            right = clipped(&right, Keep::XFrom(edge));
+            clip(&right, Keep::XTo(edge), &mut part);
+            *cell += sign * area(&part);
+            clip(&right, Keep::XFrom(edge), &mut part);
+            std::mem::swap(&mut right, &mut part);
         }
     }
 }

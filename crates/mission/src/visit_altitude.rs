@@ -1,0 +1,33 @@
+//! Altitudes from which sites are observed.
+
+use crate::observing::looks_with;
+use crate::vehicle::Airframe;
+use crate::{Mission, Target, TargetKind};
+
+pub(crate) fn sites(mission: &Mission) -> impl Iterator<Item = &Target> {
+    mission.targets.iter().filter(|target| matches!(target.kind, TargetKind::Site(_)))
+}
+
+/// Altitude above mean sea level from which a site is looked at.
+pub fn visit_altitude_m(mission: &Mission, site: &Target) -> f64 {
+    match mission.model.airframe {
+        Airframe::Rotorcraft => site.elevation_m + hover_height_m(mission, site),
+        Airframe::FixedWing => {
+            let planning = &mission.model.planning;
+            let highest_m = sites(mission).map(|site| site.elevation_m).fold(f64::NEG_INFINITY, f64::max);
+            (highest_m + planning.visit_height_m).min(planning.ceiling_share * mission.model.ceiling_m)
+        }
+    }
+}
+
+/// Height over the ground from which a rotorcraft sees a site: the one of its vehicle file, lower where the camera needs that
+/// for the wanted pixels, but not lower than the clearance from terrain.
+fn hover_height_m(mission: &Mission, site: &Target) -> f64 {
+    let usual_m = mission.model.planning.visit_height_m;
+    let (Some(camera), TargetKind::Site(wanted)) = (looks_with(&mission.model), &site.kind) else { return usual_m };
+    let fine_m = site.height_m + wanted.resolution_m / camera.pixel_rad();
+    usual_m.min(fine_m.max(mission.requirements.terrain_clearance_m.unwrap_or(0.0) + LEVEL_M))
+}
+
+/// Height by which a vehicle may leave its altitude.
+const LEVEL_M: f64 = 3.0;
