@@ -25,6 +25,7 @@ mod render;
 mod suggest;
 mod syntax;
 mod vocabulary;
+mod words;
 
 pub use api::{ParsedCondition, error_code, error_codes, parse_condition, read_value};
 pub use apply::{Applied, apply};
@@ -39,3 +40,4 @@ pub use host::HostSignature;
 pub use print::{PrintedPlan, print_condition, print_expression, print_plan, print_primitive, print_procedure};
 pub use render::render;
 pub use vocabulary::{VOCABULARY, Words};
+pub use words::{explain_word, nearest_word};
