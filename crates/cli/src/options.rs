@@ -107,7 +107,7 @@ pub struct CheckOptions {
 /// `apex explain`
 #[derive(Args)]
 pub struct ExplainOptions {
-    /// Codes as `apex check` prints them, such as E0203; without any, all are listed.
+    /// Codes as `apex check` prints them, such as E0203, or words such as `sqrt` and `take-off`; without any, all codes are listed.
     pub codes: Vec<String>,
 }
 
