@@ -75,7 +75,8 @@ fn of_function(name: &str, function: &BuiltIn) -> String {
         (least, Some(most)) => format!("{least} to {most} arguments"),
         (least, None) => format!("at least {least} argument{}", if least == 1 { "" } else { "s" }),
     };
-    let place = if function.pure { "may stand wherever a value is needed" } else { "has an effect: hooks and primitives only" };
+    let place =
+        if function.pure { "may stand wherever a value is needed" } else { "has an effect: hooks and primitives only" };
     let mut text = format!("{}: a function. {}\n  takes {count}; {place}\n", function.name, function.summary);
     let others: Vec<&str> = ALIASES.iter().filter(|(_, own)| *own == function.name).map(|(alias, _)| *alias).collect();
     if name != function.name || !others.is_empty() {
@@ -89,7 +90,8 @@ fn of_library(word: &str, name: &str, library: &str, text: &mut String) {
     let mut told = BTreeSet::new();
     for form in &read_file(0, library).data {
         let kind = form.head_name();
-        let index = form.tail().iter().find(|clause| clause.head_name() == "index").and_then(|clause| clause.tail().first());
+        let index =
+            form.tail().iter().find(|clause| clause.head_name() == "index").and_then(|clause| clause.tail().first());
         let mut say = |what: String| {
             if told.insert(what.clone()) {
                 let _ = writeln!(text, "{what}\n  {name}:{}", form.span.line);
@@ -170,7 +172,10 @@ mod tests {
         assert!(explained("waitfor").contains("clause of a step"));
         assert!(explained("+now+").contains("indexical"));
         let take_off = explained("take-off");
-        assert!(take_off.contains("(take off to ?altitude): a goal") && take_off.contains("(take-off ?altitude): a command"));
+        assert!(
+            take_off.contains("(take off to ?altitude): a goal")
+                && take_off.contains("(take-off ?altitude): a command")
+        );
         assert!(take_off.contains("library/vehicle.pdl:"));
         assert!(explained("altitude").contains(":unit m"));
         assert_eq!(explain_word("frobnicate"), None);
@@ -179,7 +184,12 @@ mod tests {
 
     #[test]
     fn every_function_and_form_has_an_explanation() {
-        for name in BUILT_INS.iter().map(|each| each.name).chain(SPECIAL_FORMS.iter().copied()).chain(ALIASES.iter().map(|(alias, _)| *alias)) {
+        for name in BUILT_INS
+            .iter()
+            .map(|each| each.name)
+            .chain(SPECIAL_FORMS.iter().copied())
+            .chain(ALIASES.iter().map(|(alias, _)| *alias))
+        {
             assert!(explain_word(name).is_some(), "{name}");
         }
     }

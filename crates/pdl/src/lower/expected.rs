@@ -328,9 +328,7 @@ impl Lowering {
         {
             let message = format!("{duration} is a negative span of time");
             let diagnostic = Diagnostic::error(codes::DURATION_EXPECTED, datum.span, message)
-                .reason(
-                    "what is waited for lies ahead",
-                )
+                .reason("what is waited for lies ahead")
                 .help("write a duration of at least 0");
             return self.refuse(diagnostic);
         }
