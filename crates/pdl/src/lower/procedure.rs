@@ -161,7 +161,7 @@ impl Lowering {
         let last = items.last().map_or(before, |item| item.span);
         let written = Span { start: before.end, end: last.end, ..last };
         let diagnostic = Diagnostic::error(codes::MALFORMED, Span { start: items.get(mark).map_or(before.end, |item| item.span.start), ..written }, "an index has no result")
-            .reason("`=>` stands in the step that pursues the goal; a procedure gives its value by `(terminate >> VALUE)`, a primitive by `(return VALUE)`")
+            .reason("`=>` belongs to the step that pursues the goal; a procedure gives its value by `(terminate >> VALUE)`, a primitive by `(return VALUE)`")
             .fix(Fix::safe("remove it from the index").replace(written, ""));
         self.report(diagnostic);
         true

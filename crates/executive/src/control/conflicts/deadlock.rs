@@ -1,5 +1,5 @@
 //! Deadlocks (TC)
-//! What: finds tasks that wait for each other's resources in a circle, each held by the work of another one, and says so.
+//! What: finds tasks that wait for each other's resources in a circle, each held by the work of another one, and reports the circle.
 //! Runs: at the end of an instant at which a claim was refused whose ancestors hold something.
 //! Reads: ResourceTable, Task.  Writes: Decision.
 //! Bound: O(depth) for a refused claim; where its ancestors hold something, O(tasks below the holders) a round of the search.
