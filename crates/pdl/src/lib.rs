@@ -24,6 +24,7 @@ mod read;
 mod render;
 mod suggest;
 mod syntax;
+mod typed_time;
 mod vocabulary;
 mod words;
 
@@ -39,5 +40,6 @@ pub use format::format;
 pub use host::HostSignature;
 pub use print::{PrintedPlan, print_condition, print_expression, print_plan, print_primitive, print_procedure};
 pub use render::render;
+pub use typed_time::read_time;
 pub use vocabulary::{VOCABULARY, Words};
 pub use words::{explain_word, nearest_word};
