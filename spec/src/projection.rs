@@ -29,8 +29,19 @@ const DEFAULT_KINDS: &[&str] = &[
     "end",
 ];
 /// Kinds that a page may ask for besides.
-const FURTHER_KINDS: &[&str] =
-    &["created", "pending", "enabled", "satisfied", "bound", "selected", "refused", "added", "builtin", "causes"];
+const FURTHER_KINDS: &[&str] = &[
+    "created",
+    "pending",
+    "enabled",
+    "satisfied",
+    "bound",
+    "selected",
+    "refused",
+    "added",
+    "builtin",
+    "causes",
+    "publish",
+];
 
 /// Observes a run and keeps what was told.
 #[derive(Debug, Default)]
@@ -229,6 +240,9 @@ impl Observer for Teller {
                 }
                 Effect::CancelSolve(_) => self.say("cancel", at, "cancel solve", None),
                 Effect::Inform { form, .. } => self.say("inform", at, &format!("inform {form}"), None),
+                Effect::Publish { variable, value, because, .. } => {
+                    self.say("publish", at, &format!("publish {variable} = {value}"), Some(because));
+                }
                 Effect::Print { text, .. } => self.say("print", at, &format!("print {text}"), None),
                 Effect::Ask { text, .. } => self.say("ask", at, &format!("ask {text}"), None),
                 Effect::WithdrawQuestion { question, .. } => {

@@ -107,7 +107,7 @@ pub struct CheckOptions {
 /// `apex explain`
 #[derive(Args)]
 pub struct ExplainOptions {
-    /// Codes as `apex check` prints them, such as E0203; without any, all are listed.
+    /// Codes as `apex check` prints them, such as E0203, or words such as `sqrt` and `take-off`; without any, all codes are listed.
     pub codes: Vec<String>,
 }
 
@@ -145,6 +145,9 @@ pub struct RunOptions {
     /// Stop at this mission time: seconds, or a duration such as `20s`, `P1M30S`.
     #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
     pub until: Option<String>,
+    /// Exit with 1 unless the application ends without a failed initial task.
+    #[arg(long, value_name = "OUTCOME", value_parser = ["success"])]
+    pub expect: Option<String>,
     /// Where the trace goes; `-` is standard output (the default).
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,

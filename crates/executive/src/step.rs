@@ -4,6 +4,7 @@
 //! notice -> enable -> choose -> contend -> commit -> act, again and again until nothing changes. So the decisions
 //! do not depend on how events were divided into batches, nor on how often time was advanced.
 
+use crate::control::conflicts::deadlock;
 use crate::control::cycle::{Cycle, Work};
 use crate::control::tasks::instantiation::{self, Seed};
 use crate::control::tasks::{monitoring_clauses, probing, termination};
@@ -93,6 +94,9 @@ fn work_through(cycle: &mut Cycle<'_>, events: &[Event]) {
         invocation::act(cycle);
         recording::wake(cycle);
         probing::pursue(cycle);
+    }
+    if !cycle.work.refused.is_empty() {
+        deadlock::look(cycle);
     }
     cycle.work.end_instant();
     invariants::check(cycle.agent);

@@ -111,6 +111,17 @@ pub struct Share {
     pub amount: Option<Value>,
 }
 
+/// One wait of a circle of tasks that wait for each other.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CircleLink {
+    /// Who waits.
+    pub task: TaskId,
+    /// For which resource.
+    pub resource: Value,
+    /// Who holds it: a task above the one that waits next.
+    pub holder: TaskId,
+}
+
 /// Rules of conflict resolution (`pdl.md` section 9).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ConflictRule {

@@ -211,7 +211,7 @@ pub const ALIASES: &[(&str, &str)] = &[
 
 /// Indexicals that every agent has, without plus signs, sorted.
 pub const INDEXICALS: &[&str] =
-    &["beginning-of-time", "end-of-time", "met", "now", "pos-infinity", "self", "this-task", "tot"];
+    &["beginning-of-time", "end-of-time", "met", "mission-start", "now", "pos-infinity", "self", "this-task", "tot"];
 
 /// Functions whose values depend on more than their arguments: on the time, on tasks, on what was measured. Sorted.
 pub const CHANGING: &[&str] = &[

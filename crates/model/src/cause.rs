@@ -1,6 +1,6 @@
 //! The kinds of causes. `docs/reference/trace.md` lists them with their meaning; a test holds the two together.
 
-use crate::because::{ConflictRule, EqualsRule, Share, Strength};
+use crate::because::{CircleLink, ConflictRule, EqualsRule, Share, Strength};
 use crate::effect::{CommandId, QuestionId, SolveRequestId};
 use crate::probing::ProbingEnd;
 use crate::symbol::Symbol;
@@ -338,6 +338,11 @@ pub enum Cause {
     NobodyHears {
         /// Who was meant, and who is there.
         message: String,
+    },
+    /// Tasks wait for each other's resources in a circle.
+    WaitsInCircle {
+        /// Who waits for what, and whose work holds it; the holder has the next link's task below it.
+        links: Vec<CircleLink>,
     },
     /// The executive contradicts itself: a bug of Apex, never of a program.
     ExecutiveFault {

@@ -69,6 +69,7 @@ impl Cause {
             Cause::ApplicationEnded { .. } => "application-ended",
             Cause::Stopped { .. } => "stopped",
             Cause::NobodyHears { .. } => "nobody-hears",
+            Cause::WaitsInCircle { .. } => "waits-in-circle",
             Cause::ExecutiveFault { .. } => "executive-fault",
         }
     }

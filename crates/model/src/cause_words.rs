@@ -1,6 +1,6 @@
 //! Texts of causes: made here and nowhere else, so that the trace, `apex why`, Sherpa and Python print the same.
 
-use crate::because::{ConflictRule, EqualsRule, Share, Strength};
+use crate::because::{CircleLink, ConflictRule, EqualsRule, Share, Strength};
 use crate::cause::Cause;
 use crate::probing::{ordinal, stopped_text};
 use crate::task::TaskId;
@@ -107,6 +107,7 @@ impl Cause {
             Cause::ApplicationEnded { by } => format!("{by} ended the application"),
             Cause::Stopped { reason } => format!("the application ends: {reason}"),
             Cause::NobodyHears { message } => message.clone(),
+            Cause::WaitsInCircle { links } => circle_text(links),
             Cause::ExecutiveFault { message } => format!("{message}: this is a fault of the executive"),
             // The others have their words above.
             _ => String::new(),
@@ -119,6 +120,11 @@ fn granted_text(shares: &[Share]) -> String {
         [] => "it needs no resources".into(),
         some => format!("it was granted {}", some.iter().map(Share::text).collect::<Vec<_>>().join(", ")),
     }
+}
+
+fn circle_text(links: &[CircleLink]) -> String {
+    let sentence = |link: &CircleLink| format!("{} waits for {} of {}", link.task, link.resource, link.holder);
+    links.iter().map(sentence).collect::<Vec<_>>().join(", ")
 }
 
 fn items_text(items: u64, last: Option<TaskId>) -> String {

@@ -3,6 +3,7 @@
 //! Everything the language can say is representable; what the executive cannot evaluate yet is refused by the
 //! checker with a clear diagnostic, never ignored.
 
+pub use crate::cyclic::CyclicCondition;
 use crate::expression::{Expr, Template};
 use crate::pattern::Pattern;
 use crate::source::Place;
@@ -181,15 +182,6 @@ pub struct EpisodeCondition {
     pub stats: Vec<(Symbol, Vec<Constraint>)>,
     /// Trends: name without the colon and constraints.
     pub trend: Vec<(Symbol, Vec<Constraint>)>,
-}
-
-/// Repeated swings of a state variable, with constraints by option.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct CyclicCondition {
-    /// Whose values.
-    pub variable: VariablePattern,
-    /// Constraints by option, in the order in which they are written: `period`, `amplitude`, `cycles`, `hysteresis`.
-    pub options: Vec<(Symbol, Vec<Constraint>)>,
 }
 
 /// How dense samples must be.

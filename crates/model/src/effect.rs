@@ -1,7 +1,7 @@
 //! Effects: the one door out. Commands, solver requests, output and decisions all leave here.
 
 use crate::because::Because;
-use crate::event::Message;
+use crate::event::{Message, StateVariable};
 use crate::source::Place;
 use crate::symbol::Symbol;
 use crate::task::{Outcome, TaskId, TaskState};
@@ -104,6 +104,17 @@ pub enum Effect {
     AgentEnded {
         /// Why.
         reason: String,
+    },
+    /// `(publish (ATTRIBUTE OBJECT) VALUE)`: a sample of the agent itself, which its histories hold from this instant on.
+    Publish {
+        /// The task whose clause published it.
+        task: TaskId,
+        /// The state variable.
+        variable: StateVariable,
+        /// The value, in the declared unit.
+        value: Value,
+        /// The clause, and where the form stands.
+        because: Because,
     },
 }
 

@@ -13,6 +13,7 @@ pub mod cause;
 mod cause_kinds;
 mod cause_words;
 pub mod condition;
+mod cyclic;
 pub mod derivation;
 pub mod effect;
 pub mod estimate;

@@ -93,6 +93,8 @@ codes! {
     UNBOUNDED_MEMORY "W0514" "What a clause keeps has no bound.";
     WORD_LIKE_VARIABLE "W0515" "A word has the name of a variable, and lacks its question mark.";
     OWN_TAG "W0516" "A message is waited for with the name of the step that waits.";
+    NOT_PLAIN "W0517" "A priority, rank or interrupt cost has a dimension.";
+    DEADLOCK "W0518" "Tasks may wait for each other's resources in a circle.";
     NO_END "N0601" "A concurrent procedure has no terminate step and no end-when clause.";
 }
 

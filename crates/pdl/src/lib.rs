@@ -26,6 +26,7 @@ mod suggest;
 mod syntax;
 mod typed_time;
 mod vocabulary;
+mod words;
 
 pub use api::{ParsedCondition, error_code, error_codes, parse_condition, read_value};
 pub use apply::{Applied, apply};
@@ -41,3 +42,4 @@ pub use print::{PrintedPlan, print_condition, print_expression, print_plan, prin
 pub use render::render;
 pub use typed_time::read_time;
 pub use vocabulary::{VOCABULARY, Words};
+pub use words::{explain_word, nearest_word};

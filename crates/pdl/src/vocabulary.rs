@@ -15,6 +15,7 @@ pub const VOCABULARY: &[Words] = &[
     Words { kind: "clause of a procedure", words: PROCEDURE_CLAUSES },
     Words { kind: "clause of a step", words: STEP_CLAUSES },
     Words { kind: "clause of a primitive", words: PRIMITIVE_CLAUSES },
+    Words { kind: "clause for readers", words: DOCUMENTATION_CLAUSES },
     Words { kind: "option of `repeating`", words: REPEATING_OPTIONS },
     Words { kind: "option of an agent", words: AGENT_OPTIONS },
 ];
@@ -86,6 +87,10 @@ pub(crate) const STEP_CLAUSES: &[&str] = &[
     "suspend",
     "suspend-when",
 ];
+
+/// Clauses for readers only, in procedures, primitives and steps: `(author "..")`, also as `(:author "..")`.
+pub(crate) const DOCUMENTATION_CLAUSES: &[&str] =
+    &["author", "comment", "copyright", "date", "doc", "documentation", "version"];
 
 /// Clauses of a primitive.
 pub(crate) const PRIMITIVE_CLAUSES: &[&str] = &[

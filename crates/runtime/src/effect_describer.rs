@@ -99,6 +99,11 @@ impl EffectDescriber {
                 self.said("cancel-solve", None, format!("request {}", request.0), "nobody waits for it any more".into())
             }
             Effect::Inform { task, form } => self.said("inform", Some(*task), form.to_string(), String::new()),
+            Effect::Publish { task, variable, value, because } => {
+                let mut told = self.said("publish", Some(*task), format!("{variable} = {value}"), cause_text(because));
+                told.place = because.place.map(|place| self.place(place));
+                told
+            }
             Effect::Print { task, text } => self.said("print", Some(*task), String::new(), text.clone()),
             Effect::Ask { question, task, text, options, by, default } => {
                 let options: Vec<String> = options.iter().map(Value::to_string).collect();

@@ -371,7 +371,7 @@ impl<'a, 'o> Flight<'a, 'o> {
             let kind = EventKind::OperatorAnswered(*question, answer.value);
             // The latest stands first; answers of one instant keep their order.
             let place = self.scheduled.partition_point(|input| input.at > at);
-            self.scheduled.insert(place, Input { at, kind, agent: Some(agent) });
+            self.scheduled.insert(place, Input { at, kind, agent: Some(agent), command_form: None });
         }
     }
 

@@ -2,7 +2,8 @@
 //!
 //! `{"t": 1.5, "event": "(stop)"}`, `{"t": 2, "measurement": "(altitude ac-1)", "value": 32000}`,
 //! `{"t": 9, "answer": 1, "value": "yes"}`; with `"agent": "pilot"` a line is for that agent alone.
-//! `{"t": 9, "acknowledge": 3, "value": 7}` or `"error": "icing"`: what became of command 3. A value is a number, a string, true or false, a list of values, or
+//! `{"t": 9, "acknowledge": 3, "value": 7}` or `"error": "icing"`: what became of command 3, or in a file of the next command
+//! `"(take-picture camera-1)"`. A value is a number, a string, true or false, a list of values, or
 //! `{"pdl": "(fl 120)"}`. Empty lines and lines that begin with `#` are skipped. Lines need not be in order of time.
 
 use crate::limits::{INPUT_LINE_BYTES_MAX, INPUT_MESSAGES_MAX};
@@ -80,7 +81,11 @@ pub fn read_live(line: &str, now: Time, read_value: ReadValue<'_>) -> Result<Inp
 /// What is wrong with them.
 pub(crate) fn read_fields(fields: &Map<String, Json>, now: Time, read_value: ReadValue<'_>) -> Result<Input, String> {
     let at = if fields.contains_key("t") { time_of(fields)? } else { now };
-    Ok(Input { at, kind: kind_of(fields, read_value)?, agent: agent_of(fields)? })
+    if let Some(Json::String(form)) = fields.get("acknowledge") {
+        return Err(format!("\"acknowledge\" is {form:?}; expected the command's number, as the trace prints it"));
+    }
+    let (kind, agent) = (kind_of(fields, read_value)?, agent_of(fields)?);
+    Ok(Input { at, kind, agent, command_form: None })
 }
 
 fn read_line(line: &str, read_value: ReadValue<'_>) -> Result<Input, String> {
@@ -94,7 +99,13 @@ fn read_line(line: &str, read_value: ReadValue<'_>) -> Result<Input, String> {
     let at = time_of(&fields).map_err(|fault| format!(": {fault}"))?;
     let kind = kind_of(&fields, read_value).map_err(|fault| format!(": {fault}"))?;
     let agent = agent_of(&fields).map_err(|fault| format!(": {fault}"))?;
-    Ok(Input { at, kind, agent })
+    let command_form = match fields.get("acknowledge") {
+        Some(form @ Json::String(_)) => {
+            Some(pdl("acknowledge", form, read_value).map_err(|fault| format!(": {fault}"))?)
+        }
+        _ => None,
+    };
+    Ok(Input { at, kind, agent, command_form })
 }
 
 /// `:7: this is not JSON: expected ..` with the column in the place where readers look for it.
@@ -156,7 +167,13 @@ fn kind_of(fields: &Map<String, Json>, read_value: ReadValue<'_>) -> Result<Even
 
 /// `{"acknowledge": 3}`, with a `"value"` or an `"error"`: the vehicle has carried out command 3, or has not.
 fn acknowledgement(fields: &Map<String, Json>, datum: &Json, read_value: ReadValue<'_>) -> Result<EventKind, String> {
-    let command = datum.as_u64().ok_or_else(|| format!("\"acknowledge\" is {datum}; expected the command's number"))?;
+    // A command that is named by its form has its number only when it is sent.
+    let command = match datum {
+        Json::String(_) => u64::MAX,
+        _ => datum.as_u64().ok_or_else(|| {
+            format!("\"acknowledge\" is {datum}; expected the command's number, or its form in a string")
+        })?,
+    };
     let result = match (fields.get("value"), fields.get("error")) {
         (None, None) => Ok(Value::nil()),
         (Some(value), None) => Ok(value_of(value, read_value)?),

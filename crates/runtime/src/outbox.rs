@@ -48,6 +48,7 @@ pub fn send(
             | Effect::AgentEnded { .. }
             | Effect::Decided(_)
             | Effect::Inform { .. }
+            | Effect::Publish { .. }
             | Effect::Print { .. }
             | Effect::Ask { .. } => {}
         }
@@ -65,6 +66,7 @@ pub fn leaves(effect: &Effect) -> bool {
         Effect::Solve(_)
         | Effect::CancelSolve(_)
         | Effect::Inform { .. }
+        | Effect::Publish { .. }
         | Effect::Print { .. }
         | Effect::Tell { .. }
         | Effect::Decided(_)

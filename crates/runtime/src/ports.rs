@@ -22,12 +22,15 @@ pub struct Input {
     pub kind: EventKind,
     /// The agent that it is for, by name; none is every agent. Answers find whoever asked.
     pub agent: Option<Symbol>,
+    /// For an acknowledgement that names its command by the form instead of a number: the form. Its number is known when
+    /// the command is sent ([`crate::program`]).
+    pub command_form: Option<Value>,
 }
 
 impl Input {
     /// An input for every agent.
     pub fn new(at: Time, kind: EventKind) -> Input {
-        Input { at, kind, agent: None }
+        Input { at, kind, agent: None, command_form: None }
     }
 }
 

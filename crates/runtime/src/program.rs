@@ -1,5 +1,5 @@
-//! A program without a vehicle: `apex run`. Inputs come from a list; every command is acknowledged at once, or as the list
-//! says.
+//! A program without a vehicle: `apex run`. Inputs come from a list; a command is acknowledged as the list says, else at
+//! once.
 
 use crate::error::RunError;
 use crate::mission_loop::{FlyOptions, RunEnd, fly, fly_all};
@@ -9,11 +9,12 @@ use apex_model::effect::{CommandId, SolveRequest};
 use apex_model::event::EventKind;
 use apex_model::time::Time;
 use apex_model::value::Value;
+use std::collections::BTreeSet;
 
 /// Runs `agent` without a vehicle until its application ends, `options.until`, or nothing can happen any more.
 ///
-/// Commands are acknowledged at the instant at which they are sent, with `nil`; where an input acknowledges a command, as
-/// in what was recorded of a flight, only by inputs. Requests to solvers fail, with a
+/// Commands are acknowledged at the instant at which they are sent, with `nil`, but for those that an input acknowledges,
+/// by number or by form. Requests to solvers fail, with a
 /// reason; give a deliberator to [`run_with`] where planners are at hand.
 ///
 /// # Errors
@@ -30,9 +31,9 @@ pub fn run_with(
     agent: &mut Agent,
     deliberator: &mut dyn Deliberator,
     observers: &mut [&mut dyn Observer],
-    options: FlyOptions,
+    mut options: FlyOptions,
 ) -> Result<RunEnd, RunError> {
-    fly(agent, &mut NoVehicle::beside(&options.inputs), deliberator, observers, options)
+    fly(agent, &mut NoVehicle::beside(&mut options.inputs), deliberator, observers, options)
 }
 
 /// As [`run`], with all agents of an application.
@@ -42,24 +43,34 @@ pub fn run_with(
 pub fn run_all(
     agents: &mut [Agent],
     observers: &mut [&mut dyn Observer],
-    options: FlyOptions,
+    mut options: FlyOptions,
 ) -> Result<RunEnd, RunError> {
-    fly_all(agents, &mut NoVehicle::beside(&options.inputs), &mut NoDeliberator, observers, options)
+    fly_all(agents, &mut NoVehicle::beside(&mut options.inputs), &mut NoDeliberator, observers, options)
 }
 
-/// Stands in for a vehicle: does nothing, and acknowledges everything at once.
+/// Stands in for a vehicle: does nothing, and acknowledges at once what no input acknowledges.
 #[derive(Debug, Default)]
 pub struct NoVehicle {
+    /// In order of time.
     acknowledgements: Vec<Input>,
+    /// Commands that inputs acknowledge by number.
+    numbered: BTreeSet<CommandId>,
+    /// Acknowledgements of commands by form, in order of time.
+    named: Vec<Input>,
     /// Somebody else acknowledges.
     silent: bool,
 }
 
 impl NoVehicle {
-    /// Acknowledges nothing if `inputs` acknowledge anything.
-    pub fn beside(inputs: &[Input]) -> NoVehicle {
-        let silent = inputs.iter().any(|input| matches!(input.kind, EventKind::CommandAcknowledged(..)));
-        NoVehicle { silent, ..NoVehicle::default() }
+    /// Leaves to `inputs` what they acknowledge, and takes out of them what is acknowledged by form.
+    pub fn beside(inputs: &mut Vec<Input>) -> NoVehicle {
+        let (named, others) = std::mem::take(inputs).into_iter().partition(|input| input.command_form.is_some());
+        *inputs = others;
+        let numbered = inputs.iter().filter_map(|input| match input.kind {
+            EventKind::CommandAcknowledged(command, _) => Some(command),
+            _ => None,
+        });
+        NoVehicle { numbered: numbered.collect(), named, ..NoVehicle::default() }
     }
 
     /// Acknowledges nothing: a vehicle does, whose reports come in like other inputs.
@@ -73,16 +84,23 @@ impl Vehicle for NoVehicle {
         self.acknowledgements.first().map(|input| input.at)
     }
 
-    fn advance(&mut self, _: Time, inputs: &mut Vec<Input>) -> Result<(), String> {
-        inputs.append(&mut self.acknowledgements);
+    fn advance(&mut self, to: Time, inputs: &mut Vec<Input>) -> Result<(), String> {
+        let due = self.acknowledgements.partition_point(|input| input.at <= to);
+        inputs.extend(self.acknowledgements.drain(..due));
         Ok(())
     }
 
-    fn command(&mut self, command: CommandId, _: &Value, at: Time) {
-        if !self.silent {
-            let kind = EventKind::CommandAcknowledged(command, Ok(Value::nil()));
-            self.acknowledgements.push(Input::new(at, kind));
+    fn command(&mut self, command: CommandId, form: &Value, at: Time) {
+        if self.silent || self.numbered.contains(&command) {
+            return;
         }
+        let is_named = |input: &Input| input.command_form.as_ref().is_some_and(|named| named.matches(form));
+        let (at, result) = match self.named.iter().position(is_named).map(|index| self.named.remove(index)) {
+            Some(Input { at: then, kind: EventKind::CommandAcknowledged(_, result), .. }) => (then.max(at), result),
+            _ => (at, Ok(Value::nil())),
+        };
+        let place = self.acknowledgements.partition_point(|input| input.at <= at);
+        self.acknowledgements.insert(place, Input::new(at, EventKind::CommandAcknowledged(command, result)));
     }
 
     fn withdraw(&mut self, command: CommandId, _: Time) {

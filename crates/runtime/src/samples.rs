@@ -173,6 +173,12 @@ fn second_effects() -> Vec<Effect> {
             because: Because::new(Cause::FormRan { clause: "on-start".into() }, place(8)),
         },
         Effect::Inform { task: TaskId(3), form: goal(&["powering", "camera-1"]) },
+        Effect::Publish {
+            task: TaskId(3),
+            variable: StateVariable::new(Symbol::new("pictures"), Value::symbol("camera-1")),
+            value: Value::Integer(4),
+            because: Because::new(Cause::FormRan { clause: "on-start".into() }, place(9)),
+        },
         Effect::Print { task: TaskId(3), text: "two\nlines".into() },
     ]
 }

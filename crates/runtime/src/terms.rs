@@ -95,6 +95,11 @@ pub enum EndReason {
 }
 
 impl EndReason {
+    /// True if the application ended by itself and its initial task did not fail.
+    pub fn is_success(&self) -> bool {
+        matches!(self, EndReason::Application(reason) if !reason.contains("failed"))
+    }
+
     /// The reason as text, as stored under `end_reason` in the record.
     pub fn text(&self) -> String {
         match self {

@@ -5,7 +5,7 @@ use super::causes::Scene;
 use super::evidence::require;
 use super::probing;
 use super::world::{Known, World};
-use apex_model::because::{Because, Cause};
+use apex_model::because::{Because, Cause, CircleLink};
 use apex_model::effect::{Effect, Method};
 use apex_model::event::{EventKind, SolverReport};
 use apex_model::library::AgentDeclaration;
@@ -80,9 +80,25 @@ pub(super) fn trouble(scene: &Scene<'_>) -> Checked {
             require(*waiting == scene.id, "another task waits")?;
             probing::limit(scene, *waiting, *probes, *reason)
         }
+        Cause::WaitsInCircle { links } => circle(scene, links),
         // The failure that an on-failure handles.
         _ => failed(scene, scene.own()?),
     }
+}
+
+/// Each waits for what is held above the next one, and the last for what is held above the first.
+fn circle(scene: &Scene<'_>, links: &[CircleLink]) -> Checked {
+    let world = scene.world;
+    require(links.iter().any(|link| link.task == scene.id), "the task is not in its circle")?;
+    for (index, link) in links.iter().enumerate() {
+        let waiting = world.task(link.task)?;
+        require(matches!(waiting.state, TaskState::Enabled | TaskState::Interrupted), "one of them does not wait")?;
+        let holders = world.holders.get(&link.resource.to_string()).map(Vec::as_slice).unwrap_or_default();
+        require(holders.iter().any(|(task, _)| *task == link.holder), "one of the holders does not hold it")?;
+        let next = links.get((index + 1) % links.len()).ok_or("it is empty")?;
+        require(world.is_above(link.holder, next.task), "a holder is not above the next one that waits")?;
+    }
+    Ok(())
 }
 
 /// The transition to terminated.

@@ -80,10 +80,24 @@ impl<'a> World<'a> {
             }
         }
         for effect in &step.effects {
-            if let Effect::Inform { form, .. } = effect {
-                self.heard(self.now, form);
+            match effect {
+                Effect::Inform { form, .. } => self.heard(self.now, form),
+                Effect::Publish { variable, value, .. } => {
+                    self.published(variable.to_string(), value);
+                }
+                _ => {}
             }
         }
+    }
+
+    /// A sample of the agent itself: NaN is none, and the later one of an instant counts.
+    fn published(&mut self, variable: String, value: &Value) {
+        if value.as_number().is_some_and(|(number, _)| number.is_nan()) {
+            return;
+        }
+        let known = self.samples.entry(variable).or_default();
+        known.retain(|(at, _)| *at != self.now);
+        known.push((self.now, value.clone()));
     }
 
     /// A message; `(ATTRIBUTE OBJECT = VALUE)` is a measurement.

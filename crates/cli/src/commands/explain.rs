@@ -3,7 +3,7 @@
 use crate::error::{CliError, CliResult};
 use crate::options::ExplainOptions;
 use crate::output;
-use apex_pdl::{error_code, error_codes};
+use apex_pdl::{error_code, error_codes, explain_word, nearest_word};
 
 /// Prints the page of each code; without any, the list of all.
 pub fn run(options: &ExplainOptions) -> CliResult {
@@ -13,15 +13,17 @@ pub fn run(options: &ExplainOptions) -> CliResult {
         }
     }
     for (number, text) in options.codes.iter().enumerate() {
-        let Some(code) = error_code(text) else {
-            return Err(CliError::user(format!("`{text}` is no code of a message"))
+        let page = error_code(text).map(|code| code.page.to_string()).or_else(|| explain_word(text));
+        let Some(page) = page else {
+            let near = nearest_word(text).map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
+            return Err(CliError::user(format!("`{text}` is neither the code of a message nor a word of PDL{near}"))
                 .because("codes are a letter and four digits, as `apex check` prints them in brackets")
                 .help("`apex explain` alone lists all codes"));
         };
         if number > 0 {
             output::print_line("")?;
         }
-        output::print(code.page)?;
+        output::print(&page)?;
     }
     Ok(())
 }

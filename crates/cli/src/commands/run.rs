@@ -92,7 +92,10 @@ pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> CliResult {
             .help("the trace is incomplete; look at where it goes, and at the space there")
     })?;
     tell_end(&end);
-    finish(end, report, recorder)
+    let unexpected = options.expect.is_some() && !end.reason.is_success();
+    let message = format!("the run was to succeed, and ended because {}", end.reason.text());
+    finish(end, report, recorder)?;
+    if unexpected { Err(CliError::failure(message)) } else { Ok(()) }
 }
 
 /// The mission of an application that names a vehicle and does not live in simulated time.

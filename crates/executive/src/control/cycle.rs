@@ -77,6 +77,8 @@ pub(crate) struct Work {
     pub(crate) claims: TaskList,
     /// Contend: why tasks that were suspended go on, unless they have to wait for resources.
     pub(crate) resumed: BTreeMap<TaskId, Because>,
+    /// At rest: claims that were refused, which may have closed a circle of waits.
+    pub(crate) refused: TaskList,
     /// Contend: resources whose users may change.
     pub(crate) dirty: BTreeSet<ResourceId>,
     /// Contend: an input of priorities changed; every contested resource is looked at.

@@ -1,6 +1,7 @@
 //! What a task waits for, part by part.
 
 use crate::control::conflicts::competition::in_order;
+use crate::control::conflicts::deadlock;
 use crate::control::conflicts::priority::{defence, priority};
 use crate::control::tasks::episode_index_tasks;
 use crate::expression::instantiate_partially;
@@ -43,6 +44,8 @@ pub enum ReasonKind {
     Plan,
     /// The operator has not answered.
     Operator,
+    /// It and other tasks wait for each other's resources.
+    Circle,
     /// Subtasks have not ended.
     Subtasks,
     /// It has ended.
@@ -88,8 +91,17 @@ pub fn waiting(agent: &Agent, task: TaskId) -> Vec<Reason> {
     if !task.is_terminated() {
         let before = suspensions(agent, task);
         reasons.splice(0..0, before);
+        reasons.extend(circle(agent, task));
     }
     reasons
+}
+
+/// The whole circle of tasks that wait for each other's resources, where the task is in one.
+fn circle(agent: &Agent, task: &Task) -> Option<Reason> {
+    let links = deadlock::circle_at(agent, task.id)?;
+    let text = "an end of the circle in which tasks wait for each other's resources".to_string();
+    let now = Some(deadlock::circle_text(agent, &links));
+    Some(Reason { now, place: place(agent, task), ..Reason::new(ReasonKind::Circle, text) })
 }
 
 fn name(agent: &Agent, id: TaskId) -> String {

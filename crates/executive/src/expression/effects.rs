@@ -18,9 +18,8 @@ pub(super) fn call(evaluator: &mut Evaluator<'_>, name: &str, arguments: &[Value
             let command = |timeout| Action::Command { form: form.clone(), timeout: Some(timeout), place };
             arithmetic::duration(timeout).map(command)
         }
-        ("publish", [form, value, router @ ..]) if router.len() < 2 => {
-            state_variable(form).map(|variable| Action::Publish(variable, value.clone(), router.first().cloned()))
-        }
+        ("publish", [form, value, router @ ..]) if router.len() < 2 => state_variable(form)
+            .map(|variable| Action::Publish { variable, value: value.clone(), router: router.first().cloned(), place }),
         ("complete", []) => Ok(Action::Complete(Value::nil())),
         ("complete", [value]) => Ok(Action::Complete(value.clone())),
         ("cogevent", [form]) => Ok(Action::Cogevent(form.clone(), None)),
@@ -41,7 +40,7 @@ pub(super) fn act(evaluator: &mut Evaluator<'_>, name: &str, action: Action, pla
         return Err(error(place, format!("({name} ..) acts and can stand in hooks only, not in conditions or values")));
     };
     let value = match &action {
-        Action::Complete(value) | Action::Publish(_, value, _) => value.clone(),
+        Action::Complete(value) | Action::Publish { value, .. } => value.clone(),
         Action::Print(text) => Value::text(text),
         _ => Value::nil(),
     };

@@ -3,6 +3,7 @@
 use crate::state::bindings::Bindings;
 use crate::state::histories::history::Histories;
 use apex_model::agent_limits::Limits;
+use apex_model::event::StateVariable;
 use apex_model::host::HostFunctions;
 use apex_model::library::Library;
 use apex_model::symbol::Symbol;
@@ -35,6 +36,11 @@ pub(crate) trait EvalContext {
     fn task_time_ongoing(&self, task: TaskId) -> Option<Duration>;
     /// What was measured and what happened.
     fn histories(&self) -> &Histories;
+    /// What the agent published of `variable` at this instant, where the history does not hold it yet.
+    fn published(&self, variable: &StateVariable) -> Option<Value> {
+        let _ = variable;
+        None
+    }
     /// The checked library.
     fn library(&self) -> &Library;
     /// Registered host functions.
@@ -81,6 +87,9 @@ impl EvalContext for WithBindings<'_> {
     }
     fn histories(&self) -> &Histories {
         self.below.histories()
+    }
+    fn published(&self, variable: &StateVariable) -> Option<Value> {
+        self.below.published(variable)
     }
     fn library(&self) -> &Library {
         self.below.library()

@@ -5,8 +5,10 @@ use super::result::EvalResult;
 use super::{
     Action, EvalContext, EvaluationError, arithmetic, effects, history_queries, lists, strings, time_functions,
 };
+use crate::monitoring::memory::histories;
 use crate::state::bindings::Bindings;
 use apex_model::builtins::built_in;
+use apex_model::event::StateVariable;
 use apex_model::expression::{Closure, Expr, ExprKind, Parameters};
 use apex_model::host::HostFunction;
 use apex_model::limits::{EVALUATION_DEPTH_MAX, EVALUATION_STEPS_MAX};
@@ -156,6 +158,23 @@ impl<'a> Evaluator<'a> {
         }
     }
 
+    /// What was published of `variable` at this instant and is not in its history yet: by earlier forms of this clause,
+    /// or by clauses that ran before it.
+    fn published(&self, variable: &StateVariable) -> Option<Value> {
+        let context = self.context;
+        let own = self.hook.as_ref().and_then(|hook| {
+            hook.actions.iter().rev().find_map(|action| match action {
+                Action::Publish { variable: of, value, router, .. }
+                    if of == variable && !router.as_ref().is_some_and(Value::is_true) =>
+                {
+                    histories::in_declared_unit(context.library(), variable, value.clone()).ok()
+                }
+                _ => None,
+            })
+        });
+        own.or_else(|| context.published(variable)).filter(|value| !is_missing(value))
+    }
+
     fn cond(&mut self, clauses: &[(Expr, Vec<Expr>)]) -> EvalResult {
         for (test, forms) in clauses {
             let value = self.value(test)?;
@@ -234,6 +253,7 @@ impl<'a> Evaluator<'a> {
                 return Ok(Value::Duration(context.task_time_ongoing(task).unwrap_or(Duration::ZERO)));
             }
             "met" => return Ok(Value::Duration(context.now() - apex_model::time::Time::ZERO)),
+            "mission-start" => return Ok(Value::Time(apex_model::time::Time::ZERO)),
             "beginning-of-time" => return Ok(Value::Time(apex_model::time::Time::BEGINNING)),
             "end-of-time" => return Ok(Value::Time(apex_model::time::Time::END)),
             "pos-infinity" => return Ok(Value::Real(f64::INFINITY)),
@@ -274,7 +294,7 @@ impl<'a> Evaluator<'a> {
             .or_else(|| lists::call(name, arguments))
             .or_else(|| strings::call(name, arguments))
             .or_else(|| time_functions::call(name, arguments, self.context))
-            .or_else(|| history_queries::call(name, arguments, self.context));
+            .or_else(|| history_queries::call(name, arguments, self.context, &|variable| self.published(variable)));
         if let Some(result) = built_in {
             return result.map_err(|message| error(place, format!("({function} ..): {message}")));
         }
@@ -360,6 +380,11 @@ impl<'a> Evaluator<'a> {
             evaluator.body(body)
         })
     }
+}
+
+/// NaN is a missing measurement.
+fn is_missing(value: &Value) -> bool {
+    value.as_number().is_some_and(|(number, _)| number.is_nan())
 }
 
 /// Calls a function of the host program. One that panics has failed, and the agent lives on.

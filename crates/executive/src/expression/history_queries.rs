@@ -14,7 +14,13 @@ use apex_model::value::Value;
 use std::cmp::Ordering;
 
 /// Calls the history query `name`; none when there is no such function.
-pub(super) fn call(name: &str, arguments: &[Value], context: &dyn EvalContext) -> Option<FunctionResult> {
+/// `published` knows what the agent itself has measured at this instant, which is not recorded yet.
+pub(super) fn call(
+    name: &str,
+    arguments: &[Value],
+    context: &dyn EvalContext,
+    published: &dyn Fn(&StateVariable) -> Option<Value>,
+) -> Option<FunctionResult> {
     if name == "events-over" {
         return Some(events(arguments, context));
     }
@@ -30,39 +36,67 @@ pub(super) fn call(name: &str, arguments: &[Value], context: &dyn EvalContext) -
             | "samples-over"
     );
     let [attribute, object, rest @ ..] = arguments else { return None };
-    known.then(|| query(name, attribute, object, rest, context))
+    known.then(|| {
+        let Value::Symbol(attribute) = attribute else {
+            return Err(format!("{name} needs the attribute as a symbol ('altitude), found {attribute}"));
+        };
+        let variable = StateVariable::new(attribute.clone(), object.clone());
+        match published(&variable) {
+            Some(value) => with_published(name, &variable, value, rest, context),
+            None => query(name, &variable, rest, context.histories().get(&variable), context),
+        }
+    })
 }
 
 /// The functions of this file whose first argument is an attribute, for deriving how long histories must be.
 pub(crate) const QUERIES: &[&str] =
     &["value-at", "value-before", "most-recent-svvalue", "mean-over", "min-over", "max-over", "samples-over"];
 
-fn query(name: &str, attribute: &Value, object: &Value, rest: &[Value], context: &dyn EvalContext) -> FunctionResult {
-    let Value::Symbol(attribute) = attribute else {
-        return Err(format!("{name} needs the attribute as a symbol ('altitude), found {attribute}"));
-    };
-    let variable = StateVariable::new(attribute.clone(), object.clone());
-    let Some(history) = context.histories().get(&variable) else {
+/// As [`query`], of a history that holds `value` at this instant.
+fn with_published(
+    name: &str,
+    variable: &StateVariable,
+    value: Value,
+    rest: &[Value],
+    context: &dyn EvalContext,
+) -> FunctionResult {
+    if let ("current-value", []) | ("most-recent-svvalue", []) = (name, rest) {
+        return Ok(value);
+    }
+    let mut history = context.histories().get(variable).cloned().unwrap_or_default();
+    let sample = Sample { at: context.now(), sequence: u64::MAX, value };
+    history.record(sample, usize::MAX);
+    query(name, variable, rest, Some(&history), context)
+}
+
+fn query(
+    name: &str,
+    variable: &StateVariable,
+    rest: &[Value],
+    history: Option<&History>,
+    context: &dyn EvalContext,
+) -> FunctionResult {
+    let Some(history) = history else {
         return Ok(Value::nil());
     };
     match (name, rest) {
         ("current-value", []) | ("most-recent-svvalue", []) => Ok(value_of(history.newest())),
         ("value-at", [at]) => {
             let at = instant(at)?;
-            found(history.at(at), history, &variable, at)
+            found(history.at(at), history, variable, at)
         }
         ("value-before", [at]) => {
             let at = instant(at)?;
-            found(history.before(at), history, &variable, at)
+            found(history.before(at), history, variable, at)
         }
         ("most-recent-svvalue", [Value::Symbol(keyword), at]) if keyword.is(":prior-to") => {
             let at = instant(at)?;
-            found(history.before(at), history, &variable, at)
+            found(history.before(at), history, variable, at)
         }
         ("mean-over" | "min-over" | "max-over" | "samples-over", window @ ([_] | [_, _])) => {
             let (start, end) = span(window, context.now())?;
             if !history.covers(start) && history.samples().next().is_none_or(|oldest| oldest.at > start) {
-                return Err(no_longer_kept(history, &variable, start));
+                return Err(no_longer_kept(history, variable, start));
             }
             aggregate(name, history.between(start, end))
         }

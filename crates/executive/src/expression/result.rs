@@ -38,7 +38,16 @@ pub(crate) enum Action {
         place: Place,
     },
     /// `(publish (ATTR OBJ) value [router])`.
-    Publish(StateVariable, Value, Option<Value>),
+    Publish {
+        /// The state variable.
+        variable: StateVariable,
+        /// The value.
+        value: Value,
+        /// The only router that it goes to; the author does not hear itself there.
+        router: Option<Value>,
+        /// Where it stands.
+        place: Place,
+    },
     /// `(complete [value])`.
     Complete(Value),
     /// `(setq ?x value)`.

@@ -345,7 +345,12 @@ fn hooks_collect_actions_and_conditions_may_not_act() {
                 timeout: None,
                 place: Place::default()
             },
-            Action::Publish(StateVariable::new(Symbol::new("altitude"), Value::symbol("uav")), Value::Integer(4), None),
+            Action::Publish {
+                variable: StateVariable::new(Symbol::new("altitude"), Value::symbol("uav")),
+                value: Value::Integer(4),
+                router: None,
+                place: Place::default(),
+            },
             Action::Complete(Value::symbol("done")),
         ]
     );

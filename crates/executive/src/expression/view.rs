@@ -7,6 +7,7 @@ use crate::state::controller::{Controller, MethodBinding, ProcedureController};
 use crate::state::histories::history::Histories;
 use crate::state::task::Task;
 use apex_model::agent_limits::Limits;
+use apex_model::event::StateVariable;
 use apex_model::host::HostFunctions;
 use apex_model::library::Library;
 use apex_model::symbol::Symbol;
@@ -122,6 +123,11 @@ impl EvalContext for View<'_> {
 
     fn histories(&self) -> &Histories {
         &self.agent.histories
+    }
+
+    fn published(&self, variable: &StateVariable) -> Option<Value> {
+        let published = self.agent.published.iter().rev();
+        published.filter(|(of, _)| of == variable).map(|(_, value)| value.clone()).next()
     }
 
     fn library(&self) -> &Library {

@@ -247,7 +247,12 @@ fn grant(cycle: &mut Cycle<'_>, id: TaskId) {
 /// from the resource, and a hundred thousand who wait must not each say so again whenever it changes hands.
 fn refuse(cycle: &mut Cycle<'_>, loss: &Loss) {
     let Some(extras) = cycle.agent.task_mut(loss.loser).map(|task| task.extras_mut()) else { return };
-    extras.refused = Some((loss.resource, loss.winner));
+    let is_new = extras.refused.replace((loss.resource, loss.winner)) != Some((loss.resource, loss.winner));
+    let is_told = extras.refusal_told;
+    if is_new || !is_told {
+        cycle.work.refused.push(loss.loser);
+    }
+    let Some(extras) = cycle.agent.task_mut(loss.loser).map(|task| task.extras_mut()) else { return };
     if std::mem::replace(&mut extras.refusal_told, true) {
         return;
     }

@@ -74,6 +74,7 @@ fn count_outside(cycle: &mut Cycle<'_>, events: &[Event]) {
 /// Records what the agent said to itself in the round before.
 pub(crate) fn record_said(cycle: &mut Cycle<'_>) {
     let now = cycle.now;
+    cycle.agent.published.clear();
     for said in std::mem::take(&mut cycle.work.said) {
         match said {
             SelfMessage::Occurrence(form) => occurrence(cycle, form, now),

@@ -14,6 +14,7 @@ use crate::state::task::{Origin, ProcedureRef, Task};
 use crate::state::wake::{Wake, WakeQueue};
 use apex_model::agent_limits::Limits;
 use apex_model::effect::{CommandId, QuestionId, SolveRequestId};
+use apex_model::event::StateVariable;
 use apex_model::host::HostFunctions;
 use apex_model::library::Library;
 use apex_model::procedure::Procedure;
@@ -83,12 +84,18 @@ pub struct Agent {
     pub wakes: WakeQueue,
     /// Claimants whose priority can change without a change of a task: it rises, or reads histories.
     pub unsteady: BTreeSet<TaskId>,
+    /// Circles of tasks that wait for each other's resources, as reported.
+    #[serde(default)]
+    pub circles: Vec<BTreeSet<TaskId>>,
     /// Messages that wait for repeating steps.
     #[serde(default)]
     pub listening: Listening,
     /// The newest instant at which messages or samples came from outside, and how many did.
     #[serde(default)]
     pub burst: (Time, u64),
+    /// What was published in this round and is recorded in the next one; empty between instants.
+    #[serde(skip)]
+    pub published: Vec<(StateVariable, Value)>,
     /// Counters: the next number of each kind.
     pub next: Counters,
     /// How many tasks are suspended; derived from the tasks, not part of a snapshot.
@@ -163,9 +170,11 @@ impl Default for Agent {
             probings: BTreeMap::new(),
             wakes: WakeQueue::default(),
             unsteady: BTreeSet::new(),
+            circles: Vec::new(),
             listening: Listening::default(),
             burst: (Time::BEGINNING, 0),
             next: Counters::default(),
+            published: Vec::new(),
             suspended: 0,
         }
     }

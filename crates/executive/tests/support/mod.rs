@@ -142,6 +142,7 @@ pub fn story(effects: &[(Time, Effect)]) -> Vec<String> {
         Effect::Inform { form, .. } => Some(format!("inform {form}")),
         Effect::WithdrawQuestion { question, .. } => Some(format!("withdraw question {}", question.0)),
         Effect::Tell { to, message, .. } => Some(format!("tell {to:?} {message}")),
+        Effect::Publish { variable, value, .. } => Some(format!("publish {variable} = {value}")),
         Effect::EndApplication { .. } | Effect::AgentEnded { .. } => Some("end".to_string()),
     };
     effects.iter().filter_map(|(at, effect)| Some(format!("{at} {}", line(effect)?))).collect()

@@ -165,7 +165,7 @@ fn needs_plain_number(program: &Program<'_>, expr: &Expr, report: &mut Report<'_
     }
     let message = format!("a plain number is needed here, but this is {}", kind.words());
     // It counts as absent, or without its unit: that is no reason not to fly.
-    let diagnostic = Diagnostic::new(Severity::Warning, codes::DIMENSION, report.locator.span(expr.place), message)
+    let diagnostic = Diagnostic::new(Severity::Warning, codes::NOT_PLAIN, report.locator.span(expr.place), message)
         .reason("priorities, ranks and interrupt costs are compared with each other, whatever they are computed from")
         .help("write a number without unit, or divide: `(in-unit QUANTITY 'm)`");
     report.add(diagnostic);

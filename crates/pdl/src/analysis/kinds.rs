@@ -114,7 +114,7 @@ impl<'l> Kinds<'l> {
 
     fn indexical(&mut self, name: &Symbol) -> Kind {
         match name.folded() {
-            "now" | "beginning-of-time" | "end-of-time" => Kind::Instant,
+            "now" | "mission-start" | "beginning-of-time" | "end-of-time" => Kind::Instant,
             "tot" | "met" => Kind::Number(Dimension::TIME),
             "self" => Kind::Other("a name"),
             _ => match self.library.indexicals.get(name) {

@@ -5,6 +5,7 @@
 
 mod bindings;
 mod bound;
+mod deadlocks;
 mod dimensions;
 mod endings;
 mod flow;
@@ -80,6 +81,7 @@ pub(crate) fn analyse(library: &Library, names: &Names, fragment: bool, foreign:
     own_tag::check(&program, &mut report);
     probes::check(&program, &mut report);
     profiles::check(&program, &mut report);
+    deadlocks::check(&program, &mut report);
     served::check(&program, &mut report);
     shadows::check(&program, &mut report);
     bindings::check(&program, &mut report);

@@ -4,6 +4,7 @@ use super::expected::{Expected, ExpectedKind, dimension_of, zero_of};
 use super::{Callable, Lowering, NameKind};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
+use crate::fix::Fix;
 use crate::read::{Datum, DatumKind};
 use crate::suggest::{nearest, renames, renames_marked};
 use apex_model::builtins::{SPECIAL_FORMS, built_in};
@@ -21,6 +22,9 @@ const ONE_DIMENSION: &[&str] = &["+", "-", "/=", "<", "<=", "=", ">", ">=", "max
 
 /// Unknown names reported; each costs a search for what was meant.
 const UNKNOWN_NAMES_MAX: usize = 100;
+
+/// Words that authors write for functions with another name.
+const MEANT: &[(&str, &str)] = &[("set", "setq"), ("setf", "setq"), ("say", "print"), ("write-line", "print")];
 
 impl Lowering {
     /// Lowers `(name argument..)`.
@@ -206,9 +210,12 @@ impl Lowering {
         let functions = std::mem::take(&mut self.unknown_functions);
         for (name, uses) in functions.iter().take(UNKNOWN_NAMES_MAX) {
             let Some((first, others)) = uses.split_first() else { continue };
-            let mut diagnostic =
-                Diagnostic::new(severity, codes::UNKNOWN_FUNCTION, *first, format!("no function is called `{name}`"))
-                    .fixes(renames(*first, name.printed(), self.names.operators()));
+            let fixes = match MEANT.iter().find(|(word, _)| name.is(word)) {
+                Some((_, own)) => vec![Fix::look(format!("replace `{name}` by `{own}`")).replace(*first, *own)],
+                None => renames(*first, name.printed(), self.names.operators()),
+            };
+            let message = format!("no function is called `{name}`");
+            let mut diagnostic = Diagnostic::new(severity, codes::UNKNOWN_FUNCTION, *first, message).fixes(fixes);
             for other in others.iter().take(2) {
                 diagnostic = diagnostic.label(*other, "used here, too");
             }

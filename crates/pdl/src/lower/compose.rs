@@ -82,7 +82,7 @@ impl Lowering {
                 all
             });
         }
-        let duration = |lowering: &mut Lowering, datum: &Datum| lowering.duration(datum);
+        let duration = |lowering: &mut Lowering, datum: &Datum| lowering.span_of_time(datum);
         let tolerance = self.optional(&options, "tolerance", duration);
         let window = self.optional(&options, "for", duration);
         let (mut parts, mut constraints, tolerance, window) = (parts?, constraints?, tolerance?, window?);

@@ -174,10 +174,11 @@ impl Lowering {
     }
 
     fn simple_condition(&mut self, datum: &Datum, keyword: &str, items: &[Datum]) -> Option<Condition> {
+        let (tag, items) = if keyword == "function" { (None, items) } else { self.time_tag(items) };
         let kind = match (keyword, items) {
-            ("delay", [least]) => ConditionKind::Delay(self.duration(least)?, None),
+            ("delay", [least]) => ConditionKind::Delay(self.span_of_time(least)?, None),
             ("delay", [least, most]) => {
-                let (least, most) = (self.duration(least), self.duration(most));
+                let (least, most) = (self.span_of_time(least), self.span_of_time(most));
                 ConditionKind::Delay(least?, Some(most?))
             }
             ("timestamp", [start]) => ConditionKind::Timestamp(self.instant(start)?, None),
@@ -188,8 +189,8 @@ impl Lowering {
             ("function", [expression]) => ConditionKind::Function(self.expression(expression)?),
             _ => {
                 let shape = match keyword {
-                    "delay" => "(:delay AT-LEAST [AT-MOST])",
-                    "timestamp" => "(:timestamp FROM [TO])",
+                    "delay" => "(:delay [TAG] AT-LEAST [AT-MOST])",
+                    "timestamp" => "(:timestamp [TAG] FROM [TO])",
                     _ => "(:function EXPRESSION)",
                 };
                 let message = format!("this `:{keyword}` condition has the wrong parts");
@@ -198,7 +199,20 @@ impl Lowering {
                 return self.refuse(diagnostic);
             }
         };
-        Some(Condition { tag: None, kind, place: datum.span.place() })
+        Some(Condition { tag, kind, place: datum.span.place() })
+    }
+
+    /// A word before the times of a `:delay` or `:timestamp` is the name of its result.
+    fn time_tag<'d>(&mut self, items: &'d [Datum]) -> (Option<Symbol>, &'d [Datum]) {
+        match items.split_first() {
+            Some((Datum { kind: DatumKind::Symbol(name), span }, rest))
+                if !rest.is_empty() && !name.folded().starts_with(':') && !self.names.is_operator(name) =>
+            {
+                self.scope.bind(name, *span);
+                (Some(name.clone()), rest)
+            }
+            _ => (None, items),
+        }
     }
 
     fn instant(&mut self, datum: &Datum) -> Option<Expr> {

@@ -3,6 +3,7 @@
 use super::Lowering;
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
+use crate::fix::Fix;
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::quantity::{Dimension, Quantity, Unit, unit_named};
 use apex_model::symbol::Symbol;
@@ -233,6 +234,7 @@ impl Lowering {
             let diagnostic =
                 Diagnostic::error(codes::DIMENSION, span, format!("{found} stands where an instant is needed"))
                     .reason("durations and numbers have no place on the time line")
+                    .fixes(self.since_start(span, found))
                     .help("add it to an instant: `(+ (start-of +this-task+) P10S)`");
             return self.refuse(diagnostic);
         }
@@ -240,12 +242,13 @@ impl Lowering {
         if let ExpectedKind::Undeclared = expected.kind {
             let message = format!("{found} is compared with {}, whose unit is not declared", expected.subject);
             let severity = self.undefined();
-            let diagnostic = Diagnostic::new(severity, codes::UNDECLARED_UNIT, span, message)
-                .reason("values of undeclared state variables are pure numbers")
-                .help(format!(
-                    "declare it: `(state-variable {} :unit ..)`",
-                    expected.subject.trim_matches('`').replace("..", "?object")
-                ));
+            let mut diagnostic = Diagnostic::new(severity, codes::UNDECLARED_UNIT, span, message)
+                .reason("values of undeclared state variables are pure numbers");
+            diagnostic.help.extend(self.declared_like(&expected.subject));
+            let diagnostic = diagnostic.help(format!(
+                "declare it: `(state-variable {} :unit ..)`",
+                expected.subject.trim_matches('`').replace("..", "?object")
+            ));
             self.report(diagnostic);
             return self.fragment.then_some(());
         }
@@ -268,6 +271,20 @@ impl Lowering {
             diagnostic = self.in_unit(diagnostic, span, unit.name);
         }
         self.refuse(diagnostic)
+    }
+
+    /// The declared state variable that was probably meant by an undeclared one.
+    fn declared_like(&self, subject: &str) -> Option<String> {
+        let name = subject.trim_start_matches("`(").split(' ').next()?;
+        let declared = self.names.state_variables.keys().map(Symbol::printed);
+        crate::suggest::nearest(name, declared).map(|near| format!("`{near}` is declared: is that one meant?"))
+    }
+
+    /// A duration where an instant is needed is meant from the start of the mission, or of the task.
+    fn since_start(&self, span: Span, found: Dimension) -> Option<Fix> {
+        let written = self.text_at(span).filter(|_| found == Dimension::TIME)?;
+        let title = format!("count from the start of the mission: `(+ +mission-start+ {written})`");
+        Some(Fix::look(title).replace(span, format!("(+ +mission-start+ {written})")))
     }
 
     /// Reports something of dimension `found` where a duration is needed.
@@ -301,6 +318,21 @@ impl Lowering {
             diagnostic = diagnostic.label(declared, format!("declared as {type_name} here"));
         }
         self.refuse(diagnostic)
+    }
+
+    /// Lowers a duration that must not be negative.
+    pub(crate) fn span_of_time(&mut self, datum: &crate::read::Datum) -> Option<Expr> {
+        let expr = self.duration(datum)?;
+        if let ExprKind::Constant(Value::Duration(duration)) = &expr.kind
+            && *duration < Duration::ZERO
+        {
+            let message = format!("{duration} is a negative span of time");
+            let diagnostic = Diagnostic::error(codes::DURATION_EXPECTED, datum.span, message)
+                .reason("what is waited for lies ahead")
+                .help("write a duration of at least 0");
+            return self.refuse(diagnostic);
+        }
+        Some(expr)
     }
 
     /// Lowers an expression that must yield a duration.

@@ -79,6 +79,7 @@ impl Lowering {
 /// The built-in activity that serves all goals that the pattern matches.
 fn built_in_that_serves(pattern: &Pattern) -> Option<&'static str> {
     const ALWAYS: [&str; 6] = ["terminate", "cogevent", "inform", "print", "hold-resource", "release-resource"];
+    const OF_TASKS: [&str; 5] = ["reset", "suspend", "resume", "reprioritize", "plan"];
     let parts: Vec<Pattern> = match pattern {
         Pattern::Literal(Value::List(items)) => items.iter().cloned().map(Pattern::Literal).collect(),
         Pattern::List(parts) => parts.clone(),
@@ -96,6 +97,10 @@ fn built_in_that_serves(pattern: &Pattern) -> Option<&'static str> {
         [] if is(head, "end-application") => Some("end-application"),
         [second, ..] if is(head, "ask") && is(second, "operator") => Some("ask operator"),
         [Pattern::List(_) | Pattern::Literal(Value::List(_)), ..] if is(head, "plan") => Some("plan"),
+        // With a variable these goals are activities on a task or a plan, whatever the variable holds.
+        [Pattern::Variable(_) | Pattern::Anonymous | Pattern::Is { .. }] => {
+            OF_TASKS.into_iter().find(|word| is(head, word))
+        }
         _ => None,
     }
 }

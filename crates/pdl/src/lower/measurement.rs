@@ -145,7 +145,7 @@ impl Lowering {
         match name {
             Some("persist") => {
                 self.check_groups(&options, &["with-timeout"], "`:persist`")?;
-                let timeout = self.optional(&options, "with-timeout", Lowering::duration)?;
+                let timeout = self.optional(&options, "with-timeout", Lowering::span_of_time)?;
                 Some(Estimation::Persist(timeout))
             }
             Some("linear-regression") => self.regression(&options, datum.span, expected),

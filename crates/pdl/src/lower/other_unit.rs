@@ -29,7 +29,12 @@ impl Lowering {
 
     /// The number and the unit of the quantity that is all that is written at `span`.
     fn quantity_at(&self, span: Span) -> Option<(&str, &str)> {
+        number_and_unit(self.text_at(span)?)
+    }
+
+    /// What is written at `span`.
+    pub(crate) fn text_at(&self, span: Span) -> Option<&str> {
         let text = self.texts.get(usize::try_from(span.file).ok()?)?;
-        number_and_unit(text.get(usize::try_from(span.start).ok()?..usize::try_from(span.end).ok()?)?)
+        text.get(usize::try_from(span.start).ok()?..usize::try_from(span.end).ok()?)
     }
 }

@@ -4,6 +4,7 @@ use super::Lowering;
 use super::special::local_name;
 use crate::codes;
 use crate::diagnostic::Diagnostic;
+use crate::fix::Fix;
 use crate::read::Datum;
 use apex_model::expression::{Expr, Parameters};
 use apex_model::symbol::Symbol;
@@ -45,8 +46,14 @@ impl Lowering {
     /// The parameters; their names are local variables from here on.
     fn parameters(&mut self, datum: &Datum) -> Option<Parameters> {
         let Some(items) = datum.as_list() else {
-            let diagnostic = Diagnostic::error(codes::MALFORMED, datum.span, "parameters are a list of names")
-                .help("write `()` for none");
+            let diagnostic = Diagnostic::error(codes::MALFORMED, datum.span, "parameters are a list of names");
+            let diagnostic = match datum.as_symbol() {
+                Some(name) => {
+                    let fix = Fix::safe(format!("write `({name})`")).insert_before(datum.span, "(");
+                    diagnostic.fix(fix.insert_after(datum.span, ")"))
+                }
+                None => diagnostic.help("write `()` for none"),
+            };
             return self.refuse(diagnostic);
         };
         let mut parameters = Parameters::default();

@@ -13,7 +13,8 @@ use apex_model::symbol::Symbol;
 impl Lowering {
     /// Lowers `(primitive (index PATTERN) CLAUSE..)`.
     pub(crate) fn primitive(&mut self, datum: &Datum) -> Option<Primitive> {
-        let (index, clauses) = self.split_index(datum, datum.tail(), PRIMITIVE_CLAUSES, "primitive")?;
+        let (index, mut clauses) = self.split_index(datum, datum.tail(), PRIMITIVE_CLAUSES, "primitive")?;
+        clauses.retain(|clause| !super::procedure::is_documentation(clause));
         self.scope = Scope::of_tasks();
         let index = self.index_pattern(index)?;
         let mut complete = self.check_clauses(&clauses, PRIMITIVE_CLAUSES, "a primitive");

@@ -3,10 +3,11 @@
 use super::step::StepSource;
 use super::{Lowering, Scope, Served, Unindexed};
 use crate::codes;
-use crate::diagnostic::{Diagnostic, Severity};
+use crate::diagnostic::{Diagnostic, Severity, Span};
+use crate::fix::Fix;
 use crate::read::{Datum, DatumKind};
 use crate::suggest::{nearest, renames, renames_marked};
-use crate::vocabulary::PROCEDURE_CLAUSES;
+use crate::vocabulary::{DOCUMENTATION_CLAUSES, PROCEDURE_CLAUSES, STEP_CLAUSES};
 use apex_model::pattern::Pattern;
 use apex_model::procedure::{Activity, Hooks, Procedure, ProcedureKind, Step, Transitions};
 use apex_model::symbol::Symbol;
@@ -17,14 +18,19 @@ const KINDS: &[&str] = &["concurrent", "conc", "sequential", "seq", "ranked", "s
 impl Lowering {
     /// Lowers `(procedure [KIND] (index PATTERN) CLAUSE.. STEP..)`.
     pub(crate) fn procedure(&mut self, datum: &Datum) -> Option<Procedure> {
+        if self.report_proctype(datum) {
+            return None;
+        }
         let (kind, items) = self.procedure_kind(datum)?;
-        let (index, clauses) = self.split_index(datum, items, PROCEDURE_CLAUSES, "procedure")?;
+        let (index, mut clauses) = self.split_index(datum, items, PROCEDURE_CLAUSES, "procedure")?;
+        clauses.retain(|clause| !is_documentation(clause));
+        let has_kind = datum.tail().first().is_some_and(|word| word.keyword().is_some());
         self.scope = Scope::of_tasks();
         if self.report_misplaced(datum) {
             self.index_pattern(index)?;
             return None;
         }
-        let (steps, clauses, mut complete) = self.sort_clauses(&clauses);
+        let (steps, clauses, mut complete) = self.sort_clauses(&clauses, has_kind);
         self.scope.tags = steps.iter().map(|step| (step.tag.clone(), step.tag_span)).collect();
         for step in &steps {
             self.scope.bind_everywhere(&step.tag, step.tag_span);
@@ -61,6 +67,26 @@ impl Lowering {
         complete.then_some(())?;
         self.finish_kind(datum, &mut procedure);
         Some(procedure)
+    }
+
+    /// `(proctype ranked)` is the kind, which stands first.
+    fn report_proctype(&mut self, datum: &Datum) -> bool {
+        let Some(clause) = datum.tail().iter().find(|item| item.head_name() == "proctype") else { return false };
+        let kind = match clause.tail() {
+            [kind] => kind.as_symbol().map(|name| name.folded().trim_start_matches(':').to_string()),
+            _ => None,
+        };
+        let diagnostic = Diagnostic::error(codes::UNKNOWN_CLAUSE, clause.span, "the kind of a procedure stands first");
+        let diagnostic = match kind.filter(|name| KINDS.contains(&&**name)) {
+            Some(name) => {
+                let fix = Fix::safe(format!("write `(procedure :{name} ..)`")).replace(clause.span, "");
+                diagnostic.fix(fix.insert_after(datum.head_span(), format!(" :{name}")))
+            }
+            None => diagnostic
+                .help("write `(procedure :sequential ..)`; kinds are :concurrent :sequential :ranked :soft-seq"),
+        };
+        self.report(diagnostic);
+        true
     }
 
     fn procedure_kind<'d>(&mut self, datum: &'d Datum) -> Option<(ProcedureKind, &'d [Datum])> {
@@ -127,12 +153,29 @@ impl Lowering {
         }
     }
 
+    /// `=> ?x` belongs to the step that pursues the goal; an index with it matches no goal.
+    fn report_result_in_index(&mut self, datum: &Datum) -> bool {
+        let items = datum.as_list().unwrap_or_default();
+        let Some(mark) = items.iter().position(|item| item.is("=>")).filter(|mark| *mark > 0) else { return false };
+        let before = items.get(mark - 1).map_or(datum.span, |item| item.span);
+        let last = items.last().map_or(before, |item| item.span);
+        let written = Span { start: before.end, end: last.end, ..last };
+        let diagnostic = Diagnostic::error(codes::MALFORMED, Span { start: items.get(mark).map_or(before.end, |item| item.span.start), ..written }, "an index has no result")
+            .reason("`=>` belongs to the step that pursues the goal; a procedure gives its value by `(terminate >> VALUE)`, a primitive by `(return VALUE)`")
+            .fix(Fix::safe("remove it from the index").replace(written, ""));
+        self.report(diagnostic);
+        true
+    }
+
     /// Lowers an index and notes that its goals are served.
     pub(crate) fn index_pattern(&mut self, datum: &Datum) -> Option<Pattern> {
         if datum.as_list().is_none_or(<[Datum]>::is_empty) {
             let diagnostic = Diagnostic::error(codes::MALFORMED, datum.span, "an index is a list")
                 .help("for example `(index (take-picture ?camera))`");
             return self.refuse(diagnostic);
+        }
+        if self.report_result_in_index(datum) {
+            return None;
         }
         if let Some(bound) = first_bound(datum) {
             let diagnostic = Diagnostic::error(codes::NEVER_BOUND, bound.span, "nothing is bound before the index")
@@ -155,8 +198,13 @@ impl Lowering {
         Some(pattern)
     }
 
-    /// Parts steps from clauses. A procedure-level select goes to the nearest step before it.
-    fn sort_clauses<'d>(&mut self, clauses: &[&'d Datum]) -> (Vec<StepSource<'d>>, Vec<&'d Datum>, bool) {
+    /// Parts steps from clauses. A procedure-level select goes to the nearest step before it. In a procedure that states
+    /// its kind a list that is no clause is a step without the word.
+    fn sort_clauses<'d>(
+        &mut self,
+        clauses: &[&'d Datum],
+        has_kind: bool,
+    ) -> (Vec<StepSource<'d>>, Vec<&'d Datum>, bool) {
         let mut steps: Vec<StepSource<'d>> = Vec::new();
         let mut others = Vec::new();
         let mut complete = true;
@@ -175,6 +223,7 @@ impl Lowering {
                             .help("move it into the step that uses its variable");
                     self.report(diagnostic);
                 }
+                _ if has_kind && is_bare_step(clause) => steps.push(StepSource::bare(clause)),
                 _ => others.push(*clause),
             }
         }
@@ -263,6 +312,24 @@ impl Lowering {
             _ => {}
         }
     }
+}
+
+/// A clause for readers: it says something about the text, and does nothing.
+pub(crate) fn is_documentation(clause: &Datum) -> bool {
+    let name = clause.head_name();
+    DOCUMENTATION_CLAUSES.contains(&name.strip_prefix(':').unwrap_or(name))
+        && clause.tail().iter().all(|item| item.as_list().is_none())
+}
+
+/// A list that is neither a clause nor nearly one.
+fn is_bare_step(clause: &Datum) -> bool {
+    let name = clause.head_name();
+    let words = || PROCEDURE_CLAUSES.iter().chain(STEP_CLAUSES).copied();
+    clause.head().is_some()
+        && clause.head().is_some_and(|head| !head.folded().starts_with(':'))
+        && !words().any(|word| word == name)
+        && nearest(name, words()).is_none()
+        && !super::step::is_meant_clause(name)
 }
 
 /// The step that ends a procedure with success.

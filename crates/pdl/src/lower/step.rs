@@ -25,6 +25,19 @@ pub(crate) struct StepSource<'d> {
     pub(crate) span: Span,
 }
 
+impl<'d> StepSource<'d> {
+    /// A step that is its activity alone: `(fly-to ?place)`.
+    pub(crate) fn bare(activity: &'d Datum) -> StepSource<'d> {
+        let (span, clauses) = (activity.span, Vec::new());
+        StepSource { tag: Symbol::new(""), tag_span: span, activity, result: None, clauses, span }
+    }
+}
+
+/// Does the word stand for a clause with another name?
+pub(crate) fn is_meant_clause(name: &str) -> bool {
+    name == "terminate-when" || MEANT.iter().any(|(word, _)| *word == name)
+}
+
 /// Words that authors write for clauses with another name.
 const MEANT: &[(&str, &str)] = &[
     ("when", "waitfor"),
@@ -42,6 +55,9 @@ const MEANT: &[(&str, &str)] = &[
     ("respond", "responding"),
     ("until", "end-when"),
     ("stop-when", "end-when"),
+    ("exit-when", "end-when"),
+    ("finish-when", "end-when"),
+    ("done-when", "end-when"),
     ("resource", "profile"),
     ("resources", "profile"),
     ("needs", "profile"),
@@ -63,6 +79,10 @@ impl Lowering {
         let items = datum.tail();
         let (tag, rest) = match items {
             [tag, rest @ ..] if tag.as_symbol().is_some() && tag.keyword().is_none() => (Some(tag), rest),
+            // `4.4a` is a number of amperes elsewhere: here it is a name.
+            [tag, activity, ..] if self.number_as_name(tag).is_some() && activity.as_list().is_some() => {
+                (Some(tag), items.get(1..).unwrap_or_default())
+            }
             [Datum { kind: DatumKind::Variable(_), span }, ..] => {
                 let diagnostic = Diagnostic::error(codes::MALFORMED, *span, "a tag is written without question mark")
                     .help("`?tag` is the task of the step tagged `tag`");
@@ -78,8 +98,19 @@ impl Lowering {
             _ => (None, rest),
         };
         let tag_span = tag.unwrap_or(activity).span;
-        let tag = tag.and_then(Datum::as_symbol).cloned().unwrap_or_else(|| Symbol::new(""));
-        Some(StepSource { tag, tag_span, activity, result, clauses: clauses.iter().collect(), span: datum.span })
+        let named = tag.and_then(|tag| tag.as_symbol().cloned().or_else(|| self.number_as_name(tag)));
+        let tag = named.unwrap_or_else(|| Symbol::new(""));
+        let clauses = clauses.iter().filter(|clause| !super::procedure::is_documentation(clause)).collect();
+        Some(StepSource { tag, tag_span, activity, result, clauses, span: datum.span })
+    }
+
+    /// The name of a step that begins with a number and reads like a quantity: `4.4a`, `2s`.
+    fn number_as_name(&self, tag: &Datum) -> Option<Symbol> {
+        matches!(tag.kind, DatumKind::Quantity(_) | DatumKind::Duration(_))
+            .then(|| self.text_at(tag.span))
+            .flatten()
+            .filter(|text| !text.starts_with('('))
+            .map(Symbol::new)
     }
 
     /// Lowers step `number` of the procedure at hand.
@@ -187,6 +218,9 @@ impl Lowering {
         let diagnostic = Diagnostic::error(codes::UNKNOWN_CLAUSE, clause.span, message);
         let span = clause.head_span();
         let mut fixes = renames(span, name.printed(), known.iter().copied());
+        if name.is("terminate-when") && known.contains(&"end-when") {
+            fixes = vec![Fix::safe(format!("replace `{name}` by `end-when`")).replace(span, "end-when")];
+        }
         let meant = MEANT.iter().find(|(word, clause)| name.is(word) && known.contains(clause));
         if let Some((_, clause)) = meant.filter(|_| fixes.is_empty()) {
             fixes.push(Fix::look(format!("replace `{name}` by `{clause}`")).replace(span, *clause));
@@ -194,6 +228,10 @@ impl Lowering {
         let is_like_step = known.contains(&"step") && clause.tail().first().is_some_and(|first| first.head().is_some());
         if is_like_step && fixes.is_empty() {
             fixes.push(Fix::look(format!("make it a step: `(step {name} ..)`")).insert_before(span, "step "));
+        } else if known.contains(&"step") && fixes.is_empty() && !STEP_CLAUSES.contains(&name.folded()) {
+            // As the only thing it can be in a procedure that does not state its kind.
+            let fix = Fix::look(format!("make it a step: `(step ({name} ..))`")).insert_before(clause.span, "(step ");
+            fixes.push(fix.insert_after(clause.span, ")"));
         }
         self.report(diagnostic.fixes_or_help(fixes, || format!("its clauses are {}", known.join(" "))));
     }
@@ -261,8 +299,8 @@ impl Lowering {
             Some(group) if group.values.is_empty() => Some(super::expression::constant(Value::truth(true), group.span)),
             _ => self.optional(&options, "enabled", test)?,
         };
-        let recovery = self.optional(&options, "with-recovery", Lowering::duration)?;
-        let minimum_interval = self.optional(&options, "with-min-interval", Lowering::duration)?;
+        let recovery = self.optional(&options, "with-recovery", Lowering::span_of_time)?;
+        let minimum_interval = self.optional(&options, "with-min-interval", Lowering::span_of_time)?;
         let new = super::clauses::values_of(&options, "for-new");
         let for_new = self.all(new, |lowering, datum| match &datum.kind {
             DatumKind::Variable(name) => {

@@ -4,7 +4,7 @@ use super::Lowering;
 use super::expected::{Expected, ExpectedKind};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
-use crate::read::Datum;
+use crate::read::{Datum, DatumKind};
 use crate::suggest::renames_marked;
 use apex_model::condition::{Constraint, Relation, Timing};
 
@@ -22,12 +22,24 @@ const WORDS: &[&str] = &[
     "latest-end",
 ];
 
+/// `:start`, `:end` and the other words of timing.
+fn is_word(item: &Datum) -> bool {
+    item.keyword().is_some_and(|name| WORDS.contains(&name))
+}
+
 impl Lowering {
     /// Lowers the values of `:timing`. An event's time may be constrained directly, as Table 1 of the paper prints it.
     pub(crate) fn timing(&mut self, items: &[Datum], is_event: bool) -> Option<Timing> {
         let mut timing = Timing::default();
         let mut complete = true;
         for item in items {
+            if let [first, rest @ ..] = item.as_list().unwrap_or_default()
+                && is_word(first)
+                && rest.iter().any(is_word)
+            {
+                complete &= self.timing_in_one_list(item, is_event, &mut timing).is_some();
+                continue;
+            }
             let done = if Lowering::is_nested(item) {
                 item.as_list()
                     .unwrap_or_default()
@@ -39,6 +51,20 @@ impl Lowering {
             complete &= done;
         }
         complete.then_some(timing)
+    }
+
+    /// `(:start CONSTRAINT.. :end CONSTRAINT..)`, as the original writes it.
+    fn timing_in_one_list(&mut self, item: &Datum, is_event: bool, timing: &mut Timing) -> Option<()> {
+        let mut complete = true;
+        let mut rest = item.as_list().unwrap_or_default();
+        while let Some((_, after)) = rest.split_first() {
+            let length = 1 + after.iter().position(is_word).unwrap_or(after.len());
+            let (part, next) = rest.split_at_checked(length).unwrap_or((rest, &[]));
+            let part = Datum { kind: DatumKind::List(part.to_vec()), span: super::span_of(part, item.span) };
+            complete &= self.timing_group(&part, is_event, timing).is_some();
+            rest = next;
+        }
+        complete.then_some(())
     }
 
     fn timing_group(&mut self, item: &Datum, is_event: bool, timing: &mut Timing) -> Option<()> {

@@ -97,6 +97,10 @@ fn of_resources(cause: &Cause) -> Option<Vec<CausePart>> {
             ];
             parts.into_iter().chain(before).collect()
         }
+        Cause::WaitsInCircle { links } => links
+            .iter()
+            .flat_map(|link| [part("waits", link.task), part("resource", &link.resource), part("holder", link.holder)])
+            .collect(),
         Cause::ResourceExhausted { resource, needed, left } => {
             vec![part("resource", resource), part("needed", needed), part("left", left)]
         }

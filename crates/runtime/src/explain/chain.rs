@@ -92,6 +92,7 @@ impl<'a> Chain<'a> {
             },
             Some(Effect::Command { command, form, .. }) => format!("{name} sent command {} {form}", command.0),
             Some(Effect::Inform { form, .. }) => format!("{name} said {form}"),
+            Some(Effect::Publish { variable, value, .. }) => format!("{name} published {variable} = {value}"),
             Some(Effect::Solve(request)) => format!("{name} asked {} for a plan", request.solver),
             _ => format!("{name}: {} {}", row.kind, row.subject),
         }
@@ -116,9 +117,12 @@ impl<'a> Chain<'a> {
                     }
                     said
                 }
-                Evidence::Sample { at, .. } => {
-                    link.causes.push(Link::seen(*at, format!("{} was measured", evidence.text())));
-                    None
+                Evidence::Sample { variable, value, at } => {
+                    let published = self.log.decisions.publish(&format!("{variable} = {value}"), *at)?;
+                    if published.is_none() {
+                        link.causes.push(Link::seen(*at, format!("{} was measured", evidence.text())));
+                    }
+                    published
                 }
                 Evidence::Run { variable, start, end, samples } => {
                     let gap = self.log.largest_gap(variable, (*start, *end), *samples, row.at)?;
@@ -217,6 +221,7 @@ impl<'a> Chain<'a> {
             | Cause::LimitReached { .. }
             | Cause::Stopped { .. }
             | Cause::NobodyHears { .. }
+            | Cause::WaitsInCircle { .. }
             | Cause::ExecutiveFault { .. } => None,
         };
         Ok(found.into_iter().collect())

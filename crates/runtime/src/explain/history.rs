@@ -109,7 +109,7 @@ impl History {
 pub(super) fn because_of(row: &DecisionRow) -> Option<&Because> {
     match row.effect.as_ref()? {
         Effect::Decided(decision) => Some(&decision.because),
-        Effect::Command { because, .. } => Some(because),
+        Effect::Command { because, .. } | Effect::Publish { because, .. } => Some(because),
         _ => None,
     }
 }

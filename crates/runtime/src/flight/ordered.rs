@@ -25,13 +25,13 @@ impl Flight<'_, '_> {
             Order::Input(Some(agent), _) if self.group.check_agent(agent).is_ok() => Some(agent.clone()),
             _ => self.group.agent(0).map(|agent| agent.name.clone()),
         };
-        self.group.deliver(Input { at, kind: command.entry(&end), agent: author })?;
+        self.group.deliver(Input { at, kind: command.entry(&end), agent: author, command_form: None })?;
         if !settled || !matches!(end, CommandEnd::Accepted { .. }) {
             return Ok(None);
         }
         match &command.order {
             Order::Input(agent, kind) => {
-                self.group.deliver(Input { at, kind: kind.clone(), agent: agent.clone() })?;
+                self.group.deliver(Input { at, kind: kind.clone(), agent: agent.clone(), command_form: None })?;
             }
             Order::Pace(pace) => {
                 self.stepping = false;

@@ -46,7 +46,7 @@ impl Flight<'_, '_> {
                 }
                 Some(Control::Input(kind)) => self.take_in(Input::new(instant, kind))?,
                 Some(Control::InputFor(agent, kind)) => {
-                    self.take_in(Input { at: instant, kind, agent: Some(agent) })?;
+                    self.take_in(Input { at: instant, kind, agent: Some(agent), command_form: None })?;
                 }
                 None if wait == Wait::Over => return Ok(Waited::Reached(instant)),
                 None if listening && self.controls.is_none() => return Ok(Waited::Changed),

@@ -22,6 +22,7 @@ pub const KINDS: &[&str] = &[
     "solver",
     "event",
     "measurement",
+    "publish",
     "wake",
     "print",
     "ask",

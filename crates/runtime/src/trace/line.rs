@@ -167,6 +167,11 @@ impl Line {
                 line.words = format!("informs {}", told.subject);
                 line.text_field("form", &told.subject);
             }
+            Effect::Publish { variable, value, because, .. } => {
+                line.cause = cause_text(because);
+                line.words = format!("publishes {}", told.subject);
+                line.text_field("variable", &variable.to_string()).field("value", value);
+            }
             Effect::Print { text, .. } => {
                 line.words = format!("prints {text}");
                 line.text_field("text", text);

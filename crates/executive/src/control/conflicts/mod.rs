@@ -6,6 +6,7 @@ pub(crate) mod competition;
 pub(crate) mod conflict;
 pub(crate) mod crossing;
 pub(crate) mod curve;
+pub(crate) mod deadlock;
 pub(crate) mod front;
 pub(crate) mod gaps;
 pub(crate) mod precedence;

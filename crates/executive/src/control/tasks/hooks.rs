@@ -92,8 +92,9 @@ pub(crate) fn run_forms(
                 let because = Because::new(Cause::FormRan { clause: clause.into() }, Some(place));
                 wants.commands.push(CommandRequest { form, timeout, because });
             }
-            Action::Publish(variable, value, router) => {
-                said(messaging::publish(cycle, id, variable, value, router.as_ref(), place));
+            Action::Publish { variable, value, router, place } => {
+                let because = Because::new(Cause::FormRan { clause: clause.into() }, Some(place));
+                said(messaging::publish(cycle, id, (variable, value), router.as_ref(), because));
             }
             Action::Complete(value) => wants.completed = Some(value),
             Action::SetTaskVariable(name, value) => binding::assign(cycle, id, level, &name, value, place),

@@ -7,12 +7,13 @@
 use crate::control::cycle::{Cycle, SelfMessage};
 use crate::expression::EvaluationError;
 use crate::expression::view::View;
+use crate::monitoring::memory::histories;
 use crate::monitoring::pattern_matching::match_pattern;
 use crate::state::bindings::Bindings;
 use crate::state::clause::Level;
 use apex_model::because::{Because, Cause};
 use apex_model::effect::Effect;
-use apex_model::event::{Message, StateVariable};
+use apex_model::event::{Message, StateVariable, measured};
 use apex_model::library::{AgentDeclaration, DEFAULT_ROUTER, Topics};
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
@@ -36,30 +37,49 @@ pub(crate) fn inform(
     cycle.effects.push(Effect::Inform { task: id, form: form.clone() });
     tell(cycle, id, to, message);
     if !is_given(router) {
-        cycle.work.said.push(SelfMessage::Occurrence(form));
+        say(cycle, form);
     }
     Ok(())
 }
 
-/// `(publish (ATTRIBUTE OBJECT) value [router])`: as [`inform`], for samples, which nobody outside is told of.
+/// `(publish (ATTRIBUTE OBJECT) value [router])`: as [`inform`], for samples. The trace has them, the outside does not.
 ///
 /// # Errors
 /// As [`inform`].
 pub(crate) fn publish(
     cycle: &mut Cycle<'_>,
     id: TaskId,
-    variable: StateVariable,
-    value: Value,
+    (variable, value): (StateVariable, Value),
     router: Option<&Value>,
-    place: Place,
+    because: Because,
 ) -> Result<(), Because> {
     let message = Message::Measurement(variable.clone(), value.clone());
-    let to = receivers(cycle, &message, router, place)?;
-    tell(cycle, id, to, message);
+    let to = receivers(cycle, &message, router, because.place.unwrap_or_default())?;
     if !is_given(router) {
-        cycle.work.said.push(SelfMessage::Measurement(variable, value));
+        let held = histories::in_declared_unit(cycle.library, &variable, value.clone());
+        let shown = held.unwrap_or_else(|_| value.clone());
+        let effect = Effect::Publish { task: id, variable: variable.clone(), value: shown, because };
+        cycle.effects.push(effect);
+        say_sample(cycle, variable, value);
     }
+    tell(cycle, id, to, message);
     Ok(())
+}
+
+/// The agent measures something itself: its expressions see it from now on, its conditions from the next round.
+fn say_sample(cycle: &mut Cycle<'_>, variable: StateVariable, value: Value) {
+    if let Ok(held) = histories::in_declared_unit(cycle.library, &variable, value.clone()) {
+        cycle.agent.published.push((variable.clone(), held));
+    }
+    cycle.work.said.push(SelfMessage::Measurement(variable, value));
+}
+
+/// A message of the agent to itself; `(ATTRIBUTE OBJECT = VALUE)` is a sample.
+fn say(cycle: &mut Cycle<'_>, form: Value) {
+    match measured(&form) {
+        Some((variable, value)) => say_sample(cycle, variable, value),
+        None => cycle.work.said.push(SelfMessage::Occurrence(form)),
+    }
 }
 
 /// `(cogevent FORM [agent])`: for this agent, or for another one.
@@ -74,12 +94,12 @@ pub(crate) fn cogevent(
     place: Place,
 ) -> Result<(), Because> {
     let Some(agent) = agent.filter(|agent| agent.is_true()) else {
-        cycle.work.said.push(SelfMessage::Occurrence(form));
+        say(cycle, form);
         return Ok(());
     };
     let own = &cycle.agent.name;
     match agent.as_symbol() {
-        Some(name) if name == own => cycle.work.said.push(SelfMessage::Occurrence(form)),
+        Some(name) if name == own => say(cycle, form),
         Some(name) if cycle.library.agents.iter().any(|each| each.name == *name) => {
             let to = vec![name.clone()];
             tell(cycle, id, to, Message::Occurrence(form));

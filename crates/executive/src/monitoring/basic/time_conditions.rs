@@ -110,7 +110,12 @@ pub(crate) fn span(
 pub(crate) fn delays(part: &TimePart, context: &dyn EvalContext) -> Result<(Duration, Duration), EvaluationError> {
     let length = |expr: &Expr| {
         let value = evaluate(expr, context)?;
-        duration(&value).map_err(|message| EvaluationError { message, place: expr.place })
+        let length = duration(&value).map_err(|message| EvaluationError { message, place: expr.place })?;
+        if length < Duration::ZERO {
+            let message = format!("a delay cannot be negative: {length}");
+            return Err(EvaluationError { message, place: expr.place });
+        }
+        Ok(length)
     };
     Ok((length(&part.from)?, part.to.as_ref().map_or(Ok(Duration::MAX), length)?))
 }

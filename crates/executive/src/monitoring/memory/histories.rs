@@ -44,20 +44,11 @@ pub(crate) fn record_sample(
     sequence: u64,
 ) -> Recording {
     let declaration = library.state_variables.get(&variable.attribute);
-    let value = match declaration.and_then(|_| unit_of(&variable.attribute, library)) {
-        None => value,
-        Some(unit) => match value.as_number() {
-            Some((number, Dimension::NONE)) => with_unit(number, unit),
-            Some((_, dimension)) if dimension == unit.dimension => value,
-            _ => {
-                let found = described(&value);
-                let message = format!(
-                    "the sample {found} of {variable} was refused: it is declared in {}, which measures {}",
-                    unit.name, unit.dimension
-                );
-                return Recording { stimulus: None, trouble: Some(message), recorded: None, overflows: false };
-            }
-        },
+    let value = match in_declared_unit(library, &variable, value) {
+        Ok(value) => value,
+        Err(message) => {
+            return Recording { stimulus: None, trouble: Some(message), recorded: None, overflows: false };
+        }
     };
     let lateness = declaration.and_then(|declared| declared.lateness.as_ref()).and_then(|value| duration(value).ok());
     let sample = Sample { at, sequence, value: value.clone() };
@@ -78,6 +69,25 @@ pub(crate) fn record_sample(
             );
             Recording { stimulus: None, trouble: Some(message), recorded: Some(recorded), overflows }
         }
+    }
+}
+
+/// `value` as the history of `variable` holds it: a bare number has the unit that the variable is declared with.
+///
+/// # Errors
+/// A sentence for the trace when the unit cannot measure the value.
+pub(crate) fn in_declared_unit(library: &Library, variable: &StateVariable, value: Value) -> Result<Value, String> {
+    let declaration = library.state_variables.get(&variable.attribute);
+    let Some(unit) = declaration.and_then(|_| unit_of(&variable.attribute, library)) else { return Ok(value) };
+    match value.as_number() {
+        Some((number, Dimension::NONE)) => Ok(with_unit(number, unit)),
+        Some((_, dimension)) if dimension == unit.dimension => Ok(value),
+        _ => Err(format!(
+            "the sample {} of {variable} was refused: it is declared in {}, which measures {}",
+            described(&value),
+            unit.name,
+            unit.dimension
+        )),
     }
 }
 

@@ -137,6 +137,13 @@ impl Decisions<'_> {
         self.first(condition, params![at.0, form])
     }
 
+    /// The sample `subject`, `(count x) = 3`, that one of the agent's own tasks published at this instant.
+    pub(crate) fn publish(&self, subject: &str, at: Time) -> Found {
+        let condition =
+            "batch IN (SELECT id FROM batch WHERE t_ns = ?1) AND kind = 'publish' AND subject = ?2 ORDER BY id DESC";
+        self.first(condition, params![at.0, subject])
+    }
+
     /// Calls `take` with every decision about the task, oldest first.
     pub(crate) fn about(&self, task: TaskId, mut take: impl FnMut(DecisionRow)) -> Result<(), RecordError> {
         let sql = format!("SELECT {COLUMNS} FROM effect WHERE task = ?1 AND t_ns <= ?2 ORDER BY id");

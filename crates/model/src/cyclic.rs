@@ -1,0 +1,14 @@
+//! The condition `:cyclic`, as it is read.
+
+use crate::condition::{Constraint, VariablePattern};
+use crate::symbol::Symbol;
+use serde::{Deserialize, Serialize};
+
+/// Repeated swings of a state variable, with constraints by option.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CyclicCondition {
+    /// Whose values.
+    pub variable: VariablePattern,
+    /// Constraints by option, in the order in which they are written: `period`, `amplitude`, `cycles`, `hysteresis`.
+    pub options: Vec<(Symbol, Vec<Constraint>)>,
+}

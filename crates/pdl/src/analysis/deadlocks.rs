@@ -1,0 +1,224 @@
+//! Resources that are taken in opposite orders by steps that run at the same time: each may hold what the other needs.
+//!
+//! A warning: whether the tasks meet is a question of time. Orders are read from constant names of resources of which one
+//! task at a time takes all; what is taken together is taken at once, and makes no order.
+
+use super::methods::Method;
+use super::{Program, Report};
+use crate::codes;
+use crate::diagnostic::{Diagnostic, Severity};
+use apex_model::condition::{Condition, ConditionKind};
+use apex_model::expression::{ExprKind, Template};
+use apex_model::procedure::{Activity, BuiltInActivity, Procedure, ProcedureKind, ResourceNeed, Step};
+use apex_model::source::Place;
+use apex_model::symbol::Symbol;
+use std::collections::BTreeSet;
+
+/// Procedures within procedures that are followed.
+const DEPTH_MAX: usize = 12;
+/// Orders of one step that are compared with those of others.
+const ORDERS_MAX: usize = 200;
+/// Tasks in one circle.
+const CIRCLE_MAX: usize = 4;
+
+/// A resource, and where it is asked for.
+type Taken<'l> = (&'l Symbol, Place);
+
+/// `needed` is asked for while `held` is held.
+#[derive(Clone)]
+struct Order<'l> {
+    held: Taken<'l>,
+    needed: Taken<'l>,
+    /// Everything held then.
+    all: Vec<&'l Symbol>,
+}
+
+pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
+    let mut told = BTreeSet::new();
+    for (number, procedure) in program.library.procedures.iter().enumerate() {
+        if procedure.kind == ProcedureKind::Sequential || procedure.steps.len() < 2 {
+            continue;
+        }
+        let orders: Vec<Vec<Order<'_>>> =
+            (0..procedure.steps.len()).map(|step| of_step(program, number, step)).collect();
+        for start in 0..orders.len() {
+            for first in orders.get(start).into_iter().flatten() {
+                let mut circle = vec![(start, first)];
+                if close(procedure, &orders, &mut circle) && told.insert(key(&circle)) {
+                    warn(procedure, &circle, report);
+                }
+            }
+        }
+    }
+}
+
+/// The resources of a circle, in a fixed order: each circle is reported once.
+fn key(circle: &[(usize, &Order<'_>)]) -> Vec<String> {
+    let mut names: Vec<String> = circle.iter().map(|(_, order)| order.held.0.folded().to_string()).collect();
+    names.sort();
+    names
+}
+
+/// The orders that arise below a step, where nothing is held yet.
+fn of_step<'l>(program: &Program<'l>, procedure: usize, step: usize) -> Vec<Order<'l>> {
+    let mut orders = Vec::new();
+    if let Some(found) = program.library.procedures.get(procedure).and_then(|each| each.steps.get(step)) {
+        pursue(program, (procedure, step), found, &mut Vec::new(), &mut orders, 0);
+    }
+    orders
+}
+
+fn pursue<'l>(
+    program: &Program<'l>,
+    (procedure, number): (usize, usize),
+    step: &'l Step,
+    held: &mut Vec<Taken<'l>>,
+    orders: &mut Vec<Order<'l>>,
+    depth: usize,
+) {
+    if depth > DEPTH_MAX || orders.len() >= ORDERS_MAX {
+        return;
+    }
+    let Activity::Goal(goal) = &step.activity else { return };
+    let [only] = program.methods.serving_step(procedure, number).unwrap_or_default() else { return };
+    if !program.methods.surely(goal, *only) {
+        return;
+    }
+    let before = held.len();
+    match *only {
+        Method::Procedure(inner) => {
+            let Some(method) = program.library.procedures.get(inner) else { return };
+            take(step.profile.iter().chain(&method.profile), held, orders);
+            within(program, inner, method, held, orders, depth + 1);
+        }
+        Method::Primitive(inner) => {
+            let Some(method) = program.library.primitives.get(inner) else { return };
+            take(step.profile.iter().chain(&method.profile), held, orders);
+        }
+        Method::Solver(_) => {}
+    }
+    held.truncate(before);
+}
+
+/// The steps of a procedure, while `held` is held. In a sequence a later step has what an earlier one holds for all.
+fn within<'l>(
+    program: &Program<'l>,
+    number: usize,
+    procedure: &'l Procedure,
+    held: &mut Vec<Taken<'l>>,
+    orders: &mut Vec<Order<'l>>,
+    depth: usize,
+) {
+    for (index, step) in procedure.steps.iter().enumerate() {
+        match &step.activity {
+            Activity::BuiltIn(BuiltInActivity::HoldResource, names) if procedure.kind == ProcedureKind::Sequential => {
+                let taken = names.iter().filter_map(|name| match &name.kind {
+                    ExprKind::Constant(value) => Some((value.as_symbol()?, step.place)),
+                    ExprKind::Template(template) => match template.as_ref() {
+                        Template::Constant(value) => Some((value.as_symbol()?, step.place)),
+                        _ => None,
+                    },
+                    _ => None,
+                });
+                add(taken.collect(), held, orders);
+            }
+            // What is given back is not looked into: fewer orders are read than there are.
+            Activity::BuiltIn(BuiltInActivity::ReleaseResource, _) => return,
+            _ => pursue(program, (number, index), step, held, orders, depth),
+        }
+    }
+}
+
+fn take<'l>(needs: impl Iterator<Item = &'l ResourceNeed>, held: &mut Vec<Taken<'l>>, orders: &mut Vec<Order<'l>>) {
+    let whole = needs.filter(|need| need.amount.is_none());
+    let taken = whole.filter_map(|need| match &need.resource {
+        Template::Constant(value) => Some((value.as_symbol()?, need.place)),
+        _ => None,
+    });
+    add(taken.collect(), held, orders);
+}
+
+fn add<'l>(taken: Vec<Taken<'l>>, held: &mut Vec<Taken<'l>>, orders: &mut Vec<Order<'l>>) {
+    let new: Vec<Taken<'l>> = taken.into_iter().filter(|(name, _)| held.iter().all(|(has, _)| has != name)).collect();
+    let all: Vec<&Symbol> = held.iter().map(|(name, _)| *name).collect();
+    for needed in &new {
+        for holding in held.iter().take(ORDERS_MAX.saturating_sub(orders.len())) {
+            orders.push(Order { held: *holding, needed: *needed, all: all.clone() });
+        }
+    }
+    held.extend(new);
+}
+
+/// Extends the chain until its last task needs what the first one holds.
+fn close<'a, 'l>(
+    procedure: &Procedure,
+    orders: &'a [Vec<Order<'l>>],
+    circle: &mut Vec<(usize, &'a Order<'l>)>,
+) -> bool {
+    let (Some((_, first)), Some((_, last))) = (circle.first().copied(), circle.last().copied()) else { return false };
+    if circle.len() > 1 && last.needed.0 == first.held.0 {
+        return true;
+    }
+    if circle.len() == CIRCLE_MAX {
+        return false;
+    }
+    for (step, of_step) in orders.iter().enumerate() {
+        let meets = |other: &usize| run_together(procedure, *other, step);
+        if !circle.iter().map(|(other, _)| other).all(meets) {
+            continue;
+        }
+        for next in of_step.iter().filter(|order| order.held.0 == last.needed.0) {
+            // Who needs a third resource first goes one after the other.
+            let is_kept_apart = circle.iter().any(|(_, other)| other.all.iter().any(|name| next.all.contains(name)));
+            if is_kept_apart {
+                continue;
+            }
+            circle.push((step, next));
+            if close(procedure, orders, circle) {
+                return true;
+            }
+            circle.pop();
+        }
+    }
+    false
+}
+
+/// Two steps of which neither waits for the other.
+fn run_together(procedure: &Procedure, one: usize, other: usize) -> bool {
+    let (Some(a), Some(b)) = (procedure.steps.get(one), procedure.steps.get(other)) else { return false };
+    one != other && !waits_for_steps(a) && !waits_for_steps(b)
+}
+
+fn waits_for_steps(step: &Step) -> bool {
+    let mut found = false;
+    let mut look = |condition: &Condition| {
+        found |= matches!(condition.kind, ConditionKind::TaskEnded(_) | ConditionKind::TaskState { .. });
+    };
+    for condition in &step.waitfor {
+        super::walk::conditions(condition, &mut |each| look(each));
+    }
+    found
+}
+
+fn warn(procedure: &Procedure, circle: &[(usize, &Order<'_>)], report: &mut Report<'_>) {
+    let Some((_, first)) = circle.first() else { return };
+    let tag = |step: usize| procedure.steps.get(step).map(|step| step.tag.to_string()).unwrap_or_default();
+    let one = |(step, order): &(usize, &Order<'_>)| {
+        format!("`{}` holds `{}` and needs `{}`", tag(*step), order.held.0, order.needed.0)
+    };
+    let sentences: Vec<String> = circle.iter().map(one).collect();
+    let names: Vec<String> = circle.iter().map(|(step, _)| format!("`{}`", tag(*step))).collect();
+    let (last, others) = names.split_last().map_or(("", &[][..]), |(last, others)| (last.as_str(), others));
+    let message = format!("{} and {last} may wait for each other's resources without end", others.join(", "));
+    let span = report.locator.span(first.needed.1);
+    let mut diagnostic = Diagnostic::new(Severity::Warning, codes::DEADLOCK, span, message);
+    for (step, order) in circle.iter().skip(1) {
+        let text = format!("`{}` needs `{}` here", tag(*step), order.needed.0);
+        diagnostic = diagnostic.label(report.locator.span(order.needed.1), text);
+    }
+    report.add(
+        diagnostic
+            .reason(format!("they run at the same time: {}", sentences.join("; ")))
+            .help("ask for the resources in the same order everywhere, or for all of them in one profile"),
+    );
+}
