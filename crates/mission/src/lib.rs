@@ -3,6 +3,7 @@
 pub mod comparison;
 mod costs;
 pub mod crew;
+pub mod acquisition;
 pub mod deliberation;
 pub mod diagnosis;
 mod energy;

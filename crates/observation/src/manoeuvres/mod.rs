@@ -41,7 +41,7 @@ pub use stand_off::{Side, StandOff};
 pub use strafe::Strafe;
 pub use straight_over::StraightOver;
 pub use sweep::{Sweep, turn_s};
-pub use timing::{CORNER_DEG, CORNER_S, FlownPath, PathPose, corner_speed_mps};
+pub use timing::{CORNER_DEG, CORNER_S, FlownPath, PacedPoint, PathPose, corner_speed_mps};
 pub use track::{Element, Sight, Track, TrackPoint};
 pub use vantage_point::{VantageNeeds, VantagePoint, VantageScore};
 
@@ -173,5 +173,19 @@ impl Manoeuvre {
     pub fn fly(&self, craft: &Craft, instrument: &Instrument, scene: &Scene) -> Result<FlownPath, Refusal> {
         let track = self.track(craft, instrument, scene)?;
         timing::fly(self.path.name(), &track, (&self.attitude, &self.speed), (craft, instrument), scene)
+    }
+
+    /// The points to be followed with their speeds; empty for a manoeuvre that only hovers.
+    ///
+    /// # Errors
+    /// As [`Manoeuvre::fly`].
+    pub fn paced_points(
+        &self,
+        craft: &Craft,
+        instrument: &Instrument,
+        scene: &Scene,
+    ) -> Result<Vec<PacedPoint>, Refusal> {
+        let track = self.track(craft, instrument, scene)?;
+        timing::pace(self.path.name(), &track, &self.speed, (craft, instrument), scene)
     }
 }

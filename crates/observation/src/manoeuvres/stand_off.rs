@@ -81,15 +81,14 @@ impl StandOff {
             length_m: self.length_m,
             run_out_m: 0.0,
         };
-        let (right_m, azimuth_deg) = match self.side {
-            Side::Left => (self.offset_m(), self.track_deg - 90.0),
-            Side::Right => (-self.offset_m(), self.track_deg + 90.0),
+        let right_m = match self.side {
+            Side::Left => self.offset_m(),
+            Side::Right => -self.offset_m(),
         };
         let elements = lines_with_turns(Self::NAME, &[line.line(right_m)], self.height_m, airspeed_mps, craft, scene)?;
-        let tilt_deg = self.look_angle_deg - 90.0;
         let sight = match instrument {
             Instrument::Scanner(_) => Sight::Down,
-            Instrument::Camera(_) => Sight::Direction { azimuth_deg, tilt_deg },
+            Instrument::Camera(_) => Sight::Target,
         };
         Ok(Track { elements, sight })
     }

@@ -118,6 +118,64 @@ pub(crate) fn fly(
     Ok(flown)
 }
 
+/// A point of a path with the speed that guidance keeps there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PacedPoint {
+    /// Metres east and north of the target.
+    pub point: Point,
+    /// Height above the target.
+    pub height_m: f64,
+    /// Greatest speed along the path at the point, before accelerations.
+    pub speed_mps: f64,
+    /// True airspeed that the speed needs on the legs next to the point.
+    pub true_airspeed_mps: f64,
+    /// True if the sensor records the leg that begins here.
+    pub is_observed: bool,
+}
+
+/// The followed points of a track with their speeds; empty for one that only hovers.
+///
+/// # Errors
+/// As [`fly`].
+pub(crate) fn pace(
+    manoeuvre: &str,
+    track: &Track,
+    speed: &SpeedProfile,
+    (craft, instrument): (&Craft, &Instrument),
+    scene: &Scene,
+) -> Result<Vec<PacedPoint>, Refusal> {
+    let mut chords: Vec<Chord> = Vec::new();
+    for element in &track.elements {
+        let Element::Follow { points, is_observed } = element else { continue };
+        for pair in points.windows(2) {
+            let [from, to] = pair else { continue };
+            chords.extend(chord(manoeuvre, (*from, *to), *is_observed, speed, (craft, instrument), scene)?);
+        }
+    }
+    let airspeed = |chord: &Chord| airspeed_of(chord.track_deg, chord.speed_mps, scene.wind);
+    let mut before: Option<&Chord> = None;
+    let mut paced: Vec<PacedPoint> = Vec::new();
+    for chord in &chords {
+        let speed_mps = before.map_or(chord.speed_mps, |before| before.speed_mps.min(chord.speed_mps));
+        paced.push(PacedPoint {
+            point: chord.from.point,
+            height_m: chord.from.height_m,
+            speed_mps: speed_mps.min(chord.from.speed_mps_max),
+            true_airspeed_mps: airspeed(chord).max(before.map_or(0.0, airspeed)),
+            is_observed: chord.is_observed,
+        });
+        before = Some(chord);
+    }
+    paced.extend(before.map(|last| PacedPoint {
+        point: last.to.point,
+        height_m: last.to.height_m,
+        speed_mps: last.speed_mps,
+        true_airspeed_mps: airspeed(last),
+        is_observed: false,
+    }));
+    Ok(paced)
+}
+
 fn chord(
     manoeuvre: &str,
     (from, to): (TrackPoint, TrackPoint),
