@@ -11,6 +11,7 @@ use apex_geo::location::Location;
 use apex_model::host::HostFunctions;
 use apex_model::problem::{Position, WindField};
 use apex_model::quantity::Dimension;
+use apex_model::time::Duration;
 use apex_model::value::Value;
 use apex_observation::manoeuvres::{
     AttitudeMode, DataHandling, Element, FlightPath, Instrument, Manoeuvre, PayloadUse, Scene, Sight, SpeedProfile,
@@ -60,9 +61,9 @@ pub(crate) fn register(mission: &Mission, functions: &mut HostFunctions) {
 }
 
 impl Places {
-    /// Returns `(POINTS SPEEDS SPEED BEGIN AIM PLACES)`: points with altitudes, the ground speed at each (nil for a fixed wing),
-    /// the airspeed, `hover` or `line` for how it begins, `down` or the target for what the camera looks at, and the places that
-    /// a camera looks at one after the other from a hover.
+    /// Returns `(POINTS SPEEDS SPEED BEGIN AIM LOOKS DWELL)`: points with altitudes, the ground speed at each (nil for a fixed wing),
+    /// the airspeed, `hover` or `line` for how it begins, `down` or the target for what the camera looks at, pairs of a
+    /// heading and a place that the camera looks at from a hover, and the time for each.
     fn points(&self, arguments: &[Value]) -> Result<Value, String> {
         let [form, target, camera, speed, met] = arguments else {
             return Err(format!("it takes 5 arguments and was given {}", arguments.len()));
@@ -104,7 +105,12 @@ impl Places {
         let speeds = if craft.can_hover { Value::list(speeds) } else { Value::nil() };
         let airspeed = Value::measured(airspeed, Dimension::SPEED);
         let looks = Value::list(aims(&track.elements, track.sight, &scene, height_m));
-        Ok(Value::list([Value::list(points), speeds, airspeed, begin, aim, looks]))
+        let dwell_s = track.elements.iter().find_map(|element| match element {
+            Element::Hover { dwell_s, .. } => Some(*dwell_s),
+            Element::Follow { .. } => None,
+        });
+        let dwell = Value::Duration(Duration::from_seconds(dwell_s.unwrap_or(0.0)));
+        Ok(Value::list([Value::list(points), speeds, airspeed, begin, aim, looks, dwell]))
     }
 
     fn place(&self, value: &Value) -> Result<(Position, f64), String> {
@@ -146,14 +152,14 @@ fn location(scene: &Scene, point: apex_geo::plane::Point, height_m: f64) -> Valu
     Value::list([latitude_deg, longitude_deg, scene.elevation_m + height_m].map(Value::Real))
 }
 
-/// Places that a camera looks at from a hover, one for each direction of the nose.
+/// Directions of the nose with the place that a camera looks at from a hover.
 fn aims(elements: &[Element], sight: Sight, scene: &Scene, height_m: f64) -> Vec<Value> {
     let Sight::Nose { tilt_deg } = sight else { return Vec::new() };
     let away_m = height_m / libm::tan(-tilt_deg * apex_geo::geodesy::RAD_PER_DEG).max(1e-3);
     let place = |heading_deg: &f64| {
         let azimuth_rad = heading_deg * apex_geo::geodesy::RAD_PER_DEG;
         let point = apex_geo::plane::Point { x: away_m * libm::sin(azimuth_rad), y: away_m * libm::cos(azimuth_rad) };
-        location(scene, point, 0.0)
+        Value::list([Value::Real(*heading_deg), location(scene, point, 0.0)])
     };
     let hovers = elements.iter().filter_map(|element| match element {
         Element::Hover { headings_deg, .. } => Some(headings_deg),

@@ -2,7 +2,7 @@
 
 use super::refusal::{Limit, Refusal, positive};
 use super::scene::{Scene, along};
-use super::track::{Element, Sight, Track, TrackPoint, chord_m_max, fillet_m, rounded, tangent_m};
+use super::track::{Element, Sight, Track, TrackPoint, chord_m_max, fillet_m, rounded, tangent_m, wide_fillet_m};
 use super::{Craft, Instrument};
 use apex_geo::plane::Point;
 use serde::{Deserialize, Serialize};
@@ -72,7 +72,7 @@ impl ExpandingSquare {
         scene: &Scene,
     ) -> Result<Track, Refusal> {
         self.check(airspeed_mps, craft, scene)?;
-        let radius_m = fillet_m(airspeed_mps, craft, scene);
+        let radius_m = wide_fillet_m(fillet_m(airspeed_mps, craft, scene), 90.0, 0.5 * self.spacing_m);
         let points = rounded(&self.corners(scene), radius_m, chord_m_max(craft));
         let points = points.into_iter().map(|point| TrackPoint::new(point, self.height_m)).collect();
         Ok(Track { elements: vec![Element::Follow { points, is_observed: true }], sight: Sight::Down })

@@ -195,6 +195,16 @@ pub(crate) fn fillet_m(airspeed_mps: f64, craft: &Craft, scene: &Scene) -> f64 {
     if craft.can_hover { 0.0 } else { craft.circle_radius_m_min(airspeed_mps, scene.wind_mps()) }
 }
 
+/// Rounding of corners as a multiple of the tightest turn, where there is room: guidance lags behind a turn that needs all of
+/// the bank.
+const WIDE: f64 = 1.4;
+
+/// Radius of roundings where a turn begins `room_m` before a corner at most.
+pub(crate) fn wide_fillet_m(least_m: f64, turn_deg: f64, room_m: f64) -> f64 {
+    let most_m = room_m / libm::tan(0.5 * turn_deg * RAD_PER_DEG);
+    (WIDE * least_m).min(most_m).max(least_m)
+}
+
 /// A polyline whose corners a fixed wing rounds with `radius_m`; 0 keeps the corners.
 pub(crate) fn rounded(corners: &[Point], radius_m: f64, chord_m_max: f64) -> Vec<Point> {
     let mut points: Vec<Point> = corners.first().copied().into_iter().collect();
