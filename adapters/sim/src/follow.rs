@@ -150,7 +150,8 @@ impl FollowedPath {
 fn node_speeds(points: &[WayPoint], wanted: &[f64], here: &Situation) -> Vec<f64> {
     let acceleration = here.model.acceleration_m_s2_max;
     let braking = here.model.braking_share * acceleration;
-    let mut speeds: Vec<f64> = (0..points.len()).map(|index| wanted.get(index).copied().unwrap_or(f64::INFINITY)).collect();
+    let mut speeds: Vec<f64> =
+        (0..points.len()).map(|index| wanted.get(index).copied().unwrap_or(f64::INFINITY)).collect();
     for (index, window) in points.windows(3).enumerate() {
         let [before, corner, after] = window else { continue };
         let (into, out) = (Line::new(before.position, corner.position), Line::new(corner.position, after.position));
@@ -161,9 +162,8 @@ fn node_speeds(points: &[WayPoint], wanted: &[f64], here: &Situation) -> Vec<f64
     }
     let mut after: Option<(f64, Position)> = None;
     for (point, speed) in points.iter().zip(speeds.iter_mut()).rev() {
-        let most = after.map_or(0.0, |(speed, position)| {
-            sqrt(speed * speed + 2.0 * braking * bearing(point.position, position).1)
-        });
+        let most = after
+            .map_or(0.0, |(speed, position)| sqrt(speed * speed + 2.0 * braking * bearing(point.position, position).1));
         *speed = speed.min(most);
         after = Some((*speed, point.position));
     }

@@ -1,9 +1,9 @@
 //! A mission: what `(defapplication ..)` names, read from files and ready to plan and fly.
 
+pub mod acquisition;
 pub mod comparison;
 mod costs;
 pub mod crew;
-pub mod acquisition;
 pub mod deliberation;
 pub mod diagnosis;
 mod energy;

@@ -50,11 +50,12 @@ pub(super) struct Candidate {
 /// The vehicle carries none: what it carries.
 pub(super) fn sensors(mission: &Mission, goal: &AcquisitionGoal) -> Result<Vec<(String, Instrument)>, String> {
     let model = &mission.model;
-    let cameras = camera_names(model).into_iter().filter_map(|name| {
-        camera_of(model, name).map(|camera| (name.to_string(), Instrument::Camera(camera)))
-    });
+    let cameras = camera_names(model)
+        .into_iter()
+        .filter_map(|name| camera_of(model, name).map(|camera| (name.to_string(), Instrument::Camera(camera))));
     let scans = crate::observing::carries_scanner(model);
-    let scanner = scanner_of(model).filter(|_| scans).map(|scanner| ("scanner".to_string(), Instrument::Scanner(scanner)));
+    let scanner =
+        scanner_of(model).filter(|_| scans).map(|scanner| ("scanner".to_string(), Instrument::Scanner(scanner)));
     let all: Vec<(String, Instrument)> = cameras.chain(scanner).collect();
     let carried: Vec<String> = all.iter().map(|(name, _)| name.clone()).collect();
     let records = |instrument: &Instrument| match goal.product {
@@ -197,8 +198,7 @@ impl Setting<'_> {
         );
         let attitude = if is_aimed && self.hovers { AttitudeMode::Pointing } else { AttitudeMode::Coordinated };
         let speed_mps = (libm::round(10.0 * speed_mps) / 10.0).max(0.5);
-        let speed =
-            if self.hovers { SpeedProfile::GroundSpeed(speed_mps) } else { SpeedProfile::Airspeed(speed_mps) };
+        let speed = if self.hovers { SpeedProfile::GroundSpeed(speed_mps) } else { SpeedProfile::Airspeed(speed_mps) };
         made.push(Candidate {
             manoeuvre: Manoeuvre { path, attitude, speed, payload, data: DataHandling::Store },
             sensor: self.sensor.to_string(),

@@ -3,8 +3,8 @@
 use apex_model::quantity::Dimension;
 use apex_model::value::Value;
 use apex_observation::manoeuvres::{
-    Arc, ArcShape, ExpandingSquare, FlightPath, Orbit, Pirouette, SectorSearch, Side, Spiral, StandOff, StraightOver,
-    Strafe, VantagePoint,
+    Arc, ArcShape, ExpandingSquare, FlightPath, Orbit, Pirouette, SectorSearch, Side, Spiral, StandOff, Strafe,
+    StraightOver, VantagePoint,
 };
 use std::f64::consts::PI;
 

@@ -129,7 +129,9 @@ impl AcquisitionGoal {
     /// The keyword that is unknown or has a value of the wrong kind, with what to write; a target that is not known.
     pub(crate) fn read(mission: &Mission, goal: &Value) -> Result<AcquisitionGoal, String> {
         let items = goal.as_list().unwrap_or_default();
-        let [_, named, rest @ ..] = items else { return Err("the goal names no target: write (acquire TARGET ..)".to_string()) };
+        let [_, named, rest @ ..] = items else {
+            return Err("the goal names no target: write (acquire TARGET ..)".to_string());
+        };
         let fields = keywords(rest, "the goal `acquire`")?;
         if let Some((stray, _)) = fields.iter().find(|(key, _)| !KEYWORDS.contains(&key.as_str())) {
             let shared = |key: &str| key.chars().zip(stray.chars()).take_while(|(a, b)| a == b).count();
@@ -207,8 +209,12 @@ fn observed(mission: &Mission, named: &Value, look: WantedLook) -> Result<(Obser
         Value::Text(text) => text.to_lowercase(),
         _ => {
             let place = Location::of(named).map_err(|reason| format!("the target is {named}: {reason}"))?;
-            let near = mission.targets.iter().map(|target| (apex_geo::geodesy::distance_m(target.position, place.position), target.elevation_m));
-            let ground_m = near.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(mission.start_altitude_m, |(_, ground_m)| ground_m);
+            let near = mission
+                .targets
+                .iter()
+                .map(|target| (apex_geo::geodesy::distance_m(target.position, place.position), target.elevation_m));
+            let ground_m =
+                near.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(mission.start_altitude_m, |(_, ground_m)| ground_m);
             let elevation_m = place.altitude_m.unwrap_or(ground_m);
             return Ok((point(&named.to_string(), place.position, elevation_m), place.position));
         }

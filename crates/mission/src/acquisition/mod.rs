@@ -12,8 +12,8 @@ mod predicted;
 mod solve;
 mod vehicle;
 
-pub use answer::synthesised;
 pub(crate) use answer::pose;
+pub use answer::synthesised;
 pub(crate) use goal::is_goal;
 pub(crate) use paths::register;
 pub use predicted::{PerformedManoeuvre, forecast};

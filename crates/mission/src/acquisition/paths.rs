@@ -54,9 +54,8 @@ pub(crate) fn register(mission: &Mission, functions: &mut HostFunctions) {
             .map(|target| (target.id.to_lowercase(), target.position, super::vehicle::elevation_m(target)))
             .collect(),
     });
-    let function = move |arguments: &[Value]| {
-        places.points(arguments).map_err(|reason| format!("`manoeuvre-path`: {reason}"))
-    };
+    let function =
+        move |arguments: &[Value]| places.points(arguments).map_err(|reason| format!("`manoeuvre-path`: {reason}"));
     functions.register("manoeuvre-path", Arc::new(function));
 }
 
@@ -124,9 +123,9 @@ impl Places {
         };
         let found = self.targets.iter().find(|(id, ..)| *id == name);
         let known = || self.targets.iter().map(|(id, ..)| id.as_str()).collect::<Vec<_>>().join(", ");
-        found.map(|(_, position, level)| (*position, *level)).ok_or_else(|| {
-            format!("the mission has no target `{name}`; it has {}", known())
-        })
+        found
+            .map(|(_, position, level)| (*position, *level))
+            .ok_or_else(|| format!("the mission has no target `{name}`; it has {}", known()))
     }
 }
 

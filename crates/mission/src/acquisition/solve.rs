@@ -107,7 +107,12 @@ pub(crate) fn synthesise(mission: &Mission, goal: &AcquisitionGoal, start: Start
 }
 
 /// The pixels that are wanted need a height at which the vehicle may not fly.
-fn height_miss(mission: &Mission, goal: &AcquisitionGoal, (name, instrument): (&str, &Instrument), misses: &mut Vec<Miss>) {
+fn height_miss(
+    mission: &Mission,
+    goal: &AcquisitionGoal,
+    (name, instrument): (&str, &Instrument),
+    misses: &mut Vec<Miss>,
+) {
     let highest_m = goal.resolution_m / instrument.pixel_rad();
     let lowest_m = lowest_m(mission, goal);
     if highest_m < lowest_m {
@@ -145,7 +150,9 @@ fn light(mission: &Mission, goal: &AcquisitionGoal, sensors: &[(String, Instrume
     };
     let (least_deg, most_deg, whose) = match goal.light {
         LightNeed::Day { elevation_deg_min, .. } => (Some(elevation_deg_min), None, "the goal wants day".to_string()),
-        LightNeed::Night { elevation_deg_max, .. } => (None, Some(elevation_deg_max), "the goal wants night".to_string()),
+        LightNeed::Night { elevation_deg_max, .. } => {
+            (None, Some(elevation_deg_max), "the goal wants night".to_string())
+        }
         LightNeed::Any => {
             let least = sensors.iter().map(|(_, instrument)| needs(instrument));
             let all: Option<Vec<f64>> = least.collect();
@@ -176,13 +183,13 @@ fn judged(mission: &Mission, goal: &AcquisitionGoal, candidate: Candidate, start
     let altitude_m = goal.target.elevation_m + candidate.height_m;
     let craft = craft_of(&mission.model, altitude_m);
     let direct_s = geodesy::distance_m(start.here, goal.position) / craft.true_airspeed_mps;
-    let scene =
-        scene_of(place, &mission.forecast, candidate.height_m, start.here, start.at_s + direct_s);
+    let scene = scene_of(place, &mission.forecast, candidate.height_m, start.here, start.at_s + direct_s);
     let setting = (&craft, &candidate.instrument, &scene);
-    let forecast = forecast_of(mission, &candidate.manoeuvre, setting, (&goal.target, &goal.grid)).map_err(|refusal| {
-        let by = (refusal.value - refusal.limit).abs() / refusal.limit.abs().max(refusal.value.abs()).max(1e-9);
-        Miss { by: 1.0 + by, why: refusal.to_string() }
-    })?;
+    let forecast =
+        forecast_of(mission, &candidate.manoeuvre, setting, (&goal.target, &goal.grid)).map_err(|refusal| {
+            let by = (refusal.value - refusal.limit).abs() / refusal.limit.abs().max(refusal.value.abs()).max(1e-9);
+            Miss { by: 1.0 + by, why: refusal.to_string() }
+        })?;
     let first = forecast.flown.poses.first().map_or(goal.position, |pose| scene.position(pose.point));
     let travel_s = geodesy::distance_m(start.here, first) / craft.true_airspeed_mps;
     if let Some(zone) = closed_by(mission, &forecast, &scene, start.at_s + travel_s) {
@@ -190,7 +197,10 @@ fn judged(mission: &Mission, goal: &AcquisitionGoal, candidate: Candidate, start
         let by = (high_m - altitude_m).min(altitude_m - low_m).max(0.0) / altitude_m.max(1.0);
         return Err(Miss {
             by,
-            why: format!("{at} needs {altitude_m:.0} m above sea level, the zone `{}` reaches from {low_m:.0} m to {high_m:.0} m", zone.name),
+            why: format!(
+                "{at} needs {altitude_m:.0} m above sea level, the zone `{}` reaches from {low_m:.0} m to {high_m:.0} m",
+                zone.name
+            ),
         });
     }
     if let Some((figure, wanted, found)) = short_of(goal, &forecast) {
@@ -204,12 +214,17 @@ fn judged(mission: &Mission, goal: &AcquisitionGoal, candidate: Candidate, start
     }
     let home_s = geodesy::distance_m(goal.position, mission.start) / craft.true_airspeed_mps;
     if let Some(latency_s) = goal.latency_s.filter(|latency_s| home_s > *latency_s) {
-        let why = format!("{at}: data are read after landing, {home_s:.0} s after the observation, `:latency` is {latency_s:.0} s");
+        let why = format!(
+            "{at}: data are read after landing, {home_s:.0} s after the observation, `:latency` is {latency_s:.0} s"
+        );
         return Err(Miss { by: (home_s - latency_s) / home_s, why });
     }
     let whole_s = travel_s + forecast.time_s + home_s;
     if whole_s > start.endurance_s {
-        let why = format!("{at} takes {whole_s:.0} s with the way there and home, the energy lasts {:.0} s", start.endurance_s);
+        let why = format!(
+            "{at} takes {whole_s:.0} s with the way there and home, the energy lasts {:.0} s",
+            start.endurance_s
+        );
         return Err(Miss { by: (whole_s - start.endurance_s) / whole_s, why });
     }
     Ok(Predicted { candidate, scene, forecast, travel_s })
@@ -238,7 +253,8 @@ fn closed_by<'a>(mission: &'a Mission, forecast: &Forecast, scene: &Scene, from_
         active
             && forecast.flown.poses.iter().any(|pose| {
                 let altitude_m = scene.elevation_m + pose.height_m;
-                let inside = plane.project(scene.position(pose.point)).is_some_and(|point| plane::inside(point, &corners));
+                let inside =
+                    plane.project(scene.position(pose.point)).is_some_and(|point| plane::inside(point, &corners));
                 inside && zone.altitude_m_min <= altitude_m && altitude_m <= zone.altitude_m_max
             })
     })
@@ -251,7 +267,8 @@ fn front(meeting: Vec<Predicted>) -> Vec<Predicted> {
         [-forecast.points, one.travel_s + forecast.time_s, forecast.energy, forecast.turns as f64]
     };
     let all: Vec<[f64; 4]> = meeting.iter().map(figures).collect();
-    let beats = |a: &[f64; 4], b: &[f64; 4]| a.iter().zip(b).all(|(a, b)| a <= b) && a.iter().zip(b).any(|(a, b)| a < b);
+    let beats =
+        |a: &[f64; 4], b: &[f64; 4]| a.iter().zip(b).all(|(a, b)| a <= b) && a.iter().zip(b).any(|(a, b)| a < b);
     let stays = |index: usize| {
         let own = all.get(index);
         own.is_some_and(|own| {
@@ -285,6 +302,11 @@ pub(super) fn told(one: &Predicted) -> String {
     format!(
         "{what} from {:.0} m with {}: {points:.1} of 100 points (coverage {:.2}, clarity {:.2}, resolution {:.2}), {time_s:.0} s \
          and {:.0} s to get there",
-        one.candidate.height_m, one.candidate.sensor, factors.coverage, factors.clarity, factors.resolution, one.travel_s
+        one.candidate.height_m,
+        one.candidate.sensor,
+        factors.coverage,
+        factors.clarity,
+        factors.resolution,
+        one.travel_s
     )
 }

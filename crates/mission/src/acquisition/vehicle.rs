@@ -35,7 +35,11 @@ pub(crate) fn craft_of(model: &VehicleModel, altitude_m: f64) -> Craft {
         true_airspeed_mps_max: most,
         bank_deg: if can_hover { model.bank_deg_max } else { model.turns.bank_share * model.bank_deg_max },
         acceleration_mps2: model.acceleration_m_s2_max,
-        braking_mps2: if can_hover { model.braking_share * model.acceleration_m_s2_max } else { model.acceleration_m_s2_max },
+        braking_mps2: if can_hover {
+            model.braking_share * model.acceleration_m_s2_max
+        } else {
+            model.acceleration_m_s2_max
+        },
         yaw_rate_deg_s: hovers(model.yaw_rate_deg_s_max),
         climb_mps_max: model.climb_rate_m_s_max,
         descent_mps_max: model.descent_rate_m_s_max,
@@ -79,18 +83,18 @@ pub(crate) fn instrument_of(model: &VehicleModel, name: Option<&str>) -> Result<
 pub(crate) fn target_of<'a>(mission: &'a Mission, id: &str) -> Result<&'a Target, String> {
     mission.targets.iter().find(|target| target.id.eq_ignore_ascii_case(id)).ok_or_else(|| {
         let known: Vec<&str> = mission.targets.iter().map(|target| target.id.as_str()).collect();
-        let near = strsim(id, &known).map_or_else(String::new, |name| format!("did you mean `{name}`? "));
+        let near = nearest_name(id, &known).map_or_else(String::new, |name| format!("did you mean `{name}`? "));
         format!("the mission has no target `{id}`; {near}it has {}", known.join(", "))
     })
 }
 
 /// The known name that shares most letters with a wrong one at its beginning.
-fn strsim<'a>(wrong: &str, known: &[&'a str]) -> Option<&'a str> {
+fn nearest_name<'a>(wrong: &str, known: &[&'a str]) -> Option<&'a str> {
     let shared = |name: &str| {
         let same = |(a, b): &(char, char)| a.eq_ignore_ascii_case(b);
         name.chars().zip(wrong.chars()).take_while(same).count()
     };
-    known.iter().copied().max_by_key(|name| shared(name)).filter(|name| shared(name) >= 2)
+    known.iter().copied().max_by_key(|name| shared(name)).filter(|name| shared(name) >= 1)
 }
 
 /// Level of what is looked at above mean sea level: the observed ground, or the middle of a structure.
