@@ -260,17 +260,16 @@ impl Setting<'_> {
                 (0..8).map(corner).collect()
             }
         };
-        for track_deg in [None, Some(self.track_deg), Some(self.track_deg + 90.0)] {
-            let path = Sweep {
-                corners: corners.clone(),
-                height_m: self.height_m,
-                swath_m: across_m,
-                sidelap: 0.15,
-                track_deg: track_deg.map(wrap_360),
-                run_in_m: margin_m,
-            };
-            self.put(made, FlightPath::Sweep(path), (speed_mps, self.height_m));
-        }
+        // Its direction is searched for the wind and the shape.
+        let path = Sweep {
+            corners,
+            height_m: self.height_m,
+            swath_m: across_m,
+            sidelap: 0.15,
+            track_deg: None,
+            run_in_m: margin_m,
+        };
+        self.put(made, FlightPath::Sweep(path), (speed_mps, self.height_m));
     }
 
     /// Orbits, spirals and arcs.
