@@ -76,8 +76,14 @@ impl<'a> Form<'a> {
         Some(value.to_string().to_lowercase())
     }
 
-    fn is(&mut self, key: &'static str, word: &str) -> bool {
-        self.word(key).is_some_and(|found| found == word)
+    /// True for the second of two words; the first is meant where nothing is given.
+    fn is(&mut self, key: &'static str, [usual, other]: [&str; 2]) -> Result<bool, String> {
+        match self.word(key).as_deref() {
+            None => Ok(false),
+            Some(word) if word == usual => Ok(false),
+            Some(word) if word == other => Ok(true),
+            Some(word) => Err(format!("`:{key}` of `{}` is {word}; write {usual} or {other}", self.name)),
+        }
     }
 
     /// Refuses a keyword that was not asked for.
@@ -124,26 +130,18 @@ pub(crate) fn path_of(value: &Value) -> Result<FlightPath, String> {
         }),
         "stand-off" => FlightPath::StandOff(StandOff {
             track_deg: form.angle_deg("track", None)?,
-            side: if form.is("side", "left") { Side::Left } else { Side::Right },
+            side: if form.is("side", ["right", "left"])? { Side::Left } else { Side::Right },
             height_m: form.length("height")?,
             look_angle_deg: form.angle_deg("look-angle", None)?,
             length_m: form.length("length")?,
         }),
-        "spiral" => FlightPath::Spiral(Spiral {
-            inner_radius_m: form.length("from")?,
-            outer_radius_m: form.length("to")?,
-            spacing_m: form.length("spacing")?,
-            height_m: form.length("height")?,
-            from_deg: form.angle_deg("azimuth", Some(0.0))?,
-            clockwise: !form.is("turning", "left"),
-            inward: form.is("direction", "inward"),
-        }),
+        "spiral" => FlightPath::Spiral(spiral_of(&mut form)?),
         "orbit" => FlightPath::Orbit(Orbit {
             radius_m: form.length("radius")?,
             height_m: form.length("height")?,
             turns: form.number("turns", Dimension::NONE, 1.0)?.unwrap_or(1.0),
             from_deg: form.angle_deg("azimuth", Some(180.0))?,
-            clockwise: !form.is("turning", "left"),
+            clockwise: !form.is("turning", ["right", "left"])?,
         }),
         "arc" => FlightPath::Arc(arc_of(&mut form)?),
         "pirouette" => FlightPath::Pirouette(Pirouette {
@@ -166,18 +164,7 @@ pub(crate) fn path_of(value: &Value) -> Result<FlightPath, String> {
             slant_m: form.length("distance")?,
             dwell_s: form.number("dwell", Dimension::TIME, 1.0)?.unwrap_or(10.0),
         }),
-        "expanding-square" => {
-            let rounds = form.need("rounds", Dimension::NONE, 1.0)?;
-            if rounds.fract() != 0.0 || !(1.0..=1_000.0).contains(&rounds) {
-                return Err(format!("`:rounds` of `expanding-square` is {rounds}, expected a whole number from 1"));
-            }
-            FlightPath::ExpandingSquare(ExpandingSquare {
-                spacing_m: form.length("spacing")?,
-                rounds: rounds as u32,
-                height_m: form.length("height")?,
-                first_track_deg: form.optional_angle_deg("track")?,
-            })
-        }
+        "expanding-square" => FlightPath::ExpandingSquare(square_of(&mut form)?),
         "sector-search" => FlightPath::SectorSearch(SectorSearch {
             radius_m: form.length("radius")?,
             height_m: form.length("height")?,
@@ -190,6 +177,31 @@ pub(crate) fn path_of(value: &Value) -> Result<FlightPath, String> {
     };
     form.finish()?;
     Ok(path)
+}
+
+fn spiral_of(form: &mut Form<'_>) -> Result<Spiral, String> {
+    Ok(Spiral {
+        inner_radius_m: form.length("from")?,
+        outer_radius_m: form.length("to")?,
+        spacing_m: form.length("spacing")?,
+        height_m: form.length("height")?,
+        from_deg: form.angle_deg("azimuth", Some(0.0))?,
+        clockwise: !form.is("turning", ["right", "left"])?,
+        inward: form.is("direction", ["outward", "inward"])?,
+    })
+}
+
+fn square_of(form: &mut Form<'_>) -> Result<ExpandingSquare, String> {
+    let rounds = form.need("rounds", Dimension::NONE, 1.0)?;
+    if rounds.fract() != 0.0 || !(1.0..=1_000.0).contains(&rounds) {
+        return Err(format!("`:rounds` of `expanding-square` is {rounds}, expected a whole number from 1"));
+    }
+    Ok(ExpandingSquare {
+        spacing_m: form.length("spacing")?,
+        rounds: rounds as u32,
+        height_m: form.length("height")?,
+        first_track_deg: form.optional_angle_deg("track")?,
+    })
 }
 
 fn arc_of(form: &mut Form<'_>) -> Result<Arc, String> {
@@ -235,19 +247,6 @@ pub(crate) fn form_of(path: &FlightPath) -> Option<Value> {
             put("yaw-rate", degrees(arc.yaw_rate_deg_s));
             put("acceleration", Value::measured(arc.acceleration_mps2, Dimension::ACCELERATION));
         }
-        FlightPath::StandOff(aside) => {
-            put("track", degrees(aside.track_deg));
-            put("side", Value::symbol(if aside.side == Side::Left { "left" } else { "right" }));
-            put("height", metres(aside.height_m));
-            put("look-angle", degrees(aside.look_angle_deg));
-            put("length", metres(aside.length_m));
-        }
-        FlightPath::StraightOver(over) => {
-            put("track", degrees(over.track_deg));
-            put("height", metres(over.height_m));
-            put("length", metres(over.length_m));
-            put("run-out", metres(over.run_out_m));
-        }
         FlightPath::Spiral(spiral) => {
             put("from", metres(spiral.inner_radius_m));
             put("to", metres(spiral.outer_radius_m));
@@ -263,6 +262,33 @@ pub(crate) fn form_of(path: &FlightPath) -> Option<Value> {
             put("overlap", Value::Real(turn.overlap));
             put("azimuth", degrees(turn.from_deg));
             put("dwell", Value::measured(turn.dwell_s, Dimension::TIME));
+        }
+        FlightPath::Sweep(_) => return None,
+        FlightPath::StandOff(_)
+        | FlightPath::StraightOver(_)
+        | FlightPath::Strafe(_)
+        | FlightPath::VantagePoint(_)
+        | FlightPath::ExpandingSquare(_)
+        | FlightPath::SectorSearch(_) => put_straight(path, &mut put),
+    }
+    Some(Value::list(items))
+}
+
+/// The fields of paths of straight lines, and of places.
+fn put_straight(path: &FlightPath, put: &mut impl FnMut(&str, Value)) {
+    match path {
+        FlightPath::StandOff(aside) => {
+            put("track", degrees(aside.track_deg));
+            put("side", Value::symbol(if aside.side == Side::Left { "left" } else { "right" }));
+            put("height", metres(aside.height_m));
+            put("look-angle", degrees(aside.look_angle_deg));
+            put("length", metres(aside.length_m));
+        }
+        FlightPath::StraightOver(over) => {
+            put("track", degrees(over.track_deg));
+            put("height", metres(over.height_m));
+            put("length", metres(over.length_m));
+            put("run-out", metres(over.run_out_m));
         }
         FlightPath::Strafe(strafe) => {
             put("track", degrees(strafe.track_deg));
@@ -292,9 +318,12 @@ pub(crate) fn form_of(path: &FlightPath) -> Option<Value> {
                 put("track", degrees(track_deg));
             }
         }
-        FlightPath::Sweep(_) => return None,
+        FlightPath::Sweep(_)
+        | FlightPath::Orbit(_)
+        | FlightPath::Arc(_)
+        | FlightPath::Spiral(_)
+        | FlightPath::Pirouette(_) => {}
     }
-    Some(Value::list(items))
 }
 
 fn metres(length_m: f64) -> Value {
@@ -308,4 +337,50 @@ fn speed(speed_mps: f64) -> Value {
 /// A whole number of degrees: PDL prints angles in radians otherwise.
 fn degrees(angle_deg: f64) -> Value {
     Value::Real(libm::round(100.0 * angle_deg) / 100.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn form(name: &str, fields: &[(&str, f64)]) -> Value {
+        let fields = fields.iter();
+        let fields = fields.flat_map(|(key, number)| [Value::symbol(&format!(":{key}")), Value::Real(*number)]);
+        Value::list(std::iter::once(Value::symbol(name)).chain(fields))
+    }
+
+    #[test]
+    fn every_form_is_read_back_as_it_is_printed() {
+        let all = [
+            form("straight-over", &[("track", 30.0), ("height", 60.0), ("length", 200.0)]),
+            form("stand-off", &[("track", 30.0), ("height", 60.0), ("length", 200.0), ("look-angle", 45.0)]),
+            form("spiral", &[("from", 30.0), ("to", 60.0), ("spacing", 20.0), ("height", 45.0)]),
+            form("orbit", &[("radius", 30.0), ("height", 60.0), ("turns", 2.5)]),
+            form("arc", &[("radius", 80.0), ("azimuth", 90.0), ("speed", 3.0)]),
+            form("arc", &[("height", 80.0), ("azimuth", 90.0), ("speed", 3.0)]),
+            form("pirouette", &[("height", 60.0), ("depression", 45.0)]),
+            form("strafe", &[("track", 30.0), ("length", 60.0), ("distance", 40.0), ("height", 20.0), ("speed", 4.0)]),
+            form("vantage-point", &[("azimuth", 30.0), ("look-angle", 40.0), ("distance", 80.0)]),
+            form("expanding-square", &[("spacing", 80.0), ("rounds", 3.0), ("height", 60.0)]),
+            form("sector-search", &[("radius", 300.0), ("height", 60.0), ("track", 10.0)]),
+        ];
+        for written in all {
+            let path = path_of(&written).unwrap();
+            let printed = form_of(&path).unwrap_or_else(Value::nil);
+            assert_eq!(path_of(&printed), Ok(path), "{written} printed as {printed}");
+        }
+    }
+
+    #[test]
+    fn mistakes_say_what_to_write() {
+        let why = |value: &Value| path_of(value).map(|_| ()).err().unwrap_or_default();
+        assert!(why(&form("orbits", &[])).starts_with("there is no manoeuvre `orbits`; there are straight-over, "));
+        assert_eq!(why(&form("orbit", &[("radius", 30.0)])), "`:height` of `orbit` is missing");
+        assert_eq!(
+            why(&form("orbit", &[("radius", 30.0), ("height", 1.0), ("laps", 2.0)])),
+            "`orbit` has no keyword `:laps`; it has :radius :height :turns :azimuth :turning"
+        );
+        assert!(why(&form("arc", &[("azimuth", 30.0), ("speed", 1.0)])).contains("either `:radius`"));
+        assert!(why(&form("expanding-square", &[("rounds", 2.5)])).contains("expected a whole number"));
+    }
 }
