@@ -306,6 +306,8 @@ fn the_smoke_is_filmed_from_all_sides_and_from_above_without_entering_it() {
     assert!(text.contains("acquire") || flight.report.plans > 0, "{text}");
     let (reader, _) = apex_mission::recording::open(&path).unwrap();
     assert_eq!(apex_mission::recorded::replay(&reader).unwrap().difference, None);
+    let checked = apex_mission::verification::verify(&reader, &mission).unwrap();
+    assert_eq!((checked.violations(), checked.positions > 500), (0, true), "{:?}", checked.findings);
 }
 
 fn word(name: &str) -> Value {
@@ -358,7 +360,7 @@ fn what_cannot_be_acquired_is_refused_with_the_nearest_miss() {
             "no sensor of `rmax` records `:product lines`; it carries camera-1",
         ),
         (acquire("field", &[("light", word("night"))]), "the goal wants night, with the sun at most at -6 degrees"),
-        (acquire("field", &[("resolution", length(0.005))]), "flies no lower than 23 m; 0.01"),
+        (acquire("field", &[("resolution", length(0.005))]), "`rmax` flies no lower than 39 m; 0.028 m works"),
         (
             acquire(
                 "field",
