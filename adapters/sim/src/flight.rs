@@ -270,23 +270,6 @@ impl ActiveOrder {
         matches!((&self.stage, &self.order), (Stage::OnLine, Order::FlyLine { .. } | Order::JoinLine { .. }))
     }
 
-    /// The ends of a commanded line that was begun, and how far it has arrived.
-    pub(crate) fn unfinished(&self) -> Option<(Position, Position, f64)> {
-        let (from, to) = self.ends_of_line()?;
-        let line = self.line?;
-        // Broken off again on the way back to it: it is taken up where it was left the first time.
-        let along_m = if matches!(self.stage, Stage::OnLine) { line.length_m - self.to_go_m } else { self.begin_m };
-        (along_m > 0.0).then(|| (from, to, along_m.min(line.length_m)))
-    }
-
-    /// The ends of a commanded line.
-    pub(crate) fn ends_of_line(&self) -> Option<(Position, Position)> {
-        match &self.order {
-            Order::FlyLine { from, to } => Some((from.position, to.position)),
-            _ => None,
-        }
-    }
-
     /// Does it continue along its line after its answer?
     pub(crate) fn goes_on(&self) -> bool {
         matches!((&self.stage, &self.order), (Stage::OnLine, Order::JoinLine { .. })) && self.stage_m > 0.0

@@ -110,7 +110,7 @@ impl FollowedPath {
         (left_m, left_m + rest_m)
     }
 
-    /// Goes on to the leg on which the vehicle is now. False when the whole path is flown.
+    /// Continues with the leg on which the vehicle is now. False when the whole path is flown.
     pub(crate) fn advance(&mut self, here: &Situation) -> bool {
         loop {
             let is_last = self.next + 1 >= self.points.len();

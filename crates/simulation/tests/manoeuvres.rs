@@ -260,7 +260,7 @@ fn turned_deg(a: f64, b: f64) -> f64 {
     ((a - b + 540.0).rem_euclid(360.0) - 180.0).abs()
 }
 
-/// The mission `stand-off` keeps out of the smoke, sees it from all sides, passes over it tail first, and photographs what a lookout
+/// The mission `stand-off` keeps out of the smoke, sees it from all sides, crosses above it tail first, and photographs what a lookout
 /// reported.
 #[test]
 fn the_smoke_is_filmed_from_all_sides_and_from_above_without_entering_it() {
@@ -375,7 +375,7 @@ fn what_cannot_be_acquired_is_refused_with_the_nearest_miss() {
     }
 }
 
-/// `benches` hold the bar, one second of processor time; the clock on the wall of a busy machine is only kept from running away.
+/// `benches` hold the bar, one second of processor time; here a bar that a busy machine keeps.
 #[test]
 fn forty_goals_are_synthesised_in_time() {
     let folder = tempfile::tempdir().unwrap();

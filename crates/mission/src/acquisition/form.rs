@@ -76,7 +76,7 @@ impl<'a> Form<'a> {
         Some(value.to_string().to_lowercase())
     }
 
-    /// True for the second of two words; the first is meant where nothing is given.
+    /// True for the second of two words; the first is the default.
     fn is(&mut self, key: &'static str, [usual, other]: [&str; 2]) -> Result<bool, String> {
         match self.word(key).as_deref() {
             None => Ok(false),
@@ -223,7 +223,7 @@ fn arc_of(form: &mut Form<'_>) -> Result<Arc, String> {
     })
 }
 
-/// A flight path as PDL writes it; a sweep has no form of its own, its lines are printed.
+/// A flight path as PDL writes it; of a sweep the lines are printed instead.
 pub(crate) fn form_of(path: &FlightPath) -> Option<Value> {
     let mut items = vec![Value::symbol(path.name())];
     let mut put = |key: &str, value: Value| items.extend([Value::symbol(&format!(":{key}")), value]);

@@ -22,7 +22,7 @@ use std::sync::Arc;
 pub(crate) struct Places {
     model: VehicleModel,
     wind: WindField,
-    /// Named targets with the level of what is looked at.
+    /// Named targets with the level of their observed part.
     targets: Vec<(String, Position, f64)>,
 }
 
@@ -61,8 +61,8 @@ pub(crate) fn register(mission: &Mission, functions: &mut HostFunctions) {
 
 impl Places {
     /// Returns `(POINTS SPEEDS SPEED BEGIN AIM LOOKS DWELL)`: points with altitudes, the ground speed at each (nil for a fixed wing),
-    /// the airspeed, `hover` or `line` for how it begins, `down` or the target for what the camera looks at, pairs of a
-    /// heading and a place that the camera looks at from a hover, and the time for each.
+    /// the airspeed, `hover` or `line` for how it begins, `down` or the target for the aim of the camera, pairs of a
+    /// heading and a place for the camera to point at from a hover, and the time for each.
     fn points(&self, arguments: &[Value]) -> Result<Value, String> {
         let [form, target, camera, speed, met] = arguments else {
             return Err(format!("it takes 5 arguments and was given {}", arguments.len()));
@@ -151,7 +151,7 @@ fn location(scene: &Scene, point: apex_geo::plane::Point, height_m: f64) -> Valu
     Value::list([latitude_deg, longitude_deg, scene.elevation_m + height_m].map(Value::Real))
 }
 
-/// Directions of the nose with the place that a camera looks at from a hover.
+/// Directions of the nose with the place that a camera points at from a hover.
 fn aims(elements: &[Element], sight: Sight, scene: &Scene, height_m: f64) -> Vec<Value> {
     let Sight::Nose { tilt_deg } = sight else { return Vec::new() };
     let away_m = height_m / libm::tan(-tilt_deg * apex_geo::geodesy::RAD_PER_DEG).max(1e-3);

@@ -34,7 +34,7 @@ pub struct PerformedManoeuvre<'a> {
 /// What the manoeuvre is predicted to see of its target and to cost.
 ///
 /// # Errors
-/// A sentence: the form is wrong, the mission has no such target or sensor, or a limit of vehicle, sensor or wind.
+/// An error message: the form is wrong, the mission has no such target or sensor, or a limit of vehicle, sensor or wind.
 pub fn forecast(mission: &Mission, wanted: &PerformedManoeuvre<'_>) -> Result<Forecast, String> {
     let path = path_of(wanted.form)?;
     let target = target_of(mission, wanted.target)?;

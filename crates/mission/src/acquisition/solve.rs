@@ -1,5 +1,5 @@
 //! Synthesis: candidates for a goal, predicted, filtered by what is required and by Pareto dominance, one chosen by worth and
-//! time. What is left out keeps its reason; an empty answer names the nearest miss.
+//! time. A candidate that is dropped keeps its reason; an empty answer names the nearest miss.
 //!
 //! Bound: `CANDIDATES_MAX` forecasts and O(n^2) comparisons.
 
@@ -23,7 +23,7 @@ const RESOLUTION_MIN: f64 = 0.9;
 /// Candidates worth this share of the best are as good: time decides.
 const AS_GOOD: f64 = 0.99;
 
-/// Where and when, and what is left.
+/// Place, time and remaining energy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Start {
     /// Where the vehicle is.
@@ -172,7 +172,7 @@ fn light(mission: &Mission, goal: &AcquisitionGoal, sensors: &[(String, Instrume
     let later = minutes.map_or_else(String::new, |minute| format!("; in {:.1} h it does", f64::from(minute) / 60.0));
     let limit = least_deg.or(most_deg).unwrap_or(0.0);
     let side = if is_dark { "at least" } else { "at most" };
-    Err(format!("{whose}, with the sun {side} at {limit:.0} degrees; it stands at {sun_deg:.0} degrees{later}"))
+    Err(format!("{whose}, with the sun {side} at {limit:.0} degrees; it is at {sun_deg:.0} degrees{later}"))
 }
 
 /// Predicts a candidate and holds it against the goal.

@@ -97,7 +97,7 @@ fn nearest_name<'a>(wrong: &str, known: &[&'a str]) -> Option<&'a str> {
     known.iter().copied().max_by_key(|name| shared(name)).filter(|name| shared(name) >= 1)
 }
 
-/// Level of what is looked at above mean sea level: the observed ground, or the middle of a structure.
+/// Level of the observed part above mean sea level: the observed ground, or the middle of a structure.
 pub(crate) fn elevation_m(target: &Target) -> f64 {
     match &target.kind {
         TargetKind::Fire(fire) => fire.wanted.elevation_m,

@@ -1,12 +1,13 @@
 //! What a manoeuvre is predicted to see and to cost: its poses become planned lines or pictures, which are accumulated and
 //! assessed as recorded ones are.
 
+use super::craft::Craft;
+use super::manoeuvre::Manoeuvre;
 use super::modes::PayloadUse;
 use super::refusal::Refusal;
 use super::scene::{Instrument, Scene};
-use super::timing::{FlownPath, PathPose};
+use super::timing::{self, FlownPath, PathPose};
 use super::track::Sight;
-use super::{Craft, Manoeuvre, timing};
 use crate::attitude::{Attitude, Vector};
 use crate::grid::TargetGrid;
 use crate::pictures::{PictureView, PlannedPicture, predict_pictures};
@@ -25,7 +26,7 @@ const PICTURES_MAX: usize = 5_000;
 /// Chords in directions nearer than this are one line of a scanner, degrees.
 const STRAIGHT_DEG: f64 = 0.05;
 
-/// What a forecast depends on besides manoeuvre, vehicle, sensor and scene.
+/// What a forecast depends on in addition to manoeuvre, vehicle, sensor and scene.
 #[derive(Clone, Copy)]
 pub struct ForecastContext<'a> {
     /// The target with its wanted look.

@@ -1,8 +1,8 @@
 //! How a path is flown and what is done with what is seen: attitude, speed, payload and data, each as a value.
 
+use super::craft::Craft;
 use super::refusal::{Limit, Refusal};
 use super::scene::{Instrument, Scene};
-use super::{Craft, FlightPath};
 use apex_geo::geodesy::RAD_PER_DEG;
 use apex_geo::plane::Point;
 use apex_geo::wind::{self, Wind};
@@ -53,7 +53,7 @@ pub enum PayloadUse {
     LineScan,
 }
 
-/// What becomes of the data.
+/// How the data are handled.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum DataHandling {
@@ -176,7 +176,7 @@ impl SpeedProfile {
         Ok(wanted_mps)
     }
 
-    /// The airspeed at which turns beside the observed part are flown.
+    /// The airspeed at which turns between observed parts are flown.
     pub(crate) fn turn_airspeed_mps(&self, craft: &Craft) -> f64 {
         match self {
             SpeedProfile::Airspeed(airspeed_mps) => *airspeed_mps,
@@ -203,8 +203,12 @@ pub(crate) fn airspeed_of(track_deg: f64, speed_mps: f64, wind: Wind) -> f64 {
 
 impl PayloadUse {
     /// Refuses a payload that the sensor does not record, and one that the path gives no chance to.
-    pub(crate) fn check(&self, path: &FlightPath, craft: &Craft, instrument: &Instrument) -> Result<(), Refusal> {
-        let manoeuvre = path.name();
+    pub(crate) fn check(
+        &self,
+        (manoeuvre, curve_radius_m): (&str, Option<f64>),
+        craft: &Craft,
+        instrument: &Instrument,
+    ) -> Result<(), Refusal> {
         let fits = matches!((self, instrument), (PayloadUse::LineScan, Instrument::Scanner(_)))
             || !matches!(self, PayloadUse::LineScan) && matches!(instrument, Instrument::Camera(_));
         if !fits {
@@ -219,7 +223,7 @@ impl PayloadUse {
         }
         if let (PayloadUse::LineScan, Instrument::Scanner(scanner), false) = (self, instrument, craft.can_hover) {
             let limits = scanner.setting.roll;
-            if let (Some(roll), Some(radius_m)) = (limits, path.curve_radius_m()) {
+            if let (Some(roll), Some(radius_m)) = (limits, curve_radius_m) {
                 let bank_deg = super::craft::circle_bank_deg(craft.true_airspeed_mps, radius_m, 0.0);
                 let least_m = craft.true_airspeed_mps * craft.true_airspeed_mps
                     / (super::craft::GRAVITY_MPS2 * libm::tan(roll.valid_deg * RAD_PER_DEG));

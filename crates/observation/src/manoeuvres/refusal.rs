@@ -8,16 +8,16 @@ use std::fmt;
 pub struct Refusal {
     /// The manoeuvre, as PDL writes it.
     pub manoeuvre: String,
-    /// The figure that breaks a limit, in words.
+    /// The figure that breaks a limit, by name.
     pub figure: String,
     /// Its value.
     pub value: f64,
     /// The limit that it breaks.
     pub limit: f64,
     /// Unit of value and limit; empty for counts.
-    pub unit: String,
+    pub unit: Box<str>,
     /// Whose limit it is, and why.
-    pub because: String,
+    pub because: Box<str>,
     /// The nearest thing that works.
     pub nearest: String,
 }
@@ -33,7 +33,7 @@ impl fmt::Display for Refusal {
 
 impl std::error::Error for Refusal {}
 
-/// A number as people read it: whole from 100 on, else three digits.
+/// A number as operators read it: whole from 100 on, else three digits.
 pub(crate) fn short(number: f64) -> String {
     if number.abs() >= 100.0 || number == libm::trunc(number) {
         format!("{number:.0}")
@@ -80,8 +80,8 @@ impl Limit<'_> {
             figure: self.figure.to_string(),
             value,
             limit,
-            unit: self.unit.to_string(),
-            because: because.to_string(),
+            unit: self.unit.into(),
+            because: because.into(),
             nearest,
         }
     }

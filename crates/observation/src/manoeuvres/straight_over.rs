@@ -35,7 +35,7 @@ impl StraightOver {
         )
     }
 
-    /// Refuses figures that make no sense.
+    /// Refuses figures that are not positive.
     pub(crate) fn check(&self) -> Result<(), Refusal> {
         positive(Self::NAME, "a height", "m", self.height_m)?;
         positive(Self::NAME, "a length", "m", self.length_m + self.run_out_m)

@@ -1,8 +1,8 @@
-//! Sweep: parallel lines over an area, from the nearest corner, in alternate directions, along the track that is quickest in
+//! Sweep: parallel lines over an area, from the nearest corner, in alternate directions, along the track that is fastest in
 //! the wind.
 //!
 //! A fixed wing turns between lines on the shortest path in the wind; where lines are nearer than two turn radii it may fly
-//! every k-th line instead, if that is quicker. Bound: 24 directions of at most `apex_geo::coverage::SWEEP_LINES_MAX` lines.
+//! every k-th line instead, if that is faster. Bound: 24 directions of at most `apex_geo::coverage::SWEEP_LINES_MAX` lines.
 
 use super::refusal::{Limit, Refusal, positive};
 use super::scene::Scene;
@@ -26,7 +26,7 @@ pub struct Sweep {
     pub swath_m: f64,
     /// Share of the swath that is seen twice.
     pub sidelap: f64,
-    /// Direction of the lines; none: the quickest in the wind.
+    /// Direction of the lines; none: the fastest in the wind.
     pub track_deg: Option<f64>,
     /// Recorded beyond both ends of each line.
     pub run_in_m: f64,
@@ -35,7 +35,7 @@ pub struct Sweep {
 impl Sweep {
     /// Name in PDL.
     pub const NAME: &'static str = "sweep";
-    /// Directions tried besides those of the edges.
+    /// Directions tried in addition to those of the edges.
     const DIRECTIONS: u32 = 18;
 
     /// Lines over a width across the track: `ceil((D - S) / S_p) + 1`, one if the swath is as wide.
@@ -108,7 +108,7 @@ impl Sweep {
         each.sum::<f64>() + turns_s(lines, airspeed_mps, craft, scene)
     }
 
-    /// The lines in the order flown, in the quickest direction.
+    /// The lines in the order flown, in the fastest direction.
     ///
     /// # Errors
     /// As [`Sweep::lines`].
@@ -167,7 +167,7 @@ fn turns_s(lines: &[(Point, Point)], airspeed_mps: f64, craft: &Craft, scene: &S
     total_s
 }
 
-/// Time of the quickest turn of a fixed wing from the end of a line to the lead-in of another, and of the lead-in.
+/// Time of the fastest turn of a fixed wing from the end of a line to the lead-in of another, and of the lead-in.
 pub fn turn_s(
     (from, exit): (Point, Point),
     (next, to): (Point, Point),

@@ -2,11 +2,11 @@
 //!
 //! A vehicle that hovers begins and ends at rest and slows at corners; a fixed wing flies on. Bound: O(points).
 
+use super::craft::{Craft, GRAVITY_MPS2};
 use super::modes::{AttitudeMode, SpeedProfile, airspeed_of};
 use super::refusal::{Limit, Refusal};
 use super::scene::{Instrument, Scene};
 use super::track::{Element, POINTS_MAX, Track, TrackPoint};
-use super::{Craft, craft::GRAVITY_MPS2};
 use crate::attitude::Attitude;
 use apex_geo::geodesy::{RAD_PER_DEG, wrap_180, wrap_360};
 use apex_geo::plane::Point;

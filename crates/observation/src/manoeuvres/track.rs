@@ -120,7 +120,7 @@ pub(crate) fn arc_points(centre: Point, radius_m: f64, from_deg: f64, sweep_deg:
     (0..=count).map(at).collect()
 }
 
-/// Longest chord of a curve: a fixed wing flies a chain of chords as a turn where they are short beside its turn radius.
+/// Longest chord of a curve: a fixed wing flies a chain of chords as a turn where they are short against its turn radius.
 pub(crate) fn chord_m_max(craft: &Craft) -> f64 {
     if craft.can_hover { f64::INFINITY } else { 0.4 * craft.turn_radius_m(craft.true_airspeed_mps) }
 }
@@ -158,7 +158,7 @@ pub(crate) fn lines_with_turns(
     Ok(elements)
 }
 
-/// The quickest turn of a fixed wing from the end of one line to the lead-in of the next; none for a vehicle that hovers.
+/// The fastest turn of a fixed wing from the end of one line to the lead-in of the next; none for a vehicle that hovers.
 fn turn_points(
     manoeuvre: &str,
     before: Option<(Point, Point)>,
@@ -195,7 +195,7 @@ pub(crate) fn fillet_m(airspeed_mps: f64, craft: &Craft, scene: &Scene) -> f64 {
     if craft.can_hover { 0.0 } else { craft.circle_radius_m_min(airspeed_mps, scene.wind_mps()) }
 }
 
-/// Rounding of corners as a multiple of the tightest turn, where there is room: guidance lags behind a turn that needs all of
+/// Rounding of corners as a multiple of the tightest turn, where the legs are long enough: guidance lags behind a turn that needs all of
 /// the bank.
 const WIDE: f64 = 1.4;
 
