@@ -67,12 +67,15 @@ fn fly(mission: Arc<Mission>, path: &Path) -> FlightOutcome {
     apex_simulation::fly(mission, means, None, terms, &mut recorder, &mut []).unwrap()
 }
 
+/// Name and fields of a form.
+type Form = (&'static str, &'static [(&'static str, f64)]);
+
 /// One manoeuvre of one vehicle.
 struct Case {
     model: &'static str,
     camera: &'static str,
     /// Name and fields; bare numbers are metres, metres per second, seconds, degrees.
-    form: (&'static str, &'static [(&'static str, f64)]),
+    form: Form,
     speed_mps: f64,
     every_m: f64,
     away_m: f64,
@@ -136,16 +139,13 @@ impl Case {
     }
 }
 
-const ORBIT: (&str, &[(&str, f64)]) =
-    ("orbit", &[("radius", 80.0), ("height", 60.0), ("turns", 2.0), ("azimuth", 270.0)]);
-const SQUARE: (&str, &[(&str, f64)]) = ("expanding-square", &[("spacing", 80.0), ("rounds", 3.0), ("height", 60.0)]);
-const SECTOR: (&str, &[(&str, f64)]) = ("sector-search", &[("radius", 200.0), ("height", 60.0)]);
-const SPIRAL: (&str, &[(&str, f64)]) =
-    ("spiral", &[("from", 30.0), ("to", 150.0), ("spacing", 60.0), ("height", 60.0)]);
-const OVER: (&str, &[(&str, f64)]) = ("straight-over", &[("track", 90.0), ("height", 60.0), ("length", 200.0)]);
-const ASIDE: (&str, &[(&str, f64)]) =
-    ("stand-off", &[("track", 0.0), ("height", 60.0), ("look-angle", 45.0), ("length", 160.0)]);
-const ARC: (&str, &[(&str, f64)]) = (
+const ORBIT: Form = ("orbit", &[("radius", 80.0), ("height", 60.0), ("turns", 2.0), ("azimuth", 270.0)]);
+const SQUARE: Form = ("expanding-square", &[("spacing", 80.0), ("rounds", 3.0), ("height", 60.0)]);
+const SECTOR: Form = ("sector-search", &[("radius", 200.0), ("height", 60.0)]);
+const SPIRAL: Form = ("spiral", &[("from", 30.0), ("to", 150.0), ("spacing", 60.0), ("height", 60.0)]);
+const OVER: Form = ("straight-over", &[("track", 90.0), ("height", 60.0), ("length", 200.0)]);
+const ASIDE: Form = ("stand-off", &[("track", 0.0), ("height", 60.0), ("look-angle", 45.0), ("length", 160.0)]);
+const ARC: Form = (
     "arc",
     &[
         ("height", 60.0),
@@ -156,14 +156,13 @@ const ARC: (&str, &[(&str, f64)]) = (
         ("acceleration", 0.5),
     ],
 );
-const RING: (&str, &[(&str, f64)]) =
-    ("pirouette", &[("height", 60.0), ("depression", 45.0), ("overlap", 0.3), ("dwell", 3.0)]);
+const RING: Form = ("pirouette", &[("height", 60.0), ("depression", 45.0), ("overlap", 0.3), ("dwell", 3.0)]);
 
-fn helicopter(form: (&'static str, &'static [(&'static str, f64)]), half_m: f64) -> Case {
+fn helicopter(form: Form, half_m: f64) -> Case {
     Case { model: "rmax", camera: "camera-1", form, speed_mps: 6.0, every_m: 10.0, away_m: 400.0, half_m }
 }
 
-const ROTORCRAFT: [((&str, &[(&str, f64)]), f64); 8] = [
+const ROTORCRAFT: [(Form, f64); 8] = [
     (ORBIT, 40.0),
     (SQUARE, 140.0),
     (SECTOR, 200.0),
@@ -190,13 +189,13 @@ fn a_rotorcraft_flies_manoeuvres_as_predicted_in_wind() {
     all(ROTORCRAFT.into_iter().map(|(form, half_m)| helicopter(form, half_m)), WIND, 0.10);
 }
 
-fn mapper(form: (&'static str, &'static [(&'static str, f64)]), half_m: f64) -> Case {
+fn mapper(form: Form, half_m: f64) -> Case {
     let camera = "camera-1";
     Case { model: "fixed-wing-mapper", camera, form, speed_mps: 13.0, every_m: 30.0, away_m: 800.0, half_m }
 }
 
 /// A fixed wing with a camera that looks straight down.
-const FIXED_WING: [((&str, &[(&str, f64)]), f64); 4] = [
+const FIXED_WING: [(Form, f64); 4] = [
     (("straight-over", &[("track", 90.0), ("height", 110.0), ("length", 400.0)]), 200.0),
     (("expanding-square", &[("spacing", 150.0), ("rounds", 3.0), ("height", 110.0), ("track", 0.0)]), 250.0),
     (("sector-search", &[("radius", 400.0), ("height", 110.0), ("track", 0.0)]), 300.0),
@@ -375,19 +374,17 @@ fn what_cannot_be_acquired_is_refused_with_the_nearest_miss() {
     }
 }
 
-/// `benches` hold the bar, one second of processor time; here a bar that a busy machine keeps.
+/// Worth falls and time falls along the answer; the first is as good as the best and the fastest of these. `benches` measures its time.
 #[test]
-fn forty_goals_are_synthesised_in_time() {
+fn the_answer_to_a_goal_is_a_front_of_worth_and_time() {
     let folder = tempfile::tempdir().unwrap();
     let mission = mission(folder.path(), "rmax", WIND, 400.0, 40.0, "(wait 1s)");
     let goal = acquire("field", &[("resolution", length(0.1))]);
-    let begun = std::time::Instant::now();
-    let mut front = Vec::new();
-    for _ in 0..40 {
-        front = apex_mission::acquisition::synthesised(&mission, &goal, 0.0).unwrap();
-    }
-    let took = begun.elapsed().as_secs_f64();
-    println!("40 goals in {took:.2} s; {front:#?}");
-    assert!(!front.is_empty() && front.len() <= 8);
-    assert!(took < 30.0, "{took} s");
+    let front = apex_mission::acquisition::synthesised(&mission, &goal, 0.0).unwrap();
+    let again = apex_mission::acquisition::synthesised(&mission, &goal, 0.0).unwrap();
+    assert_eq!(front, again);
+    let points = |line: &String| line.split(": ").nth(1).unwrap().split(' ').next().unwrap().parse::<f64>().unwrap();
+    let all: Vec<f64> = front.iter().map(points).collect();
+    assert!((2..=8).contains(&front.len()), "{front:#?}");
+    assert!(all.iter().all(|other| all[0] >= 0.99 * other), "{front:#?}");
 }
