@@ -192,10 +192,12 @@ fn judged(mission: &Mission, goal: &AcquisitionGoal, candidate: Candidate, start
         })?;
     let first = forecast.flown.poses.first().map_or(goal.position, |pose| scene.position(pose.point));
     let travel_s = geodesy::distance_m(start.here, first) / craft.true_airspeed_mps;
+    // All that it lacks: it is as far from the goal as the worst of them.
+    let mut misses = Vec::new();
     if let Some(zone) = closed_by(mission, &forecast, &scene, start.at_s + travel_s) {
         let (low_m, high_m) = (zone.altitude_m_min, zone.altitude_m_max);
         let by = (high_m - altitude_m).min(altitude_m - low_m).max(0.0) / altitude_m.max(1.0);
-        return Err(Miss {
+        misses.push(Miss {
             by,
             why: format!(
                 "{at} needs {altitude_m:.0} m above sea level, the zone `{}` reaches from {low_m:.0} m to {high_m:.0} m",
@@ -205,19 +207,19 @@ fn judged(mission: &Mission, goal: &AcquisitionGoal, candidate: Candidate, start
     }
     if let Some((figure, wanted, found)) = short_of(goal, &forecast) {
         let why = format!("{at} is predicted a {figure} of {found:.2}, {wanted:.2} is wanted");
-        return Err(Miss { by: (wanted - found) / wanted, why });
+        misses.push(Miss { by: (wanted - found) / wanted, why });
     }
     let end_s = start.at_s + travel_s + forecast.time_s;
     if let Some(by_s) = goal.by_s.filter(|by_s| end_s > *by_s) {
         let why = format!("{at} ends at {end_s:.0} s, `:by` is {by_s:.0} s");
-        return Err(Miss { by: (end_s - by_s) / by_s.max(1.0), why });
+        misses.push(Miss { by: (end_s - by_s) / end_s, why });
     }
     let home_s = geodesy::distance_m(goal.position, mission.start) / craft.true_airspeed_mps;
     if let Some(latency_s) = goal.latency_s.filter(|latency_s| home_s > *latency_s) {
         let why = format!(
             "{at}: data are read after landing, {home_s:.0} s after the observation, `:latency` is {latency_s:.0} s"
         );
-        return Err(Miss { by: (home_s - latency_s) / home_s, why });
+        misses.push(Miss { by: (home_s - latency_s) / home_s, why });
     }
     let whole_s = travel_s + forecast.time_s + home_s;
     if whole_s > start.endurance_s {
@@ -225,7 +227,10 @@ fn judged(mission: &Mission, goal: &AcquisitionGoal, candidate: Candidate, start
             "{at} takes {whole_s:.0} s with the way there and home, the energy lasts {:.0} s",
             start.endurance_s
         );
-        return Err(Miss { by: (whole_s - start.endurance_s) / whole_s, why });
+        misses.push(Miss { by: (whole_s - start.endurance_s) / whole_s, why });
+    }
+    if let Some(worst) = misses.into_iter().max_by(|a, b| a.by.total_cmp(&b.by)) {
+        return Err(worst);
     }
     Ok(Predicted { candidate, scene, forecast, travel_s })
 }
