@@ -1,14 +1,18 @@
 //! Histories as tables: every sample and message with what became of it, as CSV or Parquet.
 
+mod columns;
 mod csv_writer;
 mod parquet_writer;
 mod plot;
 mod result_writer;
+mod sample_table;
 
+pub use columns::{Cells, write_columns};
 pub use csv_writer::CsvWriter;
 pub use parquet_writer::ParquetWriter;
 pub use plot::plot;
 pub use result_writer::ResultWriter;
+pub use sample_table::SampleTable;
 
 use apex_executive::state::recorded::Recorded;
 use apex_model::event::StateVariable;
