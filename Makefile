@@ -7,7 +7,7 @@ SHELL := bash
 MAKEFLAGS += --no-builtin-rules
 
 MISSION ?= western-states
-MISSIONS := first-picture structure-watch pipeline-inspection day-and-night western-states
+MISSIONS := first-picture stand-off structure-watch pipeline-inspection day-and-night western-states
 SEED ?= 1
 ROUNDS ?= 20
 # Random worlds with about 13 trips each: a million trips that must not enter a zone.

@@ -206,6 +206,32 @@ impl<'a> Arguments<'a> {
             .collect()
     }
 
+    /// Required positional list of locations, at least two.
+    pub(crate) fn points(&self, index: usize) -> Result<Vec<WayPoint>, String> {
+        let value = self.need(index, "path")?;
+        let Some(items) = value.as_list().filter(|items| items.len() >= 2) else {
+            return Err(self.wrong(&format!("the path {value} should be a list of at least two locations")));
+        };
+        let read = |item| {
+            let spot = self.read_spot(item, "point of the path")?;
+            Ok(WayPoint { position: spot.position, altitude_m: spot.altitude_m })
+        };
+        items.iter().map(read).collect()
+    }
+
+    /// `:speeds`, m/s over ground at each of `count` points; empty if not given.
+    pub(crate) fn speeds_keyword(&self, count: usize) -> Result<Vec<f64>, String> {
+        let Some(value) = self.keyword("speeds") else { return Ok(Vec::new()) };
+        let Some(items) = value.as_list().filter(|items| items.len() == count) else {
+            return Err(self.wrong(&format!("`:speeds` should be a list of {count} speeds, one for each point")));
+        };
+        let read = |item| match self.number(item, "speed", Dimension::SPEED, "5m/s")? {
+            speed if speed > 0.0 => Ok(speed),
+            _ => Err(self.wrong(&format!("the speed {item} is not greater than zero"))),
+        };
+        items.iter().map(read).collect()
+    }
+
     /// Required positional location.
     pub(crate) fn spot(&self, index: usize, what: &str) -> Result<Spot, String> {
         self.read_spot(self.need(index, what)?, what)

@@ -4,6 +4,7 @@ use crate::arguments::{Arguments, Spot};
 use crate::camera::CameraState;
 use crate::fixed_wing::true_airspeed_min;
 use crate::flight::{ActiveOrder, Order};
+use crate::follow::FollowedPath;
 use crate::instants;
 use crate::names::unknown_name;
 use crate::way::{Way, with_goal};
@@ -70,6 +71,7 @@ const COMMANDS: &[Command] = &[
         (1, 1),
         &["course", "hold", "hold-around", "via"],
     ),
+    command("follow-path", "(follow-path POINTS [:speeds SPEEDS] [:speed S])", (1, 1), &["speeds", "speed"]),
     command("set-altitude", "(set-altitude ALTITUDE)", (1, 1), &[]),
     command("set-speed", "(set-speed SPEED)", (1, 1), &[]),
     command("set-heading", "(set-heading HEADING)", (1, 1), &[]),
@@ -113,7 +115,7 @@ impl SimulatedWorld {
         let arguments =
             Arguments::split(command.name, command.usage, items, command.arguments, command.keywords, &places)?;
         match command.name {
-            "take-off" | "fly-to" | "fly-line" | "join-line" | "loiter" | "hover" | "land" => {
+            "take-off" | "fly-to" | "fly-line" | "join-line" | "loiter" | "hover" | "land" | "follow-path" => {
                 self.fly_order(id, form, command.name, &arguments, inputs)
             }
             "set-altitude" => {
@@ -224,6 +226,17 @@ impl SimulatedWorld {
                 let altitude_m = from.altitude_m.or(to.altitude_m);
                 let join = name == "join-line";
                 (if join { Order::JoinLine { from, to } } else { Order::FlyLine { from, to } }, altitude_m)
+            }
+            "follow-path" => {
+                let points = arguments.points(0)?;
+                let speeds = arguments.speeds_keyword(points.len())?;
+                for altitude_m in points.iter().filter_map(|point| point.altitude_m) {
+                    self.check_altitude(arguments, altitude_m)?;
+                }
+                let last_m = points.last().and_then(|point| point.altitude_m);
+                let path = FollowedPath::new(points, &speeds, &self.situation());
+                let path = path.ok_or_else(|| arguments.wrong("the path has no length"))?;
+                (Order::FollowPath(Box::new(path)), last_m)
             }
             "loiter" => {
                 let around = arguments.spot(0, "location")?;

@@ -2,6 +2,7 @@
 
 use crate::arguments::Spot;
 use crate::fixed_wing::true_airspeed_min;
+use crate::follow::FollowedPath;
 use crate::instants;
 use crate::packet::location;
 use crate::path::{Circle, Join, Line, Path, bearing};
@@ -47,6 +48,8 @@ pub(crate) enum Order {
         /// Course of the final approach; none lets the wind choose.
         course_rad: Option<f64>,
     },
+    /// Along a path of points; boxed because it is larger than the others.
+    FollowPath(Box<FollowedPath>),
     /// Nothing is commanded: circle or hover here.
     Hold,
     /// On the ground.
@@ -70,6 +73,7 @@ pub(crate) enum Stage {
     Turn(Join),
     LeadIn,
     OnLine,
+    Follow(Box<FollowedPath>),
     Circle(Circle),
     Hover(Position),
     Descend(Position),
@@ -193,6 +197,7 @@ impl ActiveOrder {
                 if self.is_lined_up(&line, here) { Stage::LeadIn } else { self.join_stage(&line, here) }
             }
             Order::Land { at, .. } => Stage::Direct(at.position),
+            Order::FollowPath(path) => Stage::Follow(path),
             Order::Hold if here.fixed() => Stage::Circle(here.circle(here.state.position, here.loiter_radius_m())),
             Order::Hold => Stage::Hover(here.stopping_place()),
             Order::Parked => Stage::Parked,
@@ -209,7 +214,7 @@ impl ActiveOrder {
     }
 
     /// What to follow now.
-    pub(crate) fn path(&self) -> Path {
+    pub(crate) fn path(&self, here: &Situation) -> Path {
         match &self.stage {
             Stage::Parked | Stage::Run | Stage::ClimbOut | Stage::RollOut => Path::Straight,
             Stage::Climb(circle) | Stage::Circle(circle) => Path::Circle(*circle),
@@ -220,6 +225,7 @@ impl ActiveOrder {
             Stage::Tangent(join) => Path::Point(join.tangent),
             Stage::Turn(join) => Path::Circle(join.turn),
             Stage::LeadIn | Stage::OnLine => self.line.map_or(Path::Straight, Path::Line),
+            Stage::Follow(path) => path.path(here),
         }
     }
 
@@ -233,6 +239,7 @@ impl ActiveOrder {
                 let stated_m = self.way.as_ref().and_then(Way::altitude_m);
                 (stated_m.unwrap_or(here.altitude_m), here.true_airspeed)
             }
+            Stage::Follow(path) => (path.altitude_m(here).unwrap_or(here.altitude_m), here.true_airspeed),
             Stage::Descend(_) => (here.ground_m - 5.0, here.true_airspeed),
             Stage::LeadIn | Stage::OnLine if landing => {
                 let slope = here.model.final_approach_height_m / here.model.final_approach_m;
@@ -263,23 +270,6 @@ impl ActiveOrder {
         matches!((&self.stage, &self.order), (Stage::OnLine, Order::FlyLine { .. } | Order::JoinLine { .. }))
     }
 
-    /// The ends of a commanded line that was begun, and how far it has arrived.
-    pub(crate) fn unfinished(&self) -> Option<(Position, Position, f64)> {
-        let (from, to) = self.ends_of_line()?;
-        let line = self.line?;
-        // Broken off again on the way back to it: it is taken up where it was left the first time.
-        let along_m = if matches!(self.stage, Stage::OnLine) { line.length_m - self.to_go_m } else { self.begin_m };
-        (along_m > 0.0).then(|| (from, to, along_m.min(line.length_m)))
-    }
-
-    /// The ends of a commanded line.
-    pub(crate) fn ends_of_line(&self) -> Option<(Position, Position)> {
-        match &self.order {
-            Order::FlyLine { from, to } => Some((from.position, to.position)),
-            _ => None,
-        }
-    }
-
     /// Does it continue along its line after its answer?
     pub(crate) fn goes_on(&self) -> bool {
         matches!((&self.stage, &self.order), (Stage::OnLine, Order::JoinLine { .. })) && self.stage_m > 0.0
@@ -302,6 +292,7 @@ impl ActiveOrder {
             Stage::LeadIn | Stage::OnLine if landing => Phase::Landing,
             Stage::Tangent(_) | Stage::Turn(_) | Stage::LeadIn => Phase::Joining,
             Stage::OnLine => Phase::Line,
+            Stage::Follow(_) => Phase::Manoeuvring,
             Stage::Wait(Path::Hover(_)) => Phase::Hovering,
             Stage::Wait(_) | Stage::Circle(_) => Phase::Loitering,
             Stage::Hover(_) => Phase::Hovering,
@@ -326,6 +317,7 @@ impl ActiveOrder {
             Stage::Turn(join) => self.turned(&join, here),
             Stage::LeadIn => self.led_in(here),
             Stage::OnLine => return self.on_line(here, roll_rad_max, dt),
+            Stage::Follow(_) => return self.follow(here),
             Stage::Circle(_) | Stage::Hover(_) => return self.on_station(here),
             Stage::Descend(_) => return if here.state.on_ground { self.done(here) } else { Progress::Going },
             Stage::RollOut => return if here.state.true_airspeed < 0.3 { self.done(here) } else { Progress::Going },
@@ -349,6 +341,7 @@ impl ActiveOrder {
             Order::JoinLine { from, .. } => from.given.clone(),
             Order::FlyLine { .. } => Value::Real(if self.line_s > 0.0 { self.level_s / self.line_s } else { 1.0 }),
             Order::Loiter { around, .. } => around.given.clone(),
+            Order::FollowPath(_) => location(here.state),
             Order::Hover { at, .. } => at.as_ref().map_or_else(Value::nil, |at| at.given.clone()),
             Order::Land { at, .. } => at.given.clone(),
             Order::Hold | Order::Parked => Value::nil(),
@@ -376,6 +369,14 @@ impl ActiveOrder {
         // A joined line is answered at its beginning and then flown on, until something else is commanded.
         let joined = self.command.is_some() && matches!(self.order, Order::JoinLine { .. });
         if joined || self.stage_m <= 0.0 { self.done(here) } else { Progress::Going }
+    }
+
+    fn follow(&mut self, here: &Situation) -> Progress {
+        let goes_on = match &mut self.stage {
+            Stage::Follow(path) => path.advance(here),
+            _ => false,
+        };
+        if goes_on { Progress::Going } else { self.done(here) }
     }
 
     fn on_station(&mut self, here: &Situation) -> Progress {
@@ -428,6 +429,7 @@ impl ActiveOrder {
             Stage::OnLine => {
                 along().map_or((0.0, 0.0), |(along_m, length_m, _)| (length_m - along_m, length_m - along_m))
             }
+            Stage::Follow(path) => path.distances_m(here.state.position),
             Stage::Circle(circle) => (f64::INFINITY, (to(circle.centre) - circle.radius_m).max(0.0)),
             Stage::Descend(_) => (f64::INFINITY, here.state.altitude_m - here.ground_m),
             Stage::Parked

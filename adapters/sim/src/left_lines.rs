@@ -1,5 +1,6 @@
 //! Lines that were broken off: how far each was flown, so that it can be taken up there.
 
+use crate::flight::{ActiveOrder, Order, Stage};
 use crate::path::Line;
 use apex_model::problem::Position;
 
@@ -47,6 +48,25 @@ impl LeftLines {
             if on_it && begin_m <= left.along_m + GAP_M && end_m > left.along_m {
                 left.along_m = end_m.min(line.length_m);
             }
+        }
+    }
+}
+
+impl ActiveOrder {
+    /// The ends of a commanded line that was begun, and how far it has arrived.
+    pub(crate) fn unfinished(&self) -> Option<(Position, Position, f64)> {
+        let (from, to) = self.ends_of_line()?;
+        let line = self.line?;
+        // Broken off again on the way back to it: it is taken up where it was left the first time.
+        let along_m = if matches!(self.stage, Stage::OnLine) { line.length_m - self.to_go_m } else { self.begin_m };
+        (along_m > 0.0).then(|| (from, to, along_m.min(line.length_m)))
+    }
+
+    /// The ends of a commanded line.
+    pub(crate) fn ends_of_line(&self) -> Option<(Position, Position)> {
+        match &self.order {
+            Order::FlyLine { from, to } => Some((from.position, to.position)),
+            _ => None,
         }
     }
 }

@@ -11,6 +11,7 @@ mod commands;
 pub mod config;
 mod fixed_wing;
 mod flight;
+mod follow;
 mod fork;
 mod geodesic;
 mod instants;

@@ -99,7 +99,7 @@ pub(crate) fn climb_rate_max(model: &VehicleModel, altitude_m: f64) -> f64 {
 }
 
 /// Time constants of altitude capture and of climb.
-const ALTITUDE_CAPTURE_S: f64 = 6.0;
+pub(crate) const ALTITUDE_CAPTURE_S: f64 = 6.0;
 const CLIMB_LAG_S: f64 = 2.0;
 /// Fastest sink without engine: a vehicle that does not glide falls about so fast.
 const FALL_M_S: f64 = 25.0;

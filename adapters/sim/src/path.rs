@@ -18,6 +18,8 @@ pub(crate) enum Path {
     Line(Line),
     /// As `Line`, turning by so many radians per metre: a leg of a way, which may be a chord of a turn.
     Leg(Line, f64),
+    /// As `Line`, no faster over ground than this (rotorcraft).
+    Paced(Line, f64),
     /// Round a point.
     Circle(Circle),
     /// Stay over a point (rotorcraft).
@@ -101,7 +103,7 @@ pub(crate) fn course(path: &Path, state: &State, turn_radius_m: f64) -> Option<C
             }
             Some(Course { course_rad: azimuth_rad, rate_rad_s: 0.0 })
         }
-        Path::Line(line) => Some(along(line, state, 0.0)),
+        Path::Line(line) | Path::Paced(line, _) => Some(along(line, state, 0.0)),
         Path::Leg(line, turn_rad_per_m) => {
             let (along_m, across_m, _) = line.locate(state.position);
             // Off the arc, turning on with it would only circle, and drift with the wind.

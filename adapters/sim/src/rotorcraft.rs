@@ -40,6 +40,10 @@ fn wanted_velocity(state: &State, demand: &Demand, model: &VehicleModel, wind: W
             // Heading a little inwards makes up for the lag of the turn.
             (course.course_rad, sqrt(braking * circle.radius_m))
         }
+        path @ Path::Paced(_, speed) => {
+            let Some(course) = course(path, state, 0.0) else { return (0.0, 0.0) };
+            (course.course_rad, *speed)
+        }
         path @ (Path::Line(_) | Path::Leg(..)) => {
             let Some(course) = course(path, state, 0.0) else { return (0.0, 0.0) };
             (course.course_rad, f64::INFINITY)

@@ -289,7 +289,7 @@ impl SimulatedWorld {
         let (altitude_m, true_airspeed) = self.flight.profile(&self.situation());
         let looking = self.cameras.iter().find_map(|camera| camera.nose_rad(&self.state));
         let nose_rad = looking.or(self.nose_rad);
-        let demand = Demand { path: self.flight.path(), altitude_m, true_airspeed, nose_rad };
+        let demand = Demand { path: self.flight.path(&self.situation()), altitude_m, true_airspeed, nose_rad };
         let bank = self.state.bank_rad;
         self.settled = match self.model.airframe {
             Airframe::FixedWing => fixed_wing::fly(&mut self.state, &demand, &self.model, self.wind, dt),

@@ -107,6 +107,8 @@ const BARS: &[Bar] = &[
     ),
     bar("load one sequence of 100,000 steps", ["load", "one sequence", "100000"], 0.5e9, None),
     bar("load one chain of 100,000 waitfors", ["load", "one chain of waitfors", "100000"], 0.5e9, None),
+    bar("synthesis of a manoeuvre", ["acquisition", "targets", "1"], 50e6, None),
+    bar("synthesis of manoeuvres for 40 targets", ["acquisition", "targets", "40"], 1e9, None),
     bar("load 25,000 procedures of 4 steps", ["load", "many procedures", "100000"], 0.5e9, None),
 ];
 

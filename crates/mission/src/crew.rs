@@ -2,7 +2,7 @@
 
 use crate::error::MissionResult;
 use crate::ways::{Limits, register};
-use crate::{Mission, program};
+use crate::{Mission, acquisition, program};
 use apex_executive::Agent;
 use apex_model::host::HostFunctions;
 use apex_model::library::{AgentDeclaration, Library};
@@ -13,6 +13,7 @@ use std::sync::Arc;
 pub fn host_functions_of(mission: &Mission) -> HostFunctions {
     let mut functions = program::host_functions();
     register(Limits::of(mission), &mut functions);
+    acquisition::register(mission, &mut functions);
     functions
 }
 

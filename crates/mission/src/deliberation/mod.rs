@@ -9,11 +9,11 @@ mod steps;
 pub use solve::{Deliberation, PLAN_VISITS_MAX, PlanningResources, SolveOptions, name_obstacles, solve, validate};
 pub use steps::translate;
 
-use crate::Mission;
 use crate::problem::{NoPlan, here, pose};
 use crate::report::{Report, report};
 use crate::score::{FlownScore, told};
 use crate::situation::{OperatorPlan, Situation};
+use crate::{Mission, acquisition};
 use apex_model::effect::{Effect, SolveRequest};
 use apex_model::event::Batch;
 use apex_model::problem::{Plan, Position, Problem};
@@ -93,6 +93,9 @@ impl Deliberator for MissionDeliberator {
     }
 
     fn pose(&mut self, request: &SolveRequest, at: Time) -> Posed {
+        if acquisition::is_goal(&request.goal) {
+            return acquisition::pose(&self.mission, &self.situation, request, at);
+        }
         let question = Question::of(
             &self.mission,
             (&self.situation, self.flown.as_ref().ok().and_then(Option::as_ref)),

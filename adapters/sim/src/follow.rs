@@ -1,0 +1,171 @@
+//! Following a path of points: orbits, spirals, arcs and search patterns are such paths.
+//!
+//! A fixed wing follows the legs as lines, and chains of short legs as turns. A rotorcraft keeps the speeds that the command
+//! states at points, brakes for corners and for the end, and climbs along the legs.
+
+use crate::arguments::WayPoint;
+use crate::motion::{ALTITUDE_CAPTURE_S, wrap_pi};
+use crate::path::{Line, Path, bearing};
+use crate::situation::Situation;
+use apex_geo::geodesy::RAD_PER_DEG;
+use apex_model::problem::Position;
+use libm::{sin, sqrt};
+use std::sync::Arc;
+
+/// A turn of more than this between two legs is a corner for a rotorcraft; its direction of flight changes in this time.
+const CORNER_RAD: f64 = 25.0 * RAD_PER_DEG;
+const CORNER_S: f64 = 1.0;
+/// Legs shorter than this share of the turn radius are chords of a turn of a fixed wing.
+const CHORD_SHARE: f64 = 0.5;
+/// A path begins at its first point where the vehicle is nearer to it than this.
+const AT_FIRST_M: f64 = 15.0;
+/// A rotorcraft has arrived within this distance of the last point.
+const ARRIVED_M: f64 = 1.0;
+
+/// A path and the leg of it that is being flown.
+#[derive(Clone, Debug)]
+pub(crate) struct FollowedPath {
+    points: Arc<[WayPoint]>,
+    /// Greatest speed at each point, m/s: as commanded, and so that the next ones can be kept by braking.
+    speeds: Arc<[f64]>,
+    /// Greatest speed at each point as commanded; the greater one of its ends holds on a leg.
+    wanted: Arc<[f64]>,
+    /// The point that the present leg leads to.
+    next: usize,
+    leg: Line,
+    from_altitude_m: f64,
+    turn_rad_per_m: f64,
+    is_fixed_wing: bool,
+}
+
+impl FollowedPath {
+    /// The path from where the vehicle is; `None` for fewer than two points.
+    pub(crate) fn new(points: Vec<WayPoint>, speeds: &[f64], here: &Situation) -> Option<FollowedPath> {
+        let first = points.first()?;
+        points.get(1)?;
+        let is_fixed_wing = here.fixed();
+        let wanted: Vec<f64> = if is_fixed_wing { Vec::new() } else { speeds.to_vec() };
+        let speeds = if is_fixed_wing { Vec::new() } else { node_speeds(&points, speeds, here) };
+        let mut path = FollowedPath {
+            leg: Line::new(here.state.position, first.position),
+            points: points.into(),
+            speeds: speeds.into(),
+            wanted: wanted.into(),
+            next: 0,
+            from_altitude_m: here.state.altitude_m,
+            turn_rad_per_m: 0.0,
+            is_fixed_wing,
+        };
+        if path.leg.length_m < AT_FIRST_M {
+            path.step(here);
+        }
+        Some(path)
+    }
+
+    /// What to follow now.
+    pub(crate) fn path(&self, here: &Situation) -> Path {
+        if self.is_fixed_wing {
+            return Path::Leg(self.leg, self.turn_rad_per_m);
+        }
+        let left_m = self.left_m(here.state.position);
+        let at_next = self.speeds.get(self.next).copied().unwrap_or(0.0);
+        let braking = here.model.braking_share * here.model.acceleration_m_s2_max;
+        let to_brake = sqrt(at_next * at_next + 2.0 * braking * left_m.max(0.2));
+        let before = self.next.checked_sub(1).and_then(|index| self.wanted.get(index)).copied().unwrap_or(0.0);
+        let on_leg = self.wanted.get(self.next).map_or(f64::INFINITY, |speed| speed.max(before));
+        Path::Paced(self.leg, self.level_share() * to_brake.min(on_leg))
+    }
+
+    /// Share of the speed along the leg that is level.
+    fn level_share(&self) -> f64 {
+        let rise_m = self.rise_m();
+        self.leg.length_m / sqrt(self.leg.length_m * self.leg.length_m + rise_m * rise_m).max(1e-3)
+    }
+
+    fn rise_m(&self) -> f64 {
+        self.points.get(self.next).and_then(|point| point.altitude_m).map_or(0.0, |to| to - self.from_altitude_m)
+    }
+
+    /// The altitude demanded now: along the leg, ahead by what the climb lags behind.
+    pub(crate) fn altitude_m(&self, here: &Situation) -> Option<f64> {
+        let to_m = self.points.get(self.next)?.altitude_m?;
+        let (rise_m, length_m) = (to_m - self.from_altitude_m, self.leg.length_m.max(1.0));
+        if rise_m.abs() < 0.01 {
+            return Some(to_m);
+        }
+        let along = (1.0 - self.left_m(here.state.position) / length_m).clamp(0.0, 1.0);
+        let ahead_m = rise_m / length_m * here.state.ground_speed() * ALTITUDE_CAPTURE_S;
+        Some(self.from_altitude_m + along * rise_m + ahead_m)
+    }
+
+    fn left_m(&self, position: Position) -> f64 {
+        (self.leg.length_m - self.leg.locate(position).0).max(0.0)
+    }
+
+    /// Distance to the end of the present leg, and to the end of the path.
+    pub(crate) fn distances_m(&self, position: Position) -> (f64, f64) {
+        let left_m = self.left_m(position);
+        let ahead = || self.points.iter().skip(self.next);
+        let rest_m: f64 = ahead().zip(ahead().skip(1)).map(|(a, b)| bearing(a.position, b.position).1).sum();
+        (left_m, left_m + rest_m)
+    }
+
+    /// Continues with the leg on which the vehicle is now. False when the whole path is flown.
+    pub(crate) fn advance(&mut self, here: &Situation) -> bool {
+        loop {
+            let is_last = self.next + 1 >= self.points.len();
+            let near_m = if is_last && !self.is_fixed_wing { ARRIVED_M } else { 0.3 * here.state.ground_speed() };
+            let near_m = if self.is_fixed_wing { 0.0 } else { near_m };
+            if self.left_m(here.state.position) > near_m {
+                return true;
+            }
+            if is_last {
+                return false;
+            }
+            self.step(here);
+        }
+    }
+
+    fn step(&mut self, here: &Situation) {
+        let (Some(from), Some(to)) = (self.points.get(self.next), self.points.get(self.next + 1)) else { return };
+        self.leg = Line::new(from.position, to.position);
+        self.from_altitude_m = from.altitude_m.unwrap_or(here.state.altitude_m);
+        self.next += 1;
+        self.turn_rad_per_m = self.turn_rad_per_m(here);
+    }
+
+    /// How much the course changes per metre of a chord, by the legs before and after it.
+    fn turn_rad_per_m(&self, here: &Situation) -> f64 {
+        let (Some(end), Some(after)) = (self.points.get(self.next), self.points.get(self.next + 1)) else { return 0.0 };
+        let next = Line::new(end.position, after.position);
+        let longest_m = CHORD_SHARE * here.turn_radius_m();
+        if self.leg.length_m > longest_m || next.length_m > longest_m || self.leg.length_m < 1.0 {
+            return 0.0;
+        }
+        wrap_pi(next.azimuth_rad - self.leg.locate(end.position).2) / (0.5 * (self.leg.length_m + next.length_m))
+    }
+}
+
+/// Greatest speeds at the points of a path for a rotorcraft: commanded, at corners, and so that the next can be kept by braking.
+fn node_speeds(points: &[WayPoint], wanted: &[f64], here: &Situation) -> Vec<f64> {
+    let acceleration = here.model.acceleration_m_s2_max;
+    let braking = here.model.braking_share * acceleration;
+    let mut speeds: Vec<f64> =
+        (0..points.len()).map(|index| wanted.get(index).copied().unwrap_or(f64::INFINITY)).collect();
+    for (index, window) in points.windows(3).enumerate() {
+        let [before, corner, after] = window else { continue };
+        let (into, out) = (Line::new(before.position, corner.position), Line::new(corner.position, after.position));
+        let turn_rad = wrap_pi(out.azimuth_rad - into.azimuth_rad).abs();
+        if let (true, Some(speed)) = (turn_rad > CORNER_RAD, speeds.get_mut(index + 1)) {
+            *speed = speed.min(acceleration * CORNER_S / (2.0 * sin(0.5 * turn_rad)).max(1e-6));
+        }
+    }
+    let mut after: Option<(f64, Position)> = None;
+    for (point, speed) in points.iter().zip(speeds.iter_mut()).rev() {
+        let most = after
+            .map_or(0.0, |(speed, position)| sqrt(speed * speed + 2.0 * braking * bearing(point.position, position).1));
+        *speed = speed.min(most);
+        after = Some((*speed, point.position));
+    }
+    speeds
+}

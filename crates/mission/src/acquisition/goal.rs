@@ -1,0 +1,230 @@
+//! Data-acquisition goals: `(acquire TARGET :product video :resolution 10cm :coverage 0.9 ..)`.
+
+use super::form::keywords;
+use super::vehicle::{elevation_m, target_of};
+use crate::{Mission, TargetKind};
+use apex_geo::location::Location;
+use apex_model::problem::Position;
+use apex_model::quantity::Dimension;
+use apex_model::value::Value;
+use apex_observation::grid::{GridSettings, PLANNING_CELLS, TargetGrid};
+use apex_observation::target::{LookAngles, ObservedTarget, TargetArea, WantedLook};
+use apex_observation::timing::LightNeed;
+use serde::Serialize;
+use std::sync::Arc;
+
+/// Keywords of a goal.
+pub(crate) const KEYWORDS: [&str; 9] =
+    ["product", "resolution", "coverage", "clarity", "look-angle", "light", "latency", "by", "with"];
+/// Points of a perfect look: factors are compared as percentages.
+pub(super) const PERFECT_POINTS: f64 = 100.0;
+
+/// What is recorded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum ProductKind {
+    /// Whatever serves.
+    Any,
+    /// Pictures one by one.
+    Stills,
+    /// Video.
+    Video,
+    /// Lines of a scanner.
+    Lines,
+}
+
+/// What shall be acquired.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct AcquisitionGoal {
+    /// The target as the goal names it: an id, or a location.
+    pub(crate) named: Value,
+    /// Its ground, with one wanted look.
+    pub(crate) target: ObservedTarget,
+    /// Its ground in cells.
+    pub(crate) grid: Arc<TargetGrid>,
+    /// Its middle.
+    pub(crate) position: Position,
+    /// Greatest distance of its ground from the middle; 0 for a point.
+    pub(crate) radius_m: f64,
+    /// What is recorded.
+    pub(crate) product: ProductKind,
+    /// Wanted metres per pixel; infinite: any.
+    pub(crate) resolution_m: f64,
+    /// Least share of the ground.
+    pub(crate) coverage_min: f64,
+    /// Least clarity.
+    pub(crate) clarity_min: f64,
+    /// Wanted angles off the vertical.
+    pub(crate) look_angle_deg: Option<(f64, f64)>,
+    /// Wanted light.
+    pub(crate) light: LightNeed,
+    /// Greatest time from the end of the observation until the data are on the ground.
+    pub(crate) latency_s: Option<f64>,
+    /// Latest end, since the mission's start.
+    pub(crate) by_s: Option<f64>,
+    /// The sensor; none: whichever serves.
+    pub(crate) sensor: Option<String>,
+}
+
+/// True for a goal of this kind.
+pub(crate) fn is_goal(goal: &Value) -> bool {
+    let head = goal.as_list().and_then(|items| items.first()).and_then(Value::as_symbol);
+    head.is_some_and(|head| head.is("acquire"))
+}
+
+/// A value of a keyword with what it should be.
+struct Field<'a> {
+    key: &'static str,
+    value: Option<&'a Value>,
+}
+
+impl Field<'_> {
+    fn wrong<T>(&self, expected: &str) -> Result<T, String> {
+        let value = self.value.map_or_else(|| "nothing".to_string(), Value::to_string);
+        Err(format!("`:{}` of the goal is {value}; write {expected}", self.key))
+    }
+
+    fn number(&self, dimension: Dimension, expected: &str) -> Result<Option<f64>, String> {
+        let Some(value) = self.value else { return Ok(None) };
+        match value.as_number() {
+            Some((number, found)) if found == dimension && number.is_finite() && number >= 0.0 => Ok(Some(number)),
+            _ => self.wrong(expected),
+        }
+    }
+
+    fn share(&self) -> Result<f64, String> {
+        match self.number(Dimension::NONE, "a share from 0 to 1, such as 0.9")? {
+            None => Ok(0.0),
+            Some(share) if share <= 1.0 => Ok(share),
+            Some(_) => self.wrong("a share from 0 to 1, such as 0.9"),
+        }
+    }
+
+    fn word(&self) -> Option<String> {
+        self.value.map(|value| value.to_string().to_lowercase())
+    }
+
+    fn angles(&self) -> Result<Option<(f64, f64)>, String> {
+        let Some(value) = self.value else { return Ok(None) };
+        let expected = "two angles off the vertical, such as (30deg 60deg)";
+        let degrees = |value: &Value| match value.as_number()? {
+            (rad, Dimension::ANGLE) => Some(rad.to_degrees()),
+            (degrees, Dimension::NONE) => Some(degrees),
+            _ => None,
+        };
+        match value.as_list() {
+            Some([low, high]) => match (degrees(low), degrees(high)) {
+                (Some(low), Some(high)) if 0.0 <= low && low <= high && high < 90.0 => Ok(Some((low, high))),
+                _ => self.wrong(expected),
+            },
+            _ => self.wrong(expected),
+        }
+    }
+}
+
+impl AcquisitionGoal {
+    /// Reads a goal.
+    ///
+    /// # Errors
+    /// The keyword that is unknown or has a value of the wrong kind, with what to write; a target that is not known.
+    pub(crate) fn read(mission: &Mission, goal: &Value) -> Result<AcquisitionGoal, String> {
+        let items = goal.as_list().unwrap_or_default();
+        let [_, named, rest @ ..] = items else {
+            return Err("the goal names no target: write (acquire TARGET ..)".to_string());
+        };
+        let fields = keywords(rest, "the goal `acquire`")?;
+        if let Some((stray, _)) = fields.iter().find(|(key, _)| !KEYWORDS.contains(&key.as_str())) {
+            let shared = |key: &str| key.chars().zip(stray.chars()).take_while(|(a, b)| a == b).count();
+            let near = KEYWORDS.iter().max_by_key(|key| shared(key)).filter(|key| shared(key) > 0);
+            let near = near.map_or_else(String::new, |key| format!("did you mean `:{key}`? "));
+            let known: Vec<String> = KEYWORDS.iter().map(|key| format!(":{key}")).collect();
+            return Err(format!("the goal `acquire` has no keyword `:{stray}`; {near}it has {}", known.join(" ")));
+        }
+        let field = |key: &'static str| Field {
+            key,
+            value: fields.iter().find(|(name, _)| name == key).map(|(_, value)| *value),
+        };
+        let product = match field("product").word().as_deref() {
+            None | Some("any") => ProductKind::Any,
+            Some("stills") => ProductKind::Stills,
+            Some("video") => ProductKind::Video,
+            Some("lines") => ProductKind::Lines,
+            Some(_) => return field("product").wrong("stills, video, lines or any"),
+        };
+        let light = match field("light").word().as_deref() {
+            None | Some("any") => LightNeed::Any,
+            Some("day") => LightNeed::DAY,
+            Some("night") => LightNeed::NIGHT,
+            Some(_) => return field("light").wrong("day, night or any"),
+        };
+        let resolution = field("resolution").number(Dimension::LENGTH, "a length for one pixel, such as 10cm")?;
+        if resolution == Some(0.0) {
+            return field("resolution").wrong("a length greater than 0, such as 10cm");
+        }
+        let resolution_m = resolution.unwrap_or(f64::INFINITY);
+        let look_angle_deg = field("look-angle").angles()?;
+        let look = WantedLook {
+            look_angles: look_angle_deg.map(|(min_deg, max_deg)| LookAngles { min_deg, max_deg, ramp_deg: 5.0 }),
+            light,
+            ..WantedLook::new("acquire", PERFECT_POINTS, resolution_m)
+        };
+        let (target, position) = observed(mission, named, look)?;
+        let settings = GridSettings { cells: PLANNING_CELLS / 4, ..GridSettings::default() };
+        let grid = TargetGrid::new(&target, settings).map_err(|error| error.to_string())?;
+        let radius_m = match &target.area {
+            TargetArea::Point(_) => 0.0,
+            _ => grid.positions().map(|cell| apex_geo::geodesy::distance_m(position, cell)).fold(0.0, f64::max),
+        };
+        Ok(AcquisitionGoal {
+            named: named.clone(),
+            position,
+            radius_m,
+            target,
+            grid: Arc::new(grid),
+            product,
+            resolution_m,
+            coverage_min: field("coverage").share()?,
+            clarity_min: field("clarity").share()?,
+            look_angle_deg,
+            light,
+            latency_s: field("latency").number(Dimension::TIME, "a duration, such as 10min")?,
+            by_s: field("by").number(Dimension::TIME, "a time since the mission's start, such as 30min")?,
+            sensor: field("with").word(),
+        })
+    }
+}
+
+/// The ground of a target: that of the mission's data, or a point.
+fn observed(mission: &Mission, named: &Value, look: WantedLook) -> Result<(ObservedTarget, Position), String> {
+    let point = |name: &str, position: Position, elevation_m: f64| ObservedTarget {
+        name: name.to_string(),
+        area: TargetArea::Point(position),
+        elevation_m,
+        is_water: false,
+        looks: vec![look.clone()],
+        after: Vec::new(),
+    };
+    let name = match named {
+        Value::Symbol(symbol) => symbol.folded().to_string(),
+        Value::Text(text) => text.to_lowercase(),
+        _ => {
+            let place = Location::of(named).map_err(|reason| format!("the target is {named}: {reason}"))?;
+            let near = mission
+                .targets
+                .iter()
+                .map(|target| (apex_geo::geodesy::distance_m(target.position, place.position), target.elevation_m));
+            let ground_m =
+                near.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(mission.start_altitude_m, |(_, ground_m)| ground_m);
+            let elevation_m = place.altitude_m.unwrap_or(ground_m);
+            return Ok((point(&named.to_string(), place.position, elevation_m), place.position));
+        }
+    };
+    let target = target_of(mission, &name)?;
+    let level_m = elevation_m(target);
+    Ok(match &target.kind {
+        TargetKind::Fire(fire) => {
+            (ObservedTarget { looks: vec![look], after: Vec::new(), ..fire.wanted.clone() }, target.position)
+        }
+        _ => (point(&target.id, target.position, level_m), target.position),
+    })
+}

@@ -1,0 +1,19 @@
+//! Data acquisition: manoeuvres for the mission's vehicle and targets as PDL writes and flies them, and their synthesis from
+//! goals `(acquire TARGET ..)`.
+//!
+//! Predictions come from `apex_observation::manoeuvres`; a goal is answered with a typed procedure (docs/reference/manoeuvres.md).
+
+mod answer;
+mod candidates;
+mod form;
+mod goal;
+mod paths;
+mod predicted;
+mod solve;
+mod vehicle;
+
+pub(crate) use answer::pose;
+pub use answer::synthesised;
+pub(crate) use goal::is_goal;
+pub(crate) use paths::register;
+pub use predicted::{PerformedManoeuvre, forecast};

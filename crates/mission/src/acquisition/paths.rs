@@ -1,0 +1,168 @@
+//! The function by which PDL gets the points of a manoeuvre: `(manoeuvre-path FORM TARGET CAMERA SPEED MET)`.
+//!
+//! It depends on its arguments and the mission's data only, so a replay gets the same answers. Bound: O(points).
+
+use super::form::path_of;
+use super::vehicle::{craft_of, instrument_of, scene_of};
+use crate::Mission;
+use crate::observing::carries_scanner;
+use crate::vehicle::VehicleModel;
+use apex_geo::location::Location;
+use apex_model::host::HostFunctions;
+use apex_model::problem::{Position, WindField};
+use apex_model::quantity::Dimension;
+use apex_model::time::Duration;
+use apex_model::value::Value;
+use apex_observation::manoeuvres::{
+    AttitudeMode, DataHandling, Element, FlightPath, Instrument, Manoeuvre, PayloadUse, Scene, Sight, SpeedProfile,
+};
+use std::sync::Arc;
+
+/// What the function knows of a mission.
+pub(crate) struct Places {
+    model: VehicleModel,
+    wind: WindField,
+    /// Named targets with the level of their observed part.
+    targets: Vec<(String, Position, f64)>,
+}
+
+/// The manoeuvre that PDL flies: along a path with a camera (or the scanner), at a speed.
+pub(crate) fn manoeuvre_of(path: FlightPath, speed_mps: Option<f64>, craft_hovers: bool, scans: bool) -> Manoeuvre {
+    let speed = match speed_mps {
+        Some(speed_mps) if craft_hovers => SpeedProfile::GroundSpeed(speed_mps),
+        Some(speed_mps) => SpeedProfile::Airspeed(speed_mps),
+        None => SpeedProfile::Smear(1.0),
+    };
+    let attitude = match (&path, craft_hovers) {
+        (_, false) => AttitudeMode::Coordinated,
+        (FlightPath::StandOff(_) | FlightPath::Arc(_) | FlightPath::Orbit(_) | FlightPath::VantagePoint(_), true) => {
+            AttitudeMode::Pointing
+        }
+        _ => AttitudeMode::Coordinated,
+    };
+    let payload = if scans { PayloadUse::LineScan } else { PayloadUse::Video };
+    Manoeuvre { path, attitude, speed, payload, data: DataHandling::Store }
+}
+
+/// Registers the function of a mission in place of the one without.
+pub(crate) fn register(mission: &Mission, functions: &mut HostFunctions) {
+    let targets = mission.targets.iter();
+    let places = Arc::new(Places {
+        model: mission.model.clone(),
+        wind: mission.forecast.clone(),
+        targets: targets
+            .map(|target| (target.id.to_lowercase(), target.position, super::vehicle::elevation_m(target)))
+            .collect(),
+    });
+    let function =
+        move |arguments: &[Value]| places.points(arguments).map_err(|reason| format!("`manoeuvre-path`: {reason}"));
+    functions.register("manoeuvre-path", Arc::new(function));
+}
+
+impl Places {
+    /// Returns `(POINTS SPEEDS SPEED BEGIN AIM LOOKS DWELL)`: points with altitudes, the ground speed at each (nil for a fixed wing),
+    /// the airspeed, `hover` or `line` for how it begins, `down` or the target for the aim of the camera, pairs of a
+    /// heading and a place for the camera to point at from a hover, and the time for each.
+    fn points(&self, arguments: &[Value]) -> Result<Value, String> {
+        let [form, target, camera, speed, met] = arguments else {
+            return Err(format!("it takes 5 arguments and was given {}", arguments.len()));
+        };
+        let path = path_of(form)?;
+        let (place, elevation_m) = self.place(target)?;
+        let speed_mps = match speed.as_number() {
+            Some((speed, Dimension::SPEED | Dimension::NONE)) if speed.is_finite() && speed > 0.0 => Some(speed),
+            None if !speed.is_true() => None,
+            _ => return Err(format!("the speed {speed} is not a speed")),
+        };
+        let at_s = met.as_number().map_or(0.0, |(seconds, _)| seconds);
+        let name = camera.as_symbol().map(|name| name.folded().to_string());
+        let instrument = instrument_of(&self.model, name.as_deref())?;
+        let height_m = height_m(&path);
+        let craft = craft_of(&self.model, elevation_m + height_m);
+        let scene = scene_of((place, elevation_m), &self.wind, height_m, place, at_s);
+        let scans = matches!(instrument, Instrument::Scanner(_)) && carries_scanner(&self.model);
+        let manoeuvre = manoeuvre_of(path, speed_mps, craft.can_hover, scans);
+        let refused = |refusal: apex_observation::manoeuvres::Refusal| refusal.to_string();
+        let track = manoeuvre.track(&craft, &instrument, &scene).map_err(refused)?;
+        let paced = manoeuvre.paced_points(&craft, &instrument, &scene).map_err(refused)?;
+        let speeds = paced.iter().map(|point| Value::measured(point.speed_mps, Dimension::SPEED));
+        let fastest = paced.iter().map(|point| point.true_airspeed_mps).fold(0.0, f64::max);
+        let airspeed = if craft.can_hover {
+            (fastest + 0.5).min(craft.true_airspeed_mps_max)
+        } else {
+            speed_mps.unwrap_or(craft.true_airspeed_mps)
+        };
+        let aim = match track.sight {
+            Sight::Down => Value::symbol("down"),
+            _ => target.clone(),
+        };
+        let points = match paced.is_empty() {
+            true => track.points().map(|point| location(&scene, point.point, point.height_m)).collect::<Vec<_>>(),
+            false => paced.iter().map(|point| location(&scene, point.point, point.height_m)).collect(),
+        };
+        let begin = Value::symbol(if craft.can_hover { "hover" } else { "line" });
+        let speeds = if craft.can_hover { Value::list(speeds) } else { Value::nil() };
+        let airspeed = Value::measured(airspeed, Dimension::SPEED);
+        let looks = Value::list(aims(&track.elements, track.sight, &scene, height_m));
+        let dwell_s = track.elements.iter().find_map(|element| match element {
+            Element::Hover { dwell_s, .. } => Some(*dwell_s),
+            Element::Follow { .. } => None,
+        });
+        let dwell = Value::Duration(Duration::from_seconds(dwell_s.unwrap_or(0.0)));
+        Ok(Value::list([Value::list(points), speeds, airspeed, begin, aim, looks, dwell]))
+    }
+
+    fn place(&self, value: &Value) -> Result<(Position, f64), String> {
+        let name = match value {
+            Value::Symbol(symbol) => symbol.folded().to_string(),
+            Value::Text(text) => text.to_lowercase(),
+            _ => {
+                let place = Location::of(value)?;
+                return Ok((place.position, place.altitude_m.unwrap_or(0.0)));
+            }
+        };
+        let found = self.targets.iter().find(|(id, ..)| *id == name);
+        let known = || self.targets.iter().map(|(id, ..)| id.as_str()).collect::<Vec<_>>().join(", ");
+        found
+            .map(|(_, position, level)| (*position, *level))
+            .ok_or_else(|| format!("the mission has no target `{name}`; it has {}", known()))
+    }
+}
+
+/// Height of a path over its target.
+pub(crate) fn height_m(path: &FlightPath) -> f64 {
+    match path {
+        FlightPath::StraightOver(path) => path.height_m,
+        FlightPath::StandOff(path) => path.height_m,
+        FlightPath::Spiral(path) => path.height_m,
+        FlightPath::Arc(path) => path.overhead_m(),
+        FlightPath::Sweep(path) => path.height_m,
+        FlightPath::Pirouette(path) => path.height_m,
+        FlightPath::Strafe(path) => path.height_m,
+        FlightPath::Orbit(path) => path.height_m,
+        FlightPath::VantagePoint(path) => path.height_m(),
+        FlightPath::ExpandingSquare(path) => path.height_m,
+        FlightPath::SectorSearch(path) => path.height_m,
+    }
+}
+
+fn location(scene: &Scene, point: apex_geo::plane::Point, height_m: f64) -> Value {
+    let Position { latitude_deg, longitude_deg } = scene.position(point);
+    Value::list([latitude_deg, longitude_deg, scene.elevation_m + height_m].map(Value::Real))
+}
+
+/// Directions of the nose with the place that a camera points at from a hover.
+fn aims(elements: &[Element], sight: Sight, scene: &Scene, height_m: f64) -> Vec<Value> {
+    let Sight::Nose { tilt_deg } = sight else { return Vec::new() };
+    let away_m = height_m / libm::tan(-tilt_deg * apex_geo::geodesy::RAD_PER_DEG).max(1e-3);
+    let place = |heading_deg: &f64| {
+        let azimuth_rad = heading_deg * apex_geo::geodesy::RAD_PER_DEG;
+        let point = apex_geo::plane::Point { x: away_m * libm::sin(azimuth_rad), y: away_m * libm::cos(azimuth_rad) };
+        Value::list([Value::Real(*heading_deg), location(scene, point, 0.0)])
+    };
+    let hovers = elements.iter().filter_map(|element| match element {
+        Element::Hover { headings_deg, .. } => Some(headings_deg),
+        Element::Follow { .. } => None,
+    });
+    hovers.flatten().map(place).collect()
+}

@@ -1,0 +1,86 @@
+//! What a manoeuvre that PDL writes is predicted to give in a mission.
+
+use super::form::path_of;
+use super::paths::{height_m, manoeuvre_of};
+use super::vehicle::{craft_of, elevation_m, instrument_of, scene_of, target_of};
+use crate::observing::{ForecastAir, NoTerrain};
+use crate::{Mission, TargetKind};
+use apex_geo::geodesy::Position;
+use apex_model::value::Value;
+use apex_observation::manoeuvres::{
+    Craft, FlightPath, Forecast, ForecastContext, Instrument, Manoeuvre, PayloadUse, Refusal, Scene,
+};
+use apex_observation::predict::PredictionContext;
+use apex_observation::target::ObservedTarget;
+use std::collections::BTreeMap;
+
+/// A manoeuvre as a PDL program asks for it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PerformedManoeuvre<'a> {
+    /// The form, for example `(orbit :radius 60m :height 40m)`.
+    pub form: &'a Value,
+    /// The target's id.
+    pub target: &'a str,
+    /// The camera, or `scanner`; none: what the vehicle looks with.
+    pub sensor: Option<&'a str>,
+    /// Airspeed of a fixed wing, ground speed of a rotorcraft; none: that of the sharpest pictures.
+    pub speed_mps: Option<f64>,
+    /// Distance over ground between pictures.
+    pub every_m: f64,
+    /// When it begins, since the mission's start.
+    pub from_s: f64,
+}
+
+/// What the manoeuvre is predicted to see of its target and to cost.
+///
+/// # Errors
+/// An error message: the form is wrong, the mission has no such target or sensor, or a limit of vehicle, sensor or wind.
+pub fn forecast(mission: &Mission, wanted: &PerformedManoeuvre<'_>) -> Result<Forecast, String> {
+    let path = path_of(wanted.form)?;
+    let target = target_of(mission, wanted.target)?;
+    let instrument = instrument_of(&mission.model, wanted.sensor)?;
+    let scene = scene(mission, (target.position, elevation_m(target)), &path, target.position, wanted.from_s);
+    let craft = craft_of(&mission.model, scene.elevation_m + height_m(&path));
+    let scans = matches!(instrument, Instrument::Scanner(_));
+    let manoeuvre = manoeuvre_of(path, wanted.speed_mps, craft.can_hover, scans);
+    let payload = if scans { manoeuvre.payload } else { PayloadUse::StillsEvery(wanted.every_m) };
+    let manoeuvre = Manoeuvre { payload, ..manoeuvre };
+    let TargetKind::Fire(fire) = &target.kind else {
+        return Err(format!("nothing is wanted of `{}`: give it a value and a resolution", target.id));
+    };
+    let told = |refusal: Refusal| refusal.to_string();
+    forecast_of(mission, &manoeuvre, (&craft, &instrument, &scene), (&fire.wanted, &fire.grid)).map_err(told)
+}
+
+/// The scene of a path over a place in the mission's forecast wind.
+pub(super) fn scene(
+    mission: &Mission,
+    place: (Position, f64),
+    path: &FlightPath,
+    approach: Position,
+    from_s: f64,
+) -> Scene {
+    scene_of(place, &mission.forecast, height_m(path), approach, from_s)
+}
+
+/// The forecast of a manoeuvre in the mission's air.
+pub(super) fn forecast_of(
+    mission: &Mission,
+    manoeuvre: &Manoeuvre,
+    (craft, instrument, scene): (&Craft, &Instrument, &Scene),
+    (target, grid): (&ObservedTarget, &apex_observation::grid::TargetGrid),
+) -> Result<Forecast, Refusal> {
+    let first_valid_s = BTreeMap::new();
+    let air = ForecastAir::new(mission);
+    let ground = NoTerrain { lowest_m: target.elevation_m };
+    let prediction = PredictionContext {
+        zero_unix_s: mission.settings.epoch_unix_s.unwrap_or(0.0),
+        ground: &ground,
+        conditions: &air,
+        seen: None,
+        products: &[],
+        first_valid_s: &first_valid_s,
+        is_explained: false,
+    };
+    manoeuvre.forecast(craft, instrument, scene, &ForecastContext { target, grid, prediction })
+}

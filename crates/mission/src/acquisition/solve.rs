@@ -1,0 +1,317 @@
+//! Synthesis: candidates for a goal, predicted, filtered by what is required and by Pareto dominance, one chosen by worth and
+//! time. A candidate that is dropped keeps its reason; an empty answer names the nearest miss.
+//!
+//! Bound: `CANDIDATES_MAX` forecasts and O(n^2) comparisons.
+
+use super::candidates::{CANDIDATES_MAX, Candidate, at_height, heights_m, lowest_m, sensors};
+use super::goal::AcquisitionGoal;
+use super::predicted::forecast_of;
+use super::vehicle::{craft_of, scene_of};
+use crate::Mission;
+use apex_geo::geodesy::{self, Position};
+use apex_geo::plane::{self, Plane, Point};
+use apex_model::problem::{AirspaceZone, ZoneKind};
+use apex_observation::manoeuvres::{FlightPath, Forecast, Instrument, Scene};
+use apex_observation::sensor::CameraSetting;
+use apex_observation::timing::LightNeed;
+use apex_observation::timing::sun::solar_position;
+
+/// Candidates that are handed on at most.
+const ANSWERS_MAX: usize = 8;
+/// Least mean factor of resolution: nearly all of the wanted ground is at least as fine as wanted.
+const RESOLUTION_MIN: f64 = 0.9;
+/// Candidates worth this share of the best are as good: time decides.
+const AS_GOOD: f64 = 0.99;
+
+/// Place, time and remaining energy.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Start {
+    /// Where the vehicle is.
+    pub(crate) here: Position,
+    /// Instant.
+    pub(crate) at_s: f64,
+    /// Flight time left without the reserve.
+    pub(crate) endurance_s: f64,
+}
+
+/// A candidate with what it is predicted to give.
+#[derive(Clone, Debug)]
+pub(crate) struct Predicted {
+    pub(super) candidate: Candidate,
+    pub(super) scene: Scene,
+    pub(super) forecast: Forecast,
+    /// Time to get there.
+    pub(super) travel_s: f64,
+}
+
+/// A candidate that was left out: how far it is from what works, as a share, and the reason.
+#[derive(Clone, Debug, PartialEq)]
+struct Miss {
+    by: f64,
+    why: String,
+}
+
+/// What a goal comes to: the Pareto front, best first, and counts.
+#[derive(Clone, Debug)]
+pub(crate) struct Synthesis {
+    /// The front; the first is chosen.
+    pub(crate) front: Vec<Predicted>,
+    /// Candidates in all.
+    pub(crate) tried: usize,
+    /// Candidates that meet the goal.
+    pub(crate) meet: usize,
+    /// Reasons of the nearest that do not, nearest first.
+    pub(crate) misses: Vec<String>,
+}
+
+/// Synthesises manoeuvres for a goal.
+///
+/// # Errors
+/// No vehicle or sensor of the mission can meet the goal: the nearest miss.
+pub(crate) fn synthesise(mission: &Mission, goal: &AcquisitionGoal, start: Start) -> Result<Synthesis, String> {
+    let sensors = sensors(mission, goal)?;
+    light(mission, goal, &sensors, start.at_s)?;
+    let mut misses: Vec<Miss> = Vec::new();
+    let mut candidates = Vec::new();
+    for (name, instrument) in &sensors {
+        height_miss(mission, goal, (name, instrument), &mut misses);
+        for height_m in heights_m(mission, goal, instrument) {
+            candidates.extend(at_height((mission, goal), (name, instrument), height_m, (start.here, start.at_s)));
+        }
+    }
+    thin(&mut candidates);
+    let tried = candidates.len();
+    let mut meeting = Vec::new();
+    for candidate in candidates {
+        match judged(mission, goal, candidate, start) {
+            Ok(predicted) => meeting.push(predicted),
+            Err(miss) => misses.push(miss),
+        }
+    }
+    misses.sort_by(|a, b| a.by.total_cmp(&b.by));
+    misses.dedup_by(|next, before| next.why == before.why);
+    let mut misses: Vec<String> = misses.into_iter().map(|miss| miss.why).collect();
+    misses.truncate(ANSWERS_MAX);
+    let meet = meeting.len();
+    let front = front(meeting);
+    match front.is_empty() {
+        false => Ok(Synthesis { front, tried, meet, misses }),
+        true => {
+            let nearest = misses.first().map_or("no manoeuvre fits the vehicle and its sensors", String::as_str);
+            Err(format!(
+                "none of {tried} manoeuvres acquires `{}` as wanted; the nearest miss: {nearest}",
+                goal.target.name
+            ))
+        }
+    }
+}
+
+/// The pixels that are wanted need a height at which the vehicle may not fly.
+fn height_miss(
+    mission: &Mission,
+    goal: &AcquisitionGoal,
+    (name, instrument): (&str, &Instrument),
+    misses: &mut Vec<Miss>,
+) {
+    let highest_m = goal.resolution_m / instrument.pixel_rad();
+    let lowest_m = lowest_m(mission, goal);
+    if highest_m < lowest_m {
+        let works_m = lowest_m * instrument.pixel_rad();
+        let why = format!(
+            "`{name}` needs {highest_m:.0} m above the target or less for pixels of {} m, `{}` flies no lower than {lowest_m:.0} m; \
+             {works_m:.3} m works",
+            goal.resolution_m, mission.model.name
+        );
+        misses.push(Miss { by: (lowest_m - highest_m) / lowest_m * 0.5, why });
+    }
+}
+
+/// Evenly fewer where there are too many.
+fn thin(candidates: &mut Vec<Candidate>) {
+    let count = candidates.len();
+    if count <= CANDIDATES_MAX {
+        return;
+    }
+    let mut index = 0;
+    candidates.retain(|_| {
+        let kept = index * CANDIDATES_MAX / count != (index + 1) * CANDIDATES_MAX / count;
+        index += 1;
+        kept
+    });
+}
+
+/// The light that the goal or every sensor needs.
+fn light(mission: &Mission, goal: &AcquisitionGoal, sensors: &[(String, Instrument)], at_s: f64) -> Result<(), String> {
+    let Some(zero_unix_s) = mission.settings.epoch_unix_s else { return Ok(()) };
+    let sun_deg = solar_position(goal.position, zero_unix_s + at_s).elevation_deg;
+    let needs = |instrument: &Instrument| match instrument {
+        Instrument::Camera(CameraSetting { sun_deg_min, .. }) => *sun_deg_min,
+        Instrument::Scanner(_) => None,
+    };
+    let (least_deg, most_deg, whose) = match goal.light {
+        LightNeed::Day { elevation_deg_min, .. } => (Some(elevation_deg_min), None, "the goal wants day".to_string()),
+        LightNeed::Night { elevation_deg_max, .. } => {
+            (None, Some(elevation_deg_max), "the goal wants night".to_string())
+        }
+        LightNeed::Any => {
+            let least = sensors.iter().map(|(_, instrument)| needs(instrument));
+            let all: Option<Vec<f64>> = least.collect();
+            let least = all.and_then(|all| all.into_iter().reduce(f64::min));
+            (least, None, "its cameras have no band for the night".to_string())
+        }
+    };
+    let is_dark = least_deg.is_some_and(|least| sun_deg < least);
+    let is_bright = most_deg.is_some_and(|most| sun_deg > most);
+    if !is_dark && !is_bright {
+        return Ok(());
+    }
+    let fits = |deg: f64| least_deg.is_none_or(|least| deg >= least) && most_deg.is_none_or(|most| deg <= most);
+    let minutes = (0..24 * 60).find(|minute| {
+        fits(solar_position(goal.position, zero_unix_s + at_s + 60.0 * f64::from(*minute)).elevation_deg)
+    });
+    let later = minutes.map_or_else(String::new, |minute| format!("; in {:.1} h it does", f64::from(minute) / 60.0));
+    let limit = least_deg.or(most_deg).unwrap_or(0.0);
+    let side = if is_dark { "at least" } else { "at most" };
+    Err(format!("{whose}, with the sun {side} at {limit:.0} degrees; it is at {sun_deg:.0} degrees{later}"))
+}
+
+/// Predicts a candidate and holds it against the goal.
+fn judged(mission: &Mission, goal: &AcquisitionGoal, candidate: Candidate, start: Start) -> Result<Predicted, Miss> {
+    let name = candidate.manoeuvre.path.name();
+    let at = format!("`{name}` from {:.0} m above the target", candidate.height_m);
+    let place = (goal.position, goal.target.elevation_m);
+    let altitude_m = goal.target.elevation_m + candidate.height_m;
+    let craft = craft_of(&mission.model, altitude_m);
+    let direct_s = geodesy::distance_m(start.here, goal.position) / craft.true_airspeed_mps;
+    let scene = scene_of(place, &mission.forecast, candidate.height_m, start.here, start.at_s + direct_s);
+    let setting = (&craft, &candidate.instrument, &scene);
+    let forecast =
+        forecast_of(mission, &candidate.manoeuvre, setting, (&goal.target, &goal.grid)).map_err(|refusal| {
+            let by = (refusal.value - refusal.limit).abs() / refusal.limit.abs().max(refusal.value.abs()).max(1e-9);
+            Miss { by: 1.0 + by, why: refusal.to_string() }
+        })?;
+    let first = forecast.flown.poses.first().map_or(goal.position, |pose| scene.position(pose.point));
+    let travel_s = geodesy::distance_m(start.here, first) / craft.true_airspeed_mps;
+    // All that it lacks: it is as far from the goal as the worst of them.
+    let mut misses = Vec::new();
+    if let Some(zone) = closed_by(mission, &forecast, &scene, start.at_s + travel_s) {
+        let (low_m, high_m) = (zone.altitude_m_min, zone.altitude_m_max);
+        let by = (high_m - altitude_m).min(altitude_m - low_m).max(0.0) / altitude_m.max(1.0);
+        misses.push(Miss {
+            by,
+            why: format!(
+                "{at} needs {altitude_m:.0} m above sea level, the zone `{}` reaches from {low_m:.0} m to {high_m:.0} m",
+                zone.name
+            ),
+        });
+    }
+    if let Some((figure, wanted, found)) = short_of(goal, &forecast) {
+        let why = format!("{at} is predicted a {figure} of {found:.2}, {wanted:.2} is wanted");
+        misses.push(Miss { by: (wanted - found) / wanted, why });
+    }
+    let end_s = start.at_s + travel_s + forecast.time_s;
+    if let Some(by_s) = goal.by_s.filter(|by_s| end_s > *by_s) {
+        let why = format!("{at} ends at {end_s:.0} s, `:by` is {by_s:.0} s");
+        misses.push(Miss { by: (end_s - by_s) / end_s, why });
+    }
+    let home_s = geodesy::distance_m(goal.position, mission.start) / craft.true_airspeed_mps;
+    if let Some(latency_s) = goal.latency_s.filter(|latency_s| home_s > *latency_s) {
+        let why = format!(
+            "{at}: data are read after landing, {home_s:.0} s after the observation, `:latency` is {latency_s:.0} s"
+        );
+        misses.push(Miss { by: (home_s - latency_s) / home_s, why });
+    }
+    let whole_s = travel_s + forecast.time_s + home_s;
+    if whole_s > start.endurance_s {
+        let why = format!(
+            "{at} takes {whole_s:.0} s with the way there and home, the energy lasts {:.0} s",
+            start.endurance_s
+        );
+        misses.push(Miss { by: (whole_s - start.endurance_s) / whole_s, why });
+    }
+    if let Some(worst) = misses.into_iter().max_by(|a, b| a.by.total_cmp(&b.by)) {
+        return Err(worst);
+    }
+    Ok(Predicted { candidate, scene, forecast, travel_s })
+}
+
+/// The factor that falls short of the goal most.
+fn short_of(goal: &AcquisitionGoal, forecast: &Forecast) -> Option<(&'static str, f64, f64)> {
+    let factors = &forecast.factors;
+    let least = |wanted: f64| wanted.max(1e-3);
+    // Without a pixel size the factor of resolution is that of the look angle.
+    let all = [
+        ("coverage", least(goal.coverage_min), factors.coverage),
+        ("clarity", least(goal.clarity_min), factors.clarity),
+        ("resolution and look-angle factor", RESOLUTION_MIN, factors.resolution),
+    ];
+    let short = all.into_iter().filter(|(_, wanted, found)| found < wanted);
+    short.max_by(|a, b| ((a.1 - a.2) / a.1).total_cmp(&((b.1 - b.2) / b.1)))
+}
+
+/// The restricted zone that the manoeuvre enters, or the permitted one that it leaves.
+fn closed_by<'a>(mission: &'a Mission, forecast: &Forecast, scene: &Scene, from_s: f64) -> Option<&'a AirspaceZone> {
+    let plane = Plane::new(scene.target);
+    mission.zones.iter().filter(|zone| zone.kind == ZoneKind::Restricted).find(|zone| {
+        let corners: Vec<Point> = zone.corners.iter().filter_map(|corner| plane.project(*corner)).collect();
+        let active = zone.active.from_s < from_s + forecast.time_s && zone.active.until_s > from_s;
+        active
+            && forecast.flown.poses.iter().any(|pose| {
+                let altitude_m = scene.elevation_m + pose.height_m;
+                let inside =
+                    plane.project(scene.position(pose.point)).is_some_and(|point| plane::inside(point, &corners));
+                inside && zone.altitude_m_min <= altitude_m && altitude_m <= zone.altitude_m_max
+            })
+    })
+}
+
+/// The Pareto front of worth, time, energy and turns; the chosen one first.
+fn front(meeting: Vec<Predicted>) -> Vec<Predicted> {
+    let figures = |one: &Predicted| {
+        let forecast = &one.forecast;
+        [-forecast.points, one.travel_s + forecast.time_s, forecast.energy, forecast.turns as f64]
+    };
+    let all: Vec<[f64; 4]> = meeting.iter().map(figures).collect();
+    let beats =
+        |a: &[f64; 4], b: &[f64; 4]| a.iter().zip(b).all(|(a, b)| a <= b) && a.iter().zip(b).any(|(a, b)| a < b);
+    let stays = |index: usize| {
+        let own = all.get(index);
+        own.is_some_and(|own| {
+            let twin = |(other, figures): (usize, &[f64; 4])| beats(figures, own) || (other < index && figures == own);
+            !all.iter().enumerate().any(twin)
+        })
+    };
+    let mut front: Vec<Predicted> =
+        meeting.into_iter().enumerate().filter(|(index, _)| stays(*index)).map(|(_, one)| one).collect();
+    let best = front.iter().map(|one| one.forecast.points).fold(0.0, f64::max);
+    let is_good = |one: &Predicted| one.forecast.points >= AS_GOOD * best;
+    front.sort_by(|a, b| {
+        let (a_s, b_s) = (a.travel_s + a.forecast.time_s, b.travel_s + b.forecast.time_s);
+        let by_time = a_s.total_cmp(&b_s).then(a.forecast.turns.cmp(&b.forecast.turns));
+        match (is_good(a), is_good(b)) {
+            (true, true) => by_time,
+            (one, other) => other.cmp(&one).then(b.forecast.points.total_cmp(&a.forecast.points)).then(by_time),
+        }
+    });
+    front.truncate(ANSWERS_MAX);
+    front
+}
+
+/// One line for operators: what a candidate is and gives.
+pub(super) fn told(one: &Predicted) -> String {
+    let Forecast { factors, points, time_s, .. } = &one.forecast;
+    let what = match &one.candidate.manoeuvre.path {
+        FlightPath::Sweep(_) => "sweep",
+        path => path.name(),
+    };
+    format!(
+        "{what} from {:.0} m with {}: {points:.1} of 100 points (coverage {:.2}, clarity {:.2}, resolution {:.2}), {time_s:.0} s \
+         and {:.0} s to get there",
+        one.candidate.height_m,
+        one.candidate.sensor,
+        factors.coverage,
+        factors.clarity,
+        factors.resolution,
+        one.travel_s
+    )
+}

@@ -1,0 +1,241 @@
+//! How a path is flown and what is done with what is seen: attitude, speed, payload and data, each as a value.
+
+use super::craft::Craft;
+use super::refusal::{Limit, Refusal};
+use super::scene::{Instrument, Scene};
+use apex_geo::geodesy::RAD_PER_DEG;
+use apex_geo::plane::Point;
+use apex_geo::wind::{self, Wind};
+use serde::{Deserialize, Serialize};
+
+/// Which way the vehicle faces.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum AttitudeMode {
+    /// Nose in the direction of flight through the air; turns are banked.
+    Coordinated,
+    /// Nose in a fixed direction, clockwise from north.
+    Fixed {
+        /// The direction.
+        heading_deg: f64,
+    },
+    /// Nose, or the mount of the camera, towards the target.
+    Pointing,
+}
+
+/// How fast the path is flown.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SpeedProfile {
+    /// A constant true airspeed.
+    Airspeed(f64),
+    /// A constant ground speed.
+    GroundSpeed(f64),
+    /// As fast as the camera takes pictures that overlap by this share, no faster than cruise.
+    Overlap(f64),
+    /// This ground speed, slower where the mount could not follow the target: `min(v, rate h / sin^2 beta)`.
+    SlowAtClosest(f64),
+    /// As fast as pictures smear by so many pixels, no faster than cruise.
+    Smear(f64),
+}
+
+/// What the payload records.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PayloadUse {
+    /// Pictures by distance over ground.
+    StillsEvery(f64),
+    /// Pictures by time.
+    StillsInterval(f64),
+    /// Video: on for all of the observed part.
+    Video,
+    /// Scan lines: on for the observed part, valid while the wings are level.
+    LineScan,
+}
+
+/// How the data are handled.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DataHandling {
+    /// Stored on board and read after landing.
+    Store,
+    /// Sent as it is recorded; needs a link that is as fast.
+    Stream {
+        /// Rate of the data.
+        rate_bit_s: f64,
+        /// Rate that the link carries.
+        link_bit_s: f64,
+    },
+    /// Processed on board, and the product is sent.
+    Process {
+        /// Processing time after the end of the observation.
+        delay_s: f64,
+        /// Size of the product.
+        product_bit: f64,
+        /// Rate that the link carries.
+        link_bit_s: f64,
+    },
+}
+
+impl DataHandling {
+    /// Instant at which everything is on the ground, for an observation that ends at `end_s`; none if it is stored until
+    /// landing.
+    pub fn on_ground_s(&self, end_s: f64) -> Option<f64> {
+        match self {
+            DataHandling::Store => None,
+            DataHandling::Stream { .. } => Some(end_s),
+            DataHandling::Process { delay_s, product_bit, link_bit_s } => {
+                Some(end_s + delay_s + product_bit / link_bit_s)
+            }
+        }
+    }
+
+    /// Refuses a link that does not carry the data.
+    pub(crate) fn check(&self, manoeuvre: &str) -> Result<(), Refusal> {
+        let (rate, link) = match self {
+            DataHandling::Store => return Ok(()),
+            DataHandling::Stream { rate_bit_s, link_bit_s } => (*rate_bit_s, *link_bit_s),
+            DataHandling::Process { link_bit_s, .. } => (f64::MIN_POSITIVE, *link_bit_s),
+        };
+        let limit = Limit { manoeuvre, figure: "a data rate", unit: "bit/s" };
+        limit.at_most(rate, link, "the link carries no more", || "store the data, or process it on board".to_string())
+    }
+}
+
+impl AttitudeMode {
+    /// Direction of the nose at a point with this track and wind, clockwise from north.
+    pub(crate) fn heading_deg(&self, here: Point, (track_deg, ground_speed_mps): (f64, f64), scene: &Scene) -> f64 {
+        match self {
+            AttitudeMode::Coordinated => {
+                let track_rad = track_deg * RAD_PER_DEG;
+                let air = (
+                    ground_speed_mps * libm::sin(track_rad) - scene.wind.east_mps,
+                    ground_speed_mps * libm::cos(track_rad) - scene.wind.north_mps,
+                );
+                if libm::hypot(air.0, air.1) < 0.5 { track_deg } else { libm::atan2(air.0, air.1) / RAD_PER_DEG }
+            }
+            AttitudeMode::Fixed { heading_deg } => *heading_deg,
+            AttitudeMode::Pointing if here.length() < 1e-6 => track_deg,
+            AttitudeMode::Pointing => libm::atan2(-here.x, -here.y) / RAD_PER_DEG,
+        }
+    }
+
+    /// Refuses a nose that is not in the direction of flight for a vehicle that cannot fly so.
+    pub(crate) fn check(&self, manoeuvre: &str, craft: &Craft, instrument: &Instrument) -> Result<(), Refusal> {
+        let is_free = craft.can_hover || matches!(self, AttitudeMode::Coordinated);
+        let by_mount = matches!(self, AttitudeMode::Pointing) && instrument.pans();
+        if is_free || by_mount {
+            return Ok(());
+        }
+        let limit = Limit { manoeuvre, figure: "a pan range", unit: "degrees" };
+        let because = format!("{} cannot turn its nose off its way, and its sensor does not pan", craft.name);
+        Err(limit.refusal(0.0, 90.0, &because, "fly it coordinated, or with a camera that pans".to_string()))
+    }
+}
+
+impl SpeedProfile {
+    /// Ground speed on a track at a height over the target's level and a horizontal distance from the target.
+    ///
+    /// # Errors
+    /// The wind is too strong for the track, or the speed is outside of what the vehicle flies.
+    pub(crate) fn ground_speed_mps(
+        &self,
+        (manoeuvre, track_deg): (&str, f64),
+        (height_m, distance_m): (f64, f64),
+        craft: &Craft,
+        instrument: &Instrument,
+        wind: Wind,
+    ) -> Result<f64, Refusal> {
+        let at_airspeed = |airspeed_mps: f64| {
+            wind::triangle(track_deg, airspeed_mps, wind).map(|triangle| triangle.ground_speed_mps).ok_or_else(|| {
+                let wind_mps = libm::hypot(wind.east_mps, wind.north_mps);
+                let limit = Limit { manoeuvre, figure: "a wind", unit: "m/s" };
+                let because =
+                    format!("at {airspeed_mps:.1} m/s {} does not get on along {track_deg:.0} degrees", craft.name);
+                limit.refusal(wind_mps, airspeed_mps, &because, "wait for less wind, or fly faster".to_string())
+            })
+        };
+        let cruise = || at_airspeed(craft.true_airspeed_mps);
+        let wanted_mps = match self {
+            SpeedProfile::Airspeed(airspeed_mps) => at_airspeed(*airspeed_mps)?,
+            SpeedProfile::GroundSpeed(speed_mps) => *speed_mps,
+            SpeedProfile::Overlap(overlap) => instrument.overlap_speed_mps(height_m, *overlap).min(cruise()?),
+            SpeedProfile::SlowAtClosest(speed_mps) => {
+                let squared = height_m * height_m + distance_m * distance_m;
+                let rate = instrument.slew_rate_deg_s() * RAD_PER_DEG;
+                speed_mps.min(rate * squared / height_m.max(0.1))
+            }
+            SpeedProfile::Smear(pixels) => {
+                instrument.smear_speed_mps(libm::hypot(height_m, distance_m), *pixels).min(cruise()?)
+            }
+        };
+        // A fixed wing flies no slower than it can, whatever the profile wants.
+        let slowest_mps = if craft.can_hover { 0.0 } else { at_airspeed(craft.true_airspeed_mps_min).unwrap_or(0.0) };
+        let wanted_mps = wanted_mps.max(slowest_mps);
+        check_airspeed(manoeuvre, track_deg, wanted_mps, craft, wind)?;
+        Ok(wanted_mps)
+    }
+
+    /// The airspeed at which turns between observed parts are flown.
+    pub(crate) fn turn_airspeed_mps(&self, craft: &Craft) -> f64 {
+        match self {
+            SpeedProfile::Airspeed(airspeed_mps) => *airspeed_mps,
+            _ => craft.true_airspeed_mps,
+        }
+    }
+}
+
+/// Refuses a ground speed whose airspeed is outside of what the vehicle flies.
+fn check_airspeed(manoeuvre: &str, track_deg: f64, speed_mps: f64, craft: &Craft, wind: Wind) -> Result<(), Refusal> {
+    let airspeed_mps = airspeed_of(track_deg, speed_mps, wind);
+    let limit = Limit { manoeuvre, figure: "a true airspeed", unit: "m/s" };
+    let (low, high) = (craft.true_airspeed_mps_min, craft.true_airspeed_mps_max);
+    let near = |airspeed: f64| move || format!("{airspeed:.1} m/s works");
+    limit.at_least(airspeed_mps + 1e-6, low, &format!("{} flies no slower", craft.name), near(low))?;
+    limit.at_most(airspeed_mps - 1e-6, high, &format!("{} flies no faster", craft.name), near(high))
+}
+
+/// True airspeed of a ground speed along a track.
+pub(crate) fn airspeed_of(track_deg: f64, speed_mps: f64, wind: Wind) -> f64 {
+    let track_rad = track_deg * RAD_PER_DEG;
+    libm::hypot(speed_mps * libm::sin(track_rad) - wind.east_mps, speed_mps * libm::cos(track_rad) - wind.north_mps)
+}
+
+impl PayloadUse {
+    /// Refuses a payload that the sensor does not record, and one that the path gives no chance to.
+    pub(crate) fn check(
+        &self,
+        (manoeuvre, curve_radius_m): (&str, Option<f64>),
+        craft: &Craft,
+        instrument: &Instrument,
+    ) -> Result<(), Refusal> {
+        let fits = matches!((self, instrument), (PayloadUse::LineScan, Instrument::Scanner(_)))
+            || !matches!(self, PayloadUse::LineScan) && matches!(instrument, Instrument::Camera(_));
+        if !fits {
+            let limit = Limit { manoeuvre, figure: "a sensor count", unit: "" };
+            let (because, nearest) = match self {
+                PayloadUse::LineScan => {
+                    ("line scanning needs a line scanner", "record stills or video with the camera")
+                }
+                _ => ("pictures need a camera", "record scan lines with the scanner"),
+            };
+            return Err(limit.refusal(0.0, 1.0, because, nearest.to_string()));
+        }
+        if let (PayloadUse::LineScan, Instrument::Scanner(scanner), false) = (self, instrument, craft.can_hover) {
+            let limits = scanner.setting.roll;
+            if let (Some(roll), Some(radius_m)) = (limits, curve_radius_m) {
+                let bank_deg = super::craft::circle_bank_deg(craft.true_airspeed_mps, radius_m, 0.0);
+                let least_m = craft.true_airspeed_mps * craft.true_airspeed_mps
+                    / (super::craft::GRAVITY_MPS2 * libm::tan(roll.valid_deg * RAD_PER_DEG));
+                let limit = Limit { manoeuvre, figure: "a bank", unit: "degrees" };
+                limit.at_most(
+                    bank_deg,
+                    roll.valid_deg,
+                    "lines of the scanner are valid only with the wings level",
+                    || format!("a radius of {least_m:.0} m works, or a sweep"),
+                )?;
+            }
+        }
+        Ok(())
+    }
+}

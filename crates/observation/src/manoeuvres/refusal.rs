@@ -1,0 +1,97 @@
+//! Why a manoeuvre cannot be flown: the limit, the figure, and the nearest thing that works.
+
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// A manoeuvre that vehicle, sensor or wind do not permit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Refusal {
+    /// The manoeuvre, as PDL writes it.
+    pub manoeuvre: String,
+    /// The figure that breaks a limit, by name.
+    pub figure: String,
+    /// Its value.
+    pub value: f64,
+    /// The limit that it breaks.
+    pub limit: f64,
+    /// Unit of value and limit; empty for counts.
+    pub unit: Box<str>,
+    /// Whose limit it is, and why.
+    pub because: Box<str>,
+    /// The nearest thing that works.
+    pub nearest: String,
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Refusal { manoeuvre, figure, value, limit, unit, because, nearest } = self;
+        let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+        let (value, limit) = (short(*value), short(*limit));
+        write!(f, "`{manoeuvre}`: {figure} of {value}{unit} breaks the limit of {limit}{unit}: {because}; {nearest}")
+    }
+}
+
+impl std::error::Error for Refusal {}
+
+/// A number as operators read it: whole from 100 on, else three digits.
+pub(crate) fn short(number: f64) -> String {
+    if number.abs() >= 100.0 || number == libm::trunc(number) {
+        format!("{number:.0}")
+    } else if number.abs() >= 1.0 {
+        format!("{number:.1}")
+    } else {
+        format!("{number:.3}")
+    }
+}
+
+/// What a check compares.
+pub(crate) struct Limit<'a> {
+    pub(crate) manoeuvre: &'a str,
+    pub(crate) figure: &'a str,
+    pub(crate) unit: &'a str,
+}
+
+impl Limit<'_> {
+    /// Refuses a value above `limit`, and one that is not a number.
+    pub(crate) fn at_most(
+        &self,
+        value: f64,
+        limit: f64,
+        because: &str,
+        nearest: impl FnOnce() -> String,
+    ) -> Result<(), Refusal> {
+        if value <= limit { Ok(()) } else { Err(self.refusal(value, limit, because, nearest())) }
+    }
+
+    /// Refuses a value below `limit`, and one that is not a number.
+    pub(crate) fn at_least(
+        &self,
+        value: f64,
+        limit: f64,
+        because: &str,
+        nearest: impl FnOnce() -> String,
+    ) -> Result<(), Refusal> {
+        if value >= limit { Ok(()) } else { Err(self.refusal(value, limit, because, nearest())) }
+    }
+
+    pub(crate) fn refusal(&self, value: f64, limit: f64, because: &str, nearest: String) -> Refusal {
+        Refusal {
+            manoeuvre: self.manoeuvre.to_string(),
+            figure: self.figure.to_string(),
+            value,
+            limit,
+            unit: self.unit.into(),
+            because: because.into(),
+            nearest,
+        }
+    }
+}
+
+/// Refuses a parameter that is not a positive finite number.
+pub(crate) fn positive(manoeuvre: &str, figure: &str, unit: &str, value: f64) -> Result<(), Refusal> {
+    if value.is_finite() && value > 0.0 {
+        return Ok(());
+    }
+    let limit = Limit { manoeuvre, figure, unit };
+    Err(limit.refusal(value, 0.0, "it has to be positive", "give a positive number".to_string()))
+}

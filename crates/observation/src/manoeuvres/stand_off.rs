@@ -1,0 +1,95 @@
+//! Aside of the target (stand-off): a line parallel to it, at the distance that gives the wanted look angle. For targets that
+//! must not be overflown.
+
+use super::refusal::{Limit, Refusal, positive};
+use super::scene::Scene;
+use super::straight_over::StraightOver;
+use super::track::{Sight, Track, lines_with_turns};
+use super::{Craft, Instrument};
+use apex_geo::geodesy::RAD_PER_DEG;
+use serde::{Deserialize, Serialize};
+
+/// The side of the vehicle on which the target lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Side {
+    /// To the left.
+    Left,
+    /// To the right.
+    Right,
+}
+
+/// One line aside of the target.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StandOff {
+    /// Direction over ground, clockwise from north.
+    pub track_deg: f64,
+    /// The side on which the target lies.
+    pub side: Side,
+    /// Height above the target.
+    pub height_m: f64,
+    /// Angle off the vertical at which the middle of the target is seen.
+    pub look_angle_deg: f64,
+    /// Extent of the target along the track.
+    pub length_m: f64,
+}
+
+impl StandOff {
+    /// Name in PDL.
+    pub const NAME: &'static str = "stand-off";
+
+    /// Distance of the line from the middle of the target: `h tan o`.
+    pub fn offset_m(&self) -> f64 {
+        self.height_m * libm::tan(self.look_angle_deg * RAD_PER_DEG)
+    }
+
+    /// Metres per pixel across the view at the target: `ifov h / cos^2 o` on flat ground.
+    pub fn pixel_m(&self, pixel_rad: f64) -> f64 {
+        let cosine = libm::cos(self.look_angle_deg * RAD_PER_DEG);
+        pixel_rad * self.height_m / (cosine * cosine)
+    }
+
+    pub(crate) fn check(&self, instrument: &Instrument) -> Result<(), Refusal> {
+        positive(Self::NAME, "a height", "m", self.height_m)?;
+        positive(Self::NAME, "a length", "m", self.length_m)?;
+        positive(Self::NAME, "a look angle", "degrees", self.look_angle_deg)?;
+        let (most_deg, because) = match instrument {
+            Instrument::Scanner(scanner) => {
+                (scanner.setting.mode.half_field_rad() / RAD_PER_DEG, "the scanner sees no farther aside")
+            }
+            Instrument::Camera(_) => {
+                (crate::footprint::OFF_NADIR_DEG_MAX, "pictures count no farther off the vertical")
+            }
+        };
+        let limit = Limit { manoeuvre: Self::NAME, figure: "a look angle", unit: "degrees" };
+        limit.at_most(self.look_angle_deg, most_deg, because, || {
+            format!("{most_deg:.0} degrees works, {:.0} m aside", self.height_m * libm::tan(most_deg * RAD_PER_DEG))
+        })
+    }
+
+    pub(crate) fn track(
+        &self,
+        airspeed_mps: f64,
+        craft: &Craft,
+        instrument: &Instrument,
+        scene: &Scene,
+    ) -> Result<Track, Refusal> {
+        let line = StraightOver {
+            track_deg: self.track_deg,
+            height_m: self.height_m,
+            length_m: self.length_m,
+            run_out_m: 0.0,
+        };
+        let right_m = match self.side {
+            Side::Left => self.offset_m(),
+            Side::Right => -self.offset_m(),
+        };
+        let elements = lines_with_turns(Self::NAME, &[line.line(right_m)], self.height_m, airspeed_mps, craft, scene)?;
+        let sight = match instrument {
+            Instrument::Scanner(_) => Sight::Down,
+            Instrument::Camera(_) => Sight::Target,
+        };
+        Ok(Track { elements, sight })
+    }
+}

@@ -1,0 +1,390 @@
+//! Manoeuvres of the PDL library, flown in the simulator by a rotorcraft and a fixed wing: what was predicted happens, coverage and
+//! time in still air within 5 %, in wind within 10 %. What was seen is scored from the flight, not from the prediction.
+
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
+
+use apex_mission::Mission;
+use apex_mission::acquisition::{PerformedManoeuvre, forecast};
+use apex_mission::deliberation::PlanningResources;
+use apex_mission::flight::{FlightOutcome, MissionFlight};
+use apex_mission::report::MissionValue;
+use apex_model::value::Value;
+use std::path::Path;
+use std::sync::Arc;
+
+const STILL: &str = "altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps,edr\n0,9000,0,0,0\n";
+const WIND: &str = "altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps,edr\n0,9000,250,4,0.02\n";
+
+/// Longitude and latitude of a place east and north of the pad, as GeoJSON has them.
+fn place(east_m: f64, north_m: f64) -> String {
+    let (latitude, longitude) = (40.0 + north_m / 111_034.0, -100.0 + east_m / 85_395.0);
+    format!("[{longitude:.7}, {latitude:.7}]")
+}
+
+/// A mission whose program performs one manoeuvre over a square field, with its middle so far east of the pad.
+fn mission(folder: &Path, model: &str, winds: &str, away_m: f64, half_m: f64, goal: &str) -> Mission {
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
+    let corner = |x: f64, y: f64| place(away_m + x * half_m, y * half_m);
+    let ring = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0), corner(-1.0, -1.0)];
+    write(
+        "targets.geojson",
+        &format!(
+            r#"{{"type": "FeatureCollection", "features": [
+{{"type": "Feature", "properties": {{"id": "pad", "kind": "base"}}, "geometry": {{"type": "Point", "coordinates": {}}}}},
+{{"type": "Feature", "properties": {{"id": "field", "kind": "inspection", "value": 100, "resolution_m": 5}},
+  "geometry": {{"type": "Polygon", "coordinates": [[{}]]}}}}]}}"#,
+            place(0.0, 0.0),
+            ring.join(", ")
+        ),
+    );
+    write("winds.csv", winds);
+    write(
+        "mission.pdl",
+        &format!(
+            r#"(defapplication "Manoeuvre"
+  :type native-sim
+  :libraries ("vehicle" "aerial-observation" "manoeuvres")
+  :vehicle (sim :model {model} :at pad)
+  :start "2026-06-01T17:00:00Z"
+  :duration 4h
+  :targets "targets.geojson"
+  :forecast "winds.csv"
+  :agents ((agent uav-1 :initial-task (do it))))
+(procedure :sequential
+  (index (do it))
+  (step up (take off to 120m))
+  (step fly {goal})
+  (step home (return to pad at 120m)))"#
+        ),
+    );
+    Mission::load(folder).unwrap()
+}
+
+fn fly(mission: Arc<Mission>, path: &Path) -> FlightOutcome {
+    let mut recorder = apex_simulation::create_record(path, &mission, None).unwrap();
+    let means = PlanningResources::of(&Arc::new(apex_solvers::shipped()));
+    let terms = MissionFlight::terms(&mission, None);
+    apex_simulation::fly(mission, means, None, terms, &mut recorder, &mut []).unwrap()
+}
+
+/// Name and fields of a form.
+type Form = (&'static str, &'static [(&'static str, f64)]);
+
+/// One manoeuvre of one vehicle.
+struct Case {
+    model: &'static str,
+    camera: &'static str,
+    /// Name and fields; bare numbers are metres, metres per second, seconds, degrees.
+    form: Form,
+    speed_mps: f64,
+    every_m: f64,
+    away_m: f64,
+    half_m: f64,
+}
+
+impl Case {
+    fn value(&self) -> Value {
+        let fields = self.form.1.iter();
+        let fields = fields.flat_map(|(key, number)| [Value::symbol(&format!(":{key}")), Value::Real(*number)]);
+        Value::list(std::iter::once(Value::symbol(self.form.0)).chain(fields))
+    }
+
+    /// Flies it in a wind and compares with the prediction; `share` is the tolerance.
+    fn check(&self, winds: &str, share: f64) -> Result<(), String> {
+        let name = format!("{} {}", self.model, self.form.0);
+        let folder = tempfile::tempdir().unwrap();
+        let goal = match self.form.0 {
+            "pirouette" => format!("(look around field by {} with {})", self.value(), self.camera),
+            _ if self.camera == "scanner" => format!("(scan field by {} at {}m/s)", self.value(), self.speed_mps),
+            _ => format!(
+                "(perform {} at field with {} at {}m/s every {}m)",
+                self.value(),
+                self.camera,
+                self.speed_mps,
+                self.every_m
+            ),
+        };
+        let mission = Arc::new(mission(folder.path(), self.model, winds, self.away_m, self.half_m, &goal));
+        let wanted = PerformedManoeuvre {
+            form: &self.value(),
+            target: "field",
+            sensor: Some(self.camera),
+            speed_mps: Some(self.speed_mps),
+            every_m: self.every_m,
+            from_s: 0.0,
+        };
+        let predicted = forecast(&mission, &wanted).unwrap_or_else(|why| panic!("{name}: {why}"));
+        let flight = fly(mission, &folder.path().join("flight.apex"));
+        let text = flight.report.text();
+        let MissionValue::Score(score) = &flight.report.value else { panic!("{name}: of another kind") };
+        let visit = flight.report.visits.first().unwrap_or_else(|| panic!("{name}: {text}"));
+        let end = visit.end.unwrap_or_else(|| panic!("{name} does not end: {text}"));
+        let flown_s = (end - visit.begin).seconds();
+        let flown = &score.looks[0].flown.factors;
+        println!(
+            "{name}: {flown_s:.1} s flown, {:.1} s predicted; coverage {:.3} flown, {:.3} predicted; clarity {:.3}, {:.3}; resolution {:.3}, {:.3}",
+            predicted.time_s,
+            flown.coverage,
+            predicted.factors.coverage,
+            flown.clarity,
+            predicted.factors.clarity,
+            flown.resolution,
+            predicted.factors.resolution
+        );
+        let off_s = (flown_s - predicted.time_s).abs();
+        let off = (flown.coverage - predicted.factors.coverage).abs();
+        // The simulator answers at steps of half a second.
+        let agrees = off_s <= share * predicted.time_s + 1.0 && off <= share && predicted.factors.coverage > 0.1;
+        if agrees { Ok(()) } else { Err(format!("{name} in {winds}")) }
+    }
+}
+
+const ORBIT: Form = ("orbit", &[("radius", 80.0), ("height", 60.0), ("turns", 2.0), ("azimuth", 270.0)]);
+const SQUARE: Form = ("expanding-square", &[("spacing", 80.0), ("rounds", 3.0), ("height", 60.0)]);
+const SECTOR: Form = ("sector-search", &[("radius", 200.0), ("height", 60.0)]);
+const SPIRAL: Form = ("spiral", &[("from", 30.0), ("to", 150.0), ("spacing", 60.0), ("height", 60.0)]);
+const OVER: Form = ("straight-over", &[("track", 90.0), ("height", 60.0), ("length", 200.0)]);
+const ASIDE: Form = ("stand-off", &[("track", 0.0), ("height", 60.0), ("look-angle", 45.0), ("length", 160.0)]);
+const ARC: Form = (
+    "arc",
+    &[
+        ("height", 60.0),
+        ("azimuth", 90.0),
+        ("elevation", 30.0),
+        ("speed", 6.0),
+        ("yaw-rate", 30.0),
+        ("acceleration", 0.5),
+    ],
+);
+const RING: Form = ("pirouette", &[("height", 60.0), ("depression", 45.0), ("overlap", 0.3), ("dwell", 3.0)]);
+
+fn helicopter(form: Form, half_m: f64) -> Case {
+    Case { model: "rmax", camera: "camera-1", form, speed_mps: 6.0, every_m: 10.0, away_m: 400.0, half_m }
+}
+
+const ROTORCRAFT: [(Form, f64); 8] = [
+    (ORBIT, 40.0),
+    (SQUARE, 140.0),
+    (SECTOR, 200.0),
+    (SPIRAL, 160.0),
+    (OVER, 100.0),
+    (ASIDE, 40.0),
+    (ARC, 30.0),
+    (RING, 100.0),
+];
+
+/// All cases, so that one report shows all that differ.
+fn all(cases: impl Iterator<Item = Case>, winds: &str, share: f64) {
+    let wrong: Vec<String> = cases.filter_map(|case| case.check(winds, share).err()).collect();
+    assert_eq!(wrong, Vec::<String>::new());
+}
+
+#[test]
+fn a_rotorcraft_flies_manoeuvres_as_predicted_in_still_air() {
+    all(ROTORCRAFT.into_iter().map(|(form, half_m)| helicopter(form, half_m)), STILL, 0.05);
+}
+
+#[test]
+fn a_rotorcraft_flies_manoeuvres_as_predicted_in_wind() {
+    all(ROTORCRAFT.into_iter().map(|(form, half_m)| helicopter(form, half_m)), WIND, 0.10);
+}
+
+fn mapper(form: Form, half_m: f64) -> Case {
+    let camera = "camera-1";
+    Case { model: "fixed-wing-mapper", camera, form, speed_mps: 13.0, every_m: 30.0, away_m: 800.0, half_m }
+}
+
+/// A fixed wing with a camera that looks straight down.
+const FIXED_WING: [(Form, f64); 4] = [
+    (("straight-over", &[("track", 90.0), ("height", 110.0), ("length", 400.0)]), 200.0),
+    (("expanding-square", &[("spacing", 150.0), ("rounds", 3.0), ("height", 110.0), ("track", 0.0)]), 250.0),
+    (("sector-search", &[("radius", 400.0), ("height", 110.0), ("track", 0.0)]), 300.0),
+    (("spiral", &[("from", 100.0), ("to", 300.0), ("spacing", 100.0), ("height", 110.0)]), 300.0),
+];
+
+#[test]
+fn a_fixed_wing_flies_manoeuvres_as_predicted_in_still_air() {
+    all(FIXED_WING.into_iter().map(|(form, half_m)| mapper(form, half_m)), STILL, 0.05);
+}
+
+#[test]
+fn a_fixed_wing_flies_manoeuvres_as_predicted_in_wind() {
+    all(FIXED_WING.into_iter().map(|(form, half_m)| mapper(form, half_m)), WIND, 0.10);
+}
+
+/// What the vehicle reported of its track: time, position, altitude, heading, and the phase of flight.
+#[derive(Default)]
+struct Flown {
+    samples: Vec<Sample>,
+    now: Sample,
+    phase: String,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Sample {
+    at_s: f64,
+    place: apex_model::problem::Position,
+    altitude_m: f64,
+    heading_deg: f64,
+    track_deg: f64,
+    tilt_deg: f64,
+    is_manoeuvring: bool,
+}
+
+impl apex_runtime::ports::Observer for Flown {
+    fn observe(&mut self, batch: &apex_model::event::Batch, _: &[apex_model::effect::Effect]) -> Result<(), String> {
+        for event in &batch.events {
+            let apex_model::event::EventKind::Measurement(variable, value) = &event.kind else { continue };
+            let number = value.as_number().map_or(0.0, |(number, _)| number);
+            match variable.attribute.folded() {
+                "heading" => self.now.heading_deg = number.to_degrees(),
+                "track" => self.now.track_deg = number.to_degrees(),
+                "camera-tilt" => self.now.tilt_deg = number.to_degrees(),
+                "flight-phase" => self.phase = value.to_string(),
+                "location" => {
+                    let location = apex_model::planned::Location::from_value(value).unwrap();
+                    (self.now.place, self.now.altitude_m) = (location.position, location.altitude_m);
+                    self.now.at_s = batch.now.seconds();
+                    self.now.is_manoeuvring = self.phase == "manoeuvring";
+                    self.samples.push(self.now);
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+}
+
+fn turned_deg(a: f64, b: f64) -> f64 {
+    ((a - b + 540.0).rem_euclid(360.0) - 180.0).abs()
+}
+
+/// The mission `stand-off` keeps out of the smoke, sees it from all sides, crosses above it tail first, and photographs what a lookout
+/// reported.
+#[test]
+fn the_smoke_is_filmed_from_all_sides_and_from_above_without_entering_it() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/stand-off");
+    let mission = Arc::new(Mission::load(&folder).unwrap());
+    let smoke = mission.targets.iter().find(|target| target.id == "plume").unwrap().position;
+    let record = tempfile::tempdir().unwrap();
+    let path = record.path().join("stand-off.apex");
+    let mut recorder = apex_simulation::create_record(&path, &mission, None).unwrap();
+    let means = PlanningResources::of(&Arc::new(apex_solvers::shipped()));
+    let terms = MissionFlight::terms(&mission, None);
+    let mut flown = Flown::default();
+    let flight =
+        apex_simulation::fly(Arc::clone(&mission), means, None, terms, &mut recorder, &mut [&mut flown]).unwrap();
+    drop(recorder);
+    let text = flight.report.text();
+    let away_m = |sample: &Sample| apex_geo::geodesy::distance_m(smoke, sample.place);
+    // The column is 25 m wide to each side and ends at 95 m.
+    for sample in &flown.samples {
+        assert!(away_m(sample) > 35.0 || sample.altitude_m > 105.0, "{sample:?}\n{text}");
+    }
+    let circle: Vec<&Sample> = flown
+        .samples
+        .iter()
+        .filter(|sample| sample.is_manoeuvring && sample.altitude_m < 60.0 && away_m(sample) < 90.0)
+        .collect();
+    let azimuths: std::collections::BTreeSet<i64> = circle
+        .iter()
+        .filter(|sample| (away_m(sample) - 70.0).abs() < 5.0)
+        .map(|sample| (apex_geo::geodesy::azimuth_deg(smoke, sample.place) / 30.0).floor() as i64)
+        .collect();
+    assert_eq!(azimuths.len(), 12, "seen from {azimuths:?}\n{text}");
+    let over: Vec<&Sample> =
+        flown.samples.iter().filter(|sample| sample.is_manoeuvring && sample.altitude_m > 100.0).collect();
+    let before = over.iter().filter(|sample| turned_deg(sample.heading_deg, 100.0) < 15.0).count();
+    let after = over
+        .iter()
+        .filter(|sample| turned_deg(sample.heading_deg, 280.0) < 15.0 && turned_deg(sample.track_deg, 100.0) < 15.0);
+    assert!(before > 20 && after.count() > 20, "nose first {before}\n{text}");
+    assert!(over.iter().any(|sample| sample.tilt_deg < -88.0), "straight down overhead");
+    let MissionValue::Score(score) = &flight.report.value else { panic!("of another kind") };
+    assert!(score.looks[0].flown.points > 99.0, "{text}");
+    assert!(text.contains("acquire") || flight.report.plans > 0, "{text}");
+    let (reader, _) = apex_mission::recording::open(&path).unwrap();
+    assert_eq!(apex_mission::recorded::replay(&reader).unwrap().difference, None);
+    let checked = apex_mission::verification::verify(&reader, &mission).unwrap();
+    assert_eq!((checked.violations(), checked.positions > 500), (0, true), "{:?}", checked.findings);
+}
+
+fn word(name: &str) -> Value {
+    Value::symbol(name)
+}
+
+fn length(metres: f64) -> Value {
+    Value::measured(metres, apex_model::quantity::Dimension::LENGTH)
+}
+
+fn acquire(target: &str, fields: &[(&str, Value)]) -> Value {
+    let fields = fields.iter().flat_map(|(key, value)| [word(&format!(":{key}")), value.clone()]);
+    Value::list([word("acquire"), word(target)].into_iter().chain(fields))
+}
+
+#[test]
+fn a_goal_is_acquired_as_predicted_by_the_manoeuvre_that_is_synthesised() {
+    for (model, away_m, half_m, goal) in [
+        ("rmax", 400.0, 60.0, "(acquire field :product stills :resolution 20cm :coverage 0.95)"),
+        ("fixed-wing-mapper", 900.0, 150.0, "(acquire field :product stills :resolution 10cm :coverage 0.95 :by 1h)"),
+        ("quadrotor", 300.0, 8.0, "(acquire field :resolution 5cm :look-angle (30deg 60deg))"),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let mission = Arc::new(mission(folder.path(), model, WIND, away_m, half_m, goal));
+        let flight = fly(mission, &folder.path().join("flight.apex"));
+        let text = flight.report.text();
+        let MissionValue::Score(score) = &flight.report.value else { panic!("of another kind") };
+        println!("{model} {goal}: {:?}", score.looks[0].flown.factors);
+        assert!(score.looks[0].flown.factors.coverage > 0.9, "{model}\n{text}");
+        assert!(flight.report.visits.iter().any(|visit| visit.end.is_some()), "{model}\n{text}");
+    }
+}
+
+#[test]
+fn what_cannot_be_acquired_is_refused_with_the_nearest_miss() {
+    use apex_mission::acquisition::synthesised;
+    let folder = tempfile::tempdir().unwrap();
+    let mission = mission(folder.path(), "rmax", STILL, 400.0, 40.0, "(wait 1s)");
+    let refused = |goal: Value| synthesised(&mission, &goal, 0.0).unwrap_err();
+    for (goal, expected) in [
+        (acquire("field", &[("resolutoin", length(0.1))]), "has no keyword `:resolutoin`; did you mean `:resolution`?"),
+        (acquire("feild", &[]), "the mission has no target `feild`; did you mean `field`?"),
+        (
+            acquire("field", &[("coverage", Value::Real(2.0))]),
+            "`:coverage` of the goal is 2.0; write a share from 0 to 1",
+        ),
+        (acquire("field", &[("resolution", Value::Real(2.0))]), "write a length for one pixel, such as 10cm"),
+        (
+            acquire("field", &[("product", word("lines"))]),
+            "no sensor of `rmax` records `:product lines`; it carries camera-1",
+        ),
+        (acquire("field", &[("light", word("night"))]), "the goal wants night, with the sun at most at -6 degrees"),
+        (acquire("field", &[("resolution", length(0.005))]), "`rmax` flies no lower than 39 m; 0.028 m works"),
+        (
+            acquire(
+                "field",
+                &[("resolution", length(0.1)), ("by", Value::Duration(apex_model::time::Duration::from_seconds(10.0)))],
+            ),
+            "`:by` is 10 s",
+        ),
+        (Value::list([word("acquire")]), "the goal names no target"),
+    ] {
+        let why = refused(goal.clone());
+        assert!(why.contains(expected), "{goal}: {why}");
+    }
+}
+
+/// Worth falls and time falls along the answer; the first is as good as the best and the fastest of these. `benches` measures its time.
+#[test]
+fn the_answer_to_a_goal_is_a_front_of_worth_and_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let mission = mission(folder.path(), "rmax", WIND, 400.0, 40.0, "(wait 1s)");
+    let goal = acquire("field", &[("resolution", length(0.1))]);
+    let front = apex_mission::acquisition::synthesised(&mission, &goal, 0.0).unwrap();
+    let again = apex_mission::acquisition::synthesised(&mission, &goal, 0.0).unwrap();
+    assert_eq!(front, again);
+    let points = |line: &String| line.split(": ").nth(1).unwrap().split(' ').next().unwrap().parse::<f64>().unwrap();
+    let all: Vec<f64> = front.iter().map(points).collect();
+    assert!((2..=8).contains(&front.len()), "{front:#?}");
+    assert!(all.iter().all(|other| all[0] >= 0.99 * other), "{front:#?}");
+}
