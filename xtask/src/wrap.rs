@@ -12,6 +12,8 @@ use std::path::Path;
 const ATOM: &str = r"(?:`+[^`]*`+|!?\[[^\]]*\]\([^)]*\)|<!--.*?-->|\S)+";
 /// The marker of a list item with the spaces around it.
 const ITEM: &str = r"^\s*([-*+]|\d+[.)])\s+";
+/// A line that begins with bold words begins a part of its own.
+const PART: &str = "**";
 /// An atom that would begin another block at the start of a line.
 const BLOCK_START: &str = r"^([-+*>#|]|\d+[.)]$)";
 
@@ -60,7 +62,7 @@ impl Wrapper {
             let is_fence = line.trim_start().starts_with("```");
             is_fenced ^= is_fence;
             let stays = is_fenced || is_fence || is_fixed(line);
-            if stays || self.item.is_match(line) {
+            if stays || self.item.is_match(line) || line.starts_with(PART) {
                 self.flush(&mut block, &mut out);
             }
             if stays {
@@ -132,6 +134,13 @@ mod tests {
         assert_eq!(lines.len(), 6, "{found}");
         assert!(lines[3].starts_with("- word") && lines[4].starts_with("  word") && lines[5] == "- short", "{found}");
         assert_eq!(wrapped(&found), found);
+    }
+
+    #[test]
+    fn bold_words_at_the_start_of_a_line_stay_there() {
+        let words = "word ".repeat(40);
+        let found = wrapped(&format!("{words}\n**Part.** {words}\n"));
+        assert!(found.lines().any(|line| line.starts_with("**Part.** word")), "{found}");
     }
 
     #[test]
