@@ -111,7 +111,7 @@ pub struct Share {
     pub amount: Option<Value>,
 }
 
-/// Rules of conflict resolution (`pdl.md` section 9).
+/// Rules of conflict resolution (`pdl.md`, Conflicts).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ConflictRule {
     /// Lower rank among siblings.

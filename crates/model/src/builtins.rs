@@ -1,4 +1,4 @@
-//! The built-in functions of PDL: names, arities, purity (`pdl.md` section 6).
+//! The built-in functions of PDL: names, arities, purity (`pdl.md`, Forms).
 //!
 //! The checker resolves calls against this table; the executive evaluates exactly the names in it. A call in a checked
 //! library always carries the name of [`BUILT_INS`], never an alias. Special forms (`if`, `let`, `setq`, ..) are not

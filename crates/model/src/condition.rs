@@ -1,4 +1,4 @@
-//! Conditions: what monitors watch for (`monitoring.md` section 1, paper Appendix B and Table 1).
+//! Conditions: what monitors watch for (`conditions.md`, paper Appendix B and Table 1).
 //!
 //! Everything the language can say is representable; what the executive cannot evaluate yet is refused by the
 //! checker with a clear diagnostic, never ignored.
@@ -165,7 +165,7 @@ pub struct EpisodeCondition {
     pub variable: VariablePattern,
     /// The required sampling quality; stating none is a load-time error.
     pub quality: Quality,
-    /// `:any`: any two samples of a run bound an episode, not only the whole run (`monitoring.md` rule 7).
+    /// `:any`: any two samples of a run bound an episode, not only the whole run (`condition-rules.md`, rule 7).
     pub any: bool,
     /// Must hold of every value in the run.
     pub value: Vec<Constraint>,

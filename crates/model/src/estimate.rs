@@ -1,5 +1,5 @@
 //! What was computed rather than measured: values between and beyond samples, statistics and trends
-//! (`monitoring.md` section 2, rules 1, 6, 10 to 12 and 22). Evidence, like a sample, with the samples behind it.
+//! (`condition-rules.md`, rules 1, 6, 10 to 12 and 22). Evidence, like a sample, with the samples behind it.
 
 use crate::event::StateVariable;
 use crate::quantity::format_rounded;

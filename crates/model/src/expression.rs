@@ -1,4 +1,4 @@
-//! Checked expressions: the small total language of `pdl.md` section 6, after loading.
+//! Checked expressions: the small total language of `pdl.md`, Forms, after loading.
 //!
 //! Evaluated by the executive; built by the PDL front end. Names are resolved: a [`ExprKind::Local`] is lexically
 //! bound, a [`ExprKind::Call`] names a built-in, a `defun` of the library, or a declared host function.

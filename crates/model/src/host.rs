@@ -1,4 +1,4 @@
-//! Host functions: pure functions of the host program that PDL calls by name (`pdl.md` section 6).
+//! Host functions: pure functions of the host program that PDL calls by name (`pdl.md`, Forms).
 
 use crate::symbol::Symbol;
 use crate::value::Value;

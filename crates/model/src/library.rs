@@ -1,4 +1,4 @@
-//! The checked library: everything an agent knows before it starts (`pdl.md` sections 1, 3, 5, 8).
+//! The checked library: everything an agent knows before it starts (`pdl.md`, Text, Procedures, Primitives, Applications).
 
 use crate::agent_limits::Limits;
 use crate::derivation::Derivation;

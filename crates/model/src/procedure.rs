@@ -1,4 +1,4 @@
-//! Procedures, steps and primitives after checking (`pdl.md` sections 3 to 5). Paper: section III.
+//! Procedures, steps and primitives after checking (`pdl.md`, Procedures, Steps, Primitives). Paper: section III.
 //!
 //! Solver plans become the same [`Procedure`] type.
 

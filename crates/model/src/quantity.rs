@@ -1,4 +1,4 @@
-//! Quantities: a number with its dimension (`pdl.md` section 1, + quantities).
+//! Quantities: a number with its dimension (`pdl.md`, Text, + quantities).
 //!
 //! Stored in SI; the unit the author wrote is kept for printing only. Pure time is [`crate::time::Duration`]
 //! and a dimensionless number is a plain real: neither is ever a `Quantity`.

@@ -1,4 +1,4 @@
-//! Symbols: case-insensitive names, folded for matching and printed as written (`pdl.md` section 1).
+//! Symbols: case-insensitive names, folded for matching and printed as written (`pdl.md`, Text).
 
 use rustc_hash::FxBuildHasher;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};

@@ -45,7 +45,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use watched::Watched;
 
-/// Watches conditions over a stream of samples, messages and changes of tasks' states (`monitoring.md`).
+/// Watches conditions over a stream of samples, messages and changes of tasks' states (`conditions.md`).
 ///
 /// Stimuli come in any number and order of calls; their instants move the session's time, which never goes back. All
 /// stimuli of one instant are one step (rule 4): an instant is over when one of a later instant comes, or when
