@@ -15,9 +15,9 @@ use std::sync::Arc;
 pub struct Condition {
     /// The name that its result is bound to, without `?`.
     pub tag: Option<Symbol>,
-    /// What it is.
+    /// Kind and parameters.
     pub kind: ConditionKind,
-    /// Where it stands.
+    /// Place in the source.
     pub place: Place,
 }
 
@@ -40,7 +40,7 @@ pub enum ConditionKind {
     InOrder(Vec<Condition>, Vec<Expr>),
     /// An Allen relation between adjacent parts.
     Allen {
-        /// Which of the thirteen.
+        /// Relation, one of the thirteen.
         relation: AllenRelation,
         /// The parts.
         parts: Vec<Condition>,
@@ -73,11 +73,11 @@ pub enum ConditionKind {
     Function(Expr),
     /// `:probing`: active sensing while the part is watched.
     Probing {
-        /// What is watched.
+        /// Watched condition.
         condition: Box<Condition>,
         /// The goal pursued to sense.
         goal: Template,
-        /// How often.
+        /// Interval between probes.
         interval: Expr,
         /// Not longer than.
         time_limit: Option<Expr>,
@@ -108,7 +108,7 @@ pub struct MeasurementCondition {
     pub object: Vec<Constraint>,
     /// All must hold of the time stamp; empty means the default window, from the creation of the task on.
     pub timestamp: Vec<Constraint>,
-    /// How values between samples are estimated.
+    /// Estimation of values between samples.
     pub estimation: Option<Estimation>,
 }
 
@@ -175,7 +175,7 @@ pub struct EpisodeCondition {
     pub last_value: Vec<Constraint>,
     /// Must hold of the object.
     pub object: Vec<Constraint>,
-    /// When it starts and ends and how long it lasts.
+    /// Constraints on start, end and duration.
     pub timing: Timing,
     /// Aggregates: name without the colon and constraints.
     pub stats: Vec<(Symbol, Vec<Constraint>)>,
@@ -186,13 +186,13 @@ pub struct EpisodeCondition {
 /// Repeated swings of a state variable, with constraints by option.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CyclicCondition {
-    /// Whose values.
+    /// Variable whose values count.
     pub variable: VariablePattern,
     /// Constraints by option, in the order in which they are written: `period`, `amplitude`, `cycles`, `hysteresis`.
     pub options: Vec<(Symbol, Vec<Constraint>)>,
 }
 
-/// How dense samples must be.
+/// Required density of samples.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Quality {
     /// Whatever arrives counts.

@@ -11,9 +11,9 @@ use serde::{Deserialize, Serialize};
 /// An expression and where it stands.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Expr {
-    /// What it is.
+    /// Kind and operands.
     pub kind: ExprKind,
-    /// Where it stands.
+    /// Place in the source.
     pub place: Place,
 }
 
@@ -141,6 +141,6 @@ pub struct Closure {
     pub body: Vec<Expr>,
     /// Captured local variables.
     pub captured: Vec<(Symbol, Value)>,
-    /// Where the lambda stands.
+    /// Place of the lambda in the source.
     pub place: Place,
 }

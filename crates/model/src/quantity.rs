@@ -127,7 +127,7 @@ pub struct Unit {
     pub name: &'static str,
     /// Other accepted spellings, lower case.
     pub aliases: &'static [&'static str],
-    /// What it measures.
+    /// Measured dimension.
     pub dimension: Dimension,
     /// SI value of one unit.
     pub factor: f64,
@@ -204,7 +204,7 @@ pub fn unit_named(name: &str) -> Option<&'static Unit> {
 pub struct Quantity {
     /// The value in SI units.
     pub si: f64,
-    /// What is measured.
+    /// Measured dimension.
     pub dimension: Dimension,
     /// Index into [`UNITS`] of the unit to print in; none prints SI base units.
     pub unit: Option<u8>,
