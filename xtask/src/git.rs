@@ -1,4 +1,4 @@
-//! What has changed against the main branch, as git says it.
+//! Changes against the main branch, as git reports them.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;

@@ -12,7 +12,7 @@ use std::path::Path;
 const ATOM: &str = r"(?:`+[^`]*`+|!?\[[^\]]*\]\([^)]*\)|<!--.*?-->|\S)+";
 /// The marker of a list item with the spaces around it.
 const ITEM: &str = r"^\s*([-*+]|\d+[.)])\s+";
-/// A line that begins with bold words begins a part of its own.
+/// A line that begins with bold words begins a separate part.
 const PART: &str = "**";
 /// An atom that would begin another block at the start of a line.
 const BLOCK_START: &str = r"^([-+*>#|]|\d+[.)]$)";

@@ -113,7 +113,7 @@ impl<R: Read> TelemetryLog<R> {
         Some(self.topics.len() - 1)
     }
 
-    /// Passes over bytes until a packet begins.
+    /// Skips bytes until a packet begins.
     fn resume(&mut self, at: u64) -> io::Result<()> {
         self.damages
             .add(|| format!("byte {at}: no packet begins here, or its checksum is wrong; looking for the next one"));
@@ -134,7 +134,7 @@ impl<R: Read> TelemetryLog<R> {
     }
 }
 
-/// Says the packet in `window` that it is longer than what is left?
+/// Returns true if the packet in `window` is longer than the remaining bytes.
 fn is_cut(window: &[u8]) -> bool {
     let fixed = match window.get(STAMP) {
         Some(&VERSION_1) => 8,

@@ -183,7 +183,7 @@ fn define(id: u32, name: &'static str, fields: &'static str) -> Definition {
 /// Before the first byte.
 pub(crate) const CRC_BEGIN: u16 = 0xffff;
 
-/// MAVLink's checksum, CRC-16/MCRF4XX, over `bytes` after what `crc` stands for.
+/// MAVLink's checksum, CRC-16/MCRF4XX, over `bytes` after those that `crc` covers.
 pub(crate) fn checksum(crc: u16, bytes: &[u8]) -> u16 {
     bytes.iter().fold(crc, |crc, byte| {
         let mixed = byte ^ crc.to_le_bytes()[0];

@@ -166,8 +166,7 @@ impl<'a> Travel<'a> {
         }
     }
 
-    /// Returns departure and arrival at `to` of the vehicle that is ready to leave `from` at `ready_s`. Errors: the
-    /// obstacle.
+    /// Returns departure and arrival at `to` after readiness at `from` at `ready_s`. Errors: the obstacle.
     pub(crate) fn times(&mut self, from: PointKey, to: PointKey, ready_s: f64) -> Result<Times, String> {
         if let Some(travel) = &self.problem.travel {
             let travel_s = given_s(travel, from, to, ready_s).ok_or("no way leads there")?;
@@ -240,8 +239,7 @@ impl<'a> Travel<'a> {
         self.zones_where(|zone, _| holds(zone, altitude_m))
     }
 
-    /// The zones that count on a way from the spot `from` to an altitude: those at that altitude, and near the spot those at
-    /// all altitudes that are passed in `climb_s`.
+    /// Zones of a path from `from` to an altitude: those at it, and near `from` those at altitudes passed in `climb_s`.
     fn zones_between(&self, from: usize, from_m: f64, to_m: f64, climb_s: f64) -> ZoneSet {
         let reach_m = climb_s * self.air.ground_speed_mps_max() + self.problem.zone_margin_m;
         let (low_m, high_m) = (from_m.min(to_m), from_m.max(to_m));
