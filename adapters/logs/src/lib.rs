@@ -4,6 +4,7 @@
 //! damaged and says where. A [`Mapping`] makes state variables of fields.
 
 mod bytes;
+mod cdr;
 mod civil_time;
 mod csv_table;
 mod dataflash;
@@ -12,15 +13,17 @@ mod dataflash_text;
 mod dataflash_units;
 mod field_list;
 mod fields;
-mod json_fields;
 mod log_file;
 mod mapping;
 mod mapping_file;
 mod mavlink;
 mod mavlink_messages;
 mod mcap;
+mod nested;
 mod open;
 mod ordered;
+mod protobuf;
+mod ros_schema;
 mod time_column;
 mod ulog;
 mod ulog_format;

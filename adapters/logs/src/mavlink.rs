@@ -35,6 +35,8 @@ struct Packet {
     system: u8,
     component: u8,
     id: u32,
+    /// Version 2 may carry extension fields.
+    extensions: bool,
     payload: Vec<u8>,
 }
 
@@ -82,7 +84,7 @@ impl<R: Read> TelemetryLog<R> {
             }
         }
         let payload = frame.get(header..end)?.to_vec();
-        Some(Packet { length: STAMP + end + 2 + signature, system, component, id, payload })
+        Some(Packet { length: STAMP + end + 2 + signature, system, component, id, extensions: header == 10, payload })
     }
 
     fn plausible(&self, stamp: u64) -> bool {
@@ -175,7 +177,10 @@ impl<R: Read> LogReader for TelemetryLog<R> {
             let Some(topic) = self.topic(&packet) else { continue };
             message.topic = topic;
             message.at = Time(i64::try_from(stamp).unwrap_or(i64::MAX).saturating_mul(1_000));
-            message.values = self.definition(packet.id).map(|known| known.values(&packet.payload)).unwrap_or_default();
+            message.values = self
+                .definition(packet.id)
+                .map(|known| known.values(&packet.payload, packet.extensions))
+                .unwrap_or_default();
             return Ok(true);
         }
     }

@@ -1,115 +1,12 @@
-//! Messages of MAVLink that are read field by field (mavlink.io, common.xml and ardupilotmega.xml): numbers, names, and fields
-//! in the order in which they are sent.
+//! Messages of MAVLink (mavlink.io, common.xml and ardupilotmega.xml): numbers, names, and fields in the order in which they
+//! are sent, with the extension fields of version 2.
 
 use crate::Cell;
 use crate::bytes::{array, text, u16_at, u32_at, u64_at};
 
-/// Number, name, and fields as `type:name`.
-const MESSAGES: &[(u32, &str, &str)] = &[
-    (0, "HEARTBEAT", "u32:custom_mode u8:type u8:autopilot u8:base_mode u8:system_status u8:mavlink_version"),
-    (
-        1,
-        "SYS_STATUS",
-        "u32:onboard_control_sensors_present u32:onboard_control_sensors_enabled \
-         u32:onboard_control_sensors_health u16:load u16:voltage_battery i16:current_battery \
-         u16:drop_rate_comm u16:errors_comm u16:errors_count1 u16:errors_count2 u16:errors_count3 \
-         u16:errors_count4 i8:battery_remaining",
-    ),
-    (2, "SYSTEM_TIME", "u64:time_unix_usec u32:time_boot_ms"),
-    (
-        24,
-        "GPS_RAW_INT",
-        "u64:time_usec i32:lat i32:lon i32:alt u16:eph u16:epv u16:vel u16:cog u8:fix_type \
-         u8:satellites_visible",
-    ),
-    (
-        27,
-        "RAW_IMU",
-        "u64:time_usec i16:xacc i16:yacc i16:zacc i16:xgyro i16:ygyro i16:zgyro i16:xmag i16:ymag \
-         i16:zmag",
-    ),
-    (29, "SCALED_PRESSURE", "u32:time_boot_ms f32:press_abs f32:press_diff i16:temperature"),
-    (30, "ATTITUDE", "u32:time_boot_ms f32:roll f32:pitch f32:yaw f32:rollspeed f32:pitchspeed f32:yawspeed"),
-    (
-        31,
-        "ATTITUDE_QUATERNION",
-        "u32:time_boot_ms f32:q1 f32:q2 f32:q3 f32:q4 f32:rollspeed f32:pitchspeed f32:yawspeed",
-    ),
-    (32, "LOCAL_POSITION_NED", "u32:time_boot_ms f32:x f32:y f32:z f32:vx f32:vy f32:vz"),
-    (
-        33,
-        "GLOBAL_POSITION_INT",
-        "u32:time_boot_ms i32:lat i32:lon i32:alt i32:relative_alt i16:vx i16:vy i16:vz u16:hdg",
-    ),
-    (
-        35,
-        "RC_CHANNELS_RAW",
-        "u32:time_boot_ms u16:chan1_raw u16:chan2_raw u16:chan3_raw u16:chan4_raw u16:chan5_raw \
-         u16:chan6_raw u16:chan7_raw u16:chan8_raw u8:port u8:rssi",
-    ),
-    (
-        36,
-        "SERVO_OUTPUT_RAW",
-        "u32:time_usec u16:servo1_raw u16:servo2_raw u16:servo3_raw u16:servo4_raw u16:servo5_raw \
-         u16:servo6_raw u16:servo7_raw u16:servo8_raw u8:port",
-    ),
-    (42, "MISSION_CURRENT", "u16:seq"),
-    (46, "MISSION_ITEM_REACHED", "u16:seq"),
-    (
-        62,
-        "NAV_CONTROLLER_OUTPUT",
-        "f32:nav_roll f32:nav_pitch f32:alt_error f32:aspd_error f32:xtrack_error i16:nav_bearing \
-         i16:target_bearing u16:wp_dist",
-    ),
-    (
-        65,
-        "RC_CHANNELS",
-        "u32:time_boot_ms u16:chan1_raw u16:chan2_raw u16:chan3_raw u16:chan4_raw u16:chan5_raw \
-         u16:chan6_raw u16:chan7_raw u16:chan8_raw u16:chan9_raw u16:chan10_raw u16:chan11_raw \
-         u16:chan12_raw u16:chan13_raw u16:chan14_raw u16:chan15_raw u16:chan16_raw u16:chan17_raw \
-         u16:chan18_raw u8:chancount u8:rssi",
-    ),
-    (74, "VFR_HUD", "f32:airspeed f32:groundspeed f32:alt f32:climb i16:heading u16:throttle"),
-    (109, "RADIO_STATUS", "u16:rxerrors u16:fixed u8:rssi u8:remrssi u8:txbuf u8:noise u8:remnoise"),
-    (125, "POWER_STATUS", "u16:Vcc u16:Vservo u16:flags"),
-    (
-        132,
-        "DISTANCE_SENSOR",
-        "u32:time_boot_ms u16:min_distance u16:max_distance u16:current_distance u8:type u8:id \
-         u8:orientation u8:covariance",
-    ),
-    (136, "TERRAIN_REPORT", "i32:lat i32:lon f32:terrain_height f32:current_height u16:spacing u16:pending u16:loaded"),
-    (
-        141,
-        "ALTITUDE",
-        "u64:time_usec f32:altitude_monotonic f32:altitude_amsl f32:altitude_local f32:altitude_relative \
-         f32:altitude_terrain f32:bottom_clearance",
-    ),
-    (
-        147,
-        "BATTERY_STATUS",
-        "i32:current_consumed i32:energy_consumed i16:temperature u16[10]:voltages i16:current_battery \
-         u8:id u8:battery_function u8:type i8:battery_remaining",
-    ),
-    (163, "AHRS", "f32:omegaIx f32:omegaIy f32:omegaIz f32:accel_weight f32:renorm_val f32:error_rp f32:error_yaw"),
-    (166, "RADIO", "u16:rxerrors u16:fixed u8:rssi u8:remrssi u8:txbuf u8:noise u8:remnoise"),
-    (168, "WIND", "f32:direction f32:speed f32:speed_z"),
-    (173, "RANGEFINDER", "f32:distance f32:voltage"),
-    (178, "AHRS2", "f32:roll f32:pitch f32:yaw f32:altitude i32:lat i32:lng"),
-    (
-        193,
-        "EKF_STATUS_REPORT",
-        "f32:velocity_variance f32:pos_horiz_variance f32:pos_vert_variance f32:compass_variance \
-         f32:terrain_alt_variance u16:flags",
-    ),
-    (
-        241,
-        "VIBRATION",
-        "u64:time_usec f32:vibration_x f32:vibration_y f32:vibration_z u32:clipping_0 u32:clipping_1 \
-         u32:clipping_2",
-    ),
-    (253, "STATUSTEXT", "u8:severity char[50]:text"),
-];
+/// The messages of the dialect `ardupilotmega` and of those that it includes (`common` and others), one a line, in order of
+/// their numbers; `data/mavlink_messages.py` writes it from MAVLink's definitions.
+const MESSAGES: &str = include_str!("../data/mavlink_messages.tsv");
 
 /// A message as it is sent.
 #[derive(Clone, Debug)]
@@ -117,6 +14,8 @@ pub(crate) struct Definition {
     pub(crate) id: u32,
     pub(crate) name: &'static str,
     fields: Vec<Field>,
+    /// How many of the fields both versions have; those after them are extensions of version 2.
+    base: usize,
     /// Goes into the checksum, so that sender and receiver mean the same fields.
     pub(crate) crc_extra: u8,
 }
@@ -139,17 +38,20 @@ impl Field {
 
     fn size(self) -> usize {
         match self.kind {
-            "u64" => 8,
+            "u64" | "i64" | "f64" => 8,
             "u32" | "i32" | "f32" => 4,
             "u16" | "i16" => 2,
             _ => 1,
         }
     }
 
+    #[cfg(test)]
     /// The type's name in MAVLink's definitions.
     fn long_kind(self) -> &'static str {
         match self.kind {
             "u64" => "uint64_t",
+            "i64" => "int64_t",
+            "f64" => "double",
             "u32" => "uint32_t",
             "i32" => "int32_t",
             "f32" => "float",
@@ -164,20 +66,17 @@ impl Field {
 
 /// All definitions, in order of their numbers.
 pub(crate) fn definitions() -> Vec<Definition> {
-    MESSAGES.iter().map(|(id, name, fields)| define(*id, name, fields)).collect()
+    MESSAGES.lines().filter_map(define).collect()
 }
 
-fn define(id: u32, name: &'static str, fields: &'static str) -> Definition {
-    let fields: Vec<Field> = fields.split_whitespace().filter_map(Field::parse).collect();
-    let mut crc = checksum(CRC_BEGIN, format!("{name} ").as_bytes());
-    for field in &fields {
-        crc = checksum(crc, format!("{} {} ", field.long_kind(), field.name).as_bytes());
-        if let Some(count) = field.count {
-            crc = checksum(crc, &[u8::try_from(count).unwrap_or(u8::MAX)]);
-        }
-    }
-    let [low, high] = crc.to_le_bytes();
-    Definition { id, name, fields, crc_extra: low ^ high }
+/// The definition in a line of the table; none where the line is malformed, which a test excludes.
+fn define(line: &'static str) -> Option<Definition> {
+    let mut columns = line.split('\t');
+    let (id, name, crc_extra) = (columns.next()?.parse().ok()?, columns.next()?, columns.next()?.parse().ok()?);
+    let mut fields: Vec<Field> = columns.next()?.split_whitespace().filter_map(Field::parse).collect();
+    let base = fields.len();
+    fields.extend(columns.next()?.split_whitespace().filter_map(Field::parse));
+    Some(Definition { id, name, fields, base, crc_extra })
 }
 
 /// Before the first byte.
@@ -205,21 +104,24 @@ impl Definition {
         names
     }
 
-    /// The values in a payload. Zeros at the end are not sent.
-    pub(crate) fn values(&self, payload: &[u8]) -> Vec<Cell> {
+    /// The values in a payload. Zeros at the end are not sent in version 2, and version 1 sends no `extensions`.
+    pub(crate) fn values(&self, payload: &[u8], extensions: bool) -> Vec<Cell> {
         let mut padded = payload.to_vec();
         padded.resize(padded.len().max(usize::from(u8::MAX)), 0);
         let mut values = Vec::new();
         let mut at = 0;
-        for field in &self.fields {
+        for (index, field) in self.fields.iter().enumerate() {
             let count = field.count.unwrap_or(1);
+            let sent = extensions || index < self.base;
             if field.kind == "char" {
-                values.push(Cell::Text(text(padded.get(at..at + count).unwrap_or_default())));
+                let words = padded.get(at..at + count).unwrap_or_default();
+                values.push(if sent { Cell::Text(text(words)) } else { Cell::Nothing });
                 at += count;
                 continue;
             }
             for _ in 0..count {
-                values.push(number(field.kind, &padded, at).map_or(Cell::Nothing, Cell::Number));
+                let value = number(field.kind, &padded, at).filter(|_| sent);
+                values.push(value.map_or(Cell::Nothing, Cell::Number));
                 at += field.size();
             }
         }
@@ -230,6 +132,8 @@ impl Definition {
 fn number(kind: &str, bytes: &[u8], at: usize) -> Option<f64> {
     match kind {
         "u64" => u64_at(bytes, at).map(|number| number as f64),
+        "i64" => array(bytes, at).map(i64::from_le_bytes).map(|number| number as f64),
+        "f64" => array(bytes, at).map(f64::from_le_bytes),
         "u32" => u32_at(bytes, at).map(f64::from),
         "i32" => array(bytes, at).map(i32::from_le_bytes).map(f64::from),
         "f32" => array(bytes, at).map(f32::from_le_bytes).map(f64::from),
@@ -281,10 +185,45 @@ mod tests {
 
     #[test]
     fn definitions_agree_with_the_published_checksums() {
-        for (definition, (name, crc_extra)) in definitions().iter().zip(CRC_EXTRAS) {
-            assert_eq!((definition.name, definition.crc_extra), (*name, *crc_extra));
+        let all = definitions();
+        for (name, crc_extra) in CRC_EXTRAS {
+            let found = all.iter().find(|definition| definition.name == *name);
+            assert_eq!(found.map(|definition| definition.crc_extra), Some(*crc_extra), "{name}");
         }
-        assert_eq!(definitions().len(), CRC_EXTRAS.len());
-        assert!(definitions().is_sorted_by_key(|definition| definition.id));
+    }
+
+    /// The checksum says whether fields, types, lengths and their order are those of sender and receiver; here it is computed
+    /// from the fields that are read, while the table's was computed from the definitions.
+    #[test]
+    fn every_line_of_the_table_is_read_and_gives_its_checksum() {
+        let all = definitions();
+        assert_eq!(all.len(), MESSAGES.lines().count());
+        assert!(all.len() > 300 && all.is_sorted_by(|one, other| one.id < other.id));
+        for definition in &all {
+            let mut crc = checksum(CRC_BEGIN, format!("{} ", definition.name).as_bytes());
+            for field in definition.fields.iter().take(definition.base) {
+                crc = checksum(crc, format!("{} {} ", field.long_kind(), field.name).as_bytes());
+                if let Some(count) = field.count {
+                    crc = checksum(crc, &[u8::try_from(count).unwrap()]);
+                }
+            }
+            let [low, high] = crc.to_le_bytes();
+            assert_eq!(definition.crc_extra, low ^ high, "{}", definition.name);
+            let bytes: usize = definition.fields.iter().map(|field| field.size() * field.count.unwrap_or(1)).sum();
+            assert!(bytes <= usize::from(u8::MAX), "{}: {bytes} bytes do not fit into a packet", definition.name);
+        }
+    }
+
+    #[test]
+    fn version_1_has_no_extension_and_version_2_ends_without_zeros() {
+        let all = definitions();
+        let gps = all.iter().find(|definition| definition.name == "GPS_RAW_INT").unwrap();
+        let mut payload = vec![0; 30];
+        payload.extend(1_234_i32.to_le_bytes());
+        let at = |values: &[Cell], name: &str| values[gps.names().iter().position(|one| one == name).unwrap()].clone();
+        let sent = gps.values(&payload, true);
+        assert_eq!(at(&sent, "alt_ellipsoid"), Cell::Number(1_234.0));
+        assert_eq!(at(&sent, "h_acc"), Cell::Number(0.0));
+        assert_eq!(at(&gps.values(&payload[..30], false), "alt_ellipsoid"), Cell::Nothing);
     }
 }

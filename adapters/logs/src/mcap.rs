@@ -1,8 +1,10 @@
 //! MCAP (mcap.dev/spec): records, plain or within compressed chunks. The crate `mcap` splits and parses records; chunks
-//! are unpacked here, so that a chunk that is damaged costs only its own messages. Messages in JSON are read; of others
-//! their topic and number are known.
+//! are unpacked here, so that a chunk that is damaged costs only its own messages. Messages in JSON, in CDR (ROS 2) and in
+//! protobuf are read; of others their topic and number are known.
 
-use crate::{LogReader, MESSAGE_BYTES_MAX, Message, ReadErrors, TOPICS_MAX, Topic, json_fields};
+use crate::nested::{self, Nested};
+use crate::ros_schema::Schema;
+use crate::{LogReader, MESSAGE_BYTES_MAX, Message, ReadErrors, TOPICS_MAX, Topic, cdr, protobuf};
 use apex_model::time::Time;
 use mcap::records::{self, ChunkHeader, Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
@@ -25,14 +27,67 @@ pub(crate) struct Mcap<R> {
     chunk: Option<(Records<Cursor<Vec<u8>>>, u64)>,
     begun: bool,
     ended: bool,
+    schemas: BTreeMap<u16, Definition>,
     channels: BTreeMap<u16, Channel>,
     topics: Vec<Topic>,
     damages: ReadErrors,
 }
 
+/// A schema as it stands in the file.
+struct Definition {
+    name: String,
+    encoding: String,
+    data: Vec<u8>,
+}
+
 struct Channel {
     topic: usize,
-    is_json: bool,
+    encoding: Encoding,
+}
+
+/// How the messages of a channel are read.
+enum Encoding {
+    Json,
+    Cdr(Schema),
+    Protobuf(prost_reflect::MessageDescriptor),
+    /// They are counted alone.
+    Unknown,
+}
+
+impl Encoding {
+    /// The encoding of a channel's messages; the reason where they cannot be read.
+    fn of(name: &str, schema: Option<&Definition>) -> Result<Encoding, String> {
+        let wanted = |encoding: &str| {
+            let schema = schema.ok_or_else(|| "its schema is missing".to_string())?;
+            match schema.encoding == encoding {
+                true => Ok(schema),
+                false => Err(format!("its schema is written in `{}`; `{encoding}` is read here", schema.encoding)),
+            }
+        };
+        match name {
+            "json" => Ok(Encoding::Json),
+            "cdr" => {
+                let Definition { name, data, .. } = wanted("ros2msg")?;
+                Schema::parse(name, &String::from_utf8_lossy(data)).map(Encoding::Cdr)
+            }
+            "protobuf" => {
+                let Definition { name, data, .. } = wanted("protobuf")?;
+                protobuf::descriptor(name, data).map(Encoding::Protobuf)
+            }
+            _ => Err("json, cdr and protobuf are read here".to_string()),
+        }
+    }
+
+    fn read(&self, data: &[u8]) -> Result<Nested, String> {
+        match self {
+            Encoding::Json => serde_json::from_slice::<serde_json::Value>(data)
+                .map(Nested::from)
+                .map_err(|error| format!("it is not JSON, {error}")),
+            Encoding::Cdr(schema) => cdr::read(schema, data),
+            Encoding::Protobuf(descriptor) => protobuf::read(descriptor, data),
+            Encoding::Unknown => Ok(Nested::Members(Vec::new())),
+        }
+    }
 }
 
 /// The records of a file or of an unpacked chunk.
@@ -90,6 +145,7 @@ impl<R: Read> Mcap<R> {
             chunk: None,
             begun: false,
             ended: false,
+            schemas: BTreeMap::new(),
             channels: BTreeMap::new(),
             topics: Vec::new(),
             damages: ReadErrors::default(),
@@ -135,14 +191,13 @@ impl<R: Read> Mcap<R> {
         if self.topics.len() >= TOPICS_MAX {
             return self.damages.add(|| format!("byte {at}: more than {TOPICS_MAX} topics"));
         }
-        let (name, encoding) = (channel.topic, channel.message_encoding);
-        let is_json = encoding == "json";
-        if !is_json {
-            self.damages.add(|| {
-                format!("byte {at}: messages of `{name}` are written in `{encoding}`, of which nothing but json is read here")
-            });
-        }
-        self.channels.insert(channel.id, Channel { topic: self.topics.len(), is_json });
+        let (name, written) = (channel.topic, channel.message_encoding);
+        let encoding = Encoding::of(&written, self.schemas.get(&channel.schema_id)).unwrap_or_else(|reason| {
+            self.damages
+                .add(|| format!("byte {at}: messages of `{name}` in `{written}` are counted, but not read: {reason}"));
+            Encoding::Unknown
+        });
+        self.channels.insert(channel.id, Channel { topic: self.topics.len(), encoding });
         self.topics.push(Topic { name, ..Topic::default() });
     }
 
@@ -155,13 +210,13 @@ impl<R: Read> Mcap<R> {
         message.topic = channel.topic;
         message.at = Time(i64::try_from(header.log_time).unwrap_or(i64::MAX));
         message.values.clear();
-        if channel.is_json {
-            match (serde_json::from_slice(data), self.topics.get_mut(channel.topic)) {
-                (Ok(json), Some(topic)) => json_fields::spread(&json, topic, &mut message.values),
-                _ => {
-                    self.damages.add(|| format!("byte {at}: a message that says it is JSON and is not"));
-                    return false;
-                }
+        let Some(topic) = self.topics.get_mut(channel.topic) else { return false };
+        match channel.encoding.read(data) {
+            Ok(Nested::Members(none)) if none.is_empty() => {}
+            Ok(value) => nested::spread(value, topic, &mut message.values),
+            Err(reason) => {
+                self.damages.add(|| format!("byte {at}: a message of `{}` cannot be read: {reason}", topic.name));
+                return false;
             }
         }
         true
@@ -208,13 +263,17 @@ impl<R: Read> LogReader for Mcap<R> {
                 }
                 continue;
             };
-            let wanted = matches!(opcode, op::CHANNEL | op::MESSAGE | op::CHUNK);
+            let wanted = matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE | op::CHUNK);
             // The data section ends here; what follows is a summary of it.
             self.ended |= opcode == op::DATA_END;
             if !wanted {
                 continue;
             }
             match mcap::parse_record(opcode, &body) {
+                Ok(Record::Schema { header, data }) => {
+                    let (name, encoding, data) = (header.name, header.encoding, data.into_owned());
+                    self.schemas.entry(header.id).or_insert(Definition { name, encoding, data });
+                }
                 Ok(Record::Channel(channel)) => self.channel(channel, at),
                 Ok(Record::Message { header, data }) => {
                     if self.message(&header, &data, at, message) {

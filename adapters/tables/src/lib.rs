@@ -4,11 +4,13 @@ mod csv_writer;
 mod parquet_writer;
 mod plot;
 mod result_writer;
+mod sample_table;
 
 pub use csv_writer::CsvWriter;
 pub use parquet_writer::ParquetWriter;
 pub use plot::plot;
 pub use result_writer::ResultWriter;
+pub use sample_table::SampleTable;
 
 use apex_executive::state::recorded::Recorded;
 use apex_model::event::StateVariable;

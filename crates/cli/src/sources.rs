@@ -9,7 +9,7 @@ pub use apex_mission::program::{
 pub use apex_mission::recorded::load_program as load_flown_program;
 use apex_mission::{Mission, scenario};
 use apex_model::library::Library;
-use apex_model::time::{Duration, Time};
+use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_pdl::Checked;
 use apex_runtime::ports::Input;
@@ -70,16 +70,7 @@ pub fn parse_time(text: &str, option: &str) -> CliResult<Time> {
         CliError::user(format!("`{option} {text}` is no time"))
             .help("write seconds (90), a duration (20s, 2h, P1M30S), or hours:minutes:seconds (1:30:00)")
     };
-    let time = if text.contains(':') {
-        clock_time(text)
-    } else {
-        match apex_pdl::read_value(text) {
-            Ok(Value::Duration(Duration(nanoseconds))) => Some(Time(nanoseconds)),
-            Ok(Value::Integer(seconds)) => Some(Time::from_seconds(seconds as f64)),
-            Ok(Value::Real(seconds)) if seconds.is_finite() => Some(Time::from_seconds(seconds)),
-            _ => None,
-        }
-    };
+    let time = apex_pdl::read_time(text);
     match time.ok_or_else(bad)? {
         early if early < Time::ZERO => {
             Err(CliError::user(format!("`{option} {text}` is before the start")).help("mission time begins at 0"))
@@ -100,13 +91,4 @@ pub fn parse_length_m(text: &str, option: &str) -> CliResult<f64> {
         _ => Err(CliError::user(format!("`{option} {text}` is no length above 0"))
             .help("write metres (60), or a length with its unit (60m, 200ft)")),
     }
-}
-
-/// `1:30:00` or `1:30`: hours, minutes and seconds, or minutes and seconds.
-fn clock_time(text: &str) -> Option<Time> {
-    let parts: Vec<f64> = text.split(':').map(str::parse).collect::<Result<_, _>>().ok()?;
-    let rest_in_range = parts.iter().skip(1).all(|part| (0.0..60.0).contains(part));
-    let first_in_range = parts.first().is_some_and(|part| (0.0..1e6).contains(part));
-    let seconds = parts.iter().fold(0.0, |seconds, part| seconds * 60.0 + part);
-    (parts.len() <= 3 && first_in_range && rest_in_range).then(|| Time::from_seconds(seconds))
 }

@@ -1,5 +1,6 @@
 //! A mission: what `(defapplication ..)` names, read from files and ready to plan and fly.
 
+pub mod check_report;
 pub mod comparison;
 mod costs;
 pub mod crew;

@@ -24,6 +24,7 @@ mod read;
 mod render;
 mod suggest;
 mod syntax;
+mod typed_time;
 mod vocabulary;
 
 pub use api::{ParsedCondition, error_code, error_codes, parse_condition, read_value};
@@ -38,4 +39,5 @@ pub use format::format;
 pub use host::HostSignature;
 pub use print::{PrintedPlan, print_condition, print_expression, print_plan, print_primitive, print_procedure};
 pub use render::render;
+pub use typed_time::read_time;
 pub use vocabulary::{VOCABULARY, Words};

@@ -244,6 +244,39 @@ pub(crate) fn mcap(samples: u64) -> Vec<u8> {
     log
 }
 
+/// An MCAP with attitudes as ROS 2 writes them: CDR, and the definition of the message as its schema.
+pub(crate) fn mcap_ros(samples: u64) -> Vec<u8> {
+    let magic = [0x89, b'M', b'C', b'A', b'P', 0x30, b'\r', b'\n'];
+    let mut log = magic.to_vec();
+    log.extend(record(1, &[string("ros2"), string("test")].concat()));
+    let definition = "std_msgs/Header header\nuint8 mode\ngeometry_msgs/Vector3 angle\nfloat32[] cells\n====\n\
+                      MSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n====\n\
+                      MSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n====\n\
+                      MSG: geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z\n";
+    let number = 7_u16.to_le_bytes().to_vec();
+    log.extend(record(3, &[number, string("uav_msgs/msg/Attitude"), string("ros2msg"), string(definition)].concat()));
+    let fixed = [1_u16.to_le_bytes(), 7_u16.to_le_bytes()].concat();
+    log.extend(record(4, &[fixed, string("/attitude"), string("cdr"), 0_u32.to_le_bytes().to_vec()].concat()));
+    for index in 0..samples {
+        let mut body = 1_u16.to_le_bytes().to_vec();
+        body.extend(0_u32.to_le_bytes());
+        body.extend((index * 100_000_000).to_le_bytes());
+        body.extend((index * 100_000_000).to_le_bytes());
+        // Header of CDR; seconds, nanoseconds, "map" with its length; mode; up to 24 for the first double.
+        body.extend([0, 1, 0, 0, 5, 0, 0, 0, 6, 0, 0, 0, 4, 0, 0, 0, b'm', b'a', b'p', 0, 3, 0, 0, 0, 0, 0, 0, 0]);
+        for angle in [index as f64, 2.0, 3.0] {
+            body.extend(angle.to_le_bytes());
+        }
+        body.extend(2_u32.to_le_bytes());
+        body.extend([3.5_f32.to_le_bytes(), 4.5_f32.to_le_bytes()].concat());
+        log.extend(record(5, &body));
+    }
+    log.extend(record(15, &0_u32.to_le_bytes()));
+    log.extend(record(2, &[0; 20]));
+    log.extend(magic);
+    log
+}
+
 /// A table with a time in milliseconds.
 pub(crate) fn csv(samples: u64) -> Vec<u8> {
     let mut log = "# made by hand\ntime_ms,roll,mode\n".to_string();

@@ -5,7 +5,8 @@ use crate::error::{CliError, CliResult};
 use crate::options::CheckOptions;
 use crate::{output, sources};
 use apex_executive::memory;
-use apex_pdl::{Checked, Fix, Severity, TextEdit};
+use apex_mission::check_report;
+use apex_pdl::{Checked, Severity};
 use std::io::IsTerminal;
 
 /// Checks each file by itself with what it requires.
@@ -22,7 +23,11 @@ pub fn run(options: &CheckOptions) -> CliResult {
             memory(&checked, options.json)?;
         }
         if !options.json {
-            output::print_line(format_args!("{}: {}", sources::program_path(file).display(), summary(&checked)))?;
+            output::print_line(format_args!(
+                "{}: {}",
+                sources::program_path(file).display(),
+                check_report::summary(&checked)
+            ))?;
             if let Some(serious) = checked.diagnostics.iter().find(|each| each.severity != Severity::Note) {
                 output::print_line(format_args!("`apex explain {}` tells more about that message", serious.code))?;
             }
@@ -34,94 +39,16 @@ pub fn run(options: &CheckOptions) -> CliResult {
 /// Prints diagnostics, as text or as JSON lines.
 pub fn print(checked: &Checked, json: bool) -> CliResult {
     if json {
-        return print_json(checked);
+        return check_report::diagnostics_json(checked).into_iter().try_for_each(output::print_line);
     }
     let color = std::io::stdout().is_terminal();
     output::print_rendered(apex_pdl::render(&checked.diagnostics, &checked.library.sources, color))
 }
 
-/// What is kept, and because of which clauses.
+/// Prints what the program keeps, and because of which clauses.
 fn memory(checked: &Checked, json: bool) -> CliResult {
-    let library = &checked.library;
-    if !json {
-        return output::print(memory::report(library));
+    if json {
+        return check_report::memory_json(&checked.library).into_iter().try_for_each(output::print_line);
     }
-    for kept in memory::kept(library) {
-        output::print_line(serde_json::json!({
-            "keeps": kept.subject.to_string(),
-            "span_s": kept.span.map(|span| span.seconds()),
-            "count_max": kept.count,
-            "bytes_max": kept.bytes,
-            "rate_per_s": kept.rate_per_s,
-        }))?;
-    }
-    for demand in memory::demands(library) {
-        output::print_line(serde_json::json!({
-            "because_of": demand.text,
-            "place": library.describe_place(demand.place),
-            "keeps": demand.subject.to_string(),
-            "bounded": !demand.is_unbounded(),
-            "reason": demand.reason(),
-            "help": demand.help(),
-        }))?;
-    }
-    Ok(())
-}
-
-/// What was found, counted: `3 procedures, 1 primitive, 0 errors, 0 warnings, 0 notes`.
-pub fn summary(checked: &Checked) -> String {
-    let count = |severity: Severity| checked.diagnostics.iter().filter(|each| each.severity == severity).count();
-    let library = &checked.library;
-    let found = [
-        (library.procedures.len(), "procedure"),
-        (library.primitives.len(), "primitive"),
-        (count(Severity::Error), "error"),
-        (count(Severity::Warning), "warning"),
-        (count(Severity::Note), "note"),
-    ];
-    let words: Vec<String> = found.iter().map(|(count, noun)| counted(*count, noun)).collect();
-    words.join(", ")
-}
-
-fn counted(count: usize, noun: &str) -> String {
-    if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
-}
-
-fn print_json(checked: &Checked) -> CliResult {
-    for each in &checked.diagnostics {
-        let line = serde_json::json!({
-            "code": each.code,
-            "severity": each.severity.word(),
-            "message": each.message,
-            "file": file_name(checked, each.span.file),
-            "line": each.span.line,
-            "column": each.span.column,
-            "reason": each.reason,
-            "help": each.help,
-            "fixes": each.fixes.iter().map(|fix| fix_json(checked, fix)).collect::<Vec<_>>(),
-        });
-        output::print_line(line)?;
-    }
-    Ok(())
-}
-
-fn fix_json(checked: &Checked, fix: &Fix) -> serde_json::Value {
-    let edit = |edit: &TextEdit| {
-        serde_json::json!({
-            "file": file_name(checked, edit.file),
-            "start": edit.start,
-            "end": edit.end,
-            "replacement": edit.replacement,
-        })
-    };
-    serde_json::json!({
-        "title": fix.title,
-        "applicability": fix.applicability.word(),
-        "edits": fix.edits.iter().map(edit).collect::<Vec<_>>(),
-    })
-}
-
-fn file_name(checked: &Checked, file: u32) -> Option<String> {
-    let source = usize::try_from(file).ok().and_then(|index| checked.library.sources.get(index));
-    source.map(|source| source.name.to_string())
+    output::print(memory::report(&checked.library))
 }

@@ -6,12 +6,9 @@ use crate::options::{ExportFormat, ExportOptions};
 use crate::output::Listened;
 use crate::{sources, table_file};
 use apex_executive::MonitorSession;
-use apex_model::event::{EventKind, Message, StateVariable};
 use apex_model::library::Library;
-use apex_model::time::Time;
-use apex_model::value::Value;
 use apex_pdl::SourceText;
-use apex_tables::{CsvWriter, ParquetWriter, Row, TableWriter};
+use apex_tables::{CsvWriter, ParquetWriter, SampleTable, TableWriter};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -43,69 +40,20 @@ pub fn run(options: &ExportOptions) -> CliResult {
             return Err(CliError::user("a Parquet table needs a file").help("name it with `--out FILE.parquet`"));
         }
     };
-    let mut table = Table { session, writer, rows: 0, now: Time::BEGINNING };
-    let fed = source
-        .feed(&library, None, &mut |at, kind| table.take(at, kind).map_err(|error| table_file::unwritten(out, &error)));
+    let mut table = SampleTable::new(session, writer);
+    let fed = source.feed(&library, None, &mut |at, kind| {
+        table.write(at, kind).map_err(|error| table_file::unwritten(out, &error))
+    });
     if gone.get() {
         return Ok(());
     }
     // What was read before a fault is in the table.
-    let rows = table.rows;
-    table.writer.finish().map_err(|error| table_file::unwritten(out, &error))?;
+    let rows = table.finish().map_err(|error| table_file::unwritten(out, &error))?;
     fed?;
     if let Some(path) = out {
         crate::output::print_error(format_args!("{rows} rows in {}", path.display()));
     }
     Ok(())
-}
-
-/// A table from the session's point of view: what it records, row by row.
-struct Table {
-    session: MonitorSession,
-    writer: Box<dyn TableWriter>,
-    rows: i64,
-    now: Time,
-}
-
-impl Table {
-    fn take(&mut self, at: Time, kind: EventKind) -> std::io::Result<()> {
-        match kind {
-            EventKind::Measurement(variable, value) | EventKind::Told(_, Message::Measurement(variable, value)) => {
-                self.sample(&variable, value, at)
-            }
-            EventKind::Occurrence(form) | EventKind::Told(_, Message::Occurrence(form)) => {
-                let stamp = self.stamp(at);
-                let row = Row::event(stamp, &form);
-                self.writer.write(row)
-            }
-            EventKind::CommandAcknowledged(..)
-            | EventKind::SolverReported(..)
-            | EventKind::OperatorAnswered(..)
-            | EventKind::Woken
-            | EventKind::Stop(_) => {
-                self.now = self.now.max(at);
-                Ok(())
-            }
-        }
-    }
-
-    fn sample(&mut self, variable: &StateVariable, value: Value, at: Time) -> std::io::Result<()> {
-        let stamp = self.stamp(at);
-        let recorded = self.session.sample(variable, value.clone(), at);
-        // Nothing is watched: nothing is kept that grows.
-        self.session.advance_to(at);
-        self.session.take_troubles();
-        let declared = self.session.library().state_variables.get(&variable.attribute);
-        let row = Row::sample(stamp, variable, &value, declared.and_then(|declared| declared.unit.as_ref()), recorded);
-        self.writer.write(row)
-    }
-
-    /// Number, own instant and instant of arrival of the next row.
-    fn stamp(&mut self, at: Time) -> (i64, Time, Time) {
-        self.rows += 1;
-        self.now = self.now.max(at);
-        (self.rows, at, self.now)
-    }
 }
 
 fn library(options: &ExportOptions, source: &mut Source) -> CliResult<Library> {

@@ -85,7 +85,7 @@ fn summary(program: &Program, name: &str, checked: &Checked, dry: bool) -> Strin
     let count = program.made.len();
     let fixes = if count == 1 { "1 fix" } else { &format!("{count} fixes") };
     let done = if dry { "possible" } else { "made" };
-    format!("{name}: {fixes} {done}; {}", check::summary(checked))
+    format!("{name}: {fixes} {done}; {}", apex_mission::check_report::summary(checked))
 }
 
 /// The change of a text as a unified difference.

@@ -6,13 +6,11 @@ use crate::options::MonitorOptions;
 use crate::output::Listened;
 use crate::{output, sources, table_file};
 use apex_executive::state::clause::MonitorId;
-use apex_executive::state::monitors::monitor::Interest;
 use apex_executive::{MonitorSession, ResultEvent};
 use apex_mission::monitor_report::{Style, placed, verdict_word};
 use apex_model::condition::Condition;
-use apex_model::event::{EventKind, Message, StateVariable};
+use apex_model::event::{EventKind, StateVariable};
 use apex_model::library::Library;
-use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 use apex_pdl::{CheckedConditions, SourceText};
 use apex_tables::ResultWriter;
@@ -241,17 +239,7 @@ impl Watching<'_> {
         if !self.heard {
             self.begin(self.created.unwrap_or(at))?;
         }
-        match kind {
-            EventKind::Measurement(variable, value) | EventKind::Told(_, Message::Measurement(variable, value)) => {
-                self.session.sample(&variable, value, at);
-            }
-            EventKind::Occurrence(form) | EventKind::Told(_, Message::Occurrence(form)) => self.session.event(form, at),
-            EventKind::CommandAcknowledged(..)
-            | EventKind::SolverReported(..)
-            | EventKind::OperatorAnswered(..)
-            | EventKind::Woken
-            | EventKind::Stop(_) => self.session.advance_to(at),
-        }
+        self.session.take(kind, at);
         self.tell()
     }
 
@@ -309,29 +297,19 @@ impl Watching<'_> {
             self.write(&text)?;
         }
         self.flush()?;
-        self.tell_unheard();
+        self.note_missing_samples();
         Ok(verdicts)
     }
 
-    /// A condition about a variable that never had a sample is mostly a slip of the pen.
-    fn tell_unheard(&self) {
+    /// Notes each variable that the conditions read and the input has no sample of.
+    fn note_missing_samples(&self) {
         let histories = self.session.histories();
-        let heard: BTreeSet<&Symbol> = histories.iter().map(|(variable, _)| &variable.attribute).collect();
         let measured = histories.iter().map(|(variable, _)| variable).chain(&self.known);
         let listed: BTreeSet<String> = measured.map(|variable| variable.to_string()).collect();
         let listed: Vec<String> = listed.into_iter().take(30).collect();
-        for number in 0..self.conditions.len() as u64 {
-            for interest in self.session.interests(MonitorId(number)) {
-                let unheard = match &interest {
-                    Interest::Variable(variable) if histories.get(variable).is_none() => variable.to_string(),
-                    Interest::Attribute(attribute) if !heard.contains(attribute) => format!("({attribute} ..)"),
-                    _ => continue,
-                };
-                output::print_error(format_args!(
-                    "note: there is no sample of {unheard} in this input; it has {}",
-                    if listed.is_empty() { "none at all".to_string() } else { listed.join(" ") }
-                ));
-            }
+        let listed = if listed.is_empty() { "none at all".to_string() } else { listed.join(" ") };
+        for missing in self.session.without_samples() {
+            output::print_error(format_args!("note: there is no sample of {missing} in this input; it has {listed}"));
         }
     }
 

@@ -4,29 +4,24 @@ use crate::error::{CliError, CliResult};
 use crate::options::{PlanFormat, PlanOptions};
 use crate::sources::{parse_length_m, parse_time};
 use crate::{output, sources, stopping};
-use apex_metrics::survival;
-use apex_mission::deliberation::{Deliberation, PlanningResources, SolveOptions, name_obstacles, solve, translate};
+use apex_mission::deliberation::{Deliberation, PlanningResources, SolveOptions, name_obstacles, solve};
 use apex_mission::export::chart::{Chart, chart};
 use apex_mission::export::table::PlanFacts;
 use apex_mission::export::{geojson, json, kml, qgc, table};
 use apex_mission::plan::import::import;
-use apex_mission::plan::input::PlanInput;
+use apex_mission::plan::input::{PlanInput, survival_cost};
 use apex_mission::plan::problem_file;
 use apex_mission::plan::proof::{self, Proven};
 use apex_mission::plan::turns;
-use apex_model::problem::{Plan, Problem};
-use apex_model::time::{Duration, Time};
-use apex_model::value::Value;
+use apex_model::problem::Problem;
+use apex_model::time::Time;
 use apex_planning::Registry;
-use apex_planning::solver::time_of;
 use apex_runtime::invocation::Invocations;
 use apex_runtime::ports::CancelToken;
 use apex_solvers::planners::human::Human;
 use std::path::Path;
 use std::sync::Arc;
 
-/// What a proof may take next to a short budget for planning.
-const BOUND_BUDGET_MIN: Duration = Duration(500_000_000);
 /// What to do when there is no plan.
 const NO_PLAN_HELP: &str = "look at the mission's data, or leave `--solver` out to let the mission's features choose";
 /// What to do when a person's visits are none.
@@ -60,7 +55,8 @@ pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> CliResult {
     if let Some((mission, _)) = &question.mission {
         name_obstacles(mission, &mut solved);
     }
-    let bound_budget = bound_budget(options, &question, &solved);
+    let is_stated = options.budget.is_none() || options.bound_budget.is_some();
+    let bound_budget = if is_stated { question.bound_budget } else { question.bound_budget_after(solved.work) };
     let proven = proof::prove(&mut solved, question.is_tour(), bound_budget)?;
     let survival = if options.survival { Some(survival_cost(&solved)?) } else { None };
     let text = match format {
@@ -69,7 +65,7 @@ pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> CliResult {
             table::write(&question.name, question.benchmark.as_ref(), &solved, &facts)
         }
         PlanFormat::Json => json(&question, &solved, &proven, survival),
-        PlanFormat::Pdl => pdl(&question, &solved),
+        PlanFormat::Pdl => question.procedure_text(&solved),
         PlanFormat::Geojson => geojson::write(&charted(&question, &solved)?),
         PlanFormat::Kml => kml::write(&charted(&question, &solved)?),
         PlanFormat::Qgc => qgc::write(&charted(&question, &solved)?, height_m).map_err(|reason| {
@@ -106,17 +102,6 @@ fn read(options: &PlanOptions) -> CliResult<PlanInput> {
     }
     question.seed = options.seed.unwrap_or(question.seed);
     Ok(question)
-}
-
-/// What a proof may take: what is stated; where only a budget is stated, what planning has left of it, and a twentieth or half a
-/// second more.
-fn bound_budget(options: &PlanOptions, question: &PlanInput, solved: &Deliberation) -> Duration {
-    if options.budget.is_none() || options.bound_budget.is_some() {
-        return question.bound_budget;
-    }
-    let more = Duration(question.budget.0 / 20).max(BOUND_BUDGET_MIN);
-    let left = Duration(question.budget.0.saturating_sub(time_of(solved.work).0).max(0));
-    Duration(left.0.saturating_add(more.0)).min(question.bound_budget)
 }
 
 /// Refuses to plan for more than one vehicle.
@@ -215,15 +200,6 @@ fn refuse_survival(format: PlanFormat, question: &PlanInput) -> CliResult {
     }
 }
 
-/// What a plan of surveillance costs where only the first event after an observation counts.
-fn survival_cost(solved: &Deliberation) -> CliResult<f64> {
-    let (Problem::Surveillance(problem), Plan::Surveillance(plan)) = (&solved.problem, &solved.plan) else {
-        return Err(CliError::user("the plan is none of surveillance"));
-    };
-    let cost = survival::expected_cost(problem, &plan.visits);
-    cost.map(|cost| cost.total).map_err(|why| CliError::user("the cost of first events is not known").because(why))
-}
-
 fn json(question: &PlanInput, solved: &Deliberation, proven: &Proven, survival: Option<f64>) -> String {
     let facts = PlanFacts { proven, turns: turns_of(question, solved), survival };
     json::write(&question.name, question.benchmark.as_ref(), solved, &facts)
@@ -231,19 +207,6 @@ fn json(question: &PlanInput, solved: &Deliberation, proven: &Proven, survival: 
 
 fn turns_of(question: &PlanInput, solved: &Deliberation) -> Option<turns::Turns> {
     turns::of(&solved.problem, &solved.plan, question.mission())
-}
-
-/// The plan as a procedure for the mission's goal, with the libraries that its steps need, so that it can be checked alone;
-/// empty for what is no mission, which was refused.
-fn pdl(question: &PlanInput, solved: &Deliberation) -> String {
-    let Some((mission, goal)) = &question.mission else { return String::new() };
-    let application = mission.library.application.as_ref();
-    let libraries = application.and_then(|application| application.option("libraries")).and_then(Value::as_list);
-    let named = libraries.unwrap_or_default().iter().filter_map(|library| match library {
-        Value::Text(name) => Some(format!("(require-apex-library \"{name}\")\n")),
-        _ => None,
-    });
-    named.chain([translate(solved, goal, 1, mission).source.text.to_string()]).collect()
 }
 
 fn charted(question: &PlanInput, solved: &Deliberation) -> CliResult<Chart> {

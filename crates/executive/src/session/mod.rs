@@ -3,6 +3,7 @@
 mod attributes;
 mod banks;
 mod gaps;
+mod input;
 mod reading;
 mod results;
 mod scene;

@@ -6,7 +6,9 @@ use crate::state::clause::MonitorId;
 use crate::state::histories::history::Histories;
 use crate::state::monitors::monitor::{Interest, Verdict};
 use apex_model::library::Library;
+use apex_model::symbol::Symbol;
 use apex_model::time::Time;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 impl MonitorSession {
@@ -39,6 +41,20 @@ impl MonitorSession {
     pub fn interests(&self, id: MonitorId) -> Vec<Interest> {
         let monitor = self.watches.get(id.0).and_then(|watched| watched.monitor.as_ref());
         monitor.map(interest::interests).unwrap_or_default()
+    }
+
+    /// What the watched conditions read and the session has had no sample of: state variables such as `(roll-angle aircraft-1)`,
+    /// and attributes such as `(roll-angle ..)` where the object is open. A condition about such a variable is mostly a misspelling.
+    pub fn without_samples(&self) -> Vec<String> {
+        let histories = self.histories();
+        let measured: BTreeSet<&Symbol> = histories.iter().map(|(variable, _)| &variable.attribute).collect();
+        let missing = |interest: Interest| match interest {
+            Interest::Variable(variable) if histories.get(&variable).is_none() => Some(variable.to_string()),
+            Interest::Attribute(attribute) if !measured.contains(&attribute) => Some(format!("({attribute} ..)")),
+            _ => None,
+        };
+        let watched = (0..self.next_watch).flat_map(|number| self.interests(MonitorId(number)));
+        watched.filter_map(missing).collect()
     }
 
     /// What can be said about a condition at the last instant that is over; none when it is not watched.

@@ -3,21 +3,25 @@
 
 use super::{problem_file, proof};
 use crate::Mission;
-use crate::deliberation::validate;
+use crate::deliberation::{Deliberation, translate, validate};
 use crate::error::{MissionError, MissionResult};
 use crate::files::{nearby_help, read_text};
 use crate::link::without_weak_links;
 use crate::problem::pose;
 use crate::situation::Situation;
-use apex_model::problem::{Position, Problem};
+use apex_metrics::survival;
+use apex_model::problem::{Plan, Position, Problem};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
+use apex_planning::solver::time_of;
 use apex_planning::validate::TARGETS_MAX;
 use apex_portfolio::cell::Cell;
 use apex_portfolio::formats;
 use std::path::Path;
 
-/// Deliberation time where nobody says one.
+/// What a proof may take in addition to a short budget for planning.
+const BOUND_BUDGET_MIN: Duration = Duration(500_000_000);
+/// Deliberation time where none is stated.
 const BUDGET_DEFAULT: Duration = Duration(10_000_000_000);
 
 /// A problem with what is needed to plan for it.
@@ -46,6 +50,42 @@ impl PlanInput {
         let (budget, bound_budget) = (BUDGET_DEFAULT, proof::BUDGET_DEFAULT);
         PlanInput { name, problem, budget, bound_budget, seed: 1, mission: None, benchmark: None, start: None }
     }
+}
+
+impl PlanInput {
+    /// What a proof may take where only a budget for planning is stated: what planning with `work` units has left of it, and a
+    /// twentieth or half a second more.
+    pub fn bound_budget_after(&self, work: u64) -> Duration {
+        let more = Duration(self.budget.0 / 20).max(BOUND_BUDGET_MIN);
+        let left = Duration(self.budget.0.saturating_sub(time_of(work).0).max(0));
+        Duration(left.0.saturating_add(more.0)).min(self.bound_budget)
+    }
+
+    /// The plan as a procedure for the mission's goal, with the libraries that its steps need, so that it can be checked alone;
+    /// empty where the problem is not a mission's.
+    pub fn procedure_text(&self, solved: &Deliberation) -> String {
+        let Some((mission, goal)) = &self.mission else { return String::new() };
+        let application = mission.library.application.as_ref();
+        let libraries = application.and_then(|application| application.option("libraries")).and_then(Value::as_list);
+        let named = libraries.unwrap_or_default().iter().filter_map(|library| match library {
+            Value::Text(name) => Some(format!("(require-apex-library \"{name}\")\n")),
+            _ => None,
+        });
+        named.chain([translate(solved, goal, 1, mission).source.text.to_string()]).collect()
+    }
+}
+
+/// What a plan of surveillance costs where only the first event after an observation counts.
+///
+/// # Errors
+/// The plan is not one of surveillance, or its cost cannot be computed.
+pub fn survival_cost(solved: &Deliberation) -> MissionResult<f64> {
+    let (Problem::Surveillance(problem), Plan::Surveillance(plan)) = (&solved.problem, &solved.plan) else {
+        return Err(MissionError::planning("the plan is none of surveillance"));
+    };
+    let cost = survival::expected_cost(problem, &plan.visits);
+    cost.map(|cost| cost.total)
+        .map_err(|why| MissionError::planning("the cost of first events is not known").because(why))
 }
 
 /// Statements of a benchmark's file in addition to the problem.

@@ -7,6 +7,7 @@ mod closing;
 mod codec;
 mod difference;
 mod file_seal;
+mod integrity_text;
 mod open;
 mod problems;
 mod reader;

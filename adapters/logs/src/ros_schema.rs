@@ -1,0 +1,203 @@
+//! Definitions of ROS 2 messages as MCAP carries them (mcap.dev/spec/registry, "ros2msg"): the text of a `.msg` file, then
+//! after a line of `=` and a line `MSG: package/Name` those of the messages within it.
+
+use std::collections::BTreeMap;
+
+/// A type that is not a message (design.ros2.org, "Interface definition").
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Primitive {
+    Bool,
+    U8,
+    I8,
+    U16,
+    I16,
+    U32,
+    I32,
+    F32,
+    U64,
+    I64,
+    F64,
+    Text,
+    WideText,
+}
+
+impl Primitive {
+    fn named(name: &str) -> Option<Primitive> {
+        Some(match name {
+            "bool" => Primitive::Bool,
+            "byte" | "uint8" | "char" => Primitive::U8,
+            "int8" => Primitive::I8,
+            "uint16" => Primitive::U16,
+            "int16" => Primitive::I16,
+            "uint32" => Primitive::U32,
+            "int32" => Primitive::I32,
+            "float32" => Primitive::F32,
+            "uint64" => Primitive::U64,
+            "int64" => Primitive::I64,
+            "float64" => Primitive::F64,
+            "string" => Primitive::Text,
+            "wstring" => Primitive::WideText,
+            _ => return None,
+        })
+    }
+
+    /// Bytes of a value; none of texts, whose length stands before them.
+    pub(crate) fn size(self) -> Option<usize> {
+        Some(match self {
+            Primitive::Bool | Primitive::U8 | Primitive::I8 => 1,
+            Primitive::U16 | Primitive::I16 => 2,
+            Primitive::U32 | Primitive::I32 | Primitive::F32 => 4,
+            Primitive::U64 | Primitive::I64 | Primitive::F64 => 8,
+            Primitive::Text | Primitive::WideText => return None,
+        })
+    }
+}
+
+/// How many values a field has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Count {
+    One,
+    /// An array of a fixed length.
+    Fixed(usize),
+    /// A sequence, whose length stands before it.
+    Counted,
+}
+
+/// What a field's values are.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Primitive(Primitive),
+    /// The message with this number in [`Schema::messages`].
+    Message(usize),
+}
+
+/// A field of a message.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Field {
+    pub(crate) name: String,
+    pub(crate) kind: Kind,
+    pub(crate) count: Count,
+}
+
+/// A message with those within it; the first is the whole.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Schema {
+    pub(crate) messages: Vec<Vec<Field>>,
+}
+
+/// A field before the names of messages are resolved.
+struct Line<'a> {
+    kind: &'a str,
+    name: &'a str,
+    count: Count,
+}
+
+impl Schema {
+    /// Reads the definition of the message `name` (`package/msg/Name`).
+    ///
+    /// # Errors
+    /// The line that is not understood, or the type that is not defined.
+    pub(crate) fn parse(name: &str, text: &str) -> Result<Schema, String> {
+        let mut parts: Vec<(&str, Vec<Line<'_>>)> = vec![(name, Vec::new())];
+        for line in text.lines() {
+            let line = line.split('#').next().unwrap_or_default().trim();
+            if line.is_empty() || line.bytes().all(|byte| byte == b'=') {
+                continue;
+            }
+            if let Some(next) = line.strip_prefix("MSG:") {
+                parts.push((next.trim(), Vec::new()));
+                continue;
+            }
+            if let (Some(field), Some((_, fields))) = (field(line)?, parts.last_mut()) {
+                fields.push(field);
+            }
+        }
+        let numbers: BTreeMap<String, usize> =
+            parts.iter().enumerate().rev().map(|(number, (name, _))| (short(name), number)).collect();
+        let message = |(name, lines): &(&str, Vec<Line<'_>>)| -> Result<Vec<Field>, String> {
+            lines.iter().map(|line| resolved(line, name, &numbers)).collect()
+        };
+        Ok(Schema { messages: parts.iter().map(message).collect::<Result<_, _>>()? })
+    }
+}
+
+/// `package/Name` of `package/msg/Name`.
+fn short(name: &str) -> String {
+    name.replace("/msg/", "/")
+}
+
+/// The field of a line; none for a constant.
+fn field(line: &str) -> Result<Option<Line<'_>>, String> {
+    let wrong = || format!("`{line}` is not a field of a ROS 2 message");
+    let (kind, rest) = line.split_once(char::is_whitespace).ok_or_else(wrong)?;
+    let name = rest.trim_start().split(|letter: char| letter.is_whitespace() || letter == '=').next();
+    let name = name.filter(|name| !name.is_empty()).ok_or_else(wrong)?;
+    let after = rest.trim_start().get(name.len()..).unwrap_or_default().trim_start();
+    // A default value stands after the name, too, but without `=`.
+    if after.starts_with('=') {
+        return Ok(None);
+    }
+    let (kind, count) = match kind.split_once('[') {
+        None => (kind, Count::One),
+        Some((kind, length)) => {
+            let length = length.strip_suffix(']').ok_or_else(wrong)?;
+            let bounded = length.is_empty() || length.starts_with("<=");
+            let fixed = || length.parse().map(Count::Fixed).map_err(|_| wrong());
+            (kind, if bounded { Count::Counted } else { fixed()? })
+        }
+    };
+    // A bound of a text is not written into messages.
+    let kind = kind.split("<=").next().unwrap_or(kind);
+    Ok(Some(Line { kind, name, count }))
+}
+
+fn resolved(line: &Line<'_>, message: &str, numbers: &BTreeMap<String, usize>) -> Result<Field, String> {
+    let Line { kind, name, count } = line;
+    let package = message.split('/').next().unwrap_or_default();
+    let number = || {
+        let known = |name: String| numbers.get(&name).copied();
+        known(short(kind)).or_else(|| known(format!("{package}/{kind}"))).or_else(|| {
+            // `Header` alone is the one of std_msgs.
+            (*kind == "Header").then(|| known("std_msgs/Header".into())).flatten()
+        })
+    };
+    let kind = match Primitive::named(kind) {
+        Some(primitive) => Kind::Primitive(primitive),
+        None => Kind::Message(number().ok_or_else(|| format!("the type `{kind}` of `{name}` is not defined"))?),
+    };
+    Ok(Field { name: (*name).to_string(), kind, count: *count })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fields_have_types_counts_and_messages_within() {
+        let text = "# A comment\nuint8 MODE_AUTO=3\nstd_msgs/Header header\nfloat64[3] rate  # rad/s\nstring<=8[] names\n\
+                    uint8 mode 3\nOwn[<=4] own\n================\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\n\
+                    string frame_id\n====\nMSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n===\nMSG: pack/Own\nbool on\n";
+        let schema = Schema::parse("pack/msg/Whole", text).unwrap();
+        let whole: Vec<(&str, &Kind, Count)> =
+            schema.messages[0].iter().map(|field| (field.name.as_str(), &field.kind, field.count)).collect();
+        let of = Kind::Primitive;
+        assert_eq!(
+            whole,
+            [
+                ("header", &Kind::Message(1), Count::One),
+                ("rate", &of(Primitive::F64), Count::Fixed(3)),
+                ("names", &of(Primitive::Text), Count::Counted),
+                ("mode", &of(Primitive::U8), Count::One),
+                ("own", &Kind::Message(3), Count::Counted),
+            ]
+        );
+        assert_eq!(schema.messages[1][0].kind, Kind::Message(2));
+    }
+
+    #[test]
+    fn what_is_not_a_definition_is_named() {
+        assert_eq!(Schema::parse("a/b", "float64").unwrap_err(), "`float64` is not a field of a ROS 2 message");
+        assert_eq!(Schema::parse("a/b", "Other x").unwrap_err(), "the type `Other` of `x` is not defined");
+        assert_eq!(Schema::parse("a/b", "int8[x] x").unwrap_err(), "`int8[x] x` is not a field of a ROS 2 message");
+    }
+}
