@@ -80,16 +80,16 @@ pub struct MonitorSession {
     watches: Table<Watched>,
     next_watch: u64,
     arrivals: u64,
-    /// How late samples may come at most.
+    /// Greatest delay of samples.
     lateness: Duration,
     /// For comparison: every sample is reported in the general way.
     without_banks: bool,
-    /// What happened at the present instant.
+    /// Stimuli of the present instant.
     stimuli: Vec<Stimulus>,
     /// Samples of the present instant that derived variables read.
     derive_from: Vec<Changed>,
     touched: Vec<MonitorId>,
-    /// What banks have said of the present instant.
+    /// Updates that episode indexes have reported for the present instant.
     heard: Vec<episode_index::EpisodeUpdate>,
     /// Instants at which a condition begins or is judged, or at which the bank of its leaf with this number is looked at.
     wakes: BTreeSet<(Time, MonitorId, Option<u32>)>,

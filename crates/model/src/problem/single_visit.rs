@@ -31,7 +31,7 @@ pub struct SingleVisitProblem {
     pub zone_margin_m: f64,
     /// Emergency landing places.
     pub landing_places: Vec<LandingPlace>,
-    /// Greatest distance from the nearest landing place; `None` is no limit.
+    /// Greatest distance from the nearest landing place; `None`: unlimited.
     pub landing_distance_m_max: Option<f64>,
     /// The wind as forecast.
     pub wind: WindField,

@@ -15,7 +15,7 @@ pub struct SurveillanceProblem {
     pub horizon_s: f64,
     /// True if the vehicle must be back at its base by the horizon and by the end of its endurance.
     pub return_to_base: bool,
-    /// Flight time that fuel or batteries allow, without the reserve; `None` is no limit.
+    /// Flight time that fuel or batteries allow, without the reserve; `None`: unlimited.
     pub endurance_s: Option<f64>,
 }
 
