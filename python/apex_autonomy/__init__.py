@@ -8,7 +8,7 @@ A :class:`Monitor` watches one condition of PDL over samples and messages, and t
 12.5
 
 :func:`fly` flies a :class:`Mission` in the built-in simulator and records it; :func:`replay`, :func:`fork` and
-:func:`report` work on the record. A :class:`Planner` is a planner of your own: :func:`plan` plans with it, missions are
+:func:`report` work on the record. :func:`fly_runs` flies many seeds. A :class:`Planner` is a planner of your own: :func:`plan` plans with it, missions are
 flown with it, and a :class:`Profile` measures it beside those that ship.
 :func:`expected_cost` scores any plan of surveillance, also by costs of your own, and :func:`cost_table` makes them
 tables for planners.
@@ -50,6 +50,7 @@ from apex_autonomy.flight import (
 from apex_autonomy.monitor import Monitor
 from apex_autonomy.planner import Environment, Planner, plan, problem
 from apex_autonomy.profile import Profile, profile_cells
+from apex_autonomy.runs import Runs, fly_runs
 from apex_autonomy.tables import to_arrow
 
 __all__ = [
@@ -76,6 +77,7 @@ __all__ = [
     "Report",
     "Result",
     "Results",
+    "Runs",
     "Symbol",
     "Target",
     "TargetCost",
@@ -84,6 +86,7 @@ __all__ = [
     "cost_table",
     "expected_cost",
     "fly",
+    "fly_runs",
     "fork",
     "plan",
     "problem",

@@ -29,6 +29,7 @@ __all__ = [
     "cost_points",
     "expected_cost_of",
     "fly_json",
+    "fly_runs_json",
     "fork_json",
     "instant_ns",
     "measured",
@@ -256,6 +257,13 @@ def fly_json(
     limits: tuple[float | None, float | None],
     means: Means,
     on_progress: Callable[[float], object] | None,
+) -> str: ...
+def fly_runs_json(
+    mission: Mission,
+    series: tuple[int | None, int, int],
+    until_s: float | None,
+    means: Means,
+    on_progress: Callable[[int], object] | None,
 ) -> str: ...
 def replay_json(record: Path) -> str: ...
 def fork_json(

@@ -10,6 +10,7 @@ mod planning;
 mod profile;
 mod recorded;
 mod results;
+mod runs;
 mod session;
 mod source;
 mod values;
@@ -37,6 +38,7 @@ fn _apex(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(planning::plan_json, module)?)?;
     module.add_function(wrap_pyfunction!(planning::problem_json, module)?)?;
     module.add_function(wrap_pyfunction!(flight::fly_json, module)?)?;
+    module.add_function(wrap_pyfunction!(runs::fly_runs_json, module)?)?;
     module.add_function(wrap_pyfunction!(recorded::replay_json, module)?)?;
     module.add_function(wrap_pyfunction!(recorded::fork_json, module)?)?;
     module.add_function(wrap_pyfunction!(recorded::report_json, module)?)?;

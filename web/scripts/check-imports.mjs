@@ -9,12 +9,13 @@ const source = fileURLToPath(new URL('../src', import.meta.url));
 /** Room -> rooms it may import. A panel may import its own folder, and no other panel. */
 const ROOMS = {
   time: [],
+  files: [],
   theme: [],
   units: [],
   words: [],
   record: ['time'],
   player: ['record', 'time'],
-  panels: ['player', 'record', 'time', 'theme', 'units', 'words'],
+  panels: ['files', 'player', 'record', 'time', 'theme', 'units', 'words'],
   app: ['panels', 'player', 'record', 'time', 'theme'],
 };
 /** Package -> where it may be imported. */

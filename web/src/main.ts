@@ -2,8 +2,11 @@
 
 import { mount } from 'svelte';
 import App from './App.svelte';
+import Paper from './panels/report/Paper.svelte';
 import { readAddress } from './player/address';
+import { Operator } from './player/operator.svelte';
 import { Player } from './player/player.svelte';
+import { ServedFlight } from './record/operation';
 import { ServedRecord } from './record/source';
 import { applyColours } from './theme/colours';
 import './theme/theme.css';
@@ -17,6 +20,18 @@ await Promise.allSettled([
 ]);
 const target = document.getElementById('app');
 if (!target) throw new Error('index.html has no element #app');
-const player = new Player(new ServedRecord(window.location.origin));
-mount(App, { target, props: { player, theme: address.theme, faults } });
-void player.open(address);
+const source = new ServedRecord(window.location.origin);
+if (new URLSearchParams(window.location.search).get('print') === '1') {
+  applyColours(document.documentElement, 'light');
+  mount(Paper, { target, props: { source, atNs: typeof address.atNs === 'number' ? address.atNs : null } });
+} else {
+  start(target);
+}
+
+function start(target: HTMLElement): void {
+  const player = new Player(source);
+  const operator = new Operator(new ServedFlight(window.location.origin));
+  mount(App, { target, props: { player, operator, theme: address.theme, faults } });
+  void player.open(address);
+  void operator.watch();
+}

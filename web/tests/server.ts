@@ -38,7 +38,7 @@ export async function startServer(record?: string): Promise<Server> {
 }
 
 /** The address that the server prints when it answers. */
-function addressOf(child: ChildProcess): Promise<string> {
+export function addressOf(child: ChildProcess): Promise<string> {
   return new Promise((resolve, reject) => {
     let said = '';
     const fail = (why: string) => reject(new Error(`the server did not start: ${why}\n${said}`));

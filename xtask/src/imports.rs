@@ -38,7 +38,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "apex-runtime",
         ],
     ),
-    ("crates/simulation", &["apex-model", "apex-mission", "apex-runtime", "apex-sim"]),
+    ("crates/simulation", &["apex-model", "apex-mission", "apex-portfolio", "apex-runtime", "apex-sim"]),
     ("crates/runtime", &["apex-model", "apex-executive", "apex-planning"]),
     ("adapters/*", &["apex-model", "apex-executive", "apex-runtime", "apex-geo", "apex-vehicle"]),
     (

@@ -1,11 +1,13 @@
 //! Histories as tables: every sample and message with its status, as CSV or Parquet.
 
+mod columns;
 mod csv_writer;
 mod parquet_writer;
 mod plot;
 mod result_writer;
 mod sample_table;
 
+pub use columns::{Cells, write_columns};
 pub use csv_writer::CsvWriter;
 pub use parquet_writer::ParquetWriter;
 pub use plot::plot;

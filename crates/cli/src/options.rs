@@ -185,9 +185,21 @@ pub struct FlyOptions {
     /// Mebibytes by which the program may grow while a solver works; default is 1024.
     #[arg(long, value_name = "NUMBER")]
     pub solver_memory: Option<u32>,
+    /// Fly so many times, each in the world of the next seed, and print a summary; no record is written.
+    #[arg(long, value_name = "NUMBER", conflicts_with_all = ["record", "serve", "pace"])]
+    pub runs: Option<usize>,
+    /// Flights at the same time; default is one for each processor. The results do not depend on it.
+    #[arg(long, value_name = "NUMBER", requires = "runs")]
+    pub jobs: Option<usize>,
+    /// Table of the flights of `--runs`, .parquet or .csv.
+    #[arg(long, value_name = "FILE", requires = "runs")]
+    pub out: Option<PathBuf>,
     /// Serve Sherpa while flying, and continue serving after.
     #[arg(long)]
     pub serve: bool,
+    /// Begin paused: mission time stands still at 0 until the page resumes it.
+    #[arg(long)]
+    pub paused: bool,
     /// Port of Sherpa.
     #[arg(long, default_value_t = 8040, value_name = "NUMBER")]
     pub port: u16,

@@ -109,3 +109,11 @@ fn a_failing_expression_is_a_failed_task_with_its_place() {
     let said = desk.apex(&["run", "z.pdl", "--text"]).well();
     said.told(&["(failure) because", "by zero", "z.pdl:2:", "end: the initial task failed"]);
 }
+
+#[test]
+fn a_model_that_no_flight_would_use_is_refused() {
+    let desk = Desk::with_mission("first-picture");
+    desk.change("m/mission.pdl", ":type native-sim", ":type native-sim :diagnosis \"model.json\"");
+    let phrases = ["`:diagnosis` has no effect in this run", "help: fly it with `apex fly`"];
+    desk.apex(&["run", "m"]).complained(2, &phrases);
+}

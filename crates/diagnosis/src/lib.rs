@@ -31,4 +31,4 @@ pub use hitting::SearchEnd;
 pub use model::{Component, FailureMode, Model, Monitor, Test};
 pub use results::Results;
 pub use testability::{ISOLATION_SIZES, Mask, TestSet, Testability, testability};
-pub use text::explain;
+pub use text::{explain, explain_json};

@@ -6,7 +6,7 @@ mod report;
 
 use crate::model::Model;
 
-pub use explanation::explain;
+pub use explanation::{explain, explain_json};
 
 /// Names of failure modes, separated by commas; `-` for none.
 fn mode_names(model: &Model, modes: impl Iterator<Item = usize>) -> String {

@@ -116,3 +116,21 @@ fn twelve_outcomes_are_diagnosed_as_expected() {
         }
     }
 }
+
+#[test]
+fn the_explanation_as_json_names_the_tests_that_the_text_names() {
+    let mut diagnoser = Diagnoser::new(Arc::new(model()));
+    let rows: Vec<usize> = (0..25).filter(|test| D_MATRIX[5].as_bytes()[*test] == b'1').collect();
+    diagnoser.set_all((0..25).map(|test| (test, if rows.contains(&test) { Outcome::Failed } else { Outcome::Passed })));
+    let shipped = diagnoser.model().clone();
+    let broken = &shipped.components[shipped.modes[5].component].name;
+    let json = apex_diagnosis::explain_json(&diagnoser, broken).unwrap();
+    assert_eq!((json["health"].as_str(), json["component"].as_str()), (Some("bad"), Some(broken.as_str())));
+    let failed = json["failure_modes"][0]["failed"].as_array().unwrap();
+    let named: Vec<&str> = failed.iter().map(|one| one["test"].as_str().unwrap()).collect();
+    assert_eq!(named, rows.iter().map(|test| shipped.test_name(*test)).collect::<Vec<_>>());
+    let text = apex_diagnosis::explain(&diagnoser, broken).unwrap();
+    assert_eq!(json["text"].as_str(), Some(text.as_str()));
+    assert!(named.iter().all(|test| text.contains(test)));
+    assert!(apex_diagnosis::explain_json(&diagnoser, "no such component").is_none());
+}

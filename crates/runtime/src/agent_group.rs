@@ -149,6 +149,14 @@ impl<'a> AgentGroup<'a> {
         input.agent.as_ref().map_or(Ok(()), |name| self.index_of(name).map(|_| ()))
     }
 
+    /// Checks that the agent called `name` exists.
+    ///
+    /// # Errors
+    /// [`RunError::Options`] when it does not.
+    pub(crate) fn check_agent(&self, name: &Symbol) -> Result<(), RunError> {
+        self.index_of(name).map(|_| ())
+    }
+
     fn index_of(&self, name: &Symbol) -> Result<usize, RunError> {
         self.agents.iter().position(|agent| agent.name == *name).ok_or_else(|| {
             let names: Vec<&str> = self.agents.iter().map(|agent| agent.name.printed()).collect();

@@ -1,6 +1,7 @@
 //! A flight: agents, vehicle, solvers, observers and the clock between two instants. The mission loop and the protocol for
 //! outside simulators move it.
 
+mod ordered;
 mod resume;
 mod waiting;
 
@@ -39,6 +40,9 @@ pub(crate) struct Flight<'a, 'o> {
     expecting: bool,
     until: Time,
     poll: Option<Duration>,
+    hold_for_solvers: bool,
+    /// A step is under way: the run pauses after the next instant with a visible effect.
+    stepping: bool,
     pool: SolverPool,
     now: Time,
     steps_at_now: u64,
@@ -88,6 +92,8 @@ impl<'a, 'o> Flight<'a, 'o> {
             expecting: true,
             until: options.until,
             poll: options.poll,
+            hold_for_solvers: options.hold_for_solvers,
+            stepping: false,
             pool: SolverPool::new(queue),
             now: Time::ZERO,
             steps_at_now: 0,
@@ -294,6 +300,9 @@ impl<'a, 'o> Flight<'a, 'o> {
         self.end.steps += 1;
         self.end.events += batch.events.len() as u64;
         self.end.effects += effects.len() as u64;
+        if self.stepping && !effects.is_empty() {
+            self.pause_after_step(now)?;
+        }
         // In sequence: a trace that a vehicle reads is written after the recorder has committed.
         let leaves = self.vehicle.acts_outside() && effects.iter().any(outbox::leaves);
         self.each_observer(now, |observer| {
@@ -325,11 +334,16 @@ impl<'a, 'o> Flight<'a, 'o> {
     fn pose(&mut self, request: &SolveRequest, now: Time) -> Result<(), RunError> {
         let posed = self.deliberator.pose(request, now);
         self.each_observer(now, |observer| observer.posed(request, now, &posed.problem))?;
-        if !self.pacer.is_paced() {
-            // Without a pace the flight waits here for the solver.
+        if self.hold_for_solvers || !self.pacer.is_paced() {
+            // The flight waits here for the solver.
             self.flush(now)?;
         }
-        self.pool.request(request, now, posed.job, !self.pacer.is_paced());
+        let waits = self.hold_for_solvers || !self.pacer.is_paced();
+        self.pool.request(request, now, posed.job, waits);
+        if waits {
+            // The time that the solver took on the wall is not mission time.
+            self.pacer.hold(now);
+        }
         self.show_answers(now)
     }
 

@@ -6,6 +6,7 @@
 pub mod agent_group;
 pub mod answer_lines;
 pub mod asker;
+pub mod commands;
 pub mod effect_describer;
 pub mod error;
 pub mod escaping;

@@ -1,11 +1,12 @@
 //! The mission loop with stand-ins for executive, vehicle, solver and people.
 
 use super::*;
+use crate::commands::{Command, CommandEnd, Order, Ticket};
 use crate::pacing::{Clock, ManualClock};
 use crate::ports::{CancelToken, Input, Posed, SolverAnswer, SolverJob};
 use crate::samples;
 use apex_model::because::{Because, Cause};
-use apex_model::effect::{CommandId, Effect, SolveRequest, SolveRequestId};
+use apex_model::effect::{CommandId, Effect, QuestionId, SolveRequest, SolveRequestId};
 use apex_model::event::{Batch, EventKind, SolverReport};
 use apex_model::symbol::Symbol;
 use apex_model::task::TaskId;
@@ -330,4 +331,123 @@ fn an_answer_that_has_not_come_by_the_end_is_named() {
         "note: the answer of auto to request 1, made at 3s, had not come when the run ended at 30s"
     );
     assert_eq!((end.reason, withdrawn), (EndReason::Until, true));
+}
+
+/// Sends commands to the balloon at the beginning; returns how the run ended, its lines, and the ends of the commands.
+fn commanded(pace: Option<f64>, orders: Vec<Order>, expired: &[usize]) -> (RunEnd, Vec<String>, Vec<CommandEnd>) {
+    let (people, controls) = channel();
+    let mut tickets = Vec::new();
+    for (index, order) in orders.into_iter().enumerate() {
+        let ticket = Ticket::default();
+        if expired.contains(&index) {
+            assert!(ticket.settle(CommandEnd::Expired));
+        }
+        let words = format!("order {index}");
+        let command = Command { number: index as u64 + 1, words, order, ticket: ticket.clone() };
+        people.send(Control::Command(Arc::new(command))).unwrap();
+        tickets.push(ticket);
+    }
+    drop(people);
+    let options = FlyOptions { pace, controls: Some(controls), ..FlyOptions::default() };
+    let (end, lines) = fly_balloon(2, options);
+    let ends = tickets.iter().map(|ticket| ticket.end().expect("every command has an end")).collect();
+    (end.unwrap(), lines, ends)
+}
+
+#[test]
+fn every_command_has_one_end_and_is_an_input() {
+    let input = |form: &str| Order::Input(None, said(0.0, form).kind);
+    let stranger = Order::Input(Some(Symbol::new("nobody")), said(0.0, "go").kind);
+    let answer = Order::Input(None, EventKind::OperatorAnswered(QuestionId(3), Value::symbol("yes")));
+    let orders = vec![input("hello"), input("late"), answer, stranger, Order::Pace(Some(-1.0)), Order::Pace(None)];
+    let (_, lines, ends) = commanded(Some(1000.0), orders, &[1]);
+    assert!(matches!(ends[0], CommandEnd::Accepted { .. }), "{ends:?}");
+    assert_eq!(ends[1], CommandEnd::Expired);
+    let rejected =
+        |end: &CommandEnd, part: &str| matches!(end, CommandEnd::Rejected { reason } if reason.contains(part));
+    assert!(rejected(&ends[2], "question 3 is not open"), "{ends:?}");
+    assert!(rejected(&ends[3], "which does not exist") && rejected(&ends[4], "a pace of -1"), "{ends:?}");
+    assert!(matches!(ends[5], CommandEnd::Accepted { .. }), "{ends:?}");
+    let all = lines.join("\n");
+    for (number, end) in
+        [(1, "accepted"), (2, "expired"), (3, "rejected"), (4, "rejected"), (5, "rejected"), (6, "accepted")]
+    {
+        let entry = format!("(operator-command {number} \"order {}\" {end}", number - 1);
+        assert_eq!(all.matches(&entry).count(), 1, "{entry} in {all}");
+    }
+    assert_eq!((all.matches("(hello)").count(), all.matches("(late)").count()), (1, 0), "{all}");
+}
+
+#[test]
+fn a_step_runs_to_the_next_effect_and_pauses() {
+    let (people, controls) = channel();
+    let send = move |number: u64, order: Order| {
+        let ticket = Ticket::default();
+        let command = Command { number, words: "x".into(), order, ticket: ticket.clone() };
+        people.send(Control::Command(Arc::new(command))).unwrap();
+        ticket
+    };
+    let step = send(1, Order::Step);
+    let speaker = std::thread::spawn(move || {
+        std::thread::sleep(std::time::Duration::from_millis(80));
+        let stop = send(2, Order::Stop);
+        std::thread::sleep(std::time::Duration::from_millis(80));
+        stop.end()
+    });
+    let inputs = vec![said(12.0, "go"), said(15.0, "hello")];
+    let options = FlyOptions { pace: Some(0.0), inputs, controls: Some(controls), ..FlyOptions::default() };
+    let (end, lines) = fly_balloon(5, options);
+    assert_eq!(step.end(), Some(CommandEnd::Accepted { at: Time::ZERO }));
+    assert!(matches!(speaker.join().unwrap(), Some(CommandEnd::Accepted { .. })));
+    assert_eq!(end.unwrap().reason, EndReason::Stopped);
+    assert!(lines.iter().any(|line| line == "12s (go)"), "{lines:?}");
+    assert!(!lines.iter().any(|line| line.contains("(hello)")), "it pauses at 12 s: {lines:?}");
+}
+
+#[test]
+fn a_command_that_the_run_does_not_take_is_rejected_at_its_end() {
+    let ticket = Ticket::default();
+    let command = Command { number: 1, words: "late".into(), order: Order::Note, ticket: ticket.clone() };
+    let (people, controls) = channel();
+    people.send(Control::Command(Arc::new(command))).unwrap();
+    drop((people, controls));
+    let end = ticket.end().unwrap();
+    assert!(matches!(&end, CommandEnd::Rejected { reason } if reason.contains("ended before")), "{end:?}");
+    assert!(!ticket.settle(CommandEnd::Expired), "one end only");
+}
+
+#[test]
+fn a_flight_that_holds_for_solvers_is_the_fast_flight_at_every_pace() {
+    let inputs = || vec![said(12.0, "go"), said(3.0, "plan"), said(4.0, "forget")];
+    let (_, fast) = fly_balloon(5, FlyOptions { inputs: inputs(), ..FlyOptions::default() });
+    for takes_s in [0.0, 50.0, 900.0] {
+        let (mut agent, mut scribe, clock) = (Agent::default(), Scribe::default(), Arc::new(ManualClock::default()));
+        let mut balloon = Balloon { reports: 5, ..Balloon::default() };
+        let queue = HeldQueue(SolverThread::new(FlyOptions::default().solver_timeout), Arc::clone(&clock), takes_s);
+        let options =
+            FlyOptions { pace: Some(1.0), hold_for_solvers: true, clock, inputs: inputs(), ..FlyOptions::default() };
+        let agents = std::slice::from_mut(&mut agent);
+        let end =
+            fly_by((obey, Box::new(queue)), agents, &mut balloon, &mut Slow, &mut [&mut scribe], options).unwrap();
+        assert_eq!((scribe.0.as_slice(), end.late.steps), (fast.as_slice(), 0), "{takes_s} s on the wall");
+    }
+}
+
+/// A real queue whose answers take wall time.
+struct HeldQueue(SolverThread, Arc<ManualClock>, f64);
+
+impl SolverQueue for HeldQueue {
+    fn submit(&mut self, request: SolveRequestId, name: &Symbol, job: Box<dyn SolverJob>) -> Result<(), String> {
+        self.0.submit(request, name, job)
+    }
+    fn cancel(&mut self, request: SolveRequestId) {
+        self.0.cancel(request);
+    }
+    fn try_recv(&mut self) -> Option<(SolveRequestId, SolverAnswer)> {
+        self.0.try_recv()
+    }
+    fn recv(&mut self) -> Option<(SolveRequestId, SolverAnswer)> {
+        self.1.sleep(std::time::Duration::from_secs_f64(self.2));
+        self.0.recv()
+    }
 }

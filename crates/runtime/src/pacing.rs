@@ -104,6 +104,11 @@ impl Pacer {
         Ok(())
     }
 
+    /// Mission time was `now` until this moment of the clock.
+    pub fn hold(&mut self, now: Time) {
+        (self.anchor_wall, self.anchor_mission) = (self.clock.elapsed(), now);
+    }
+
     fn elapsed_s(&self) -> f64 {
         self.clock.elapsed().saturating_sub(self.anchor_wall).as_secs_f64()
     }

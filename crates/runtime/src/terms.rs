@@ -1,5 +1,6 @@
 //! The terms of a run: what it is told beforehand, what people may say while it goes on, how it ends.
 
+use crate::commands::Command;
 use crate::limits::{SOLVER_GRACE, SOLVER_TIMEOUT};
 use crate::pacing::{Clock, WallClock};
 use crate::ports::Input;
@@ -27,6 +28,9 @@ pub struct FlyOptions {
     pub controls: Option<Receiver<Control>>,
     /// Largest step of time for a vehicle that does not know when it reports next; none trusts the other instants.
     pub poll: Option<Duration>,
+    /// Let mission time stand still while a solver works, also where the run is paced: a simulated flight then depends on no
+    /// pace. Without it a paced run continues, and a late answer takes effect when it arrives.
+    pub hold_for_solvers: bool,
     /// Wall time after which a solver that does not answer is abandoned, where the run waits for it.
     pub solver_timeout: std::time::Duration,
 }
@@ -41,6 +45,7 @@ impl Default for FlyOptions {
             answers: Vec::new(),
             controls: None,
             poll: None,
+            hold_for_solvers: false,
             solver_timeout: SOLVER_TIMEOUT + 10 * SOLVER_GRACE,
         }
     }
@@ -68,6 +73,8 @@ pub enum Control {
     InputFor(Symbol, EventKind),
     /// Another pace; see [`FlyOptions::pace`].
     Pace(Option<f64>),
+    /// A person's command, which ends as accepted, rejected or expired.
+    Command(Arc<Command>),
     /// Nothing more will be said but [`Control::Stop`]: the run need not wait for inputs.
     Quiet,
     /// End the run in good order.

@@ -6,10 +6,10 @@ use crate::explain::{
     TaskExplanation, Unmet, Why,
 };
 use crate::record::view::{
-    Band, Bar, Ending, EventRow, Events, Excursion, Growth, LandingPlace, Lane, LeftOutTarget, Mission, More,
-    PlanInForce, PlannedVisit, RecordStatus, Report, Section, Signal, SignalKind, SignalLimit, SignalWindow,
-    SignalWindows, Signals, Snippet, StateWord, Statistics, Surroundings, Target, TargetChange, Targets, Task, Tasks,
-    Timeline, Track, Trouble, TroubleKind, Troubles, Zone,
+    Band, Bar, Ending, EventRow, Events, Excursion, Growth, Holding, Holdings, LandingPlace, Lane, LeftOutTarget,
+    Mission, More, PlanInForce, PlannedVisit, Plans, RecordStatus, Report, ResourceRow, Section, Signal, SignalKind,
+    SignalLimit, SignalWindow, SignalWindows, Signals, Snippet, StateWord, Statistics, Surroundings, Target,
+    TargetChange, Targets, Task, Tasks, Timeline, Track, Trouble, TroubleKind, Troubles, Zone,
 };
 use std::path::Path;
 use ts_rs::{Config, TS};
@@ -64,6 +64,10 @@ fn typescript_types_of_the_record_view_are_current() {
         declaration::<PlannedVisit>(),
         declaration::<LeftOutTarget>(),
         declaration::<PlanInForce>(),
+        declaration::<Plans>(),
+        declaration::<Holding>(),
+        declaration::<ResourceRow>(),
+        declaration::<Holdings>(),
         declaration::<TroubleKind>(),
         declaration::<Trouble>(),
         declaration::<Troubles>(),

@@ -18,6 +18,7 @@ fn main() -> ExitCode {
         address: IpAddr::V4(Ipv4Addr::LOCALHOST),
         port,
         load: None,
+        door: None,
         flights: None,
         ready: Box::new(|url| println!("{url}")),
     };

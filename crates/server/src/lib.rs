@@ -10,12 +10,15 @@ mod assets;
 mod flights;
 mod guard;
 mod live;
+mod operation;
 mod params;
 mod router;
+mod seen;
 mod serve;
 mod state;
 mod why;
 
 pub use flights::FlightOptions;
+pub use operation::{FlightDoor, FlightWatch, ReadDatum};
 pub use serve::{ServeError, ServeOptions, serve};
 pub use state::LoadSources;

@@ -26,7 +26,7 @@ pub(crate) async fn tell_growth(mut socket: WebSocket, state: Arc<AppState>) {
             _ = tick.tick() => {}
         }
         let state = Arc::clone(&state);
-        let look = tokio::task::spawn_blocking(move || state.read(|view| Ok(view.growth()?))).await;
+        let look = tokio::task::spawn_blocking(move || state.read(|view| Ok(state.with_life(view.growth()?)))).await;
         let Ok(Ok(now)) = look else {
             // The record is busy or gone for the moment; the next look may find it.
             continue;

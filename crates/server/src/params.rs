@@ -67,6 +67,15 @@ pub(crate) struct AtParams {
     pub(crate) at: Option<i64>,
 }
 
+/// Parameters of `/api/footprints`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct WindowParams {
+    pub(crate) from: Option<i64>,
+    pub(crate) to: Option<i64>,
+    pub(crate) at: Option<i64>,
+}
+
 /// Parameters of `/api/samples`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -5,9 +5,9 @@ use crate::params::{
     AtParams, EventsParams, SamplesParams, SourceParams, TasksParams, TimelineParams, TrackParams, WhyParams,
 };
 use crate::state::{AppState, QueryParams, Shared, blocking, checked, no_record};
-use crate::{assets, flights, guard, live, why};
+use crate::{assets, flights, guard, live, operation, seen, why};
 use apex_runtime::RecordError;
-use apex_runtime::record::view::{RecordView, SourceLine};
+use apex_runtime::record::view::{Mission, RecordView, SourceLine};
 use axum::Json;
 use axum::Router;
 use axum::extract::State;
@@ -44,6 +44,8 @@ pub(crate) fn router(state: Arc<AppState>) -> Router {
         .route("/api/source", get(source))
         .route("/api/live", get(live))
         .merge(flights::routes::routes(&state))
+        .merge(operation::routes::routes(&state))
+        .merge(seen::routes())
         .fallback(assets::page)
         .method_not_allowed_fallback(other_method)
         .layer(middleware::from_fn(add_headers))
@@ -53,7 +55,12 @@ pub(crate) fn router(state: Arc<AppState>) -> Router {
 
 async fn mission(State(state): Shared, params: QueryParams<AtParams>) -> Answer<Response> {
     let at = checked(params)?.at;
-    read(state, move |view| Ok(view.mission(at)?)).await
+    let known = Arc::clone(&state);
+    read(state, move |view| {
+        let mission = view.mission(at)?;
+        Ok(Mission { growth: known.with_life(mission.growth), ..mission })
+    })
+    .await
 }
 
 async fn track(State(state): Shared, params: QueryParams<TrackParams>) -> Answer<Response> {

@@ -1,7 +1,9 @@
 //! Serving: opens the record, binds, runs until Ctrl-C. Owns its tokio runtime, so that callers need none.
 
 use crate::flights::{FlightOptions, Tower};
+use crate::operation::FlightDoor;
 use crate::router::router;
+use crate::seen::SeenGround;
 use crate::state::{AppState, LoadSources, Views};
 use apex_runtime::RecordError;
 use apex_runtime::record::view::RecordView;
@@ -27,6 +29,8 @@ pub struct ServeOptions {
     pub port: u16,
     /// Restores instants for `/api/why`; without it the answers come from the record's decisions alone.
     pub load: Option<LoadSources>,
+    /// The way to the run that writes the record; without it the page only looks.
+    pub door: Option<FlightDoor>,
     /// The missions that the server may fly; `None`: it only reads.
     pub flights: Option<FlightOptions>,
     /// Called once with the page's address (`http://127.0.0.1:8040/`) when requests are answered.
@@ -64,7 +68,7 @@ pub enum ServeError {
 /// # Errors
 /// When the record cannot be read, the port cannot be had, or the network fails; each says what to do.
 pub fn serve(options: ServeOptions) -> Result<(), ServeError> {
-    let ServeOptions { record, agent, load, flights, ready, .. } = options;
+    let ServeOptions { record, agent, load, door, flights, ready, .. } = options;
     let view = record.as_ref().map(|record| RecordView::open(record, agent)).transpose()?;
     let views = view.map(Views::new).transpose()?;
     let tower = flights.map(|flights| Arc::new(Tower::new(flights)));
@@ -94,6 +98,8 @@ pub fn serve(options: ServeOptions) -> Result<(), ServeError> {
             load,
             views,
             program: OnceLock::new(),
+            door,
+            seen: SeenGround::default(),
             tower,
             loopback: bound.ip().is_loopback(),
         };

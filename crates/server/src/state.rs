@@ -2,10 +2,12 @@
 
 use crate::answer::{Answer, ApiError};
 use crate::flights::Tower;
+use crate::operation::FlightDoor;
+use crate::seen::SeenGround;
 use apex_model::source::SourceFile;
 use apex_runtime::RecordError;
 use apex_runtime::record::Program;
-use apex_runtime::record::view::RecordView;
+use apex_runtime::record::view::{Growth, RecordStatus, RecordView};
 use axum::extract::rejection::QueryRejection;
 use axum::extract::{Query, State};
 use axum::http::StatusCode;
@@ -30,6 +32,10 @@ pub(crate) struct AppState {
     pub(crate) views: Option<Views>,
     /// The record's checked program, loaded at its first use; none if it cannot be loaded.
     pub(crate) program: OnceLock<Option<Program>>,
+    /// The way to the run that writes the record, if it is under way in this program.
+    pub(crate) door: Option<FlightDoor>,
+    /// The ground that the record's sensors have seen, as far as it was asked for.
+    pub(crate) seen: SeenGround,
     /// The flights of this server, if it may fly.
     pub(crate) tower: Option<Arc<Tower>>,
     /// True if only this machine can reach the server.
@@ -40,6 +46,15 @@ impl AppState {
     /// Reads with one of the connections; blocks while all are in use.
     pub(crate) fn read<T>(&self, query: impl FnOnce(&mut RecordView) -> Answer<T>) -> Answer<T> {
         self.views.as_ref().ok_or_else(no_record)?.read(query)
+    }
+
+    /// How far the record has grown: a record whose run is under way in this program is live, however long it writes nothing.
+    pub(crate) fn with_life(&self, growth: Growth) -> Growth {
+        let is_flown = self.door.as_ref().is_some_and(FlightDoor::is_under_way);
+        if is_flown && growth.status == RecordStatus::Incomplete {
+            return Growth { status: RecordStatus::Live, ..growth };
+        }
+        growth
     }
 
     /// The record's checked program; none without a loader, and if its sources cannot be loaded.

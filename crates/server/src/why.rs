@@ -2,6 +2,7 @@
 
 use crate::answer::{Answer, ApiError};
 use crate::state::{AppState, no_record};
+use apex_model::source::SourceFile;
 use apex_model::task::TaskId;
 use apex_model::time::Time;
 use apex_runtime::explain::{Explainer, TaskExplanation};
@@ -29,14 +30,19 @@ pub(crate) fn why(state: &AppState, id: u64, at_ns: i64, restore: bool) -> Answe
     // Restoring an instant may take a while: a connection of its own keeps the shared one free.
     let reader = RecordReader::open(state.record.as_ref().ok_or_else(no_record)?)?.of_agent(state.agent)?;
     let load = state.load.as_deref().filter(|_| restore);
+    // The program of a record never changes: it is checked once. One that cannot be loaded is tried again for its message.
+    let program = load.and_then(|_| state.program());
     let (id, at) = (TaskId(id), Time(at_ns));
     let decided = || Explainer::of_decisions(&reader).task(id, at);
     let (why, error) = match load {
         None => (decided()?, None),
-        Some(load) => match Explainer::new(&reader, load).task(id, at) {
-            Ok(why) => (why, None),
-            Err(error) => (decided()?, Some(error.to_string())),
-        },
+        Some(load) => {
+            let load = |sources: &[SourceFile]| program.clone().map_or_else(|| load(sources), Ok);
+            match Explainer::new(&reader, &load).task(id, at) {
+                Ok(why) => (why, None),
+                Err(error) => (decided()?, Some(error.to_string())),
+            }
+        }
     };
     Ok(TaskExplanation::new(at_ns, task, children, why, error))
 }

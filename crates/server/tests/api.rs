@@ -27,6 +27,7 @@ fn options(record: &Path) -> ServeOptions {
         address: IpAddr::V4(Ipv4Addr::LOCALHOST),
         port: 0,
         load: Some(Arc::new(unloadable)),
+        door: None,
         flights: None,
         ready: Box::new(|_| ()),
     }

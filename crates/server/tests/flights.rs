@@ -23,6 +23,10 @@ fn missions() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions")
 }
 
+fn read() -> apex_server::ReadDatum {
+    Arc::new(|text| apex_pdl::read_value(text).map_err(|diagnostic| diagnostic.message))
+}
+
 fn means() -> PlanningResources {
     PlanningResources::of(&Arc::new(apex_solvers::shipped()))
 }
@@ -36,7 +40,13 @@ fn start(missions: Option<PathBuf>, records: &Path, address: Ipv4Addr) -> Socket
         address: IpAddr::V4(address),
         port: 0,
         load: None,
-        flights: missions.map(|missions| FlightOptions { missions, records: records.into(), means: means() }),
+        door: None,
+        flights: missions.map(|missions| FlightOptions {
+            missions,
+            records: records.into(),
+            read: read(),
+            means: means(),
+        }),
         ready: Box::new(move |url| sender.send(url.to_owned()).unwrap()),
     };
     std::thread::spawn(move || serve(options).unwrap());
@@ -271,5 +281,125 @@ fn a_server_without_missions_says_how_to_fly() {
     for (status, body) in answers {
         assert_eq!(status, 404, "{body}");
         assert!(body["help"].as_str().unwrap().contains("--missions"), "{body}");
+    }
+}
+
+#[test]
+fn every_command_to_a_flight_has_one_end_and_is_in_its_record() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = start(Some(missions()), folder.path(), Ipv4Addr::LOCALHOST);
+    let flight = fly(server, &json!({"mission": "structure-watch", "pace": 1})).1;
+    let at = |what: &str| format!("/api/flights/{}/{what}", flight["id"]);
+    let command = |body: &Value| ask(server, "POST", &at("commands"), JSON, &body.to_string());
+    let ends = |body: &Value, state: &str, reason: &str| {
+        let (status, end) = command(body);
+        assert_eq!((status, &end["state"]), (200, &json!(state)), "{body}: {end}");
+        assert!(end["reason"].as_str().unwrap_or_default().contains(reason), "{body}: {end}");
+    };
+    ends(&json!({"do": "pause"}), "accepted", "");
+    let (_, paused) = get(server, &at("operation"));
+    assert_eq!((&paused["paused"], &paused["pace"]), (&json!(true), &json!(0.0)), "{paused}");
+    std::thread::sleep(Duration::from_millis(200));
+    assert_eq!(get(server, &at("operation")).1["now_ns"], paused["now_ns"], "mission time stands still");
+    let camp = |operation: &Value| {
+        let targets = operation["targets"].as_array().unwrap().clone();
+        targets.into_iter().find(|target| target["id"] == "camp").unwrap()["known"].clone()
+    };
+    assert_eq!(camp(&paused), json!(false));
+    ends(&json!({"do": "add-target", "target": "camp"}), "accepted", "");
+    ends(&json!({"do": "step"}), "accepted", "");
+    assert_eq!(camp(&get(server, &at("operation")).1), json!(true));
+    ends(&json!({"do": "add-target", "target": "camp"}), "rejected", "to be observed already");
+    ends(&json!({"do": "value-target", "target": "moon", "value": 1.0}), "rejected", "has no target `moon`");
+    ends(&json!({"do": "value-target", "target": "camp", "value": -1.0}), "rejected", "is not from 0");
+    ends(&json!({"do": "message", "form": "(unbalanced"}), "rejected", "cannot be read");
+    ends(&json!({"do": "answer", "agent": "rotorcraft-1", "question": 99, "answer": "x"}), "rejected", "is not open");
+    ends(&json!({"do": "pace", "pace": 0.0}), "rejected", "is not above 0");
+    assert_eq!(command(&json!({"do": "fly-away"})).0, 422);
+    assert_eq!(ask(server, "POST", &at("commands"), "", "{}").0, 415);
+    ends(&json!({"do": "stop"}), "accepted", "");
+    let ended = ended(server, &flight["id"]);
+    ends(&json!({"do": "pause"}), "rejected", "the flight ended");
+
+    let record = PathBuf::from(ended["record"].as_str().unwrap());
+    let lines = trace(&record);
+    let entries = lines.lines().filter(|line| line.contains("operator-command")).count();
+    assert_eq!(entries, 10, "each command that the run could take is one input:\n{lines}");
+    assert!(replay(&RecordReader::open(&record).unwrap()).unwrap().difference.is_none());
+    let (_, none) = get(server, "/api/operation");
+    assert_eq!(none, Value::Null, "this server shows no record");
+    assert_eq!(ask(server, "POST", "/api/commands", JSON, "{\"do\": \"pause\"}").0, 404);
+}
+
+#[test]
+fn commands_of_other_sites_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = start(Some(missions()), folder.path(), Ipv4Addr::LOCALHOST);
+    let headers = format!("{JSON}Origin: http://example.com\r\n");
+    let (status, refused) = ask(server, "POST", "/api/flights/1/commands", &headers, "{\"do\": \"stop\"}");
+    assert_eq!(status, 403, "{refused}");
+}
+
+#[test]
+fn plans_ground_seen_and_holders_are_those_of_the_instant_also_for_many_callers() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("watch.apex");
+    let mission = Arc::new(Mission::load(&missions().join("structure-watch")).unwrap());
+    let mut recorder = apex_simulation::create_record(&path, &mission, Some(7)).unwrap();
+    let terms = MissionFlight::terms(&mission, Some(Time::from_seconds(600.0)));
+    apex_simulation::fly(mission, means(), Some(7), terms, &mut recorder, &mut []).unwrap();
+    drop(recorder);
+    let (sender, receiver) = mpsc::channel();
+    let options = ServeOptions {
+        record: Some(path),
+        agent: 0,
+        address: IpAddr::V4(Ipv4Addr::LOCALHOST),
+        port: 0,
+        load: None,
+        door: None,
+        flights: None,
+        ready: Box::new(move |url| sender.send(url.to_owned()).unwrap()),
+    };
+    std::thread::spawn(move || serve(options).unwrap());
+    let url = receiver.recv().unwrap();
+    let server: SocketAddr = url.trim_start_matches("http://").trim_end_matches('/').parse().unwrap();
+
+    let (_, facts) = get(server, "/api/facts");
+    assert_eq!((&facts["kind"], &facts["windows"]), (&json!("rotorcraft"), &json!([])));
+    let plans = |at: i64| get(server, &format!("/api/plans?at={at}")).1["plans"].as_array().unwrap().clone();
+    assert!(plans(0).is_empty(), "no plan before the first one");
+    let all = plans(600_000_000_000);
+    let numbers: Vec<u64> = all.iter().map(|plan| plan["number"].as_u64().unwrap()).collect();
+    assert_eq!(numbers, (1..=all.len() as u64).collect::<Vec<_>>());
+    let second = all[1]["adopted_ns"].as_i64().unwrap();
+    assert_eq!((plans(second - 1).len(), plans(second).len()), (1, 2), "a plan is known from its adoption");
+    assert_eq!(get(server, "/api/plan").1, *all.last().unwrap(), "the last one is in force");
+
+    let pictures = |at: i64| get(server, &format!("/api/footprints?at={at}")).1["pictures"].as_array().unwrap().clone();
+    let taken = pictures(600_000_000_000);
+    assert!(taken.len() > 2, "{taken:?}");
+    assert_eq!(pictures(0).len(), 0);
+    let first = taken[0]["t_ns"].as_i64().unwrap();
+    assert_eq!(pictures(first), taken[..1], "a picture is seen from its exposure");
+    let (_, window) = get(server, &format!("/api/footprints?from={first}&to={first}"));
+    assert_eq!(window["pictures"], json!(taken[..1]));
+
+    let (_, holdings) = get(server, "/api/holdings?at=300000000000");
+    let rows = holdings["resources"].as_array().unwrap();
+    let path = rows.iter().find(|row| row["resource"].as_str().unwrap().contains("flight-path")).unwrap();
+    let held = path["holdings"].as_array().unwrap();
+    assert!(held.iter().all(|one| one["to_ns"].as_i64().unwrap() <= 300_000_000_000), "{held:?}");
+    assert!(held.windows(2).all(|pair| pair[0]["from_ns"].as_i64() <= pair[1]["from_ns"].as_i64()), "by begin");
+    assert!(
+        held.iter().any(|one| one["open"] == json!(true)),
+        "a helicopter in the air has a task that holds its path"
+    );
+    assert_eq!(get(server, "/api/holdings?at=soon").0, 400);
+
+    // More callers than connections: every one gets the answer that a single one gets.
+    let alone = get(server, "/api/tasks").1;
+    let callers: Vec<_> = (0..12).map(|_| std::thread::spawn(move || get(server, "/api/tasks").1)).collect();
+    for caller in callers {
+        assert_eq!(caller.join().unwrap(), alone);
     }
 }

@@ -32,8 +32,7 @@ pub fn create_record(path: &Path, mission: &Mission, seed: Option<u64>) -> Missi
 /// # Errors
 /// The clock of the mission belongs to an outside simulator.
 pub fn pace_of(mission: &Mission, wished: Option<f64>) -> MissionResult<Option<f64>> {
-    let kind = mission.library.application.as_ref().map(|application| application.kind.folded().to_string());
-    match kind.as_deref() {
+    match kind_of(mission).as_deref() {
         Some("foreign-sim") => Err(MissionError::setting("an outside simulator owns the clock")
             .at(&mission.settings.place)
             .because("the application is of type foreign-sim, and `apex fly` flies the built-in simulator")
@@ -41,6 +40,14 @@ pub fn pace_of(mission: &Mission, wished: Option<f64>) -> MissionResult<Option<f
         Some("realtime") => Ok(wished.or(Some(1.0))),
         _ => Ok(wished),
     }
+}
+
+fn kind_of(mission: &Mission) -> Option<String> {
+    mission.library.application.as_ref().map(|application| application.kind.folded().to_string())
+}
+
+fn is_real_time(mission: &Mission) -> bool {
+    kind_of(mission).as_deref() == Some("realtime")
 }
 
 /// Flies `mission` in the world of `seed` and closes the record. The observers see each step after the recorder.
@@ -56,6 +63,8 @@ pub fn fly(
     observers: &mut [&mut dyn Observer],
 ) -> MissionResult<FlightOutcome> {
     let mut vehicle = world(&mission, seed)?;
+    // In simulated time the watcher's pace decides nothing: planners have the same time at every pace.
+    let terms = FlyOptions { hold_for_solvers: !is_real_time(&mission), ..terms };
     let outcome = {
         let mut all: Vec<&mut dyn Observer> = vec![&mut *recorder];
         all.extend(observers.iter_mut().map(|observer| &mut **observer as &mut dyn Observer));

@@ -3,8 +3,10 @@
 
 mod flight;
 mod fork;
+mod runs;
 mod world;
 
 pub use flight::{create_record, fly, pace_of};
 pub use fork::{ForkTerms, Forked, WorldChanges, fork};
+pub use runs::{JOBS_MAX, NotCompleted, RUNS_MAX, RunOutcome, RunRow, RunSummary, RunTerms, Violated, fly_runs};
 pub use world::world;

@@ -9,6 +9,7 @@ const nothing = {
   strips: null,
   span: null,
   tab: null,
+  rows: null,
 };
 
 describe('the address', () => {
@@ -21,10 +22,11 @@ describe('the address', () => {
       strips: ['roll-angle aircraft-1', 'fuel aircraft-1'],
       span: { fromNs: 32_200e9, toNs: 32_300e9 },
       tab: 'signals' as const,
+      rows: 'targets' as const,
     };
     const text = writeAddress('', state);
     expect(text).toBe(
-      '?t=33432.5&w=32100-33900&sel=target:castle-rock&tab=signals&strips=roll-angle+aircraft-1,fuel+aircraft-1&range=32200-32300&theme=light',
+      '?t=33432.5&w=32100-33900&sel=target:castle-rock&tab=signals&rows=targets&strips=roll-angle+aircraft-1,fuel+aircraft-1&range=32200-32300&theme=light',
     );
     expect(readAddress(text)).toEqual({ address: state, faults: [] });
     expect(readAddress('?t=live&sel=task:341').address).toEqual({

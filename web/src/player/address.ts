@@ -19,11 +19,17 @@ export interface Address {
   span: Range | null;
   /** Tab of the details. */
   tab: Tab | null;
+  /** Rows of the timeline. */
+  rows: Rows | null;
 }
 
 /** The tabs of the details. */
-export const TABS = ['why', 'signals', 'log', 'report'] as const;
+export const TABS = ['why', 'signals', 'plans', 'log', 'report'] as const;
 export type Tab = (typeof TABS)[number];
+
+/** The kinds of rows of the timeline; tasks at first. */
+export const ROWS = ['tasks', 'targets', 'resources'] as const;
+export type Rows = (typeof ROWS)[number];
 
 /** What is wrong in an address, one sentence for each parameter; the rest is used. */
 export function readAddress(search: string): { address: Address; faults: string[] } {
@@ -43,6 +49,7 @@ export function readAddress(search: string): { address: Address; faults: string[
     strips: read('strips', text => text.split(',').filter(Boolean), 'names of signals'),
     span: read('range', parseWindow, 'two times in seconds, 3600-7200'),
     tab: read('tab', text => TABS.find(tab => tab === text) ?? null, TABS.join(', ')),
+    rows: read('rows', text => ROWS.find(rows => rows === text) ?? null, ROWS.join(', ')),
     theme: read('theme', text => (text === 'light' || text === 'dark' ? text : null), 'light or dark'),
   };
   return { address, faults };
@@ -58,6 +65,7 @@ export function writeAddress(before: string, address: Address): string {
   set('w', window && `${seconds(window.fromNs)}-${seconds(window.toNs)}`);
   set('sel', selection && ('task' in selection ? `task:${selection.task}` : `target:${selection.target}`));
   set('tab', address.tab);
+  set('rows', address.rows === 'tasks' ? null : address.rows);
   set('strips', address.strips?.join(',') ?? null);
   set('range', address.span && `${seconds(address.span.fromNs)}-${seconds(address.span.toNs)}`);
   set('theme', address.theme);

@@ -20,8 +20,10 @@ import type {
   Track,
   Trouble,
 } from '../record/types';
-import type { Address, Selection, Tab } from './address';
+import type { Address, Rows, Selection, Tab } from './address';
 import { advance, clamp, otherSpeed, type Range, shift, speedFor, stepNs, zoom } from './clock';
+
+import { Scenery } from './scenery.svelte';
 
 /** A growing record is read again at most this often; drawing all of it is the dear part. */
 const REREAD_MS = 1500;
@@ -50,6 +52,9 @@ export class Player {
   why = $state.raw<TaskExplanation | null>(null);
   whyTrouble = $state<string | null>(null);
 
+  /** Plans, the ground seen, wind and link. */
+  readonly scenery: Scenery;
+
   atNs = $state(0);
   visible = $state.raw<Range>({ fromNs: 0, toNs: 0 });
   playing = $state(false);
@@ -66,6 +71,8 @@ export class Player {
   span = $state.raw<Range | null>(null);
   /** The tab of the details; none chosen means the log, or why once a task is selected. */
   tab = $state.raw<Tab | null>(null);
+  /** The rows of the timeline. */
+  rows = $state.raw<Rows>('tasks');
   showEnded = $state(true);
   find = $state('');
 
@@ -74,6 +81,7 @@ export class Player {
   private growth: Growth | null = null;
   private readAt = 0;
   private rereadTimer: ReturnType<typeof setTimeout> | undefined;
+  private sceneryTimer: ReturnType<typeof setTimeout> | undefined;
   private restTimer: ReturnType<typeof setTimeout> | undefined;
   private frame = 0;
   private stopWatching: (() => void) | undefined;
@@ -88,6 +96,7 @@ export class Player {
   >;
 
   constructor(readonly source: RecordSource) {
+    this.scenery = new Scenery(source);
     this.taskQuestions = new LatestOnly(
       question => source.tasks(question),
       answer => {
@@ -186,6 +195,7 @@ export class Player {
       strips: this.strips,
       span: this.span,
       tab: this.tab,
+      rows: this.rows,
     };
   }
 
@@ -198,6 +208,7 @@ export class Player {
     this.strips = address.strips;
     this.span = address.span;
     this.tab = address.tab;
+    this.rows = address.rows ?? 'tasks';
     if (atNs === 'live' || (atNs === null && this.live)) this.seek(this.range.toNs, true);
     else this.seek(atNs ?? this.range.fromNs);
   }
@@ -207,6 +218,7 @@ export class Player {
     this.pause();
     clearTimeout(this.rereadTimer);
     clearTimeout(this.restTimer);
+    clearTimeout(this.sceneryTimer);
     this.stopWatching?.();
   }
 
@@ -367,6 +379,9 @@ export class Player {
       with: this.selectedTask,
     });
     const task = this.selectedTask;
+    this.scenery.askPlans(this.atNs);
+    clearTimeout(this.sceneryTimer);
+    this.sceneryTimer = setTimeout(() => this.scenery.ask(this.atNs), REST_MS);
     clearTimeout(this.restTimer);
     if (task === null) return;
     this.whyQuestions.put({ task, atNs: this.atNs, explain: false });

@@ -1,10 +1,13 @@
 /** The one way to a flight record: questions to the server, and news of its growth. */
 
+import type { Footprints, MissionFacts } from './seen';
 import type {
   Events,
   Growth,
+  Holdings,
   Mission,
   PlanInForce,
+  Plans,
   Report,
   Signals,
   SignalWindows,
@@ -37,6 +40,13 @@ export interface SamplesQuery {
   pixels: number;
 }
 
+/** A window of holdings, of what was known at an instant. */
+export interface HoldingsQuery {
+  fromNs: number;
+  toNs: number;
+  atNs: number;
+}
+
 /** What a panel may ask a record; a finished one and a growing one answer alike. */
 export interface RecordSource {
   mission(atNs: number | null): Promise<Mission>;
@@ -46,6 +56,14 @@ export interface RecordSource {
   targets(atNs: number): Promise<Target[]>;
   surroundings(): Promise<Surroundings>;
   plan(atNs: number): Promise<PlanInForce | null>;
+  /** All plans so far; only the last two have routes. */
+  plans(atNs: number): Promise<Plans>;
+  /** The ground that sensors had seen by then. */
+  footprints(atNs: number): Promise<Footprints>;
+  /** Who held which resource. */
+  holdings(query: HoldingsQuery): Promise<Holdings>;
+  /** Null if the record is not of a mission. */
+  facts(): Promise<MissionFacts | null>;
   troubles(atNs: number): Promise<Troubles>;
   events(query: { toNs: number; limit: number; find: string; kinds: string }): Promise<Events>;
   /** `explain` asks for what is awaited too, for which the server restores the instant. */
@@ -92,6 +110,15 @@ export class ServedRecord implements RecordSource {
       px: Math.round(query.pixels),
     });
   plan = (atNs: number): Promise<PlanInForce | null> => this.get('plan', { at: whole(atNs) });
+  plans = (atNs: number): Promise<Plans> => this.get('plans', { at: whole(atNs) });
+  footprints = (atNs: number): Promise<Footprints> => this.get('footprints', { at: whole(atNs) });
+  holdings = (query: HoldingsQuery): Promise<Holdings> =>
+    this.get('holdings', {
+      from: whole(query.fromNs),
+      to: whole(query.toNs),
+      at: whole(query.atNs),
+    });
+  facts = (): Promise<MissionFacts | null> => this.get('facts', {});
   troubles = (atNs: number): Promise<Troubles> => this.get('troubles', { at: whole(atNs) }); // english: allow
   targets = async (atNs: number): Promise<Target[]> =>
     (await this.get<Targets>('targets', { at: whole(atNs) })).targets;

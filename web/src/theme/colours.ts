@@ -33,6 +33,12 @@ const DARK = {
   strip: '#8fb4d8',
   band: '#2a3036',
   ghost: '#7a828b',
+  /** Hairlines without information. */
+  rule: '#46505a',
+  /** Ground that was seen. */
+  seen: '#24463a',
+  /** Layers of the user. */
+  user: '#b48ead',
   halo: '#0d141cd0',
   craft: '#ffffff',
 };
@@ -73,6 +79,9 @@ const LIGHT: Record<ColourName, string> = {
   strip: '#3b6c9c',
   band: '#e3e0d8',
   ghost: '#838689',
+  rule: '#b9b4a9',
+  seen: '#cfe3d6',
+  user: '#7a4f86',
   halo: '#fcfbf8d0',
   craft: '#1a1c1e',
 };

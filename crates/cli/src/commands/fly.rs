@@ -13,6 +13,7 @@ use apex_model::time::{Duration, Time};
 use apex_planning::Registry;
 use apex_runtime::ports::Observer;
 use apex_runtime::{Control, EndReason};
+use apex_server::FlightDoor;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::net::{IpAddr, Ipv4Addr, TcpListener};
 use std::path::{Path, PathBuf};
@@ -28,7 +29,14 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult {
     let pace = options.pace.map(checked_pace).transpose()?;
     let until = options.until.as_deref().map(|text| sources::parse_time(text, "--until")).transpose()?;
     let mission = Arc::new(sources::load_mission(&options.mission)?);
+    if let Some(runs) = options.runs {
+        return commands::fly_runs::run(options, runs, until, &mission, &means(options, planners)?);
+    }
     let pace = apex_simulation::pace_of(&mission, pace)?;
+    if options.paused && !options.serve {
+        return Err(CliError::user("`--paused` needs `--serve`: the page resumes the flight")
+            .help("write `apex fly MISSION --serve --paused`"));
+    }
     let short_name = Mission::short_name(&options.mission);
     let path = options.record.clone().unwrap_or_else(|| PathBuf::from(format!("{short_name}.apex")));
     if options.serve {
@@ -37,29 +45,40 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult {
     // A mission that cannot be simulated leaves an older record as it is.
     apex_simulation::world(&mission, options.seed)?;
     let mut recorder = apex_simulation::create_record(&path, &mission, options.seed)?;
-    let sherpa = options.serve.then(|| serve_beside(&path, options.port));
     let started = std::time::Instant::now();
-    let (sherpa, controls) = match sherpa {
-        Some((thread, controls)) => (Some(thread), controls),
+    let begin = if options.paused { Some(0.0) } else { pace };
+    let (door, controls) = match options.serve.then(|| FlightDoor::new(&mission, begin, commands::serve::read_datum()))
+    {
+        Some((door, controls)) => (Some(door), controls),
         None => (None, stopped_by_signal()),
     };
-    let terms = apex_runtime::FlyOptions { pace, controls: Some(controls), ..MissionFlight::terms(&mission, until) };
+    let sherpa = door.as_ref().map(|door| {
+        door.continues_at(pace);
+        serve_beside(&path, door.clone(), options.port)
+    });
+    let mut watch = door.as_ref().map(FlightDoor::watch);
+    let terms =
+        apex_runtime::FlyOptions { pace: begin, controls: Some(controls), ..MissionFlight::terms(&mission, until) };
     let means = means(options, planners)?;
     let mut progress = Progress::new(terms.until, options.no_progress || options.json);
-    let flown = apex_simulation::fly(mission, means, options.seed, terms, &mut recorder, &mut [&mut progress]);
+    let mut observers: Vec<&mut dyn Observer> = vec![&mut progress];
+    observers.extend(watch.as_mut().map(|watch| watch as &mut dyn Observer));
+    let flown = apex_simulation::fly(mission, means, options.seed, terms, &mut recorder, &mut observers);
+    // The page learns that the flight is over.
+    drop(watch);
     progress.bar.finish_and_clear();
     let flight = flown?;
     let seconds = started.elapsed().as_secs_f64();
     print_flight(&flight, seconds, &path, options.json)?;
-    match sherpa {
-        Some(sherpa) if flight.end.reason != EndReason::Stopped => {
+    if let Some(sherpa) = sherpa {
+        // After Ctrl-C the server has ended already; a person who stops the flight from the page still looks at it.
+        if !sherpa.is_finished() {
             output::print_line("Sherpa goes on serving the record; Ctrl-C ends it")?;
-            // Its own thread has told what went wrong, if anything.
-            sherpa.join().ok();
-            Ok(())
         }
-        _ => Ok(()),
+        // Its own thread has told what went wrong, if anything.
+        sherpa.join().ok();
     }
+    Ok(())
 }
 
 fn print_flight(flight: &FlightOutcome, seconds: f64, path: &Path, json: bool) -> CliResult {
@@ -129,22 +148,24 @@ fn means(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult<PlanningRe
 }
 
 /// Serves the growing record on a thread of its own. Ctrl-C, which the server hears, ends the flight in good order.
-fn serve_beside(path: &Path, port: u16) -> (JoinHandle<()>, Receiver<Control>) {
+fn serve_beside(path: &Path, door: FlightDoor, port: u16) -> JoinHandle<()> {
     let path = path.to_path_buf();
-    let (say, controls) = mpsc::channel();
-    let thread = std::thread::spawn(move || {
+    std::thread::spawn(move || {
         let address = IpAddr::V4(Ipv4Addr::LOCALHOST);
         let ready = |url: &str| {
             // The page is served whether anybody reads this line or not.
             output::print_line(format_args!("Sherpa: {url}")).ok();
         };
-        match commands::serve::serve(Some((&path, 0)), None, address, port, ready) {
-            // The flight may be over already: then nobody listens, and nothing is left to stop.
-            Ok(()) => say.send(Control::Stop).unwrap_or_default(),
-            Err(error) => output::print_error(format_args!("{error}\n  the flight goes on without Sherpa")),
+        match commands::serve::serve((Some((&path, 0)), Some(door.clone())), None, address, port, ready) {
+            // Without effect if the flight is over already.
+            Ok(()) => door.stop(),
+            Err(error) => {
+                output::print_error(format_args!("{error}\n  the flight continues without Sherpa"));
+                // Otherwise a flight that began paused would wait forever.
+                door.resume();
+            }
         }
-    });
-    (thread, controls)
+    })
 }
 
 /// Ctrl-C and SIGTERM end the flight cleanly; nothing else is said from outside.

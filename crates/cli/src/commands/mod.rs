@@ -5,6 +5,7 @@ pub mod explain;
 pub mod export;
 mod fix;
 pub mod fly;
+pub mod fly_runs;
 pub mod fork;
 pub mod format;
 pub mod monitor;

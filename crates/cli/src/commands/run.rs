@@ -102,6 +102,13 @@ fn live_mission(library: &Arc<Library>, options: &RunOptions) -> CliResult<Optio
             && application.option("vehicle").is_some()
     };
     if !library.application.as_ref().is_some_and(is_live) {
+        if library.application.as_ref().is_some_and(|application| application.option("diagnosis").is_some()) {
+            return Err(CliError::user("`:diagnosis` has no effect in this run")
+                .because(
+                    "tests of a model are diagnosed in the flight of a mission, and this program is run without one",
+                )
+                .help("fly it with `apex fly`, or give it a `:vehicle` and the type realtime or foreign-sim"));
+        }
         return Ok(None);
     }
     Ok(Some(Arc::new(Mission::of_program(&options.program, Arc::clone(library))?)))

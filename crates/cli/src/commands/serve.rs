@@ -5,7 +5,7 @@ use crate::options::ServeOptions;
 use crate::{output, recording, sources};
 use apex_mission::deliberation::PlanningResources;
 use apex_planning::Registry;
-use apex_server::FlightOptions;
+use apex_server::{FlightDoor, FlightOptions, ReadDatum};
 use std::net::IpAddr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -25,7 +25,7 @@ pub fn run(options: &ServeOptions, planners: &Arc<Registry>) -> CliResult {
         options.record.as_deref().map(|record| Ok::<_, CliError>((record, agent_of(record, options)?))).transpose()?;
     let flights = options.missions.as_deref().map(|missions| flights(missions, options, planners)).transpose()?;
     let open = options.open;
-    serve(record, flights, address, options.port, move |url| {
+    serve((record, None), flights, address, options.port, move |url| {
         // The page is served whether anybody reads this line or not.
         output::print_line(format_args!("Sherpa: {url}  (Ctrl-C ends it)")).ok();
         if open {
@@ -58,14 +58,20 @@ fn flights(missions: &Path, options: &ServeOptions, planners: &Arc<Registry>) ->
             "name the folder whose sub-folders are missions, for example `missions`",
         )?,
         records: folder(records, "--records", "make the folder, or choose another one")?,
+        read: read_datum(),
         means: PlanningResources::of(planners),
     })
 }
 
-/// Serves `record` (its file, and the number of the agent to show) and flies missions by `flights` at `address:port`; calls
+/// Reads forms that come over HTTP.
+pub fn read_datum() -> ReadDatum {
+    Arc::new(|text| apex_pdl::read_value(text).map_err(|diagnostic| diagnostic.message))
+}
+
+/// Serves `record` (its file, and the number of the agent to show) with the way to its run if that is under way, and flies missions by `flights` at `address:port`; calls
 /// `ready` with the page's address.
 pub fn serve(
-    record: Option<(&Path, usize)>,
+    (record, door): (Option<(&Path, usize)>, Option<FlightDoor>),
     flights: Option<FlightOptions>,
     address: IpAddr,
     port: u16,
@@ -77,6 +83,7 @@ pub fn serve(
         address,
         port,
         load: Some(Arc::new(sources::load_recorded)),
+        door,
         flights,
         ready: Box::new(ready),
     })

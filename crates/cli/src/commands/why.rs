@@ -17,8 +17,8 @@ pub fn run(options: &WhyOptions) -> CliResult {
     }
     let reader = recording::open(&options.record)?;
     let question = question(&options.task, &options.explanation)?;
-    if let Some(text) = apex_mission::diagnosis::why(&reader, &options.task, question.at)? {
-        return print(&text, &text, options.explanation.json);
+    if let Some(health) = apex_mission::diagnosis::why(&reader, &options.task, question.at)? {
+        return print(&health.json, &health.text, options.explanation.json);
     }
     let load = |texts: &[SourceFile]| sources::load_flown_program(&reader, texts);
     let explainer = Explainer::new(&reader, &load);

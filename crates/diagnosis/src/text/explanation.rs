@@ -5,6 +5,7 @@ use crate::bits::Bits;
 use crate::diagnoser::{Diagnoser, Health};
 use crate::evidence::Outcome;
 use crate::hitting::SearchEnd;
+use serde_json::{Value, json};
 use std::fmt::Write;
 
 /// Explains the health of each failure mode of a component by tests; `None` if the model has no such component.
@@ -27,6 +28,26 @@ pub fn explain(diagnoser: &Diagnoser, component: &str) -> Option<String> {
     Some(text)
 }
 
+/// The facts of [`explain`] as JSON: `component`, `title`, `health`, and of each failure mode its `name` and `health`, the
+/// passed tests that clear it (`cleared_by`), the `failed` tests that accuse it with what else could be the reason (`open`)
+/// and what cannot (`cleared`), the tests `not_run` that could tell, and its `candidates` (`count`, `of`, `share`; null if it
+/// is in none). `text` is the explanation as text. `None` if the model has no such component.
+pub fn explain_json(diagnoser: &Diagnoser, component: &str) -> Option<Value> {
+    let text = explain(diagnoser, component)?;
+    let model = diagnoser.model();
+    let index = model.component(component)?;
+    let found = model.components.get(index)?;
+    let health = diagnoser.diagnosis().components.get(index).copied().unwrap_or_default();
+    let modes: Vec<Value> = found.modes.iter().map(|mode| Reasons { diagnoser, mode: *mode }.json()).collect();
+    Some(json!({
+        "component": component,
+        "title": found.title,
+        "health": health.word(),
+        "failure_modes": modes,
+        "text": text,
+    }))
+}
+
 struct Reasons<'a> {
     diagnoser: &'a Diagnoser,
     mode: usize,
@@ -40,6 +61,47 @@ impl Reasons<'_> {
             Health::Bad | Health::Suspect => self.accused(health),
             Health::Unknown => self.unknown(),
         }
+    }
+
+    fn json(&self) -> Value {
+        let model = self.diagnoser.model();
+        let diagnosis = self.diagnoser.diagnosis();
+        let good = |mode: &usize| diagnosis.modes.get(*mode) == Some(&Health::Good);
+        let modes = |modes: Vec<usize>| modes.iter().map(|mode| model.mode_name(*mode)).collect::<Vec<_>>();
+        let tests = |tests: Vec<usize>| tests.iter().map(|test| model.test_name(*test)).collect::<Vec<_>>();
+        let mut failed = Vec::new();
+        for test in self.tests(Outcome::is_failure, |_| true) {
+            let clauses = model.tests.get(test).map_or(&[][..], |test| test.clauses());
+            for clause in clauses.iter().filter(|clause| clause.contains(self.mode)) {
+                let others = || clause.iter().filter(|mode| *mode != self.mode);
+                failed.push(json!({
+                    "test": model.test_name(test),
+                    "open": modes(others().filter(|mode| !good(mode)).collect()),
+                    "cleared": modes(others().filter(good).collect()),
+                }));
+            }
+        }
+        let group =
+            diagnosis.groups.iter().find(|group| group.candidates.iter().any(|one| one.modes.contains(self.mode)));
+        let candidates = group.map(|group| {
+            let with = || group.candidates.iter().filter(|one| one.modes.contains(self.mode));
+            let share: f64 = with().map(|one| one.share).sum();
+            json!({ "count": with().count(), "of": group.candidates.len(), "share": share })
+        });
+        json!({
+            "name": model.mode_name(self.mode),
+            "health": diagnosis.modes.get(self.mode).copied().unwrap_or_default().word(),
+            "cleared_by": tests(self.tests(|outcome| outcome == Outcome::Passed, |test| self.alone(test))),
+            "failed": failed,
+            "not_run": tests(self.tests(|outcome| outcome == Outcome::Unknown, |test| self.concerns(test))),
+            "candidates": candidates,
+        })
+    }
+
+    /// True if the test depends on it.
+    fn concerns(&self, test: usize) -> bool {
+        let implicants = self.diagnoser.model().tests.get(test).map_or(&[][..], |test| test.implicants());
+        implicants.iter().any(|implicant| implicant.contains(self.mode))
     }
 
     fn tests(&self, wanted: impl Fn(Outcome) -> bool, accuses: impl Fn(usize) -> bool) -> Vec<usize> {
@@ -113,10 +175,7 @@ impl Reasons<'_> {
 
     fn unknown(&self) -> String {
         let names = |tests: Vec<usize>| test_names(self.diagnoser.model(), tests.into_iter());
-        let concerned = |test: usize| {
-            let implicants = self.diagnoser.model().tests.get(test).map_or(&[][..], |test| test.implicants());
-            implicants.iter().any(|implicant| implicant.contains(self.mode))
-        };
+        let concerned = |test: usize| self.concerns(test);
         let failed = self.tests(Outcome::is_failure, concerned);
         let open = self.tests(|outcome| outcome == Outcome::Unknown, concerned);
         if (0..self.diagnoser.model().tests.len()).all(|test| !concerned(test)) {

@@ -4,7 +4,7 @@ mod service;
 mod why;
 
 pub use service::DiagnosisService;
-pub use why::why;
+pub use why::{ComponentHealth, why};
 
 use crate::error::{MissionError, MissionResult};
 use crate::files::read_text;

@@ -2,16 +2,24 @@
 
 use crate::error::MissionResult;
 use crate::recorded::{mission_of, situation_at};
-use apex_diagnosis::{Diagnoser, explain};
+use apex_diagnosis::{Diagnoser, explain, explain_json};
 use apex_model::time::Time;
 use apex_runtime::record::RecordReader;
 use std::sync::Arc;
+
+/// Why a component has its health.
+pub struct ComponentHealth {
+    /// In words.
+    pub text: String,
+    /// As JSON ([`explain_json`]).
+    pub json: serde_json::Value,
+}
 
 /// Explains the health of `component` after the last step not later than `at`; `None` if the record's mission has no model with it.
 ///
 /// # Errors
 /// A record that cannot be read.
-pub fn why(reader: &RecordReader, component: &str, at: Time) -> MissionResult<Option<String>> {
+pub fn why(reader: &RecordReader, component: &str, at: Time) -> MissionResult<Option<ComponentHealth>> {
     let Some(mission) = mission_of(reader)? else { return Ok(None) };
     let Some(model) = mission.diagnosis.as_ref().filter(|model| model.component(component).is_some()) else {
         return Ok(None);
@@ -19,5 +27,6 @@ pub fn why(reader: &RecordReader, component: &str, at: Time) -> MissionResult<Op
     let situation = situation_at(reader, &mission, at)?;
     let mut diagnoser = Diagnoser::new(Arc::clone(model));
     diagnoser.set_all(situation.diagnosis.outcomes().iter().copied().enumerate());
-    Ok(explain(&diagnoser, component))
+    let answer = explain(&diagnoser, component).zip(explain_json(&diagnoser, component));
+    Ok(answer.map(|(text, json)| ComponentHealth { text, json }))
 }

@@ -1,5 +1,6 @@
 //! The fold over the batches of a flight.
 
+use super::footprints::{FootprintLog, Footprints};
 use super::samples::Latest;
 use crate::observing::{NoTerrain, camera_names, camera_of, looks_with, scanner_of};
 use crate::{Mission, Site, Target, TargetKind};
@@ -35,6 +36,8 @@ pub struct FlownScore {
     /// Civil time of the mission's beginning, where it states one: without it nothing is known of the sun.
     epoch_unix_s: Option<f64>,
     latest: Latest,
+    /// Collects footprints for maps, where they are wanted.
+    footprints: Option<FootprintLog>,
 }
 
 /// A site as a target of pictures: a point at the height of the thing itself, with one look of value 1.
@@ -86,7 +89,27 @@ impl FlownScore {
         let cameras =
             camera_names(&mission.model).into_iter().filter_map(|name| camera_of(&mission.model, name)).collect();
         let epoch_unix_s = mission.settings.epoch_unix_s;
-        Ok(Some(FlownScore { observation, ground, scanner, cameras, epoch_unix_s, latest: Latest::default() }))
+        Ok(Some(FlownScore {
+            observation,
+            ground,
+            scanner,
+            cameras,
+            epoch_unix_s,
+            latest: Latest::default(),
+            footprints: None,
+        }))
+    }
+
+    /// Collects footprints from here on instead of the score, which costs a hundred times more.
+    #[must_use]
+    pub fn only_footprints(self) -> FlownScore {
+        FlownScore { footprints: Some(FootprintLog::default()), ..self }
+    }
+
+    /// The ground seen so far, with the swath under way up to its last kept line; empty without
+    /// [`FlownScore::only_footprints`].
+    pub fn footprints(&self) -> Option<&Footprints> {
+        self.footprints.as_ref().map(|log| &log.seen)
     }
 
     /// Takes the measurements of a batch of the agent that flies.
@@ -134,6 +157,10 @@ impl FlownScore {
             return;
         };
         if let Some(picture) = self.picture(&camera, at) {
+            if let Some(log) = &mut self.footprints {
+                log.picture(&picture, at, self.observation.elevation_m_near(picture.sample.position));
+                return;
+            }
             self.observation.picture(&picture, &self.ground);
         }
     }
@@ -183,6 +210,9 @@ impl FlownScore {
             Some(setting) if self.latest.is_on => SensorState::Scanning(setting.clone()),
             _ => SensorState::Off,
         };
+        if let Some(log) = &mut self.footprints {
+            log.end_swath();
+        }
         self.observation.sensor(state);
     }
 
@@ -193,6 +223,11 @@ impl FlownScore {
             return;
         }
         let Some((position, altitude_m)) = self.latest.place else { return };
+        if let (Some(log), Some(setting)) = (&mut self.footprints, &self.scanner) {
+            let ground_m = self.observation.elevation_m_near(position);
+            log.line(&self.latest, setting, (at, ground_m, SAMPLE_GAP_S_MAX));
+            return;
+        }
         let sample = self.flight_sample(at, position, altitude_m);
         self.observation.sample(sample, &self.ground);
     }

@@ -39,6 +39,11 @@ impl Flight<'_, '_> {
                     let now = self.pacer.now(self.now, instant);
                     self.pacer.set(pace, now).map_err(RunError::Options)?;
                 }
+                Some(Control::Command(command)) => {
+                    if let Some(waited) = self.obey(&command, instant)? {
+                        return Ok(waited);
+                    }
+                }
                 Some(Control::Input(kind)) => self.take_in(Input::new(instant, kind))?,
                 Some(Control::InputFor(agent, kind)) => {
                     self.take_in(Input { at: instant, kind, agent: Some(agent) })?;

@@ -1,21 +1,21 @@
 //! One flight: its thread, its progress, and how it ended.
 
 use crate::flights::catalogue::Failure;
+use crate::operation::FlightDoor;
 use apex_mission::Mission;
 use apex_mission::deliberation::PlanningResources;
 use apex_mission::error::MissionResult;
 use apex_mission::recording;
 use apex_model::effect::Effect;
 use apex_model::event::Batch;
+use apex_runtime::FlyOptions;
 use apex_runtime::ports::Observer;
 use apex_runtime::record::Recorder;
 use apex_runtime::record::view::{Report, Section};
-use apex_runtime::{Control, FlyOptions};
 use serde::Serialize;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicI64, Ordering};
-use std::sync::mpsc::Sender;
 use std::sync::{Arc, OnceLock};
 
 /// A flight that the server has started.
@@ -31,7 +31,7 @@ pub(crate) struct Flight {
     pub(crate) seed: u64,
     /// Mission time of the last step.
     now_ns: AtomicI64,
-    controls: Sender<Control>,
+    door: FlightDoor,
     end: OnceLock<End>,
 }
 
@@ -64,9 +64,9 @@ pub(crate) struct FlightState {
 }
 
 impl Flight {
-    /// A flight that has not begun. `controls` leads to its run.
-    pub(crate) fn new(id: u64, mission: String, record: PathBuf, seed: u64, controls: Sender<Control>) -> Flight {
-        Flight { id, mission, record, seed, now_ns: AtomicI64::new(0), controls, end: OnceLock::new() }
+    /// A flight that has not begun. `door` leads to its run.
+    pub(crate) fn new(id: u64, mission: String, record: PathBuf, seed: u64, door: FlightDoor) -> Flight {
+        Flight { id, mission, record, seed, now_ns: AtomicI64::new(0), door, end: OnceLock::new() }
     }
 
     /// Flies; returns when the flight has ended and its record is closed. Then drops `place`, and only then tells the end.
@@ -90,9 +90,15 @@ impl Flight {
 
     fn flown(&self, preparation: Preparation) -> MissionResult<End> {
         let Preparation { mission, means, terms, mut recorder } = preparation;
-        let mut progress = Progress(&self.now_ns);
-        let outcome =
-            apex_simulation::fly(mission, means, Some(self.seed), terms, &mut recorder, &mut [&mut progress])?;
+        let (mut progress, mut watch) = (Progress(&self.now_ns), self.door.watch());
+        let outcome = apex_simulation::fly(
+            mission,
+            means,
+            Some(self.seed),
+            terms,
+            &mut recorder,
+            &mut [&mut progress, &mut watch],
+        )?;
         self.now_ns.store(outcome.end.at.0, Ordering::Relaxed);
         let section = |(name, body): (&str, serde_json::Value)| Section { section: name.to_string(), body };
         let report = Report { sections: outcome.report.sections().into_iter().map(section).collect() };
@@ -102,7 +108,12 @@ impl Flight {
     /// Asks the flight to end cleanly.
     pub(crate) fn stop(&self) {
         // A flight that has ended does not listen, and needs no stop.
-        self.controls.send(Control::Stop).ok();
+        self.door.stop();
+    }
+
+    /// The way to its run.
+    pub(crate) fn door(&self) -> &FlightDoor {
+        &self.door
     }
 
     /// True until the flight has ended or failed.

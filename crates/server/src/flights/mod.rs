@@ -12,6 +12,7 @@ mod tower;
 
 pub(crate) use tower::Tower;
 
+use crate::operation::ReadDatum;
 use apex_mission::deliberation::PlanningResources;
 use std::path::PathBuf;
 
@@ -21,6 +22,8 @@ pub struct FlightOptions {
     pub missions: PathBuf,
     /// Folder of the records that the flights write.
     pub records: PathBuf,
+    /// Reads forms of PDL in messages and answers.
+    pub read: ReadDatum,
     /// The planners, and the limits of their time and memory.
     pub means: PlanningResources,
 }

@@ -33,7 +33,7 @@ pub(crate) fn routes(state: &Arc<AppState>) -> Router<Arc<AppState>> {
 }
 
 /// Lets only programs and pages of this machine start and stop flights.
-async fn own_pages_only(State(state): Shared, request: Request, next: Next) -> Response {
+pub(crate) async fn own_pages_only(State(state): Shared, request: Request, next: Next) -> Response {
     if request.method() == Method::POST {
         let refused = if !guard::same_origin(request.headers()) {
             Some(("this page comes from another site", "open the page that this server serves"))

@@ -6,14 +6,15 @@ use crate::flights::catalogue::{MissionEntry, folder_of, missions};
 use crate::flights::flight::{Flight, FlightState, Preparation};
 use crate::flights::plans;
 use crate::flights::request::{FlightRequest, PlanParams};
+use crate::operation::FlightDoor;
 use apex_mission::Mission;
 use apex_mission::flight::MissionFlight;
-use apex_runtime::{Control, FlyOptions};
+use apex_runtime::FlyOptions;
 use axum::http::StatusCode;
 use std::collections::VecDeque;
 use std::io;
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, TryAcquireError};
 
@@ -84,11 +85,11 @@ impl Tower {
         apex_simulation::world(&mission, Some(seed))?;
         let (id, record) = self.reserve(&request.mission)?;
         let recorder = apex_simulation::create_record(&record, &mission, Some(seed))?;
-        let (say, controls) = mpsc::channel();
-        // The API says nothing but the end: the run need not wait for inputs. The receiver is alive.
-        say.send(Control::Quiet).ok();
+        let (door, controls) = FlightDoor::new(&mission, pace, Arc::clone(&self.options.read));
+        // The run need not wait for commands that may never come.
+        door.be_quiet();
         let terms = FlyOptions { pace, controls: Some(controls), ..MissionFlight::terms(&mission, until) };
-        let flight = Arc::new(Flight::new(id, request.mission, record, seed, say));
+        let flight = Arc::new(Flight::new(id, request.mission, record, seed, door));
         let preparation = Preparation { mission, means: self.options.means.clone(), terms, recorder };
         self.launch(&flight, preparation, place)?;
         Ok(flight.state())

@@ -2,6 +2,7 @@
 
 import type { LandingPlace } from '../../record/types';
 import { COLOURS, MONO, SANS, stateColour } from '../../theme/colours';
+import { drawAbove, drawBelow, type Layers } from './layers';
 import {
   type Aircraft,
   type Box,
@@ -31,6 +32,9 @@ export interface Scene {
   /** Labels of the last drawing that found no free place. */
   onLost: (labels: number) => void;
   selected: string | null;
+  layers: Layers;
+  /** Rotorcraft are drawn as such. */
+  rotorcraft: boolean;
 }
 
 export interface Frame {
@@ -51,12 +55,14 @@ const GRID_FONT = `11px ${MONO}`;
 export function draw(context: CanvasRenderingContext2D, scene: Scene, frame: Frame, project: Project): void {
   context.clearRect(0, 0, frame.width, frame.height);
   drawGraticule(context, frame, project);
+  drawBelow(context, scene.layers, project);
   drawZones(context, scene.zones, project);
   drawLandingPlaces(context, scene.landingPlaces, project);
   drawOutlines(context, scene, project);
   drawTrack(context, scene, project);
+  drawAbove(context, scene.layers, project);
   drawTargets(context, scene, project);
-  if (scene.aircraft) drawAircraft(context, scene.aircraft, project);
+  if (scene.aircraft) drawAircraft(context, scene.aircraft, scene.rotorcraft, project);
 }
 
 function drawGraticule(context: CanvasRenderingContext2D, frame: Frame, project: Project): void {
@@ -193,6 +199,10 @@ function polyline(
 function drawTargets(context: CanvasRenderingContext2D, scene: Scene, project: Project): void {
   const points = scene.targets.map(target => ({ target, ...project(target.position) }));
   const taken: Box[] = points.map(({ x, y }) => ({ x: x - 7, y: y - 7, width: 14, height: 14 }));
+  if (scene.aircraft) {
+    const { x, y } = project(scene.aircraft.position);
+    taken.push({ x: x - 13, y: y - 13, width: 26, height: 26 });
+  }
   for (const { target, x, y } of points) drawSymbol(context, target, x, y, target.id === scene.selected);
   // The chosen one and what is worked on have the first right to a label, then the valuable ones.
   const rank = (target: TargetView) =>
@@ -266,11 +276,21 @@ function circle(context: CanvasRenderingContext2D, x: number, y: number, radius:
   context.arc(x, y, radius, 0, 2 * Math.PI);
 }
 
-function drawAircraft(context: CanvasRenderingContext2D, aircraft: Aircraft, project: Project): void {
+function drawAircraft(
+  context: CanvasRenderingContext2D,
+  aircraft: Aircraft,
+  rotorcraft: boolean,
+  project: Project,
+): void {
   const { x, y } = project(aircraft.position);
   context.save();
   context.translate(x, y);
   context.rotate((aircraft.headingDeg * Math.PI) / 180);
+  if (rotorcraft) {
+    drawRotor(context);
+    context.restore();
+    return;
+  }
   // A high-winged aircraft from above: nose up, long wings, a small tail.
   context.beginPath();
   const half: [number, number][] = [
@@ -294,4 +314,29 @@ function drawAircraft(context: CanvasRenderingContext2D, aircraft: Aircraft, pro
   context.fillStyle = COLOURS.craft;
   context.fill();
   context.restore();
+}
+
+/** A helicopter from above: cabin, boom with tail rotor, and the disc of the main rotor with its blades. */
+function drawRotor(context: CanvasRenderingContext2D): void {
+  const outline = (widen: number) => {
+    context.beginPath();
+    context.ellipse(0, -2, 3 + widen, 6 + widen, 0, 0, 2 * Math.PI);
+    context.rect(-1 - widen, 3 - widen, 2 + 2 * widen, 10 + 2 * widen);
+    context.rect(-3.5 - widen, 11.5 - widen, 7 + 2 * widen, 1.6 + 2 * widen);
+  };
+  context.fillStyle = COLOURS.ground;
+  outline(1.5);
+  context.fill();
+  context.fillStyle = COLOURS.craft;
+  outline(0);
+  context.fill();
+  context.strokeStyle = COLOURS.craft;
+  context.lineWidth = 1.2;
+  context.beginPath();
+  context.arc(0, -2, 11, 0, 2 * Math.PI);
+  context.moveTo(-7.8, -9.8);
+  context.lineTo(7.8, 5.8);
+  context.moveTo(7.8, -9.8);
+  context.lineTo(-7.8, 5.8);
+  context.stroke();
 }

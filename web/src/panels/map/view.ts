@@ -128,6 +128,23 @@ export function zonesAt(surroundings: Surroundings, atNs: number, altitudeM: num
   });
 }
 
+/** What the zones at a place say: name, band of altitude, times, and whether they hold; null where there are none. */
+export function zoneAt(place: Position, zones: readonly ZoneView[]): string | null {
+  const here = zones.filter(zone => !zone.permitted && zone.lines.some(line => isInside(place, line)));
+  if (here.length === 0) return null;
+  return here.map(zone => `${zone.label} (${zone.active ? 'holds now' : 'does not hold now'})`).join('; ');
+}
+
+/** True if a place lies inside of an outline: an odd number of crossings to the east. */
+function isInside([east, north]: Position, line: readonly Position[]): boolean {
+  let inside = false;
+  line.forEach(([x1, y1], index) => {
+    const [x2, y2] = line[(index + 1) % line.length] as Position;
+    if (y1 > north !== y2 > north && east < ((x2 - x1) * (north - y1)) / (y2 - y1) + x1) inside = !inside;
+  });
+  return inside;
+}
+
 function hours(value: number): string {
   const minutes = Math.round(value * 60);
   return `${Math.floor(minutes / 60)}:${String(minutes % 60).padStart(2, '0')}`;
@@ -227,6 +244,10 @@ export function placeLabel(
     { x: x - gap - width, y: y - height / 2, width, height },
     { x: x - width / 2, y: y - gap - height, width, height },
     { x: x - width / 2, y: y + gap, width, height },
+    { x: x + gap - 2, y: y - gap - height + 4, width, height },
+    { x: x + gap - 2, y: y + gap - 4, width, height },
+    { x: x - gap + 2 - width, y: y - gap - height + 4, width, height },
+    { x: x - gap + 2 - width, y: y + gap - 4, width, height },
   ];
   return places.find(place => !taken.some(box => overlap(place, box))) ?? null;
 }

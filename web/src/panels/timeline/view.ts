@@ -1,7 +1,9 @@
 /** The timeline's geometry: times to pixels, lanes to rows, samples to strips; pure. */
 
 import type { Range } from '../../player/clock';
-import type { Band, Bar, Target, TaskState, Timeline, Track, Trouble } from '../../record/types';
+import type { Band, Bar, TaskState, Timeline, Track, Trouble } from '../../record/types';
+
+export { type Visit, visitsOf } from '../../record/visits';
 
 /** Width of the column of names, in pixels. */
 export const NAMES_PX = 168;
@@ -204,40 +206,6 @@ export function blocksOf(row: readonly Bar[], visible: Range, atNs: number, scal
     }
   }
   return blocks;
-}
-
-export interface Visit {
-  id: string;
-  name: string;
-  fromNs: number;
-  toNs: number;
-  /** How it ended, `observing` while it goes on. */
-  state: string;
-}
-
-/** When targets were observed, and with what result; targets that were skipped are a mark. */
-export function visitsOf(targets: readonly Target[], endNs: number): Visit[] {
-  const visits = targets.flatMap(target =>
-    target.history.flatMap((change, index) => {
-      const next = target.history[index + 1];
-      const { id, name } = target;
-      if (change.state === 'observing') {
-        return {
-          id,
-          name,
-          fromNs: change.t_ns,
-          toNs: next?.t_ns ?? endNs,
-          state: next?.state ?? 'observing',
-        };
-      }
-      const alone = target.history[index - 1]?.state !== 'observing';
-      if (alone && (change.state === 'observed' || change.state === 'skipped')) {
-        return { id, name, fromNs: change.t_ns, toNs: change.t_ns, state: change.state };
-      }
-      return [];
-    }),
-  );
-  return visits.sort((a, b) => a.fromNs - b.fromNs);
 }
 
 export interface Strip {

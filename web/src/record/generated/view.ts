@@ -520,6 +520,70 @@ route: Array<[number, number]>,
 left_out: Array<LeftOutTarget>, };
 
 /**
+ * The plans adopted by an instant.
+ */
+export type Plans = { 
+/**
+ * By number. Only the last two have their routes.
+ */
+plans: Array<PlanInForce>, 
+/**
+ * Earlier plans that are left out, because there are more than [`PLANS_MAX`].
+ */
+left_out: number, };
+
+/**
+ * A stretch of time in which a task held a resource, or a share of it.
+ */
+export type Holding = { 
+/**
+ * The task's number.
+ */
+task: number, 
+/**
+ * The share that it held; none is all of it.
+ */
+amount: string | null, 
+/**
+ * Begin, nanoseconds of mission time.
+ */
+from_ns: number, 
+/**
+ * End, nanoseconds of mission time; that of the answer while it is held.
+ */
+to_ns: number, 
+/**
+ * True while it is held.
+ */
+open: boolean, };
+
+/**
+ * A resource over time.
+ */
+export type ResourceRow = { 
+/**
+ * The resource, as written in PDL.
+ */
+resource: string, 
+/**
+ * Stretches of time in which a task held it, by begin.
+ */
+holdings: Array<Holding>, 
+/**
+ * Earlier stretches in the window that are left out.
+ */
+left_out: number, };
+
+/**
+ * The resources of an agent, and who held them.
+ */
+export type Holdings = { 
+/**
+ * One row for each resource that any task has held by then, in the order of the first holding.
+ */
+resources: Array<ResourceRow>, };
+
+/**
  * Kind of an entry.
  */
 export type TroubleKind = "failed" | "interrupted" | "fault" | "left-out" | "ended";

@@ -9,6 +9,7 @@
 mod announcements;
 pub(crate) mod decisions;
 mod events;
+mod holdings;
 mod index;
 mod mission;
 mod plan;
@@ -25,8 +26,9 @@ mod track;
 mod troubles;
 
 pub use events::{EventRow, Events, EventsQuery};
+pub use holdings::{Holding, Holdings, ResourceRow};
 pub use mission::{Ending, Growth, Mission, RecordStatus};
-pub use plan::{LeftOutTarget, PlanInForce, PlannedVisit};
+pub use plan::{LeftOutTarget, PLANS_MAX, PlanInForce, PlannedVisit, Plans};
 pub use report::{Report, Section};
 pub use signals::{
     Excursion, SIGNALS_MAX, Signal, SignalKind, SignalLimit, SignalQuery, SignalWindow, SignalWindows, Signals,
@@ -44,6 +46,7 @@ pub use troubles::{Trouble, TroubleKind, Troubles};
 use super::reader::RecordReader;
 use crate::error::RecordError;
 use announcements::Announcements;
+use holdings::HoldingIndex;
 use index::TaskIndex;
 use rusqlite::Connection;
 use signals::SampleIndex;
@@ -55,6 +58,8 @@ pub struct RecordView {
     reader: RecordReader,
     /// The states of all tasks over time, brought up to date before each use.
     index: TaskIndex,
+    /// Who held which resource when, brought up to date before each use.
+    holdings: HoldingIndex,
     /// When late targets became known, brought up to date before each use.
     announcements: Announcements,
     /// The samples, shared by all views of one record.
@@ -71,7 +76,13 @@ impl RecordView {
     }
 
     fn of(reader: RecordReader, samples: Arc<Mutex<SampleIndex>>) -> RecordView {
-        RecordView { reader, index: TaskIndex::default(), announcements: Announcements::default(), samples }
+        RecordView {
+            reader,
+            index: TaskIndex::default(),
+            holdings: HoldingIndex::default(),
+            announcements: Announcements::default(),
+            samples,
+        }
     }
 
     /// Another view of the same record with a separate connection, for a question at the same time.

@@ -48,29 +48,71 @@ pub struct LeftOutTarget {
     pub reason: String,
 }
 
+/// The plans adopted by an instant.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct Plans {
+    /// By number. Only the last two have their routes.
+    pub plans: Vec<PlanInForce>,
+    /// Earlier plans that are left out, because there are more than [`PLANS_MAX`].
+    pub left_out: i64,
+}
+
+/// Most plans in one answer.
+pub const PLANS_MAX: i64 = 100;
+
 impl RecordView {
+    /// All plans adopted by mission time `at_ns` (nanoseconds; none means the record's end), the last [`PLANS_MAX`].
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub fn plans(&self, at_ns: Option<i64>) -> Result<Plans, RecordError> {
+        let at_ns = at_ns.unwrap_or(i64::MAX);
+        let sql = "SELECT count(*) FROM effect WHERE kind = 'procedure-added' AND t_ns <= ?1";
+        let count = |connection: &Connection| connection.query_row(sql, [at_ns], |row| row.get::<_, i64>(0));
+        let total = self.query("the plans", count)?;
+        let first = (total - PLANS_MAX).max(0) + 1;
+        let mut plans = Vec::new();
+        for number in first..=total {
+            let adopted = self.query("the plans", |connection| adopted(connection, at_ns, Some(number)))?;
+            plans.extend(adopted.map(|adopted| {
+                let mut plan = in_force(adopted);
+                if number + 1 < total {
+                    plan.route = Vec::new();
+                }
+                plan
+            }));
+        }
+        Ok(Plans { plans, left_out: first - 1 })
+    }
+
     /// The plan in force at mission time `at_ns` (nanoseconds; none means the record's end); none before the first one.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
     pub fn plan(&self, at_ns: Option<i64>) -> Result<Option<PlanInForce>, RecordError> {
         let at_ns = at_ns.unwrap_or(i64::MAX);
-        let adopted = self.query("the plans", |connection| adopted(connection, at_ns))?;
-        let Some((number, adopted_ns, summary, text)) = adopted else { return Ok(None) };
-        let plan = text.and_then(|text| serde_json::from_str::<Plan>(&text).ok());
-        let (visits, route, left_out) = plan.map(shown).unwrap_or_default();
-        Ok(Some(PlanInForce { number, adopted_ns, summary, visits, route, left_out }))
+        let adopted = self.query("the plans", |connection| adopted(connection, at_ns, None))?;
+        Ok(adopted.map(in_force))
     }
+}
+
+fn in_force((number, adopted_ns, summary, text): Adopted) -> PlanInForce {
+    let plan = text.and_then(|text| serde_json::from_str::<Plan>(&text).ok());
+    let (visits, route, left_out) = plan.map(shown).unwrap_or_default();
+    PlanInForce { number, adopted_ns, summary, visits, route, left_out }
 }
 
 type Adopted = (i64, i64, String, Option<String>);
 
-fn adopted(connection: &Connection, at_ns: i64) -> rusqlite::Result<Option<Adopted>> {
-    let sql = "SELECT t_ns, subject, body, (SELECT count(*) FROM effect WHERE kind = 'procedure-added' AND t_ns <= ?1) \
-               FROM effect WHERE kind = 'procedure-added' AND t_ns <= ?1 ORDER BY id DESC LIMIT 1";
+/// The plan with a number from 1, or the last one, of those adopted by `at_ns`.
+fn adopted(connection: &Connection, at_ns: i64, number: Option<i64>) -> rusqlite::Result<Option<Adopted>> {
+    let sql = "WITH added AS (SELECT id, t_ns, subject, body, row_number() OVER (ORDER BY id) AS number FROM effect \
+               WHERE kind = 'procedure-added' AND t_ns <= ?1) \
+               SELECT t_ns, subject, body, number FROM added WHERE ?2 IS NULL OR number = ?2 ORDER BY number DESC LIMIT 1";
     let last = connection
         .prepare_cached(sql)?
-        .query_row([at_ns], |row| {
+        .query_row(rusqlite::params![at_ns, number], |row| {
             let body: Vec<u8> = row.get(2)?;
             Ok((row.get::<_, i64>(0)?, row.get::<_, String>(1)?, body, row.get::<_, i64>(3)?))
         })

@@ -1,0 +1,107 @@
+//! Commands of a person to a run that is under way, each with exactly one end: accepted, rejected, or expired.
+//!
+//! The run settles a command when it takes it, at one instant of mission time, and writes the command with its end into the
+//! record as an input: the event `(operator-command NUMBER WORDS accepted)`, `(.. rejected REASON)` or `(.. expired)`. The
+//! sender may settle it first, as expired; then the run does not execute it.
+
+use apex_model::event::EventKind;
+use apex_model::symbol::Symbol;
+use apex_model::time::Time;
+use apex_model::value::Value;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// The head of the event that records a command.
+const HEAD: &str = "operator-command";
+
+/// What a command asks of the run.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Order {
+    /// An input for one agent, or for all: an answer, a message, news of a target.
+    Input(Option<Symbol>, EventKind),
+    /// Another pace; see [`crate::FlyOptions::pace`].
+    Pace(Option<f64>),
+    /// Continue to the next instant with a visible effect (a decision, a command, a question, output), then pause.
+    Step,
+    /// End the run in good order.
+    Stop,
+    /// Nothing but the entry in the record: a person has noticed something.
+    Note,
+}
+
+/// How a command ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum CommandEnd {
+    /// The run executed it at this instant.
+    Accepted {
+        /// Mission time.
+        at: Time,
+    },
+    /// The run did not execute it.
+    Rejected {
+        /// Why, in one clause.
+        reason: String,
+    },
+    /// The run did not take it in time.
+    Expired,
+}
+
+/// The end of a command, once it has one. Clones share it.
+#[derive(Clone, Debug, Default)]
+pub struct Ticket(Arc<Mutex<Option<CommandEnd>>>);
+
+impl Ticket {
+    /// Sets the end. Returns false, and changes nothing, if the command has one already.
+    pub fn settle(&self, end: CommandEnd) -> bool {
+        let mut slot = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if slot.is_some() {
+            return false;
+        }
+        *slot = Some(end);
+        true
+    }
+
+    /// The end, if there is one.
+    pub fn end(&self) -> Option<CommandEnd> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+}
+
+/// A command on its way to a run.
+#[derive(Debug)]
+pub struct Command {
+    /// Number, from 1, in the order of sending.
+    pub number: u64,
+    /// The command in words, for the record.
+    pub words: String,
+    /// What it asks.
+    pub order: Order,
+    /// Its end.
+    pub ticket: Ticket,
+}
+
+impl Command {
+    /// The event that records the command with its end.
+    pub(crate) fn entry(&self, end: &CommandEnd) -> EventKind {
+        let number = Value::Integer(i64::try_from(self.number).unwrap_or(i64::MAX));
+        let mut parts = vec![Value::symbol(HEAD), number, Value::text(&self.words)];
+        match end {
+            CommandEnd::Accepted { .. } => parts.push(Value::symbol("accepted")),
+            CommandEnd::Rejected { reason } => parts.extend([Value::symbol("rejected"), Value::text(reason)]),
+            CommandEnd::Expired => parts.push(Value::symbol("expired")),
+        }
+        EventKind::Occurrence(Value::list(parts))
+    }
+}
+
+impl PartialEq for Command {
+    fn eq(&self, other: &Command) -> bool {
+        Arc::ptr_eq(&self.ticket.0, &other.ticket.0)
+    }
+}
+
+impl Drop for Command {
+    fn drop(&mut self) {
+        // A run that ends leaves commands behind that it has not taken.
+        self.ticket.settle(CommandEnd::Rejected { reason: "the flight ended before it took the command".into() });
+    }
+}

@@ -1,0 +1,79 @@
+//! Commands of a person, as the run takes them: each is checked, settled, recorded as an input, and executed if accepted.
+
+use super::{Flight, Waited};
+use crate::commands::{Command, CommandEnd, Order};
+use crate::error::RunError;
+use crate::ports::Input;
+use apex_model::event::EventKind;
+use apex_model::time::Time;
+
+/// The pace of a step: as fast as possible, but still with a clock, so that the run waits for people at its end.
+const STEP_PACE: f64 = 1e9;
+
+impl Flight<'_, '_> {
+    /// Settles, records and executes a command while the run waits for `instant`. Some: the wait is over.
+    pub(super) fn obey(&mut self, command: &Command, instant: Time) -> Result<Option<Waited>, RunError> {
+        let at = self.pacer.now(self.now, instant);
+        let end = match self.objection(&command.order) {
+            None => CommandEnd::Accepted { at },
+            Some(reason) => CommandEnd::Rejected { reason },
+        };
+        // The sender may have been first: then the command has expired, or was refused before it came here.
+        let settled = command.ticket.settle(end.clone());
+        let end = if settled { end } else { command.ticket.end().unwrap_or(CommandEnd::Expired) };
+        let author = match &command.order {
+            Order::Input(Some(agent), _) if self.group.check_agent(agent).is_ok() => Some(agent.clone()),
+            _ => self.group.agent(0).map(|agent| agent.name.clone()),
+        };
+        self.group.deliver(Input { at, kind: command.entry(&end), agent: author })?;
+        if !settled || !matches!(end, CommandEnd::Accepted { .. }) {
+            return Ok(None);
+        }
+        match &command.order {
+            Order::Input(agent, kind) => {
+                self.group.deliver(Input { at, kind: kind.clone(), agent: agent.clone() })?;
+            }
+            Order::Pace(pace) => {
+                self.stepping = false;
+                self.pacer.set(*pace, at).map_err(RunError::Options)?;
+            }
+            Order::Step => {
+                self.stepping = true;
+                self.pacer.set(Some(STEP_PACE), at).map_err(RunError::Options)?;
+            }
+            Order::Stop => return Ok(Some(Waited::Stop(at))),
+            Order::Note => {}
+        }
+        Ok(None)
+    }
+
+    /// The step has come to something visible: mission time stands still again.
+    pub(super) fn pause_after_step(&mut self, now: Time) -> Result<(), RunError> {
+        self.stepping = false;
+        self.pacer.set(Some(0.0), now).map_err(RunError::Options)
+    }
+
+    /// Why the run cannot execute an order; none if it can.
+    fn objection(&self, order: &Order) -> Option<String> {
+        match order {
+            Order::Input(agent, kind) => {
+                if let Some(Err(error)) = agent.as_ref().map(|agent| self.group.check_agent(agent)) {
+                    return Some(error.to_string());
+                }
+                let EventKind::OperatorAnswered(question, _) = kind else { return None };
+                let asks = |index: usize| {
+                    self.group.agent(index).is_some_and(|each| {
+                        agent.as_ref().is_none_or(|wanted| *wanted == each.name)
+                            && each.questions.contains_key(question)
+                    })
+                };
+                let open = (0..self.group.len()).any(asks);
+                (!open).then(|| format!("question {} is not open", question.0))
+            }
+            Order::Pace(Some(pace)) if !(0.0..=1e9).contains(pace) => {
+                Some(format!("a pace of {pace} is not between 0 and 1e9 mission seconds per second"))
+            }
+            Order::Pace(_) | Order::Step | Order::Stop | Order::Note => None,
+        }
+    }
+}

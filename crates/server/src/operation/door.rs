@@ -1,0 +1,268 @@
+//! The way to a run under way: numbers commands, sends them, and tells how each ended.
+
+use crate::operation::request::Wish;
+use crate::operation::watch::{FlightWatch, Seen, SeenState};
+use apex_mission::Mission;
+use apex_model::time::Time;
+use apex_model::value::Value;
+use apex_runtime::Control;
+use apex_runtime::commands::{Command, CommandEnd, Order, Ticket};
+use serde::Serialize;
+use std::collections::{BTreeMap, VecDeque};
+use std::fmt;
+use std::sync::mpsc::{self, Receiver, Sender};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Wall time after which a command that the run has not taken expires.
+pub(crate) const EXPIRES_AFTER: Duration = Duration::from_secs(10);
+/// Commands on their way at a time.
+const OPEN_MAX: usize = 16;
+/// Commands whose ends are remembered; all are in the record.
+const REMEMBERED_MAX: usize = 50;
+
+/// Reads one datum of PDL from text; the server knows no syntax.
+pub type ReadDatum = Arc<dyn Fn(&str) -> Result<Value, String> + Send + Sync>;
+
+/// The way to one run under way. Clones lead to the same run.
+#[derive(Clone)]
+pub struct FlightDoor {
+    shared: Arc<Shared>,
+}
+
+struct Shared {
+    controls: Mutex<Sender<Control>>,
+    seen: Seen,
+    sent: Mutex<Sent>,
+    /// Targets of the mission, and whether each is known from the start.
+    targets: BTreeMap<String, bool>,
+    read: ReadDatum,
+}
+
+struct Sent {
+    last_number: u64,
+    entries: VecDeque<Entry>,
+    /// The pace before the first remembered command.
+    pace: Option<f64>,
+    /// The last pace above 0.
+    running: Option<f64>,
+}
+
+struct Entry {
+    number: u64,
+    words: String,
+    order: Order,
+    at: Instant,
+    ticket: Ticket,
+}
+
+/// A command as the API describes it.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct CommandState {
+    number: u64,
+    words: String,
+    state: &'static str,
+    at_ns: Option<i64>,
+    reason: Option<String>,
+    age_s: f64,
+}
+
+/// The run as the API describes it.
+#[derive(Debug, Serialize)]
+pub(crate) struct Operation {
+    now_ns: i64,
+    /// Mission seconds per second of wall time; none is as fast as possible.
+    pace: Option<f64>,
+    paused: bool,
+    #[serde(flatten)]
+    seen: SeenState,
+    targets: Vec<TargetNews>,
+    commands: Vec<CommandState>,
+}
+
+/// What may be said about a target.
+#[derive(Debug, Serialize)]
+pub(crate) struct TargetNews {
+    id: String,
+    /// True while the mission counts it as to be observed.
+    known: bool,
+}
+
+impl FlightDoor {
+    /// A door to a run of `mission` that begins at `pace`, and the other end of it, for the run.
+    pub fn new(mission: &Mission, pace: Option<f64>, read: ReadDatum) -> (FlightDoor, Receiver<Control>) {
+        let (controls, receiver) = mpsc::channel();
+        let targets = mission
+            .targets
+            .iter()
+            .filter(|target| target.is_observable())
+            .map(|target| (target.id.clone(), !target.announced_late))
+            .collect();
+        let running = pace.filter(|pace| *pace > 0.0);
+        let sent = Sent { last_number: 0, entries: VecDeque::new(), pace, running };
+        let (controls, sent) = (Mutex::new(controls), Mutex::new(sent));
+        (FlightDoor { shared: Arc::new(Shared { controls, seen: Seen::default(), sent, targets, read }) }, receiver)
+    }
+
+    /// The pace at which a paused run continues, until another one is chosen.
+    pub fn continues_at(&self, pace: Option<f64>) {
+        self.sent().running = pace;
+    }
+
+    /// An observer that keeps for the door what happens in the run.
+    pub fn watch(&self) -> FlightWatch {
+        FlightWatch::new(self.shared.seen.clone())
+    }
+
+    /// True until the run has ended. A paused run writes nothing for long, and is under way nevertheless.
+    pub(crate) fn is_under_way(&self) -> bool {
+        !self.shared.seen.state().is_over
+    }
+
+    /// Ends the run in good order, as the system asks: not a person's command.
+    pub fn stop(&self) {
+        self.say(Control::Stop);
+    }
+
+    /// Lets a paused run continue, because no person can any longer: not a person's command.
+    pub fn resume(&self) {
+        let running = self.sent().running;
+        self.say(Control::Pace(running));
+    }
+
+    /// Says that the run need not wait for people.
+    pub fn be_quiet(&self) {
+        self.say(Control::Quiet);
+    }
+
+    fn say(&self, control: Control) -> bool {
+        self.shared.controls.lock().unwrap_or_else(PoisonError::into_inner).send(control).is_ok()
+    }
+
+    fn sent(&self) -> MutexGuard<'_, Sent> {
+        // No update of the list can stop half-way.
+        self.shared.sent.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Sends a command. It is settled at once if it can be seen that the run would not execute it.
+    pub(crate) fn send(&self, wish: &Wish) -> u64 {
+        let seen = self.shared.seen.state();
+        let running = self.sent().running;
+        let known = |id: &str| self.is_known(id, &seen);
+        let (order, mut refusal) = match wish.order(&seen, running, &known, &*self.shared.read) {
+            Ok(order) => (order, None),
+            Err(reason) => (Order::Note, Some(reason)),
+        };
+        let mut sent = self.sent();
+        sent.forget_old();
+        if sent.entries.iter().filter(|entry| entry.ticket.end().is_none()).count() >= OPEN_MAX {
+            refusal.get_or_insert_with(|| format!("{OPEN_MAX} commands are on their way already"));
+        }
+        sent.last_number += 1;
+        let (number, words, ticket) = (sent.last_number, wish.words(), Ticket::default());
+        let entry = Entry { number, words: words.clone(), order: order.clone(), at: Instant::now(), ticket };
+        let command = Command { number, words, order, ticket: entry.ticket.clone() };
+        if let Some(reason) = refusal {
+            // The run records what it is not to execute.
+            command.ticket.settle(CommandEnd::Rejected { reason });
+        }
+        sent.entries.push_back(entry);
+        // A command that nobody takes settles itself.
+        self.say(Control::Command(Arc::new(command)));
+        number
+    }
+
+    /// True if the target is to be observed now; an error if the mission has no such target.
+    fn is_known(&self, id: &str, seen: &SeenState) -> Option<bool> {
+        let from_start = self.shared.targets.get(id)?;
+        Some(seen.news.get(id).copied().unwrap_or(*from_start))
+    }
+
+    /// How command `number` stands; one that is too old and open expires now.
+    pub(crate) fn command(&self, number: u64) -> Option<CommandState> {
+        self.sent().entries.iter().find(|entry| entry.number == number).map(Entry::state)
+    }
+
+    /// The run now.
+    pub(crate) fn operation(&self) -> Operation {
+        let seen = self.shared.seen.state();
+        let sent = self.sent();
+        let pace = sent.pace_now();
+        let targets = self
+            .shared
+            .targets
+            .keys()
+            .map(|id| TargetNews { id: id.clone(), known: self.is_known(id, &seen).unwrap_or_default() });
+        Operation {
+            now_ns: seen.now_ns,
+            pace,
+            paused: pace == Some(0.0),
+            targets: targets.collect(),
+            commands: sent.entries.iter().map(Entry::state).collect(),
+            seen,
+        }
+    }
+}
+
+impl Sent {
+    /// The pace after all commands that were accepted. Commands are executed in the order of their numbers.
+    fn pace_now(&self) -> Option<f64> {
+        self.entries.iter().fold(self.pace, Entry::pace_after)
+    }
+
+    fn forget_old(&mut self) {
+        for entry in &self.entries {
+            if let (Order::Pace(Some(pace)), Some(CommandEnd::Accepted { .. })) = (&entry.order, entry.ticket.end())
+                && *pace > 0.0
+            {
+                self.running = Some(*pace);
+            }
+        }
+        while self.entries.len() >= REMEMBERED_MAX
+            && let Some(oldest) = self.entries.pop_front()
+        {
+            self.pace = Entry::pace_after(self.pace, &oldest);
+        }
+    }
+}
+
+impl Entry {
+    fn pace_after(before: Option<f64>, entry: &Entry) -> Option<f64> {
+        match (&entry.order, entry.ticket.end()) {
+            (Order::Pace(pace), Some(CommandEnd::Accepted { .. })) => *pace,
+            (Order::Step, Some(CommandEnd::Accepted { .. })) => Some(0.0),
+            _ => before,
+        }
+    }
+
+    fn state(&self) -> CommandState {
+        if self.at.elapsed() >= EXPIRES_AFTER {
+            // Without effect if the run was first.
+            self.ticket.settle(CommandEnd::Expired);
+        }
+        let (state, at_ns, reason) = match self.ticket.end() {
+            None => ("sent", None, None),
+            Some(CommandEnd::Accepted { at: Time(at) }) => ("accepted", Some(at), None),
+            Some(CommandEnd::Rejected { reason }) => ("rejected", None, Some(reason)),
+            Some(CommandEnd::Expired) => {
+                let reason = format!("the run did not take it within {} s", EXPIRES_AFTER.as_secs());
+                ("expired", None, Some(reason))
+            }
+        };
+        let age_s = self.at.elapsed().as_secs_f64();
+        CommandState { number: self.number, words: self.words.clone(), state, at_ns, reason, age_s }
+    }
+}
+
+impl CommandState {
+    /// True until the command has an end.
+    pub(crate) fn is_open(&self) -> bool {
+        self.state == "sent"
+    }
+}
+
+impl fmt::Debug for FlightDoor {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("FlightDoor").finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,13 @@
+//! Operating a flight under way: run control, answers, messages, news of targets.
+//!
+//! `door` carries commands to the run and knows how each ended; `watch` is an observer of the run that keeps what a person needs
+//! to decide: open questions, planning under way, targets; `request` reads and checks commands; `routes` is the table of
+//! addresses. A command ends in exactly one of accepted, rejected and expired, and the run records it as an input.
+
+mod door;
+mod request;
+pub(crate) mod routes;
+mod watch;
+
+pub use door::{FlightDoor, ReadDatum};
+pub use watch::FlightWatch;

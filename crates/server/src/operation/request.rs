@@ -1,0 +1,189 @@
+//! Bodies of commands, and what they ask of the run.
+
+use crate::operation::watch::SeenState;
+use apex_model::effect::QuestionId;
+use apex_model::event::EventKind;
+use apex_model::symbol::Symbol;
+use apex_model::value::Value;
+use apex_runtime::commands::Order;
+use serde::Deserialize;
+
+/// The fastest pace. Faster is as fast as possible, which has none.
+const PACE_MAX: f64 = 1e6;
+/// The largest value of a target, as in the mission's own files.
+const VALUE_MAX: f64 = 1e9;
+/// Characters of a message.
+const MESSAGE_MAX: usize = 2000;
+
+/// The body of `POST /api/commands`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
+pub(crate) enum Wish {
+    /// Mission time stands still.
+    Pause,
+    /// Mission time continues at the last pace.
+    Resume,
+    /// Mission seconds per second of wall time; none is as fast as possible.
+    Pace {
+        /// The pace.
+        pace: Option<f64>,
+    },
+    /// To the next instant at which something happens, then pause.
+    Step,
+    /// The flight ends.
+    Stop,
+    /// An answer to a question.
+    Answer {
+        /// The agent that asks.
+        agent: String,
+        /// The question's number.
+        question: u64,
+        /// One of its options as printed, or any answer if it has none.
+        answer: String,
+    },
+    /// A message, as a form of PDL.
+    Message {
+        /// The agent that hears it; none is all.
+        agent: Option<String>,
+        /// The form.
+        form: String,
+    },
+    /// A target of the mission is to be observed from now on.
+    AddTarget {
+        /// Its id.
+        target: String,
+    },
+    /// A target needs no observation any longer.
+    RemoveTarget {
+        /// Its id.
+        target: String,
+    },
+    /// A target is worth another value.
+    ValueTarget {
+        /// Its id.
+        target: String,
+        /// The value.
+        value: f64,
+    },
+    /// A person has noticed an alarm.
+    Acknowledge {
+        /// The alarm, in words.
+        alarm: String,
+    },
+}
+
+impl Wish {
+    /// The command in words, as recorded.
+    pub(crate) fn words(&self) -> String {
+        match self {
+            Wish::Pause => "pause".into(),
+            Wish::Resume => "resume".into(),
+            Wish::Pace { pace: Some(pace) } => format!("pace {pace}"),
+            Wish::Pace { pace: None } => "pace as fast as possible".into(),
+            Wish::Step => "step".into(),
+            Wish::Stop => "stop".into(),
+            Wish::Answer { agent, question, answer } => format!("answer {question} of {agent}: {answer}"),
+            Wish::Message { agent: Some(agent), form } => format!("message to {agent}: {form}"),
+            Wish::Message { agent: None, form } => format!("message: {form}"),
+            Wish::AddTarget { target } => format!("add target {target}"),
+            Wish::RemoveTarget { target } => format!("remove target {target}"),
+            Wish::ValueTarget { target, value } => format!("value of target {target}: {value}"),
+            Wish::Acknowledge { alarm } => format!("acknowledge {alarm}"),
+        }
+    }
+
+    /// What the command asks of a run of which `seen` was seen. A run that is paused continues at `running`; `known` says
+    /// whether a target is to be observed now, `None` for one that the mission does not have.
+    ///
+    /// # Errors
+    /// Why the run would not execute it.
+    pub(crate) fn order(
+        &self,
+        seen: &SeenState,
+        running: Option<f64>,
+        known: &dyn Fn(&str) -> Option<bool>,
+        read: &dyn Fn(&str) -> Result<Value, String>,
+    ) -> Result<Order, String> {
+        match self {
+            Wish::Pause => Ok(Order::Pace(Some(0.0))),
+            Wish::Resume => Ok(Order::Pace(running)),
+            Wish::Pace { pace: Some(pace) } if !(*pace > 0.0 && *pace <= PACE_MAX) => {
+                Err(format!("a pace of {pace} is not above 0 and at most {PACE_MAX} mission seconds per second"))
+            }
+            Wish::Pace { pace } => Ok(Order::Pace(*pace)),
+            Wish::Step => Ok(Order::Step),
+            Wish::Stop => Ok(Order::Stop),
+            Wish::Acknowledge { .. } => Ok(Order::Note),
+            Wish::Answer { agent, question, answer } => answer_order(seen, (agent, *question), answer, read),
+            Wish::Message { agent, form } => message_order(agent.as_deref(), form, read),
+            Wish::AddTarget { target } => match known(target) {
+                None => Err(format!("the mission has no target `{target}`")),
+                Some(true) => Err(format!("{target} is to be observed already")),
+                Some(false) => Ok(news("new-target", target, None)),
+            },
+            Wish::RemoveTarget { target } => {
+                to_observe(known, target)?;
+                Ok(news("target-gone", target, None))
+            }
+            Wish::ValueTarget { target, value } => {
+                to_observe(known, target)?;
+                if !(0.0..=VALUE_MAX).contains(value) {
+                    return Err(format!("the value {value} is not from 0 to {VALUE_MAX}"));
+                }
+                Ok(news("new-value", target, Some(*value)))
+            }
+        }
+    }
+}
+
+fn to_observe(known: &dyn Fn(&str) -> Option<bool>, target: &str) -> Result<(), String> {
+    match known(target) {
+        None => Err(format!("the mission has no target `{target}`")),
+        Some(false) => Err(format!("{target} is not to be observed at present")),
+        Some(true) => Ok(()),
+    }
+}
+
+fn news(head: &str, target: &str, value: Option<f64>) -> Order {
+    let parts = [Value::symbol(head), Value::symbol(target)].into_iter().chain(value.map(Value::Real));
+    Order::Input(None, EventKind::Occurrence(Value::list(parts)))
+}
+
+fn answer_order(
+    seen: &SeenState,
+    (agent, question): (&str, u64),
+    answer: &str,
+    read: &dyn Fn(&str) -> Result<Value, String>,
+) -> Result<Order, String> {
+    let of = |agent: &str| Symbol::new(agent);
+    let open = seen.questions.iter().find(|open| open.question == question && of(&open.agent) == of(agent));
+    let open = open.ok_or_else(|| format!("question {question} of {agent} is not open"))?;
+    let value = if open.choices.is_empty() {
+        match read(answer) {
+            // Words are text; figures are figures.
+            Ok(value @ (Value::Integer(_) | Value::Real(_) | Value::Quantity(_) | Value::Duration(_))) => value,
+            _ => Value::text(answer),
+        }
+    } else {
+        let same = |choice: &&Value| choice.to_string().eq_ignore_ascii_case(answer.trim());
+        let printed: Vec<String> = open.choices.iter().map(Value::to_string).collect();
+        let chosen = open.choices.iter().find(same);
+        chosen.cloned().ok_or_else(|| format!("the answer {answer} is none of {}", printed.join(", ")))?
+    };
+    Ok(Order::Input(Some(of(agent)), EventKind::OperatorAnswered(QuestionId(question), value)))
+}
+
+fn message_order(
+    agent: Option<&str>,
+    form: &str,
+    read: &dyn Fn(&str) -> Result<Value, String>,
+) -> Result<Order, String> {
+    if form.chars().count() > MESSAGE_MAX {
+        return Err(format!("the message is longer than {MESSAGE_MAX} characters"));
+    }
+    let value = read(form).map_err(|error| format!("the message cannot be read: {error}"))?;
+    if value.as_list().is_none_or(<[Value]>::is_empty) {
+        return Err(format!("the message is {value}; expected a form, for example (new-value mill 20)"));
+    }
+    Ok(Order::Input(agent.map(Symbol::new), EventKind::Occurrence(value)))
+}

@@ -1,0 +1,154 @@
+//! What a person needs to know of a run under way, kept from its steps: open questions, planning, news of targets.
+
+use apex_executive::state::agent::Agent;
+use apex_model::effect::{Effect, SolveRequest, SolveRequestId};
+use apex_model::event::{Batch, EventKind};
+use apex_model::symbol::Symbol;
+use apex_model::time::Time;
+use apex_model::value::Value;
+use apex_runtime::ports::{Deliberator, Observer, SolverAnswer};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+/// What was seen of a run; shared by its observer and the door.
+#[derive(Clone, Default)]
+pub(crate) struct Seen(Arc<Mutex<Kept>>);
+
+#[derive(Default)]
+struct Kept {
+    state: SeenState,
+    planning: BTreeMap<SolveRequestId, (String, Instant)>,
+}
+
+/// What was seen of a run, as the API describes it.
+#[derive(Clone, Debug, Default, Serialize)]
+pub(crate) struct SeenState {
+    #[serde(skip)]
+    pub(crate) now_ns: i64,
+    /// Open questions, oldest first.
+    pub(crate) questions: Vec<OpenQuestion>,
+    /// The request that planners work on; mission time stands still meanwhile.
+    pub(crate) planning: Option<Planning>,
+    /// The run has ended.
+    #[serde(skip)]
+    pub(crate) is_over: bool,
+    /// Targets that messages have announced (true) or declared gone (false).
+    #[serde(skip)]
+    pub(crate) news: BTreeMap<String, bool>,
+}
+
+/// A question that waits for an answer.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct OpenQuestion {
+    pub(crate) agent: String,
+    pub(crate) question: u64,
+    text: String,
+    /// The choices as printed; none if any answer is taken.
+    options: Vec<String>,
+    /// What is taken at the deadline; none fails the task.
+    default: Option<String>,
+    asked_ns: i64,
+    /// The deadline.
+    by_ns: Option<i64>,
+    #[serde(skip)]
+    pub(crate) choices: Vec<Value>,
+}
+
+/// A planner at work.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Planning {
+    /// The goal that it plans for.
+    goal: String,
+    /// Wall time since the request, in seconds.
+    since_s: f64,
+}
+
+impl Seen {
+    fn kept(&self) -> MutexGuard<'_, Kept> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// What was seen until now.
+    pub(crate) fn state(&self) -> SeenState {
+        let kept = self.kept();
+        let planning = kept.planning.values().next();
+        let planning =
+            planning.map(|(goal, since)| Planning { goal: goal.clone(), since_s: since.elapsed().as_secs_f64() });
+        SeenState { planning, ..kept.state.clone() }
+    }
+}
+
+/// Observes a run for its [`crate::FlightDoor`].
+pub struct FlightWatch {
+    seen: Seen,
+    /// Questions of the step that was just observed; the agent is named when it is inspected.
+    asked: Vec<OpenQuestion>,
+}
+
+impl FlightWatch {
+    pub(crate) fn new(seen: Seen) -> FlightWatch {
+        FlightWatch { seen, asked: Vec::new() }
+    }
+}
+
+impl Drop for FlightWatch {
+    fn drop(&mut self) {
+        self.seen.kept().state.is_over = true;
+    }
+}
+
+impl Observer for FlightWatch {
+    fn observe(&mut self, batch: &Batch, effects: &[Effect]) -> Result<(), String> {
+        let mut kept = self.seen.kept();
+        kept.state.now_ns = batch.now.0;
+        for event in &batch.events {
+            let EventKind::Occurrence(form) = &event.kind else { continue };
+            match form.as_list() {
+                Some([Value::Symbol(head), id, ..]) if head.folded() == "new-target" => {
+                    kept.state.news.insert(id.to_string(), true);
+                }
+                Some([Value::Symbol(head), id, ..]) if head.folded() == "target-gone" => {
+                    kept.state.news.insert(id.to_string(), false);
+                }
+                _ => {}
+            }
+        }
+        for effect in effects {
+            let Effect::Ask { question, text, options, by, default, .. } = effect else { continue };
+            self.asked.push(OpenQuestion {
+                agent: String::new(),
+                question: question.0,
+                text: text.clone(),
+                options: options.iter().map(Value::to_string).collect(),
+                default: default.as_ref().map(Value::to_string),
+                asked_ns: batch.now.0,
+                by_ns: by.map(|by| by.0),
+                choices: options.clone(),
+            });
+        }
+        Ok(())
+    }
+
+    fn inspect(&mut self, agent: &Agent, _: &dyn Deliberator, _: Time) -> Result<(), String> {
+        let name = agent.name.printed();
+        let mut kept = self.seen.kept();
+        for question in self.asked.drain(..) {
+            kept.state.questions.push(OpenQuestion { agent: name.to_string(), ..question });
+        }
+        let open = |question: u64| agent.questions.keys().any(|each| each.0 == question);
+        kept.state.questions.retain(|each| Symbol::new(&each.agent) != agent.name || open(each.question));
+        Ok(())
+    }
+
+    fn posed(&mut self, request: &SolveRequest, _: Time, _: &str) -> Result<(), String> {
+        self.seen.kept().planning.insert(request.request, (request.goal.to_string(), Instant::now()));
+        Ok(())
+    }
+
+    fn answered(&mut self, request: SolveRequestId, _: Time, _: &SolverAnswer) -> Result<(), String> {
+        self.seen.kept().planning.remove(&request);
+        Ok(())
+    }
+}

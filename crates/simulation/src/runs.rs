@@ -1,0 +1,366 @@
+//! Many flights of one mission, each in the world of another seed: what a mission achieves on the whole, and how it is lost.
+
+use crate::world::world;
+use apex_mission::Mission;
+use apex_mission::deliberation::PlanningResources;
+use apex_mission::error::{MissionError, MissionResult};
+use apex_mission::flight::{FlightOutcome, MissionFlight};
+use apex_mission::report::MissionValue;
+use apex_mission::verification::{CheckResult, FlightCheck};
+use apex_model::time::Time;
+use apex_portfolio::parallel;
+use apex_runtime::{Control, EndReason};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc;
+
+/// Flights of one series at most.
+pub const RUNS_MAX: usize = 1_000_000;
+/// Threads at most.
+pub const JOBS_MAX: usize = 1_024;
+
+/// Which flights are flown.
+#[derive(Clone, Debug)]
+pub struct RunTerms {
+    /// Seed of the first flight; the next ones follow it. `None` is the mission's own.
+    pub first_seed: Option<u64>,
+    /// Number of flights, 1 to [`RUNS_MAX`].
+    pub runs: usize,
+    /// Threads, 1 to [`JOBS_MAX`]. The results do not depend on it.
+    pub jobs: usize,
+    /// Mission time at which a flight ends at the latest; `None` is the mission's duration.
+    pub until: Option<Time>,
+}
+
+/// How a flight came out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RunOutcome {
+    /// The initial task succeeded.
+    Completed,
+    /// The flight ended otherwise: its task failed, time ran out, or nothing more could happen.
+    Lost,
+    /// The flight could not be flown to an end: its reason is an error.
+    Error,
+}
+
+impl RunOutcome {
+    /// The word in tables.
+    pub fn word(self) -> &'static str {
+        match self {
+            RunOutcome::Completed => "completed",
+            RunOutcome::Lost => "lost",
+            RunOutcome::Error => "error",
+        }
+    }
+}
+
+/// One flight of a series.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RunRow {
+    /// Seed of its world: `apex fly MISSION --seed SEED` repeats it.
+    pub seed: u64,
+    /// How it came out.
+    pub outcome: RunOutcome,
+    /// Why it ended.
+    pub reason: String,
+    /// Mission time of the end, s.
+    pub end_s: f64,
+    /// Points of the mission score; `None` for surveillance and for flights that cannot be scored.
+    pub score: Option<f64>,
+    /// Points of the looks that were seen, before costs.
+    pub benefits: Option<f64>,
+    /// Expected cost of ignorance, of surveillance; less is better.
+    pub expected_cost: Option<f64>,
+    /// Observations that ended.
+    pub observed: u64,
+    /// Targets that were never observed.
+    pub left_out: u64,
+    /// Segments that were flown again.
+    pub reflies: u64,
+    /// Plans that were adopted.
+    pub plans: u64,
+    /// Positions in the air that were checked, as `apex verify` checks them.
+    pub positions: u64,
+    /// Of them inside active restricted zones.
+    pub inside_zones: u64,
+    /// Outside of the permitted area.
+    pub outside_permitted: u64,
+    /// Lower over ground than the margin.
+    pub near_ground: u64,
+    /// Beyond the landing distance.
+    pub beyond_landing_distance: u64,
+    /// Requirements that the flight said it had to break.
+    pub said_broken: u64,
+}
+
+impl RunRow {
+    fn flown(seed: u64, flight: &FlightOutcome, check: &CheckResult) -> RunRow {
+        let report = &flight.report;
+        let (mut score, mut benefits, mut expected_cost) = (None, None, None);
+        match &report.value {
+            MissionValue::Score(value) if value.trouble.is_empty() => {
+                (score, benefits) = (Some(value.score), Some(value.benefits));
+            }
+            MissionValue::Ignorance(cost, _) => expected_cost = Some(cost.total),
+            MissionValue::Score(_) | MissionValue::None => {}
+        }
+        let reason = flight.end.reason.text();
+        let is_done = matches!(&flight.end.reason, EndReason::Application(reason) if !reason.contains("failed"));
+        RunRow {
+            seed,
+            outcome: if is_done { RunOutcome::Completed } else { RunOutcome::Lost },
+            reason,
+            end_s: flight.end.at.seconds(),
+            score,
+            benefits,
+            expected_cost,
+            observed: report.visits.iter().filter(|visit| visit.end.is_some()).count() as u64,
+            left_out: report.left_out.len() as u64,
+            reflies: report.visits.iter().map(|visit| u64::from(visit.reflies)).sum(),
+            plans: u64::from(report.plans),
+            positions: check.positions,
+            inside_zones: check.inside_zones,
+            outside_permitted: check.outside_permitted,
+            near_ground: check.near_ground,
+            beyond_landing_distance: check.beyond_landing_distance,
+            said_broken: check.said_broken.len() as u64,
+        }
+    }
+
+    fn failed(seed: u64, error: &MissionError) -> RunRow {
+        RunRow {
+            seed,
+            outcome: RunOutcome::Error,
+            reason: error.to_string(),
+            end_s: 0.0,
+            score: None,
+            benefits: None,
+            expected_cost: None,
+            observed: 0,
+            left_out: 0,
+            reflies: 0,
+            plans: 0,
+            positions: 0,
+            inside_zones: 0,
+            outside_permitted: 0,
+            near_ground: 0,
+            beyond_landing_distance: 0,
+            said_broken: 0,
+        }
+    }
+
+    /// Positions at which some requirement was violated.
+    pub fn violations(&self) -> u64 {
+        self.inside_zones + self.outside_permitted + self.near_ground + self.beyond_landing_distance
+    }
+}
+
+/// Flies all flights of a series and returns their rows in the order of their seeds. `done` is called on this thread after
+/// each flight; when it answers false, the flights that are under way are the last ones.
+///
+/// The flights share the memory limit of `means` for planners, which therefore grows with the number of threads.
+///
+/// # Errors
+/// The number of flights or threads is out of range, or the mission cannot be simulated at all. A single flight that breaks
+/// is a row with its reason.
+pub fn fly_runs(
+    mission: &Arc<Mission>,
+    means: &PlanningResources,
+    terms: &RunTerms,
+    mut done: impl FnMut() -> bool,
+) -> MissionResult<Vec<RunRow>> {
+    in_range("runs", terms.runs, RUNS_MAX)?;
+    in_range("jobs", terms.jobs, JOBS_MAX)?;
+    let first = terms.first_seed.unwrap_or(mission.settings.seed);
+    crate::pace_of(mission, None)?;
+    world(mission, Some(first))?;
+    let memory_bytes = means.memory_bytes.saturating_mul(terms.jobs as u64);
+    let means = PlanningResources { memory_bytes, ..means.clone() };
+    let is_stopped = AtomicBool::new(false);
+    let task = |number: usize| {
+        if is_stopped.load(Ordering::Relaxed) {
+            return Ok(None);
+        }
+        let seed = first.wrapping_add(number as u64);
+        let row = fly_one(mission, &means, seed, terms.until).unwrap_or_else(|error| RunRow::failed(seed, &error));
+        Ok(Some(row))
+    };
+    let rows = parallel::each(terms.jobs.min(terms.runs), terms.runs, task, || {
+        if !done() {
+            is_stopped.store(true, Ordering::Relaxed);
+        }
+    });
+    Ok(rows.map_err(MissionError::flight)?.into_iter().flatten().collect())
+}
+
+fn in_range(what: &str, number: usize, most: usize) -> MissionResult<()> {
+    if (1..=most).contains(&number) {
+        return Ok(());
+    }
+    Err(MissionError::setting(format!("{number} {what} cannot be flown"))
+        .help(format!("write a number from 1 to {most}")))
+}
+
+fn fly_one(mission: &Arc<Mission>, means: &PlanningResources, seed: u64, until: Option<Time>) -> MissionResult<RunRow> {
+    let mut vehicle = world(mission, Some(seed))?;
+    let mut check = FlightCheck::new(mission);
+    let (quiet, controls) = mpsc::channel();
+    // A mission in real time is flown as fast as possible: no operator takes part in a series.
+    quiet.send(Control::Quiet).unwrap_or_default();
+    let terms = apex_runtime::FlyOptions { controls: Some(controls), ..MissionFlight::terms(mission, until) };
+    let flight = MissionFlight::new(Arc::clone(mission), means.clone()).fly(&mut vehicle, terms, &mut [&mut check])?;
+    Ok(RunRow::flown(seed, &flight, check.result()))
+}
+
+/// What a series achieved on the whole; printed as text.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RunSummary {
+    /// Flights flown.
+    pub runs: usize,
+    /// Of them completed.
+    pub completed: usize,
+    /// What is summarised: `score` or `expected cost`; empty if neither is known of any flight.
+    pub measure: &'static str,
+    /// Least value, 5 %, 25 %, median, 75 %, 95 % and greatest value of it, by nearest rank.
+    pub quantiles: Vec<f64>,
+    /// Mean of it.
+    pub mean: Option<f64>,
+    /// Violated requirements by kind.
+    pub violations: BTreeMap<&'static str, Violated>,
+    /// Flights that were not completed, by reason.
+    pub lost: BTreeMap<String, NotCompleted>,
+}
+
+/// Where a requirement was violated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Violated {
+    /// In so many flights.
+    pub flights: usize,
+    /// At so many positions of them.
+    pub positions: u64,
+    /// Seed of the first of these flights.
+    pub first_seed: u64,
+}
+
+/// Flights that ended for the same reason.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct NotCompleted {
+    /// Their number.
+    pub flights: usize,
+    /// Seed of the first.
+    pub first_seed: u64,
+}
+
+/// Shares of [`RunSummary::quantiles`].
+const SHARES: [f64; 7] = [0.0, 0.05, 0.25, 0.5, 0.75, 0.95, 1.0];
+
+impl RunSummary {
+    /// The summary of these flights.
+    pub fn of(rows: &[RunRow]) -> RunSummary {
+        let scores: Vec<f64> = rows.iter().filter_map(|row| row.score).collect();
+        let costs: Vec<f64> = rows.iter().filter_map(|row| row.expected_cost).collect();
+        let (measure, mut values) = match (scores.is_empty(), costs.is_empty()) {
+            (false, _) => ("score", scores),
+            (true, false) => ("expected cost", costs),
+            (true, true) => ("", Vec::new()),
+        };
+        values.sort_by(f64::total_cmp);
+        let rank = |share: f64| (share * values.len() as f64).ceil().max(1.0) as usize - 1;
+        let mut violations: BTreeMap<&'static str, Violated> = BTreeMap::new();
+        let mut lost: BTreeMap<String, NotCompleted> = BTreeMap::new();
+        for row in rows {
+            let kinds = [
+                ("inside a restricted zone", row.inside_zones),
+                ("outside the permitted area", row.outside_permitted),
+                ("near the ground", row.near_ground),
+                ("beyond the landing distance", row.beyond_landing_distance),
+            ];
+            for (kind, positions) in kinds.into_iter().filter(|(_, positions)| *positions > 0) {
+                let none = Violated { flights: 0, positions: 0, first_seed: row.seed };
+                let found = violations.entry(kind).or_insert(none);
+                found.flights += 1;
+                found.positions += positions;
+            }
+            if row.outcome != RunOutcome::Completed {
+                let none = NotCompleted { flights: 0, first_seed: row.seed };
+                lost.entry(row.reason.clone()).or_insert(none).flights += 1;
+            }
+        }
+        RunSummary {
+            runs: rows.len(),
+            completed: rows.iter().filter(|row| row.outcome == RunOutcome::Completed).count(),
+            measure,
+            quantiles: SHARES.iter().filter_map(|share| values.get(rank(*share)).copied()).collect(),
+            mean: (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64),
+            violations,
+            lost,
+        }
+    }
+}
+
+impl fmt::Display for RunSummary {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(out, "{} flights, {} completed", self.runs, self.completed)?;
+        if let (Some(mean), [least, five, quarter, median, three, most, greatest]) = (self.mean, &*self.quantiles) {
+            writeln!(
+                out,
+                "{}: least {least:.1}, 5 % {five:.1}, 25 % {quarter:.1}, median {median:.1}, 75 % {three:.1}, \
+                 95 % {most:.1}, greatest {greatest:.1}, mean {mean:.1}",
+                capitalised(self.measure)
+            )?;
+        }
+        for (kind, Violated { flights, positions, first_seed: seed }) in &self.violations {
+            writeln!(out, "Violated: {kind}: {positions} positions in {flights} flights; --seed {seed} is the first")?;
+        }
+        if self.violations.is_empty() {
+            writeln!(out, "Violated: no requirement in any position checked")?;
+        }
+        for (reason, NotCompleted { flights, first_seed: seed }) in &self.lost {
+            writeln!(out, "Not completed: {flights} because {reason}; --seed {seed} is the first")?;
+        }
+        Ok(())
+    }
+}
+
+fn capitalised(word: &str) -> String {
+    let mut letters = word.chars();
+    letters.next().map(|first| first.to_ascii_uppercase()).into_iter().chain(letters).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(seed: u64, score: f64, outcome: RunOutcome) -> RunRow {
+        let error = MissionError::flight("the task failed");
+        RunRow { score: Some(score), outcome, ..RunRow::failed(seed, &error) }
+    }
+
+    #[test]
+    fn quantiles_are_of_nearest_rank() {
+        let rows: Vec<RunRow> = (1..=20).map(|seed| row(seed, seed as f64, RunOutcome::Completed)).collect();
+        let summary = RunSummary::of(&rows);
+        assert_eq!(summary.quantiles, [1.0, 1.0, 5.0, 10.0, 15.0, 19.0, 20.0]);
+        assert_eq!((summary.mean, summary.completed), (Some(10.5), 20));
+        assert_eq!(RunSummary::of(&rows[..1]).quantiles, [1.0; 7]);
+        assert_eq!(RunSummary::of(&[]).quantiles, [] as [f64; 0]);
+    }
+
+    #[test]
+    fn losses_and_violations_name_the_first_seed() {
+        let mut rows =
+            vec![row(7, 1.0, RunOutcome::Completed), row(8, 0.0, RunOutcome::Lost), row(9, 0.0, RunOutcome::Lost)];
+        (rows[1].inside_zones, rows[2].inside_zones) = (3, 4);
+        let text = RunSummary::of(&rows).to_string();
+        assert!(
+            text.contains("Violated: inside a restricted zone: 7 positions in 2 flights; --seed 8 is the first"),
+            "{text}"
+        );
+        assert!(text.contains("Not completed: 2 because") && text.contains("--seed 8 is the first"), "{text}");
+        assert!(RunSummary::of(&rows[..1]).to_string().contains("Violated: no requirement"));
+    }
+}

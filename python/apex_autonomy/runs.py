@@ -1,0 +1,88 @@
+"""Series of flights: what a mission achieves over many seeds, and how it is lost."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from apex_autonomy import _apex
+from apex_autonomy.flight import Mission
+from apex_autonomy.planner import Planner, means
+
+__all__ = ["Runs", "fly_runs"]
+
+
+@dataclass(frozen=True)
+class Runs:
+    """The flights of a series.
+
+    Attributes
+    ----------
+    rows : list of dict
+        One for each flight in the order of the seeds: ``seed``, ``outcome`` (``"completed"``, ``"lost"``, ``"error"``),
+        ``reason``, ``end_s``, ``score`` and ``benefits`` (points) or ``expected_cost`` (of ignorance), ``observed``,
+        ``left_out``, ``reflies``, ``plans``, and positions checked and violating requirements: ``positions``,
+        ``inside_zones``, ``outside_permitted``, ``near_ground``, ``beyond_landing_distance``, ``said_broken``.
+    summary : dict
+        ``runs``, ``completed``, ``measure``, ``quantiles`` (0, 5, 25, 50, 75, 95 and 100 %), ``mean``, ``violations`` by
+        kind and ``lost`` by reason.
+    text : str
+        The summary as text.
+    """
+
+    rows: list[dict[str, Any]]
+    summary: dict[str, Any]
+    text: str
+
+
+def fly_runs(
+    mission: Mission,
+    *,
+    runs: int,
+    jobs: int = 1,
+    seed: int | None = None,
+    until_s: float | None = None,
+    planners: Iterable[Planner] = (),
+    table: str | None = None,
+    solver_timeout_s: float | None = None,
+    solver_memory_mib: int | None = None,
+    on_progress: Callable[[int], object] | None = None,
+) -> Runs:
+    """Fly a mission many times in the built-in simulator, each time in the world of the next seed. No record is written.
+
+    Ctrl-C or an exception of `on_progress` ends the series after the flights under way, and is raised then.
+
+    Parameters
+    ----------
+    mission : Mission
+        The mission.
+    runs : int
+        Number of flights.
+    jobs : int, optional
+        Flights at the same time. The rows do not depend on it.
+    seed : int, optional
+        Seed of the first flight; left out, the mission's.
+    until_s : float, optional
+        Mission time at which a flight ends at the latest.
+    planners, table, solver_timeout_s, solver_memory_mib
+        As of :func:`fly`; the memory is multiplied by `jobs`.
+    on_progress : callable, optional
+        Called with the number of flights flown after each one.
+
+    Raises
+    ------
+    MissionError
+        A number is out of range, or the mission cannot be simulated. A flight that breaks is a row with its reason.
+
+    Examples
+    --------
+    >>> from apex_autonomy import Mission, fly_runs
+    >>> series = fly_runs(Mission.load("../missions/first-picture"), runs=3, seed=7)
+    >>> [(row["seed"], row["outcome"]) for row in series.rows]
+    [(7, 'completed'), (8, 'completed'), (9, 'completed')]
+    """
+    resources = means(planners, table=table, solver_timeout_s=solver_timeout_s, solver_memory_mib=solver_memory_mib)
+    answer = json.loads(_apex.fly_runs_json(mission._native, (seed, runs, jobs), until_s, resources, on_progress))
+    return Runs(rows=answer["runs"], summary=answer["summary"], text=answer["summary_text"])

@@ -1,0 +1,193 @@
+/** Wind, link and the ground seen, as the map shows them; pure. */
+
+import type { Footprints } from '../../record/seen';
+import type { SignalWindow } from '../../record/types';
+import { aircraftAt, type Path, type Position } from './view';
+
+/** A measured wind at a place of the flown track. */
+export interface WindArrow {
+  position: Position;
+  fromDeg: number;
+  speedMps: number;
+  atNs: number;
+}
+
+/** The measured winds along the track, one for each entry of the windows, oldest first. */
+export function windArrows(windows: readonly SignalWindow[], path: Path): WindArrow[] {
+  const of = (attribute: string) => windows.find(window => window.attribute === attribute);
+  const [speed, direction] = [of('wind-speed'), of('wind-direction')];
+  if (!speed || !direction) return [];
+  return speed.t_ns.flatMap((atNs, index) => {
+    // Of a direction the last sample up to then counts: a mean of 359° and 1° would be 180°.
+    const at = direction.t_ns.findLastIndex(time => time <= atNs);
+    const [fromDeg, speedMps] = [direction.low[at], speed.mean[index]];
+    const aircraft = aircraftAt(path, atNs);
+    if (fromDeg === undefined || speedMps === undefined || !aircraft) return [];
+    return [{ position: aircraft.position, fromDeg, speedMps, atNs }];
+  });
+}
+
+/** The stretches of time in which a link was below a limit of the mission. */
+export function weakLinks(
+  windows: readonly SignalWindow[],
+  atNs: number,
+): { fromNs: number; toNs: number }[] {
+  return windows
+    .filter(window => window.attribute === 'signal-level')
+    .flatMap(window => {
+      const limit = Math.max(...window.limits.map(one => one.low ?? Number.NEGATIVE_INFINITY));
+      if (!Number.isFinite(limit)) return [];
+      const weak: { fromNs: number; toNs: number }[] = [];
+      window.t_ns.forEach((fromNs, index) => {
+        if ((window.low[index] ?? limit) >= limit) return;
+        const toNs = window.t_ns[index + 1] ?? atNs;
+        const last = weak.at(-1);
+        if (last && last.toNs === fromNs) last.toNs = toNs;
+        else weak.push({ fromNs, toNs });
+      });
+      return weak;
+    });
+}
+
+/** The part of the flown track in a stretch of time. */
+export function pathBetween(path: Path, fromNs: number, toNs: number): Position[] {
+  return path.positions.filter((_, index) => {
+    const time = path.times[index] as number;
+    return time >= fromNs && time <= toNs;
+  });
+}
+
+/** A patch of ground that was seen: a band of scan lines of one validity, or a picture. */
+export interface SeenPatch {
+  outline: Position[];
+  valid: boolean;
+}
+
+/** The ground seen by an instant, as outlines to fill. */
+export function seenPatches(footprints: Footprints | null, atNs: number): SeenPatch[] {
+  if (!footprints) return [];
+  const patches: SeenPatch[] = [];
+  for (const { lines } of footprints.swaths) {
+    let left: Position[] = [];
+    let right: Position[] = [];
+    let valid = lines[0]?.valid ?? true;
+    const close = () => {
+      if (left.length > 1) patches.push({ outline: [...left, ...right.toReversed()], valid });
+    };
+    for (const line of lines) {
+      if (line.t_ns > atNs) break;
+      if (line.valid !== valid) {
+        close();
+        [left, right, valid] = [[], [], line.valid];
+      }
+      left.push(line.left);
+      right.push(line.right);
+    }
+    close();
+  }
+  for (const picture of footprints.pictures)
+    if (picture.t_ns <= atNs) patches.push({ outline: picture.corners, valid: true });
+  return patches;
+}
+
+/** A circle on the ground, as positions; good to a percent at 400 km. */
+export function circleAround([longitude, latitude]: Position, radiusM: number): Position[] {
+  const earthM = 6_371_000;
+  const angle = radiusM / earthM;
+  const start = (latitude * Math.PI) / 180;
+  return Array.from({ length: 97 }, (_, index) => {
+    const bearing = (index / 96) * 2 * Math.PI;
+    const north = Math.asin(
+      Math.sin(start) * Math.cos(angle) + Math.cos(start) * Math.sin(angle) * Math.cos(bearing),
+    );
+    const east = Math.atan2(
+      Math.sin(bearing) * Math.sin(angle) * Math.cos(start),
+      Math.cos(angle) - Math.sin(start) * Math.sin(north),
+    );
+    return [longitude + (east * 180) / Math.PI, (north * 180) / Math.PI];
+  });
+}
+
+/** `wind from 276° at 25 kt`. */
+export function windText(wind: WindArrow): string {
+  const knots = Math.round((wind.speedMps * 3600) / 1852);
+  return `wind from ${String(Math.round(wind.fromDeg + 360) % 360).padStart(3, '0')}° at ${knots} kt`;
+}
+
+/** A layer of the user's own: it never leaves the browser. */
+export interface UserLayer {
+  name: string;
+  lines: Position[][];
+  points: Position[];
+}
+
+/** Most positions of a user's layer that are drawn. */
+const LAYER_POSITIONS_MAX = 200_000;
+
+/** A GeoJSON file as a layer, or what is wrong with it in one sentence. */
+export function readLayer(name: string, text: string): UserLayer | string {
+  let data: unknown;
+  try {
+    data = JSON.parse(text);
+  } catch (error) {
+    return `${name} is not JSON: ${error instanceof Error ? error.message : error}`;
+  }
+  const layer: UserLayer = { name, lines: [], points: [] };
+  if (!collect(data, layer))
+    return `${name} is not GeoJSON: expected a FeatureCollection, a Feature or a geometry`;
+  const count = layer.points.length + layer.lines.reduce((sum, line) => sum + line.length, 0);
+  if (count === 0) return `${name} has no positions`;
+  if (count > LAYER_POSITIONS_MAX)
+    return `${name} has ${count} positions; the map draws at most ${LAYER_POSITIONS_MAX}`;
+  const all = [...layer.points, ...layer.lines.flat()];
+  const wrong = all.find(([east, north]) => !(Math.abs(east) <= 180 && Math.abs(north) <= 90));
+  if (wrong)
+    return `${name} has the position ${wrong.join(', ')}; expected degrees of longitude and latitude`;
+  return layer;
+}
+
+function collect(data: unknown, layer: UserLayer): boolean {
+  if (typeof data !== 'object' || data === null || !('type' in data)) return false;
+  const object = data as { type: string; features?: unknown[]; geometry?: unknown; geometries?: unknown[] };
+  const { coordinates } = data as { coordinates?: unknown };
+  switch (object.type) {
+    case 'FeatureCollection':
+      return Array.isArray(object.features) && object.features.every(feature => collect(feature, layer));
+    case 'Feature':
+      return object.geometry === null || collect(object.geometry, layer);
+    case 'GeometryCollection':
+      return Array.isArray(object.geometries) && object.geometries.every(part => collect(part, layer));
+    case 'Point':
+      return addPositions([coordinates], layer.points);
+    case 'MultiPoint':
+      return addPositions(coordinates, layer.points);
+    case 'LineString':
+      return addLines([coordinates], layer);
+    case 'MultiLineString':
+    case 'Polygon':
+      return addLines(coordinates, layer);
+    case 'MultiPolygon':
+      return Array.isArray(coordinates) && coordinates.every(polygon => addLines(polygon, layer));
+    default:
+      return false;
+  }
+}
+
+function addLines(lines: unknown, layer: UserLayer): boolean {
+  if (!Array.isArray(lines)) return false;
+  return lines.every(line => {
+    const positions: Position[] = [];
+    layer.lines.push(positions);
+    return addPositions(line, positions);
+  });
+}
+
+function addPositions(list: unknown, to: Position[]): boolean {
+  if (!Array.isArray(list)) return false;
+  return list.every(position => {
+    if (!Array.isArray(position) || typeof position[0] !== 'number' || typeof position[1] !== 'number')
+      return false;
+    to.push([position[0], position[1]]);
+    return true;
+  });
+}

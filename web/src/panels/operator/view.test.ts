@@ -1,0 +1,49 @@
+import { describe, expect, it } from 'vitest';
+import type { Operation } from '../../record/operation';
+import { deadlineText, endText, paceText, runText } from './view';
+
+const RUN: Operation = {
+  now_ns: 0,
+  pace: 60,
+  paused: false,
+  questions: [],
+  planning: null,
+  targets: [],
+  commands: [],
+};
+const SENT = { number: 1, words: 'pause', at_ns: null, reason: null, age_s: 0.42 } as const;
+
+describe('operator bar', () => {
+  it('says how the run stands', () => {
+    expect(runText(RUN)).toBe('running, 60× real time');
+    expect(runText({ ...RUN, pace: 0, paused: true })).toBe('paused');
+    expect(runText({ ...RUN, pace: null })).toBe('running, as fast as possible');
+    expect(runText({ ...RUN, planning: { goal: '(visit all)', since_s: 2.14 } })).toBe(
+      'planning (visit all) for 2.1 s; mission time stands still',
+    );
+    expect(paceText(1)).toBe('real time');
+  });
+
+  it('gives every command one end, with its reason', () => {
+    expect(endText({ ...SENT, state: 'sent' })).toBe('sent 0.4 s');
+    expect(endText({ ...SENT, state: 'accepted' })).toBe('accepted');
+    expect(endText({ ...SENT, state: 'rejected', reason: 'question 3 is not open' })).toBe(
+      'rejected: question 3 is not open',
+    );
+  });
+
+  it('counts down to the default', () => {
+    const question = {
+      agent: 'a',
+      question: 1,
+      text: '',
+      options: [],
+      default: 'fire',
+      asked_ns: 0,
+      by_ns: 90e9,
+    };
+    expect(deadlineText(question, 30e9)).toBe('fire is taken in 1 min 00 s');
+    expect(deadlineText({ ...question, default: null }, 90e9)).toBe('its task fails now');
+    expect(deadlineText({ ...question, by_ns: null }, 0)).toBe('no deadline');
+  });
+});

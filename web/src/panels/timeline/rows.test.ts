@@ -1,0 +1,99 @@
+import { describe, expect, it } from 'vitest';
+import type { Holdings, PlanInForce, Target } from '../../record/types';
+import { targetRows } from '../../record/visits';
+import { resourceRows } from './rows';
+import { NAMES_PX, scaleOf } from './view';
+
+function target(id: string, history: [number, string][]): Target {
+  return {
+    id,
+    name: id.toUpperCase(),
+    value: 10,
+    state: history.at(-1)?.[1] ?? null,
+    history: history.map(([t_ns, state]) => ({ t_ns, state, detail: null })),
+  } as unknown as Target;
+}
+
+function plan(
+  number: number,
+  adopted_ns: number,
+  begins: Record<string, number>,
+  left: string[],
+): PlanInForce {
+  return {
+    number,
+    adopted_ns,
+    summary: '',
+    route: [],
+    visits: Object.entries(begins).map(([id, begin_ns]) => ({ target: id, begin_ns, end_ns: begin_ns + 1 })),
+    left_out: left.map(id => ({ target: id, reason: 'no time' })),
+  };
+}
+
+describe('rows of targets', () => {
+  const known = {
+    targets: [
+      target('b', [[0, 'planned']]),
+      target('a', [
+        [0, 'planned'],
+        [50, 'observing'],
+        [70, 'observed'],
+      ]),
+    ],
+    plans: [plan(1, 0, { a: 40, b: 60 }, []), plan(2, 30, { a: 50 }, ['b']), plan(3, 90, { b: 95 }, [])],
+    troubles: [{ t_ns: 60, kind: 'interrupted' as const, subject: '', cause: '', task: 1, target: null }],
+    facts: {
+      kind: 'fixed-wing' as const,
+      landing_distance_m_max: null,
+      windows: [{ target: 'a', look: 'x', from_ns: 5, to_ns: 80 }],
+    },
+    report: null,
+    atNs: 80,
+  };
+  it('show planned times of every plan so far, visits, and why a plan leaves a target out', () => {
+    const [a, b] = targetRows(known);
+    expect(a?.threads.map(thread => [thread.plan, thread.beginNs, thread.last])).toEqual([
+      [1, 40, false],
+      [2, 50, true],
+    ]);
+    expect(a?.visits).toEqual([{ fromNs: 50, toNs: 70, state: 'observed' }]);
+    expect(a?.reflies).toEqual([60]);
+    expect(a?.windows).toEqual([{ fromNs: 5, toNs: 80 }]);
+    expect(b?.threads.at(-1)).toEqual({ plan: 2, beginNs: null, reason: 'no time', last: true });
+    expect(b?.words).toContain('left out: no time');
+  });
+});
+
+describe('rows of resources', () => {
+  const holdings: Holdings = {
+    resources: [
+      {
+        resource: 'flight-path',
+        left_out: 0,
+        holdings: [
+          { task: 1, amount: null, from_ns: 0, to_ns: 40, open: false },
+          ...Array.from({ length: 5 }, (_, index) => ({
+            task: 2 + index,
+            amount: null,
+            from_ns: 40 + index * 0.01,
+            to_ns: 40.01 + index * 0.01,
+            open: false,
+          })),
+          { task: 9, amount: '2', from_ns: 60, to_ns: 100, open: true },
+        ],
+      },
+    ],
+  };
+  it('merge what is narrower than a pixel and count it', () => {
+    const visible = { fromNs: 0, toNs: 100 };
+    const [row] = resourceRows(holdings, visible, 100, scaleOf(visible, NAMES_PX + 100), () => 'fly');
+    expect(row?.bars.map(bar => [bar.task, bar.count])).toEqual([
+      [1, 1],
+      [2, 5],
+      [9, 1],
+    ]);
+    expect(row?.bars.at(-1)?.words).toBe('2, T9 fly');
+    expect(row?.holder).toBe('T9 fly');
+    expect(resourceRows(holdings, visible, 45, scaleOf(visible, 300), () => '')[0]?.holder).toBe('free');
+  });
+});

@@ -1,0 +1,94 @@
+/**
+ * What surrounds the flight at the cursor: all plans so far, the ground seen, wind and link. Read when the cursor rests; while
+ * it moves on, the panels draw the part of it that was known by then.
+ */
+
+import { LatestOnly } from '../record/latest';
+import { airSignals, type Footprints, type MissionFacts } from '../record/seen';
+import type { HoldingsQuery, RecordSource } from '../record/source';
+import type { Holdings, Plans, SignalWindow } from '../record/types';
+
+/** Entries along the track for links, and for wind. */
+const LINK_PIXELS = 800;
+const WIND_PIXELS = 40;
+
+export class Scenery {
+  plans = $state.raw<Plans>({ plans: [], left_out: 0 });
+  footprints = $state.raw<Footprints | null>(null);
+  wind = $state.raw<SignalWindow[]>([]);
+  links = $state.raw<SignalWindow[]>([]);
+  facts = $state.raw<MissionFacts | null>(null);
+  holdings = $state.raw<Holdings | null>(null);
+  /** What cannot be read, in one sentence; the map says so. */
+  trouble = $state<string | null>(null);
+  private readonly questions: LatestOnly<number, void>;
+  private readonly planQuestions: LatestOnly<number, Plans>;
+  private readonly holdingQuestions: LatestOnly<HoldingsQuery, Holdings>;
+  private asked = false;
+
+  constructor(private readonly source: RecordSource) {
+    const fail = (error: unknown) => {
+      this.trouble = String(error instanceof Error ? error.message : error);
+    };
+    this.questions = new LatestOnly(
+      atNs => this.read(atNs),
+      () => {
+        this.trouble = null;
+      },
+      fail,
+    );
+    this.planQuestions = new LatestOnly(
+      atNs => source.plans(atNs),
+      plans => {
+        this.plans = plans;
+      },
+      fail,
+    );
+    this.holdingQuestions = new LatestOnly(
+      query => source.holdings(query),
+      holdings => {
+        this.holdings = holdings;
+      },
+      fail,
+    );
+  }
+
+  /** Who held which resource, where that is shown. */
+  askHoldings(query: HoldingsQuery): void {
+    this.holdingQuestions.put(query);
+  }
+
+  /** The plans belong to every instant. */
+  askPlans(atNs: number): void {
+    this.planQuestions.put(atNs);
+  }
+
+  /** The rest is asked for when the cursor rests. */
+  ask(atNs: number): void {
+    this.questions.put(atNs);
+  }
+
+  private async read(atNs: number): Promise<void> {
+    if (!this.asked) {
+      this.facts = await this.source.facts();
+      this.asked = true;
+    }
+    const [footprints, { signals }] = await Promise.all([
+      this.source.footprints(atNs),
+      this.source.signals(atNs),
+    ]);
+    this.footprints = footprints;
+    const { wind, links } = airSignals(signals);
+    const windows = async (names: string[], pixels: number) =>
+      names.length === 0
+        ? []
+        : (await this.source.samples({ names, fromNs: 0, toNs: atNs, atNs, pixels })).windows;
+    [this.wind, this.links] = await Promise.all([
+      windows(wind ?? [], WIND_PIXELS),
+      windows(
+        links.filter(link => link.limits.some(limit => limit.low !== null)).map(link => link.name),
+        LINK_PIXELS,
+      ),
+    ]);
+  }
+}

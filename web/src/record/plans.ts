@@ -1,0 +1,70 @@
+/** What a plan changed against the one before; pure. */
+
+import type { PlanInForce } from './types';
+
+/** Begins of a visit that differ by less are the same. */
+const SAME_NS = 60e9;
+
+export interface Change {
+  target: string;
+  /** Planned begin before and after; null: left out or not in the plan. */
+  beforeNs: number | null;
+  afterNs: number | null;
+  /** Place among the visits, from 1. */
+  placeBefore: number | null;
+  placeAfter: number | null;
+  /** Why it is left out, if it is. */
+  reason: string;
+}
+
+/** The targets for which a plan differs from the one before, in the order of the new plan; without one before, all. */
+export function changesOf(plan: PlanInForce, before: PlanInForce | null): Change[] {
+  const ids = [...plan.visits, ...plan.left_out, ...(before?.visits ?? []), ...(before?.left_out ?? [])].map(
+    one => one.target,
+  );
+  return [...new Set(ids)].flatMap(target => {
+    const [old, now] = [place(before, target), place(plan, target)];
+    // A visit that is over when the plan is made is no change.
+    if (
+      before &&
+      now.beginNs === null &&
+      old.beginNs !== null &&
+      old.beginNs < plan.adopted_ns &&
+      !now.reason
+    )
+      return [];
+    const moved =
+      old.beginNs === null || now.beginNs === null
+        ? old.beginNs !== now.beginNs || (now.reason !== '' && old.reason === '')
+        : Math.abs(old.beginNs - now.beginNs) >= SAME_NS;
+    if (before && !moved) return [];
+    return [
+      {
+        target,
+        beforeNs: old.beginNs,
+        afterNs: now.beginNs,
+        placeBefore: old.place,
+        placeAfter: now.place,
+        reason: now.reason,
+      },
+    ];
+  });
+}
+
+function place(
+  plan: PlanInForce | null,
+  target: string,
+): { beginNs: number | null; place: number | null; reason: string } {
+  const at = plan?.visits.findIndex(visit => visit.target === target) ?? -1;
+  const reason = plan?.left_out.find(one => one.target === target)?.reason ?? '';
+  return { beginNs: plan?.visits[at]?.begin_ns ?? null, place: at < 0 ? null : at + 1, reason };
+}
+
+/** `added`, `left out`, `12 min later`, `3 min earlier`, `dropped`. */
+export function changeWords(change: Change): string {
+  const { beforeNs, afterNs, reason } = change;
+  if (afterNs === null) return reason ? 'left out' : 'dropped';
+  if (beforeNs === null) return 'added';
+  const minutes = Math.round(Math.abs(afterNs - beforeNs) / 60e9);
+  return `${minutes} min ${afterNs > beforeNs ? 'later' : 'earlier'}`;
+}

@@ -1,0 +1,147 @@
+/** Targets over time: visits, planned times in every plan, windows, factors; pure. */
+
+import { missionTime } from '../time/format';
+import type { MissionFacts } from './seen';
+import type { PlanInForce, Report, Target, Trouble } from './types';
+
+export interface Visit {
+  id: string;
+  name: string;
+  fromNs: number;
+  toNs: number;
+  /** How it ended, `observing` while it goes on. */
+  state: string;
+}
+
+/** When targets were observed, and with what result; targets that were skipped are a mark. */
+export function visitsOf(targets: readonly Target[], endNs: number): Visit[] {
+  const visits = targets.flatMap(target =>
+    target.history.flatMap((change, index) => {
+      const next = target.history[index + 1];
+      const { id, name } = target;
+      if (change.state === 'observing') {
+        return {
+          id,
+          name,
+          fromNs: change.t_ns,
+          toNs: next?.t_ns ?? endNs,
+          state: next?.state ?? 'observing',
+        };
+      }
+      const alone = target.history[index - 1]?.state !== 'observing';
+      if (alone && (change.state === 'observed' || change.state === 'skipped')) {
+        return { id, name, fromNs: change.t_ns, toNs: change.t_ns, state: change.state };
+      }
+      return [];
+    }),
+  );
+  return visits.sort((a, b) => a.fromNs - b.fromNs);
+}
+
+/** The factors of a visit, in the order in which they are multiplied. */
+export const FACTORS = ['coverage', 'resolution', 'clarity', 'timing'] as const;
+
+/** A target's planned time in one plan; null if the plan leaves it out. */
+export interface Thread {
+  plan: number;
+  beginNs: number | null;
+  /** Why the plan leaves it out. */
+  reason: string;
+  /** It is the plan in force. */
+  last: boolean;
+}
+
+export interface TargetRow {
+  id: string;
+  name: string;
+  state: string;
+  value: number | null;
+  windows: { fromNs: number; toNs: number }[];
+  threads: Thread[];
+  visits: { fromNs: number; toNs: number; state: string }[];
+  /** When a task of its observation was interrupted: it is flown again. */
+  reflies: number[];
+  /** As flown; none before the report. */
+  factors: { name: string; value: number; cause: string }[];
+  /** The row in words. */
+  words: string;
+}
+
+interface Known {
+  targets: readonly Target[];
+  plans: readonly PlanInForce[];
+  troubles: readonly Trouble[];
+  facts: MissionFacts | null;
+  report: Report | null;
+  atNs: number;
+}
+
+/** The targets known at the instant, in the order of their planned time, then by name. */
+export function targetRows({ targets, plans, troubles, facts, report, atNs }: Known): TargetRow[] {
+  const visits = visitsOf(targets, atNs);
+  const known = plans.filter(plan => plan.adopted_ns <= atNs);
+  const last = known.at(-1)?.number;
+  const rows = targets.map(target => {
+    const own = visits.filter(visit => visit.id === target.id && visit.toNs > visit.fromNs);
+    const threads = known.flatMap(plan => threadOf(plan, target.id, plan.number === last));
+    const row = {
+      id: target.id,
+      name: target.name,
+      state: target.state ?? 'known',
+      value: target.value,
+      windows: (facts?.windows ?? [])
+        .filter(window => window.target === target.id)
+        .map(window => ({ fromNs: window.from_ns, toNs: window.to_ns })),
+      threads,
+      visits: own.map(({ fromNs, toNs, state }) => ({ fromNs, toNs, state })),
+      reflies: troubles
+        .filter(
+          trouble =>
+            trouble.kind === 'interrupted' &&
+            trouble.t_ns <= atNs &&
+            own.some(visit => trouble.t_ns >= visit.fromNs && trouble.t_ns <= visit.toNs),
+        )
+        .map(trouble => trouble.t_ns),
+      factors: factorsOf(report, target.id),
+    };
+    return { ...row, words: wordsOf(row) };
+  });
+  const order = (row: TargetRow) =>
+    row.visits[0]?.fromNs ?? row.threads.findLast(thread => thread.beginNs !== null)?.beginNs ?? Infinity;
+  return rows.sort((a, b) => order(a) - order(b) || a.name.localeCompare(b.name));
+}
+
+function threadOf(plan: PlanInForce, target: string, last: boolean): Thread[] {
+  const visit = plan.visits.find(one => one.target === target);
+  if (visit) return [{ plan: plan.number, beginNs: visit.begin_ns, reason: '', last }];
+  const left = plan.left_out.find(one => one.target === target);
+  return left ? [{ plan: plan.number, beginNs: null, reason: left.reason, last }] : [];
+}
+
+function factorsOf(report: Report | null, target: string): TargetRow['factors'] {
+  const score = report?.sections.find(({ section }) => section === 'score')?.body as
+    | { targets?: Record<string, unknown>[] }
+    | undefined;
+  const found = score?.targets?.find(one => one.target === target);
+  if (!found) return [];
+  return FACTORS.flatMap(name => {
+    const member = found[name];
+    const value =
+      typeof member === 'object' && member !== null ? (member as { factor: unknown }).factor : member;
+    return typeof value === 'number' ? [{ name, value, cause: '' }] : [];
+  });
+}
+
+/** `Castle Rock, observing, planned 8:55, interrupted twice, worth up to 90`. */
+function wordsOf(row: Omit<TargetRow, 'words'>): string {
+  const parts = [row.name, row.state];
+  const thread = row.threads.at(-1);
+  if (thread?.beginNs != null) parts.push(`planned ${missionTime(thread.beginNs)}`);
+  else if (thread) parts.push(`left out: ${thread.reason}`);
+  const [first] = row.visits;
+  if (first) parts.push(`visited ${missionTime(first.fromNs)} to ${missionTime(first.toNs)}`);
+  if (row.reflies.length > 0) parts.push(`interrupted ${row.reflies.length}×`);
+  if (row.value !== null) parts.push(`worth up to ${row.value}`);
+  for (const factor of row.factors) parts.push(`${factor.name} ${factor.value.toFixed(2)}`);
+  return parts.join(', ');
+}

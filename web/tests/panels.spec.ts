@@ -1,0 +1,210 @@
+/** Rows of the timeline, layers of the map, plans, exports and the printable report, against the record. */
+
+import { execFileSync } from 'node:child_process';
+import { readFileSync } from 'node:fs';
+import { expect, type Page, test } from '@playwright/test';
+import type { Footprints } from '../src/record/seen';
+import type { Holdings, Mission, PlanInForce, Plans, Targets } from '../src/record/types';
+import { COLOURS } from '../src/theme/colours';
+import { expectNoFaults } from './axe';
+import { countColours } from './pixels';
+import { apexProgram, type Server, startServer } from './server';
+
+let server: Server;
+let mission: Mission;
+
+test.beforeAll(async () => {
+  server = await startServer();
+  mission = await ask('mission');
+});
+test.afterAll(() => server?.stop());
+
+async function ask<T>(what: string): Promise<T> {
+  const response = await fetch(`${server.url}/api/${what}`);
+  expect(response.ok, `${what}: ${response.status}`).toBe(true);
+  return response.json() as Promise<T>;
+}
+
+async function open(page: Page, address: string): Promise<void> {
+  await page.goto(`${server.url}/${address}`);
+  await expect(page.locator('[data-task]').first()).toBeVisible();
+}
+
+/** Saves by a button and returns the file's bytes. */
+async function saved(page: Page, button: string): Promise<Buffer> {
+  const [download] = await Promise.all([page.waitForEvent('download'), page.getByTestId(button).click()]);
+  return readFileSync(await download.path());
+}
+
+const western = () => test.skip(mission.mission !== 'Western States Fire Mission', 'needs western-states');
+
+test('every target has a row with the times of all plans, and none before it is known', async ({ page }) => {
+  western();
+  const at = 46_000;
+  await open(page, `?t=${at}&rows=targets`);
+  const { targets } = await ask<Targets>(`targets?at=${at}000000000`);
+  await expect(page.locator('[data-target]')).toHaveCount(targets.length);
+  const { plans } = await ask<Plans>(`plans?at=${at}000000000`);
+  const planned = plans.at(-1)?.visits.at(-1);
+  if (!planned) throw new Error('the plan has no visits');
+  const row = page.locator(`[data-target="${planned.target}"]`);
+  const circle = row.locator('circle.planned');
+  await expect(circle).toHaveCount(1);
+  // The same x for the same time as everywhere in the column (P4).
+  const box = await page.getByTestId('timeline').boundingBox();
+  const x = (await circle.boundingBox()) ?? { x: 0, width: 0 };
+  const room = (box?.width ?? 0) - 168;
+  const expected = (box?.x ?? 0) + 168 + (planned.begin_ns / mission.end_ns) * room;
+  expect(Math.abs(x.x + x.width / 2 - expected)).toBeLessThan(1.5);
+  // What the executive itself says about the plans.
+  const trace = execFileSync(
+    apexProgram(),
+    ['trace', process.env.APEX_RECORD ?? '', '--json', '--type', 'plan'],
+    { maxBuffer: 1 << 28 },
+  );
+  const adopted = trace
+    .toString()
+    .trim()
+    .split('\n')
+    .map(line => JSON.parse(line))
+    .filter(event => event.t <= at);
+  expect(plans.length).toBe(adopted.length);
+  await expectNoFaults(page, 'rows of targets');
+  await open(page, '?t=0&rows=targets');
+  await expect(page.locator('[data-target]')).toHaveCount(22);
+  await expect(page.getByTestId('target-rows').locator('circle.planned')).toHaveCount(0);
+});
+
+test('rows of resources name the holder of the instant', async ({ page }) => {
+  western();
+  await open(page, '?t=40000&rows=resources');
+  const { resources } = await ask<Holdings>('holdings?at=40000000000000');
+  const rows = page.getByTestId('resource-rows');
+  await expect(rows.getByRole('row')).toHaveCount(resources.length);
+  const path = resources.find(row => row.resource === 'flight-path');
+  // A child holds the share of its parent: the last one is at work.
+  const holder = path?.holdings.findLast(one => one.open);
+  await expect(rows.getByRole('row').first()).toContainText('flight-path');
+  if (holder)
+    await expect(rows.locator('[role="gridcell"]').nth(1)).toHaveAttribute(
+      'aria-label',
+      new RegExp(`T${holder.task} `),
+    );
+  await expectNoFaults(page, 'rows of resources');
+  await rows.locator('.bar').last().click();
+  await expect(page).toHaveURL(/sel=task:\d+/);
+});
+
+test('the map shows ground seen, wind, reach and the replaced plan, and only what was known', async ({
+  page,
+}) => {
+  western();
+  const seen = async (at: number) => (await ask<Footprints>(`footprints?at=${at}000000000`)).swaths.length;
+  expect(await seen(1)).toBe(0);
+  expect(await seen(20_000)).toBeGreaterThan(0);
+  const at = 46_000;
+  const colours = [COLOURS.seen, COLOURS.ghost];
+  await open(page, '?t=1');
+  const map = page.getByTestId('map');
+  await expect(page.getByTestId('wind')).toContainText(/wind from \d{3}° at \d+ kt, measured/);
+  const early = await countColours(page, map, colours);
+  const before = early[COLOURS.seen] ?? 0;
+  expect(before).toBeLessThan(20);
+  await open(page, `?t=${at}`);
+  await expect
+    .poll(async () => (await countColours(page, map, colours))[COLOURS.seen] ?? 0)
+    .toBeGreaterThan(before + 20);
+  const { plans } = await ask<Plans>(`plans?at=${at}000000000`);
+  expect(plans.slice(0, -2).every((plan: PlanInForce) => plan.route.length === 0)).toBe(true);
+  expect(plans.at(-2)?.route.length).toBeGreaterThan(10);
+  await expect
+    .poll(async () => (await countColours(page, map, colours))[COLOURS.ghost] ?? 0)
+    .toBeGreaterThan(20);
+  await expectNoFaults(page, 'map with all layers');
+});
+
+test('a layer of the user is drawn, never sent, and a wrong file is explained', async ({ page }) => {
+  await open(page, '?t=100');
+  const sent: string[] = [];
+  page.on('request', request => {
+    if (request.method() !== 'GET') sent.push(request.url());
+  });
+  const map = page.getByTestId('map');
+  const file = (name: string, text: string) => ({
+    name,
+    mimeType: 'application/json',
+    buffer: Buffer.from(text),
+  });
+  const line = {
+    type: 'LineString',
+    coordinates: [
+      [-122, 36],
+      [-112, 47],
+    ],
+  };
+  await page.getByTestId('layer-file').setInputFiles(file('roads.geojson', JSON.stringify(line)));
+  await expect(page.getByTestId('user-layer')).toContainText('roads.geojson');
+  if (mission.mission === 'Western States Fire Mission')
+    await expect
+      .poll(async () => (await countColours(page, map, [COLOURS.user]))[COLOURS.user] ?? 0)
+      .toBeGreaterThan(40);
+  await page.getByTestId('layer-file').setInputFiles(file('bad.json', '{"type": "Topology"}'));
+  await expect(page.getByTestId('layer-trouble')).toContainText('bad.json is not GeoJSON');
+  await expectNoFaults(page, 'a layer and a wrong file');
+  expect(sent).toEqual([]);
+  await page.getByTestId('user-layer').click();
+  await expect(page.getByTestId('user-layer')).toHaveCount(0);
+});
+
+test('plans are compared, and panels are exported', async ({ page }) => {
+  western();
+  await open(page, '?t=70000&tab=plans');
+  const { plans } = await ask<Plans>('plans?at=70000000000000');
+  const shown = page.getByTestId('plans').locator('section');
+  await expect(shown).toHaveCount(plans.length);
+  const last = plans.at(-1);
+  await expect(shown.first()).toContainText(last?.summary ?? '?');
+  for (const left of last?.left_out ?? []) await expect(page.getByTestId('plans')).toContainText(left.reason);
+  await expectNoFaults(page, 'comparison of plans');
+
+  const png = (bytes: Buffer) => expect(bytes.subarray(1, 4).toString()).toBe('PNG');
+  png(await saved(page, 'export-map'));
+  png(await saved(page, 'export-timeline'));
+  await page.getByTestId('tab-signals').click();
+  await expect(page.getByTestId('signals').locator('canvas').first()).toBeVisible();
+  png(await saved(page, 'export-plots'));
+  await page.getByTestId('tab-log').click();
+  await page.getByLabel('Find in the log').fill('zaca');
+  await expect(page.getByTestId('log')).toContainText('zaca');
+  const csv = (await saved(page, 'export-trace')).toString();
+  expect(csv.split('\r\n')[0]).toBe('t_s,kind,task,before,after,outcome,subject,text,place');
+  const times = csv
+    .split('\r\n')
+    .slice(1, -1)
+    .map(line => Number(line.split(',')[0]));
+  expect(times.length).toBeGreaterThan(5);
+  expect(Math.max(...times)).toBeLessThanOrEqual(70_000);
+});
+
+test('the report is one page for paper with a small picture of every visit', async ({ page }) => {
+  western();
+  await page.goto(`${server.url}/?print=1`);
+  const paper = page.getByTestId('paper');
+  await expect(paper).toBeVisible({ timeout: 60_000 });
+  const { targets } = await ask<Targets>(`targets?at=${mission.end_ns}`);
+  const observed = targets.filter(target => target.history.some(change => change.state === 'observing'));
+  expect(await paper.locator('figure').count()).toBeGreaterThanOrEqual(observed.length);
+  await expect(paper).toContainText(`score ${mission.score?.toFixed(1)}`);
+  for (const target of targets) await expect(paper).toContainText(target.name);
+  await expectNoFaults(page, 'report');
+  await page.emulateMedia({ media: 'print' });
+  await expect(paper.getByRole('button', { name: 'Print' })).toBeHidden();
+  const pdf = await page.pdf({ format: 'A4' });
+  expect(pdf.subarray(0, 4).toString()).toBe('%PDF');
+  // Before the end, the report knows no score and no later visit.
+  await page.emulateMedia({ media: 'screen' });
+  await page.goto(`${server.url}/?print=1&t=1`);
+  await expect(page.getByTestId('paper')).toContainText('under way at this instant');
+  await expect(page.locator('figure')).toHaveCount(0);
+  await expect(page.getByTestId('paper')).not.toContainText('score');
+});
