@@ -16,13 +16,13 @@ const HEAD: &str = "operator-command";
 /// What a command asks of the run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Order {
-    /// An input for one agent, or for all: an answer, a message, news of a target.
+    /// An input for one agent, or for all: an answer, a message, an update of a target.
     Input(Option<Symbol>, EventKind),
     /// Another pace; see [`crate::FlyOptions::pace`].
     Pace(Option<f64>),
     /// Continue to the next instant with a visible effect (a decision, a command, a question, output), then pause.
     Step,
-    /// End the run in good order.
+    /// End the run cleanly.
     Stop,
     /// Nothing but the entry in the record: a person has noticed something.
     Note,
@@ -71,7 +71,7 @@ impl Ticket {
 pub struct Command {
     /// Number, from 1, in the order of sending.
     pub number: u64,
-    /// The command in words, for the record.
+    /// The command as text, for the record.
     pub words: String,
     /// What it asks.
     pub order: Order,

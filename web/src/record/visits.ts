@@ -63,7 +63,7 @@ export interface TargetRow {
   reflies: number[];
   /** As flown; none before the report. */
   factors: { name: string; value: number; cause: string }[];
-  /** The row in words. */
+  /** The row as text. */
   words: string;
 }
 

@@ -119,7 +119,7 @@ impl FlightDoor {
         !self.shared.seen.state().is_over
     }
 
-    /// Ends the run in good order, as the system asks: not a person's command.
+    /// Ends the run cleanly, on a signal of the system instead of a command.
     pub fn stop(&self) {
         self.say(Control::Stop);
     }

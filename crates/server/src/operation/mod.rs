@@ -1,4 +1,4 @@
-//! Operating a flight under way: run control, answers, messages, news of targets.
+//! Operating a flight under way: run control, answers, messages, updates of targets.
 //!
 //! `door` carries commands to the run and knows how each ended; `watch` is an observer of the run that keeps what a person needs
 //! to decide: open questions, planning under way, targets; `request` reads and checks commands; `routes` is the table of

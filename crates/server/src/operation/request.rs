@@ -67,13 +67,13 @@ pub(crate) enum Wish {
     },
     /// A person has noticed an alarm.
     Acknowledge {
-        /// The alarm, in words.
+        /// The alarm as text.
         alarm: String,
     },
 }
 
 impl Wish {
-    /// The command in words, as recorded.
+    /// The command as text, as recorded.
     pub(crate) fn words(&self) -> String {
         match self {
             Wish::Pause => "pause".into(),

@@ -1,4 +1,4 @@
-//! What a person needs to know of a run under way, kept from its steps: open questions, planning, news of targets.
+//! State of a run under way for its operator, kept from its steps: open questions, planning, updates of targets.
 
 use apex_executive::state::agent::Agent;
 use apex_model::effect::{Effect, SolveRequest, SolveRequestId};
