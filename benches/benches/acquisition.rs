@@ -18,7 +18,7 @@ fn goals() -> Vec<Value> {
         let (north, east) = ((index / 8) as f64, (index % 8) as f64);
         Value::list([37.41 + 0.001 * north, -121.12 + 0.001 * east, 9.0].map(Value::Real))
     };
-    let target = |index: usize| if index % 2 == 0 { Value::symbol("plume") } else { place(index) };
+    let target = |index: usize| if index.is_multiple_of(2) { Value::symbol("plume") } else { place(index) };
     let goal = |index: usize| {
         let resolution = Value::measured(0.1, Dimension::LENGTH);
         Value::list([Value::symbol("acquire"), target(index), Value::symbol(":resolution"), resolution])

@@ -77,7 +77,7 @@ fn acknowledged(command: apex_model::effect::CommandId) -> EventKind {
     EventKind::CommandAcknowledged(command, Ok(Value::nil()))
 }
 
-/// An alarm interrupts the holder; the alarm's task is done and the holder goes on: both steps together.
+/// An alarm interrupts the holder; the alarm's task is done and the holder continues: both steps together.
 fn interrupt_and_resume(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("hand-off");
     group.sample_size(20).warm_up_time(WARM_UP).measurement_time(MEASUREMENT);

@@ -61,7 +61,7 @@ fn event_to_command(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Samples that touch nobody: of a variable that nobody watches, and on the wrong side of every bound.
+/// Samples without effect: of a variable that no condition watches, and on the wrong side of every bound.
 fn event_to_nothing(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("event to nothing");
     group.sample_size(20).warm_up_time(WARM_UP).measurement_time(MEASUREMENT);
@@ -132,7 +132,7 @@ fn task_life(criterion: &mut Criterion) {
             assert!(effects.iter().filter(created).count() >= count, "not all tasks were made");
             assert!(matches!(effects.last(), Some(Effect::EndApplication { .. })), "the plan did not come to its end");
             group.bench_function(BenchmarkId::new(shape, count), |bencher| {
-                // What was decided is dropped outside of the measurement: whoever takes it decides the outcome of it.
+                // Effects are dropped outside of the measurement: the code that takes them decides their cost.
                 bencher.iter_batched(|| Driven::ready(&library), |driven| driven.begin(), BatchSize::PerIteration);
             });
         }

@@ -53,8 +53,8 @@ fn call(number: usize) -> Control {
     Control::Input(EventKind::Occurrence(Value::list([Value::symbol("call"), Value::Integer(number as i64)])))
 }
 
-/// Sends events one after the other, `pause` apart; answers with the times to the commands' sending and to their arrival
-/// on this thread.
+/// Sends events in sequence, `pause` apart; answers with the times to the commands' sending and to their arrival on
+/// this thread.
 fn journeys(say: &SyncSender<Control>, commands: &Receiver<Instant>, count: usize, pause: Duration) -> Vec<Duration> {
     let mut times = Vec::with_capacity(count);
     for number in 0..count {

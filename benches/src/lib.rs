@@ -19,12 +19,12 @@ use apex_pdl::{CheckOptions, Checked, SourceText};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// How long a row runs before it is measured, and about how long it is measured: all rows take minutes so.
+/// Time for which a row runs before it is measured, and about that for which it is measured: all rows take minutes.
 pub const WARM_UP: Duration = Duration::from_millis(500);
 /// See [`WARM_UP`].
 pub const MEASUREMENT: Duration = Duration::from_secs(2);
 
-/// Each of many tasks waits for a variable of its own, commands, and waits again.
+/// Each of many tasks waits for a separate variable, commands, and waits again.
 pub const WATCHERS: &str = "
 (procedure (index (do-domain))
   (step all (watch ?n) (forall ?n in (range COUNT))))
@@ -128,7 +128,7 @@ impl Driven {
     }
 }
 
-/// Has a task moved from the one state to the other?
+/// Returns true if a task has moved from the one state to the other.
 pub fn moved(effects: &[Effect], from: TaskState, to: TaskState) -> bool {
     effects.iter().any(|effect| match effect {
         Effect::Decided(decision) => {

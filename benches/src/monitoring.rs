@@ -20,7 +20,7 @@ pub const PERIOD_NS: i64 = 20_000_000;
 /// The conditions that `texts` are, and the library that `declarations` make.
 ///
 /// # Panics
-/// When a text is no condition.
+/// If a text is not a condition.
 pub fn conditions(declarations: &str, texts: &[String]) -> (Arc<Library>, Vec<Condition>) {
     let source = |name: &str, text: &str| SourceText { name: name.to_string(), text: text.to_string() };
     let mut resolve = |_| Err("nothing is required".to_string());
@@ -34,7 +34,7 @@ pub fn conditions(declarations: &str, texts: &[String]) -> (Arc<Library>, Vec<Co
 /// A session that watches all of `texts` from the beginning.
 ///
 /// # Panics
-/// When a text is no condition that can be watched.
+/// If a text is not a condition that can be watched.
 pub fn session(texts: &[String]) -> MonitorSession {
     let (library, conditions) = conditions("", texts);
     let mut session = MonitorSession::new(library, HostFunctions::default()).unwrap();

@@ -12,13 +12,13 @@ fn written(kind: &str, steps: usize, step: impl Fn(usize) -> String, primitive: 
     text
 }
 
-/// Steps that each wait for a sample of a variable of their own, and command.
+/// Steps that each wait for a sample of a separate variable, and command.
 pub fn waiting(steps: usize) -> String {
     let step = |number| format!("(step s{number} (work on {number}) (waitfor (level {number} > 10)))");
     written("", steps, step, "(on-start (command (act ?n)))")
 }
 
-/// Steps that each wait for one variable to exceed a bound of their own, from 1,000 on, and command.
+/// Steps that each wait for one variable to exceed a separate bound, from 1,000 on, and command.
 pub fn bounds(steps: usize) -> String {
     let step = |number| format!("(step s{number} (work on {number}) (waitfor (level 0 > {})))", 1_000 + number);
     written("", steps, step, "(on-start (command (act ?n)))")
@@ -75,7 +75,7 @@ pub fn chain(steps: usize) -> String {
     text
 }
 
-/// Procedures of four steps with everything that a checker has to look at, `steps` steps in all.
+/// Procedures of four steps with everything that a checker has to examine, `steps` steps in all.
 pub fn procedures(steps: usize) -> String {
     let mut text = String::from("(procedure (index (do-domain))\n  (step s (job 0 alpha))\n  (step t (terminate)))\n");
     for number in 0..steps / 4 {

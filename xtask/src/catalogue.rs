@@ -1,7 +1,7 @@
 //! The catalogue of reasoning and control services, generated from the services' own headers.
 
 use crate::finding::Finding;
-use crate::headers::{self, FAMILIES, HEADINGS};
+use crate::headers::{self, FAMILIES};
 use crate::tree::{self, Text};
 use std::fs;
 use std::path::Path;
@@ -26,17 +26,25 @@ pub(crate) fn check(texts: &[Text]) -> Option<Finding> {
         .then(|| Finding::new(PAGE, 1, "catalogue", "out of date: run `cargo xtask catalogue` and commit the page"))
 }
 
-/// The page as the headers say it.
+/// The page as the headers say it: a table for each folder of services.
 fn render(texts: &[Text]) -> String {
     let mut page = String::from(
-        "# Reasoning and control services\n\nGenerated from the headers in `crates/executive/src` by `cargo xtask catalogue`; do not edit.\n",
+        "# Reasoning and control services\n\nGenerated from the headers in `crates/executive/src` by `cargo xtask catalogue`; do not edit.\nThe header of a source says in addition when the service runs, what it reads and writes, and its section of the paper.\n",
     );
     for family in FAMILIES {
         page.push_str(&format!("\n## {}\n", family_title(family)));
+        let mut class = "";
         for text in texts {
             if let Some((folder, module)) = headers::service(&text.path)
                 && headers::family(folder) == Some(family)
             {
+                if folder != class {
+                    let short = folder.strip_prefix("crates/executive/src/").unwrap_or(folder);
+                    page.push_str(&format!(
+                        "\n### `{short}`\n\n| service | what it does | bound | PDL |\n|---|---|---|---|\n"
+                    ));
+                    class = folder;
+                }
                 page.push_str(&entry(text, module));
             }
         }
@@ -53,16 +61,14 @@ fn family_title(family: &str) -> &'static str {
     }
 }
 
+/// The row of one service.
 fn entry(text: &Text, module: &str) -> String {
-    let title = text.body.lines().next().unwrap_or_default().trim_start_matches("//!").trim();
-    let mut entry = format!("\n### {module}\n\n{title} ([source](../../{}))\n\n", text.path);
     let sections = headers::sections(&text.body);
-    for heading in HEADINGS {
-        if let Some((_, words)) = sections.iter().find(|(name, _)| name == heading) {
-            entry.push_str(&format!("- **{heading}:** {words}\n"));
-        }
-    }
-    entry
+    let cell = |heading: &str| {
+        let words = sections.iter().find(|(name, _)| *name == heading).map_or("", |(_, words)| words.as_str());
+        words.replace('|', "\\|")
+    };
+    format!("| [{module}](../../{}) | {} | {} | {} |\n", text.path, cell("What"), cell("Bound"), cell("PDL"))
 }
 
 #[cfg(test)]
@@ -74,7 +80,7 @@ mod tests {
         let service =
             Text::sample("crates/executive/src/control/conflicts/conflict.rs", "//! Conflict\n//! What: decides.\n");
         let page = Text::sample(PAGE, &render(std::slice::from_ref(&service)));
-        assert!(page.body.contains("- **What:** decides."), "{}", page.body);
+        assert!(page.body.contains("conflict.rs) | decides. |"), "{}", page.body);
         assert_eq!(check(&[service.clone(), page.clone()]), None);
         let changed = Text::sample(&service.path, "//! Conflict\n//! What: decides otherwise.\n");
         assert!(check(&[changed, page]).is_some());

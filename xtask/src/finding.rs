@@ -1,8 +1,8 @@
-//! What a rule reports: where, which rule, what is wrong and what to do.
+//! Findings of rules: place, rule, problem and remedy.
 
 use std::fmt;
 
-/// One violation of a house rule.
+/// One violation of a rule of the repository.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Finding {
     /// Path from the project's top folder, with `/`.
@@ -11,7 +11,7 @@ pub(crate) struct Finding {
     pub(crate) line: usize,
     /// The rule's short name.
     pub(crate) rule: &'static str,
-    /// What is wrong, and what to do about it.
+    /// Problem and remedy.
     pub(crate) message: String,
 }
 

@@ -1,4 +1,4 @@
-//! What has changed against the main branch, as git says it.
+//! Changes against the main branch, as git reports them.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -27,7 +27,11 @@ pub(crate) fn changes(root: &Path) -> Result<Changes, String> {
     Ok(changes)
 }
 
-fn git(root: &Path, arguments: &[&str]) -> Result<String, String> {
+/// Runs git with `arguments` in `root` and returns what it prints.
+///
+/// # Errors
+/// Git's own message.
+pub(crate) fn git(root: &Path, arguments: &[&str]) -> Result<String, String> {
     let output = Command::new("git")
         .args(arguments)
         .current_dir(root)

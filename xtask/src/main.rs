@@ -6,6 +6,8 @@
 mod bans;
 mod catalogue;
 mod ceilings;
+mod commits;
+mod english;
 mod finding;
 mod git;
 mod headers;
@@ -23,6 +25,7 @@ mod tidy;
 mod tree;
 mod words;
 mod workspace;
+mod wrap;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -32,7 +35,9 @@ const USAGE: &str = "usage: cargo xtask tidy                check the rules of t
        cargo xtask quick               check and test what a change needs
        cargo xtask rings [--update]    list rings of imports; lower their ceilings
        cargo xtask phrases [--update]  list phrases to avoid in changed lines; lower their ceilings
+       cargo xtask english [--update]  list breaches of the rules for texts in changed lines; lower their ceilings
        cargo xtask pages --update      lower the ceilings of absent pages that code names
+       cargo xtask wrap PATH ..        wrap long lines of Markdown
        cargo xtask catalogue           write docs/reference/services.md from the services' headers";
 
 fn main() -> ExitCode {
@@ -58,7 +63,10 @@ fn run(root: &Path, words: &[&str]) -> Result<String, String> {
         ["rings", "--update"] => rings::update(root, &Workspace::read(root)?, &tree::read(root)?),
         ["phrases"] => phrases::report(&tree::read(root)?, &git::changes(root)?),
         ["phrases", "--update"] => phrases::update(root, &tree::read(root)?),
+        ["english"] => Ok(english::report(&tree::read(root)?, &git::changes(root)?)),
+        ["english", "--update"] => english::update(root, &tree::read(root)?),
         ["pages", "--update"] => paths::update(root, &paths::Paths::new(&tree::names(root)?), &tree::read(root)?),
+        ["wrap", paths @ ..] if !paths.is_empty() => wrap::run(root, &tree::names(root)?, paths),
         ["catalogue"] => catalogue::write(root),
         _ => Err(USAGE.to_string()),
     }

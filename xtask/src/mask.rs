@@ -27,7 +27,7 @@ fn masked(source: &str, keep_code: bool) -> String {
     masked
 }
 
-/// How many characters from `position` are a comment, string or character literal; 0 when it is code.
+/// Returns the length of the comment, string or character literal at `position`; 0 if it is code.
 fn blank_length(text: &[char], position: usize) -> usize {
     let at = |offset: usize| text.get(position + offset).copied().unwrap_or('\0');
     match at(0) {
@@ -40,7 +40,7 @@ fn blank_length(text: &[char], position: usize) -> usize {
     }
 }
 
-/// Is the character before `position` part of the same word?
+/// Returns true if the character before `position` is part of the same word.
 fn joins_word(text: &[char], position: usize) -> bool {
     position.checked_sub(1).and_then(|before| text.get(before)).is_some_and(|c| c.is_alphanumeric() || *c == '_')
 }

@@ -5,6 +5,8 @@ use crate::tree::Text;
 use regex::Regex;
 use std::sync::LazyLock;
 
+/// Exempts its line from the rules for texts.
+pub(crate) const ALLOW: &str = "english: allow";
 /// Comments and literals of TypeScript and Svelte within one line; short literals in single quotes are rarely prose.
 const SCRIPT_PROSE: &str = r#"//.*|"(?:\\.|[^"\\])*"|'(?:\\.|[^'\\\n]){3,}'|`[^`\n]*`|/\*.*?\*/"#;
 

@@ -1,44 +1,33 @@
-//! A README in every room: what lives here, what must not, where next. Short, because long ones are not read.
+//! A README in every folder of the map: its contents, what is out of scope, where to look next. Short, so that it is read.
 
 use crate::finding::Finding;
 use crate::tree::{self, Text};
 
-/// Lines of a room's README; rows of tables, such as the list of decisions, do not count.
+/// Lines of a folder's README; rows of tables do not count. The index of decisions is longer and is not listed here.
 const LINES_MAX: usize = 20;
 /// Lines of a mission's README: one screen.
 const MISSION_LINES_MAX: usize = 45;
-/// Rooms; `/*` means every folder directly below.
-const ROOMS: &[&str] = &[
-    "crates/*",
-    "adapters",
-    "adapters/*",
-    "library",
-    "missions",
-    "spec",
-    "web",
-    "docs",
-    "docs/decisions",
-    "benches",
-    "xtask",
-];
+/// Folders of the map; `/*` means every folder directly below.
+const FOLDERS: &[&str] =
+    &["crates/*", "adapters", "adapters/*", "library", "missions", "spec", "web", "docs", "benches", "xtask"];
 
-/// Checks that every room has a README of the right length.
+/// Checks that every such folder has a README of the right length.
 pub(crate) fn check(texts: &[Text]) -> Vec<Finding> {
-    let rooms = ROOMS.iter().flat_map(|room| match room.strip_suffix("/*") {
+    let folders = FOLDERS.iter().flat_map(|folder| match folder.strip_suffix("/*") {
         Some(parent) => tree::folders_below(texts, parent),
-        None => vec![room.to_string()],
+        None => vec![folder.to_string()],
     });
-    let rooms = rooms.filter_map(|room| check_room(texts, &room, LINES_MAX));
+    let folders = folders.filter_map(|folder| check_folder(texts, &folder, LINES_MAX));
     let missions = tree::folders_below(texts, "missions");
-    let missions = missions.into_iter().filter_map(|mission| check_room(texts, &mission, MISSION_LINES_MAX));
-    rooms.chain(missions).collect()
+    let missions = missions.into_iter().filter_map(|mission| check_folder(texts, &mission, MISSION_LINES_MAX));
+    folders.chain(missions).collect()
 }
 
-fn check_room(texts: &[Text], room: &str, lines_max: usize) -> Option<Finding> {
-    let path = format!("{room}/README.md");
+fn check_folder(texts: &[Text], folder: &str, lines_max: usize) -> Option<Finding> {
+    let path = format!("{folder}/README.md");
     let message =
         match tree::find(texts, &path).map(|text| text.body.lines().filter(|line| !line.starts_with('|')).count()) {
-            None => "missing: say what lives here, what must not, and where to look next".to_string(),
+            None => "missing: state contents, what is out of scope, and where to look next".to_string(),
             Some(lines) if lines > lines_max => {
                 format!("{lines} lines, more than {lines_max}: move detail to docs/ and keep the signpost")
             }
@@ -63,6 +52,6 @@ mod tests {
 
     #[test]
     fn a_short_one_passes() {
-        assert_eq!(check_room(&[Text::sample("web/README.md", "# Sherpa\n")], "web", LINES_MAX), None);
+        assert_eq!(check_folder(&[Text::sample("web/README.md", "# Sherpa\n")], "web", LINES_MAX), None);
     }
 }

@@ -8,7 +8,7 @@ const SKIPPED_FOLDERS: &[&str] =
     &["target", "node_modules", "dist", ".git", ".venv", "test-results", "playwright-report", "__pycache__"];
 /// Folders of pictures and the data behind them.
 const PICTURES: &str = "pictures";
-/// Endings of texts that rules look at.
+/// Endings of texts that rules check.
 const ENDINGS: &[&str] = &[".rs", ".toml", ".md", ".pdl", ".ts", ".svelte", ".mjs", ".py", ".pyi", ".tsv"];
 
 /// One text of the project.

@@ -5,7 +5,7 @@
 use crate::finding::Finding;
 use crate::tree::{self, Text};
 
-/// Where the banned words are written down.
+/// Path of the list of banned words.
 const GLOSSARY: &str = "docs/glossary.md";
 /// Marks of unfinished work, in pieces so that this file does not contain them.
 const MARKS: &[&str] = &[concat!("TO", "DO"), concat!("FIX", "ME"), concat!("XX", "X")];
@@ -15,12 +15,7 @@ const EXEMPT: &[&str] = &[GLOSSARY, "xtask/src/words.rs"];
 /// Checks all texts except manifests.
 pub(crate) fn check(texts: &[Text]) -> Vec<Finding> {
     let Some(glossary) = tree::find(texts, GLOSSARY) else {
-        return vec![Finding::new(
-            GLOSSARY,
-            1,
-            "words",
-            "missing: it holds the house's words and their banned synonyms",
-        )];
+        return vec![Finding::new(GLOSSARY, 1, "words", "missing: it holds the terms and their banned synonyms")];
     };
     let banned = banned_words(&glossary.body);
     let checked = texts.iter().filter(|text| !text.path.ends_with(".toml") && !EXEMPT.contains(&text.path.as_str()));
@@ -56,7 +51,7 @@ fn check_text(text: &Text, banned: &[(String, String)]) -> Vec<Finding> {
     findings
 }
 
-/// Does `word` stand in `line` as a whole word? Letters, digits, `_` and `-` join words.
+/// Returns true if `word` occurs in `line` as a whole word. Letters, digits, `_` and `-` join words.
 fn contains_word(line: &str, word: &str) -> bool {
     let joins = |character: Option<char>| character.is_some_and(|c| c.is_alphanumeric() || c == '_' || c == '-');
     line.match_indices(word).any(|(start, _)| {

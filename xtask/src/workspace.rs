@@ -143,7 +143,7 @@ impl Workspace {
     }
 }
 
-/// What cargo prints for `arguments`.
+/// Returns what cargo prints for `arguments`.
 fn cargo(root: &Path, arguments: &[&str]) -> Result<Vec<u8>, String> {
     let program = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_string());
     let name = arguments.first().copied().unwrap_or_default();

@@ -2,7 +2,7 @@
 
 use std::io::{self, Read};
 
-/// How much is read at once.
+/// Bytes per read.
 const BLOCK: usize = 1 << 16;
 
 /// A window over the bytes to come.
@@ -10,7 +10,7 @@ pub(crate) struct Bytes<R> {
     input: R,
     buffer: Vec<u8>,
     start: usize,
-    /// Where the window begins in the log.
+    /// Offset of the window in the log.
     pub(crate) offset: u64,
     ended: bool,
 }
@@ -44,7 +44,7 @@ impl<R: Read> Bytes<R> {
         Ok(self.buffer.get(self.start..end).unwrap_or_default())
     }
 
-    /// Passes over `length` bytes that were in sight.
+    /// Skips `length` bytes of the window.
     pub(crate) fn skip(&mut self, length: usize) {
         let length = length.min(self.buffer.len() - self.start);
         self.start += length;

@@ -3,7 +3,7 @@
 
 use crate::FIELDS_MAX;
 use crate::nested::{DEPTH_MAX, Nested};
-use crate::ros_schema::{Count, Field, Kind, Primitive, Schema};
+use crate::ros_schema::{Primitive, Schema, SchemaField, ValueCount, ValueKind};
 
 /// Bytes that name the representation.
 const HEADER: usize = 4;
@@ -24,10 +24,10 @@ pub(crate) fn read(schema: &Schema, data: &[u8]) -> Result<Nested, String> {
         _ => return Err("it is shorter than the header of CDR".to_string()),
     };
     let body = data.get(HEADER..).ok_or("it is shorter than the header of CDR")?;
-    Reader { schema, body, at: 0, left: VALUES_MAX, little }.message(0, 0)
+    CdrReader { schema, body, at: 0, left: VALUES_MAX, little }.message(0, 0)
 }
 
-struct Reader<'a> {
+struct CdrReader<'a> {
     schema: &'a Schema,
     body: &'a [u8],
     at: usize,
@@ -36,7 +36,7 @@ struct Reader<'a> {
     little: bool,
 }
 
-impl Reader<'_> {
+impl CdrReader<'_> {
     fn message(&mut self, number: usize, depth: usize) -> Result<Nested, String> {
         if depth >= DEPTH_MAX {
             return Err(format!("messages are nested more than {DEPTH_MAX} deep"));
@@ -54,11 +54,11 @@ impl Reader<'_> {
         Ok(Nested::Members(members))
     }
 
-    fn field(&mut self, field: &Field, depth: usize) -> Result<Nested, String> {
+    fn field(&mut self, field: &SchemaField, depth: usize) -> Result<Nested, String> {
         let count = match field.count {
-            Count::One => return self.value(&field.kind, depth),
-            Count::Fixed(count) => count,
-            Count::Counted => usize::try_from(u32::from_le_bytes(self.number()?)).unwrap_or(usize::MAX),
+            ValueCount::One => return self.value(&field.kind, depth),
+            ValueCount::Fixed(count) => count,
+            ValueCount::Counted => usize::try_from(u32::from_le_bytes(self.number()?)).unwrap_or(usize::MAX),
         };
         // Each value takes a byte at least: a greater number is a damaged one.
         if count > self.body.len().saturating_sub(self.at) {
@@ -66,7 +66,7 @@ impl Reader<'_> {
         }
         let mut items = Vec::with_capacity(count.min(FIELDS_MAX));
         for index in 0..count {
-            if let (true, Kind::Primitive(kind)) = (index >= FIELDS_MAX, &field.kind)
+            if let (true, ValueKind::Primitive(kind)) = (index >= FIELDS_MAX, &field.kind)
                 && let Some(size) = kind.size()
             {
                 // Images and clouds of points: what is not kept is skipped at once.
@@ -82,12 +82,12 @@ impl Reader<'_> {
         Ok(Nested::List(items))
     }
 
-    fn value(&mut self, kind: &Kind, depth: usize) -> Result<Nested, String> {
+    fn value(&mut self, kind: &ValueKind, depth: usize) -> Result<Nested, String> {
         let left = self.left.checked_sub(1);
         self.left = left.ok_or_else(|| format!("it has more than {VALUES_MAX} values"))?;
         let primitive = match kind {
-            Kind::Message(number) => return self.message(*number, depth + 1),
-            Kind::Primitive(primitive) => *primitive,
+            ValueKind::Message(number) => return self.message(*number, depth + 1),
+            ValueKind::Primitive(primitive) => *primitive,
         };
         Ok(match primitive {
             Primitive::Bool => Nested::truth(self.bytes(1)? != [0]),

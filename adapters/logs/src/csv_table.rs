@@ -119,7 +119,8 @@ impl<R: Read> CsvTable<R> {
     }
 }
 
-/// What separates the columns of the first line that is not a comment: a tab or semicolon if it has one outside of quotes.
+/// Returns the separator of the columns of the first line that is not a comment: a tab or semicolon if it has one
+/// outside of quotes.
 fn separator(bytes: &[u8]) -> u8 {
     let mut lines =
         bytes.split(|byte| *byte == b'\n').filter(|line| !line.starts_with(b"#") && !line.trim_ascii().is_empty());

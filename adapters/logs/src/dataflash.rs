@@ -1,4 +1,4 @@
-//! What the two forms of ArduPilot DataFlash logs share: formats of messages, and the clock of their rows.
+//! Shared parts of the two forms of ArduPilot DataFlash logs: formats of messages, and the clock of their rows.
 
 use crate::{Cell, Message, Topic};
 use apex_model::time::Time;
@@ -18,7 +18,7 @@ pub(crate) struct Format {
     clock: Option<Clock>,
 }
 
-/// Which field of a row tells its time.
+/// Field of a row that holds its time.
 #[derive(Clone, Copy, Debug)]
 struct Clock {
     field: usize,

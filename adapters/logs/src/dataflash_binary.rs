@@ -7,7 +7,7 @@ use crate::dataflash_units::FormatTable;
 use crate::{Cell, LogReader, Message, ReadErrors, Topic};
 use std::io::{self, Read};
 
-/// What each message begins with.
+/// First bytes of each message.
 pub(crate) const MAGIC: [u8; 2] = [0xa3, 0x95];
 /// The type of messages that define formats, and their length.
 const FORMAT_TYPE: u8 = 128;

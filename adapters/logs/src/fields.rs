@@ -1,4 +1,4 @@
-//! What a log holds: fields with counts, rates and ranges.
+//! Contents of a log: fields with counts, rates and ranges.
 
 use crate::{Cell, FieldUnit, LogReader, Message};
 use apex_model::time::Time;
@@ -9,7 +9,7 @@ use std::io;
 pub struct FieldSummary {
     /// `TOPIC.FIELD`.
     pub name: String,
-    /// How often it has a value.
+    /// Number of values.
     pub count: u64,
     /// Messages of its topic per second.
     pub rate_per_s: Option<f64>,

@@ -64,11 +64,11 @@ pub struct FieldUnit {
 pub struct Topic {
     /// Its name in the log.
     pub name: String,
-    /// The names of its fields; elements of arrays are fields of their own, `q[0]`.
+    /// Names of its fields; elements of arrays are separate fields, `q[0]`.
     pub fields: Vec<String>,
     /// The units of the fields, as far as the log states them; empty if it states none.
     pub units: Vec<Option<FieldUnit>>,
-    /// Which fields are whole numbers that no format scales; empty if that is not known.
+    /// True for fields that are whole numbers that no format scales; empty if that is not known.
     pub integers: Vec<bool>,
 }
 
@@ -87,9 +87,9 @@ pub enum Cell {
 /// One message of a log.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Message {
-    /// Which of [`LogReader::topics`].
+    /// Index into [`LogReader::topics`].
     pub topic: usize,
-    /// When, by the log's own clock.
+    /// Instant by the log's clock.
     pub at: Time,
     /// The values in the order of the topic's fields; trailing ones may be missing.
     pub values: Vec<Cell>,
@@ -100,7 +100,7 @@ pub struct Message {
 pub struct ReadErrors {
     /// The first of them: where, and what is wrong there.
     pub first: Vec<String>,
-    /// How many there are.
+    /// Number of errors.
     pub count: u64,
 }
 
@@ -129,11 +129,11 @@ pub trait LogReader {
         let _ = carried;
     }
 
-    /// When the log began by its own clock, where it says so; known after the first message.
+    /// Returns the beginning of the log by its clock, if the log states it; known after the first message.
     fn began(&self) -> Option<Time> {
         None
     }
 
-    /// What could not be read so far.
+    /// Returns the errors of reading so far.
     fn damages(&self) -> &ReadErrors;
 }

@@ -19,11 +19,11 @@ pub struct LogFile {
     format: Format,
     mapping: Option<MappingFile>,
     own_time: bool,
-    /// What ships has been added to the mapping.
+    /// True once the shipped mapping has been added.
     is_complete: bool,
 }
 
-/// Why a log cannot be read; `E` is an error of the caller that takes the samples.
+/// Reason for which a log cannot be read; `E` is an error of the caller that takes the samples.
 #[derive(Debug)]
 pub enum LogError<E> {
     /// The file cannot be opened.
@@ -38,10 +38,10 @@ pub enum LogError<E> {
     Sink(E),
 }
 
-/// What a log held.
+/// Summary of a log that was read.
 #[derive(Clone, Debug, Default)]
 pub struct Fed {
-    /// What could not be read.
+    /// Errors of reading.
     pub damages: ReadErrors,
     /// The state variables that its fields make.
     pub variables: Vec<StateVariable>,
@@ -63,8 +63,8 @@ impl LogFile {
         self.format
     }
 
-    /// The mapping: the given one with what ships for the format and is not mapped there, else the one that ships for the format, else the names of a table's columns. None where
-    /// nothing says what the fields mean.
+    /// Returns the mapping: the given one with the shipped entries of the format that it does not map, else the shipped
+    /// one of the format, else the names of a table's columns. `None` if the meaning of fields is not known.
     ///
     /// # Errors
     /// The file cannot be read.
@@ -172,7 +172,7 @@ impl LogFile {
         Ok(Some(of_clock + began.0))
     }
 
-    /// What the log holds, and what could not be read.
+    /// Returns the contents of the log, and the errors of reading.
     ///
     /// # Errors
     /// The file cannot be read.

@@ -8,14 +8,14 @@ use apex_model::time::Time;
 use apex_model::value::Value;
 use std::collections::BTreeSet;
 
-/// How a field becomes a state variable.
+/// Conversion of a field into a state variable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
     /// `TOPIC.FIELD`; of a table the column. With [`Take`] the quaternion, whose elements are `[0]` to `[3]`.
     pub field: String,
     /// The state variable.
     pub variable: StateVariable,
-    /// What is computed of the field.
+    /// Computation from the field.
     pub take: Take,
     /// The number in the log is multiplied by this,
     pub scale: f64,
@@ -32,7 +32,7 @@ pub struct Entry {
     pub declared: Option<(f64, Dimension)>,
 }
 
-/// What is computed of a field.
+/// Computation from a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Take {
     /// The value itself.
@@ -45,7 +45,7 @@ pub enum Take {
     Heading,
 }
 
-/// Which state variables come of which fields.
+/// Conversion of fields into state variables.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mapping {
     /// In order; several fields may make one variable: the first that the log has counts.
@@ -55,11 +55,11 @@ pub struct Mapping {
 /// A sample of a state variable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sampled {
-    /// Which entry of the mapping made it.
+    /// Index of the entry of the mapping that made it.
     pub entry: usize,
     /// Its value, a bare number in the declared unit, or a symbol or text.
     pub value: Value,
-    /// When, by the log's clock.
+    /// Instant by the log's clock.
     pub at: Time,
 }
 
@@ -68,7 +68,7 @@ pub struct Sampled {
 struct Source {
     entry: usize,
     field: usize,
-    /// What its numbers are multiplied by.
+    /// Factor of its numbers.
     scale: f64,
 }
 
@@ -80,9 +80,9 @@ pub struct Sampler {
     topics: Vec<(usize, Vec<Source>)>,
     /// Samples made by each entry.
     counts: Vec<u64>,
-    /// Which entry makes each variable: where several could, the first that the log has.
+    /// Entry that makes each variable: if several could, the first that the log has.
     chosen: Vec<Option<usize>>,
-    /// Which entries make samples; the others only show when something was measured.
+    /// True for entries that make samples; the others only show the times of measurements.
     wanted: Vec<bool>,
     /// First and last instant of what the other entries saw.
     unwanted: Option<Span>,
@@ -116,7 +116,7 @@ impl Sampler {
         &self.mapping
     }
 
-    /// How many samples each entry has made.
+    /// Returns the number of samples of each entry.
     pub fn counts(&self) -> &[u64] {
         &self.counts
     }
@@ -181,7 +181,7 @@ impl Entry {
         topic.fields.iter().position(|field| *field == wanted)
     }
 
-    /// What the numbers of a field are multiplied by.
+    /// Returns the factor of the numbers of a field.
     fn scale_in(&self, topic: &Topic, field: usize) -> f64 {
         let stated = topic.units.get(field).and_then(Option::as_ref);
         if let (Some((factor, dimension)), Some(stated)) = (self.declared, stated)

@@ -12,7 +12,7 @@ use std::fmt::{self, Write as _};
 /// A mapping as it is written.
 #[derive(Debug, Default)]
 pub struct MappingFile {
-    /// What to call it in messages.
+    /// Name in messages.
     pub name: String,
     /// Fields, with the units that their numbers are in.
     pub entries: Vec<(Entry, Option<Symbol>)>,
@@ -28,11 +28,11 @@ pub type ReadForm<'a> = &'a dyn Fn(&str) -> Result<Value, (u32, String)>;
 /// A mapping that cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MappingError {
-    /// What failed and where, one line.
+    /// Failure and its place, one line.
     pub message: String,
-    /// Why, if known.
+    /// Reason, if known.
     pub reason: Option<String>,
-    /// What to do, if known.
+    /// Remedy, if known.
     pub help: Option<String>,
 }
 
@@ -86,7 +86,7 @@ impl MappingFile {
     /// A form that is not part of a mapping.
     pub fn parse(name: &str, text: &str, read_form: ReadForm<'_>) -> Result<MappingFile, MappingError> {
         let wrong = |form: &Value, why: String| {
-            let message = format!("{name}: `{}` is no part of a mapping", shortened(form));
+            let message = format!("{name}: `{}` is not a part of a mapping", shortened(form));
             let help = "its forms are (map \"TOPIC.FIELD\" (ATTRIBUTE OBJECT) [:unit U] [:scale N] [:integer-scale N] [:offset N] [:take roll|pitch|heading] [:missing N] [:words ((N WORD) ..)]), (time \"COLUMN\" [:unit U]) and (state-variable ..)";
             MappingError { message, reason: Some(why), help: Some(help.to_string()) }
         };
@@ -288,13 +288,13 @@ fn word(value: &Value) -> String {
 fn number(value: &Value) -> Result<f64, String> {
     match value.as_number() {
         Some((number, Dimension::NONE)) => Ok(number),
-        _ => Err(format!("`{value}` is no number")),
+        _ => Err(format!("`{value}` is not a number")),
     }
 }
 
 fn unit(value: &Value) -> Result<Option<&'static apex_model::quantity::Unit>, String> {
     let name = word(value);
-    unit_named(&name).map(Some).ok_or_else(|| format!("`{name}` is no unit"))
+    unit_named(&name).map(Some).ok_or_else(|| format!("`{name}` is not a unit"))
 }
 
 #[cfg(test)]
@@ -340,7 +340,7 @@ mod tests {
         for (text, expected) in [
             ("(mapp \"a\" (b c))", "neither `map` nor `time`"),
             ("(map \"a\" b)", "not (ATTRIBUTE OBJECT)"),
-            ("(map \"a\" (b c) :unit furlong)", "`furlong` is no unit"),
+            ("(map \"a\" (b c) :unit furlong)", "`furlong` is not a unit"),
             ("(map \"a\" (b c) :take yaw)", "roll, pitch and heading are"),
             ("(map \"a\" (b c) :scale)", "`:scale` has no value"),
             ("(time \"a\" :unit m)", "the unit is not a unit of time"),

@@ -2,7 +2,7 @@
 //! Serialization").
 
 use crate::bytes::{Bytes, array, u16_at};
-use crate::mavlink_messages::{CRC_BEGIN, Definition, checksum, definitions};
+use crate::mavlink_messages::{CRC_BEGIN, MessageDefinition, checksum, definitions};
 use crate::{LogReader, Message, ReadErrors, TOPICS_MAX, Topic};
 use apex_model::time::Time;
 use std::collections::BTreeMap;
@@ -20,7 +20,7 @@ const SPAN_US_MAX: u64 = 86_400_000_000;
 /// Reads a telemetry log.
 pub(crate) struct TelemetryLog<R> {
     bytes: Bytes<R>,
-    definitions: Vec<Definition>,
+    definitions: Vec<MessageDefinition>,
     known: BTreeMap<(u8, u8, u32), usize>,
     topics: Vec<Topic>,
     /// The first system with an autopilot: its messages are named plainly.
@@ -53,7 +53,7 @@ impl<R: Read> TelemetryLog<R> {
         }
     }
 
-    fn definition(&self, id: u32) -> Option<&Definition> {
+    fn definition(&self, id: u32) -> Option<&MessageDefinition> {
         let index = self.definitions.binary_search_by_key(&id, |definition| definition.id).ok()?;
         self.definitions.get(index)
     }
@@ -106,7 +106,7 @@ impl<R: Read> TelemetryLog<R> {
             return None;
         }
         let definition = self.definition(packet.id);
-        let fields = definition.map(Definition::names).unwrap_or_default();
+        let fields = definition.map(MessageDefinition::names).unwrap_or_default();
         let plain = definition.map_or_else(|| format!("message-{}", packet.id), |known| known.name.to_string());
         let own = packet.component == AUTOPILOT && self.vehicle == Some(packet.system);
         let name = if own { plain } else { format!("{plain}@{}.{}", packet.system, packet.component) };
@@ -115,7 +115,7 @@ impl<R: Read> TelemetryLog<R> {
         Some(self.topics.len() - 1)
     }
 
-    /// Passes over bytes until a packet begins.
+    /// Skips bytes until a packet begins.
     fn resume(&mut self, at: u64) -> io::Result<()> {
         self.damages
             .add(|| format!("byte {at}: no packet begins here, or its checksum is wrong; looking for the next one"));
@@ -136,7 +136,7 @@ impl<R: Read> TelemetryLog<R> {
     }
 }
 
-/// Says the packet in `window` that it is longer than what is left?
+/// Returns true if the packet in `window` is longer than the remaining bytes.
 fn is_cut(window: &[u8]) -> bool {
     let fixed = match window.get(STAMP) {
         Some(&VERSION_1) => 8,

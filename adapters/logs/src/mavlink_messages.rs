@@ -4,35 +4,35 @@
 use crate::Cell;
 use crate::bytes::{array, text, u16_at, u32_at, u64_at};
 
-/// The messages of the dialect `ardupilotmega` and of those that it includes (`common` and others), one a line, in order of
-/// their numbers; `data/mavlink_messages.py` writes it from MAVLink's definitions.
+/// The messages of the dialect `ardupilotmega` and of those that it includes (`common` and others), one per line, in
+/// order of their numbers; `data/mavlink_messages.py` writes it from MAVLink's definitions.
 const MESSAGES: &str = include_str!("../data/mavlink_messages.tsv");
 
 /// A message as it is sent.
 #[derive(Clone, Debug)]
-pub(crate) struct Definition {
+pub(crate) struct MessageDefinition {
     pub(crate) id: u32,
     pub(crate) name: &'static str,
-    fields: Vec<Field>,
-    /// How many of the fields both versions have; those after them are extensions of version 2.
+    fields: Vec<MessageField>,
+    /// Number of the fields that both versions have; those after them are extensions of version 2.
     base: usize,
     /// Goes into the checksum, so that sender and receiver mean the same fields.
     pub(crate) crc_extra: u8,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Field {
+struct MessageField {
     kind: &'static str,
     name: &'static str,
     count: Option<usize>,
 }
 
-impl Field {
-    fn parse(text: &'static str) -> Option<Field> {
+impl MessageField {
+    fn parse(text: &'static str) -> Option<MessageField> {
         let (kind, name) = text.split_once(':')?;
         Some(match kind.split_once('[') {
-            None => Field { kind, name, count: None },
-            Some((kind, count)) => Field { kind, name, count: count.strip_suffix(']')?.parse().ok() },
+            None => MessageField { kind, name, count: None },
+            Some((kind, count)) => MessageField { kind, name, count: count.strip_suffix(']')?.parse().ok() },
         })
     }
 
@@ -65,24 +65,24 @@ impl Field {
 }
 
 /// All definitions, in order of their numbers.
-pub(crate) fn definitions() -> Vec<Definition> {
+pub(crate) fn definitions() -> Vec<MessageDefinition> {
     MESSAGES.lines().filter_map(define).collect()
 }
 
 /// The definition in a line of the table; none where the line is malformed, which a test excludes.
-fn define(line: &'static str) -> Option<Definition> {
+fn define(line: &'static str) -> Option<MessageDefinition> {
     let mut columns = line.split('\t');
     let (id, name, crc_extra) = (columns.next()?.parse().ok()?, columns.next()?, columns.next()?.parse().ok()?);
-    let mut fields: Vec<Field> = columns.next()?.split_whitespace().filter_map(Field::parse).collect();
+    let mut fields: Vec<MessageField> = columns.next()?.split_whitespace().filter_map(MessageField::parse).collect();
     let base = fields.len();
-    fields.extend(columns.next()?.split_whitespace().filter_map(Field::parse));
-    Some(Definition { id, name, fields, base, crc_extra })
+    fields.extend(columns.next()?.split_whitespace().filter_map(MessageField::parse));
+    Some(MessageDefinition { id, name, fields, base, crc_extra })
 }
 
 /// Before the first byte.
 pub(crate) const CRC_BEGIN: u16 = 0xffff;
 
-/// MAVLink's checksum, CRC-16/MCRF4XX, over `bytes` after what `crc` stands for.
+/// MAVLink's checksum, CRC-16/MCRF4XX, over `bytes` after those that `crc` covers.
 pub(crate) fn checksum(crc: u16, bytes: &[u8]) -> u16 {
     bytes.iter().fold(crc, |crc, byte| {
         let mixed = byte ^ crc.to_le_bytes()[0];
@@ -91,7 +91,7 @@ pub(crate) fn checksum(crc: u16, bytes: &[u8]) -> u16 {
     })
 }
 
-impl Definition {
+impl MessageDefinition {
     /// The names of its fields, elements of arrays apart.
     pub(crate) fn names(&self) -> Vec<String> {
         let mut names = Vec::new();

@@ -27,14 +27,14 @@ pub(crate) struct Mcap<R> {
     chunk: Option<(Records<Cursor<Vec<u8>>>, u64)>,
     begun: bool,
     ended: bool,
-    schemas: BTreeMap<u16, Definition>,
+    schemas: BTreeMap<u16, SchemaText>,
     channels: BTreeMap<u16, Channel>,
     topics: Vec<Topic>,
     damages: ReadErrors,
 }
 
-/// A schema as it stands in the file.
-struct Definition {
+/// A schema as the file holds it.
+struct SchemaText {
     name: String,
     encoding: String,
     data: Vec<u8>,
@@ -45,7 +45,7 @@ struct Channel {
     encoding: Encoding,
 }
 
-/// How the messages of a channel are read.
+/// Encoding of the messages of a channel.
 enum Encoding {
     Json,
     Cdr(Schema),
@@ -56,7 +56,7 @@ enum Encoding {
 
 impl Encoding {
     /// The encoding of a channel's messages; the reason where they cannot be read.
-    fn of(name: &str, schema: Option<&Definition>) -> Result<Encoding, String> {
+    fn of(name: &str, schema: Option<&SchemaText>) -> Result<Encoding, String> {
         let wanted = |encoding: &str| {
             let schema = schema.ok_or_else(|| "its schema is missing".to_string())?;
             match schema.encoding == encoding {
@@ -67,11 +67,11 @@ impl Encoding {
         match name {
             "json" => Ok(Encoding::Json),
             "cdr" => {
-                let Definition { name, data, .. } = wanted("ros2msg")?;
+                let SchemaText { name, data, .. } = wanted("ros2msg")?;
                 Schema::parse(name, &String::from_utf8_lossy(data)).map(Encoding::Cdr)
             }
             "protobuf" => {
-                let Definition { name, data, .. } = wanted("protobuf")?;
+                let SchemaText { name, data, .. } = wanted("protobuf")?;
                 protobuf::descriptor(name, data).map(Encoding::Protobuf)
             }
             _ => Err("json, cdr and protobuf are read here".to_string()),
@@ -272,7 +272,7 @@ impl<R: Read> LogReader for Mcap<R> {
             match mcap::parse_record(opcode, &body) {
                 Ok(Record::Schema { header, data }) => {
                     let (name, encoding, data) = (header.name, header.encoding, data.into_owned());
-                    self.schemas.entry(header.id).or_insert(Definition { name, encoding, data });
+                    self.schemas.entry(header.id).or_insert(SchemaText { name, encoding, data });
                 }
                 Ok(Record::Channel(channel)) => self.channel(channel, at),
                 Ok(Record::Message { header, data }) => {

@@ -1,4 +1,4 @@
-//! Which format a log has, and its reader.
+//! Format of a log, and its reader.
 
 use crate::csv_table::{CsvTable, TimeName};
 use crate::dataflash_binary::{self, DataFlashBinary};
@@ -52,7 +52,7 @@ impl Format {
         })
     }
 
-    /// What people call it.
+    /// Returns its usual name.
     pub fn name(self) -> &'static str {
         match self {
             Format::ULog => "PX4 ULog",

@@ -1,10 +1,10 @@
-//! Samples in order of time: logs write topics one after the other, so neighbours may be out of order.
+//! Samples in order of time: logs write topics in sequence, so neighbours may be out of order.
 
 use crate::Sampled;
 use apex_model::time::{Duration, Time};
 use std::collections::BinaryHeap;
 
-/// Samples wait until one comes that is so much later.
+/// Samples wait until one arrives that is this much later.
 const WINDOW: Duration = Duration(1_000_000_000);
 /// Samples that wait, at most.
 const WAITING_MAX: usize = 100_000;
@@ -52,7 +52,7 @@ impl Ordered {
         self.waiting.push(Waiting { sampled, number: self.number });
     }
 
-    /// The next sample that nothing can come before any more; at the end of the log all of them.
+    /// Returns the next sample that no later one can precede; at the end of the log all of them.
     pub fn pop(&mut self, at_end: bool) -> Option<Sampled> {
         let first = self.waiting.peek()?;
         let over = self.newest.is_some_and(|newest| newest - first.sampled.at >= WINDOW);

@@ -53,9 +53,9 @@ impl Primitive {
     }
 }
 
-/// How many values a field has.
+/// Number of values of a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Count {
+pub(crate) enum ValueCount {
     One,
     /// An array of a fixed length.
     Fixed(usize),
@@ -63,9 +63,9 @@ pub(crate) enum Count {
     Counted,
 }
 
-/// What a field's values are.
+/// Kind of a field's values.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum ValueKind {
     Primitive(Primitive),
     /// The message with this number in [`Schema::messages`].
     Message(usize),
@@ -73,23 +73,23 @@ pub(crate) enum Kind {
 
 /// A field of a message.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Field {
+pub(crate) struct SchemaField {
     pub(crate) name: String,
-    pub(crate) kind: Kind,
-    pub(crate) count: Count,
+    pub(crate) kind: ValueKind,
+    pub(crate) count: ValueCount,
 }
 
 /// A message with those within it; the first is the whole.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Schema {
-    pub(crate) messages: Vec<Vec<Field>>,
+    pub(crate) messages: Vec<Vec<SchemaField>>,
 }
 
 /// A field before the names of messages are resolved.
-struct Line<'a> {
+struct SchemaLine<'a> {
     kind: &'a str,
     name: &'a str,
-    count: Count,
+    count: ValueCount,
 }
 
 impl Schema {
@@ -98,7 +98,7 @@ impl Schema {
     /// # Errors
     /// The line that is not understood, or the type that is not defined.
     pub(crate) fn parse(name: &str, text: &str) -> Result<Schema, String> {
-        let mut parts: Vec<(&str, Vec<Line<'_>>)> = vec![(name, Vec::new())];
+        let mut parts: Vec<(&str, Vec<SchemaLine<'_>>)> = vec![(name, Vec::new())];
         for line in text.lines() {
             let line = line.split('#').next().unwrap_or_default().trim();
             if line.is_empty() || line.bytes().all(|byte| byte == b'=') {
@@ -114,7 +114,7 @@ impl Schema {
         }
         let numbers: BTreeMap<String, usize> =
             parts.iter().enumerate().rev().map(|(number, (name, _))| (short(name), number)).collect();
-        let message = |(name, lines): &(&str, Vec<Line<'_>>)| -> Result<Vec<Field>, String> {
+        let message = |(name, lines): &(&str, Vec<SchemaLine<'_>>)| -> Result<Vec<SchemaField>, String> {
             lines.iter().map(|line| resolved(line, name, &numbers)).collect()
         };
         Ok(Schema { messages: parts.iter().map(message).collect::<Result<_, _>>()? })
@@ -127,7 +127,7 @@ fn short(name: &str) -> String {
 }
 
 /// The field of a line; none for a constant.
-fn field(line: &str) -> Result<Option<Line<'_>>, String> {
+fn field(line: &str) -> Result<Option<SchemaLine<'_>>, String> {
     let wrong = || format!("`{line}` is not a field of a ROS 2 message");
     let (kind, rest) = line.split_once(char::is_whitespace).ok_or_else(wrong)?;
     let name = rest.trim_start().split(|letter: char| letter.is_whitespace() || letter == '=').next();
@@ -138,21 +138,21 @@ fn field(line: &str) -> Result<Option<Line<'_>>, String> {
         return Ok(None);
     }
     let (kind, count) = match kind.split_once('[') {
-        None => (kind, Count::One),
+        None => (kind, ValueCount::One),
         Some((kind, length)) => {
             let length = length.strip_suffix(']').ok_or_else(wrong)?;
             let bounded = length.is_empty() || length.starts_with("<=");
-            let fixed = || length.parse().map(Count::Fixed).map_err(|_| wrong());
-            (kind, if bounded { Count::Counted } else { fixed()? })
+            let fixed = || length.parse().map(ValueCount::Fixed).map_err(|_| wrong());
+            (kind, if bounded { ValueCount::Counted } else { fixed()? })
         }
     };
     // A bound of a text is not written into messages.
     let kind = kind.split("<=").next().unwrap_or(kind);
-    Ok(Some(Line { kind, name, count }))
+    Ok(Some(SchemaLine { kind, name, count }))
 }
 
-fn resolved(line: &Line<'_>, message: &str, numbers: &BTreeMap<String, usize>) -> Result<Field, String> {
-    let Line { kind, name, count } = line;
+fn resolved(line: &SchemaLine<'_>, message: &str, numbers: &BTreeMap<String, usize>) -> Result<SchemaField, String> {
+    let SchemaLine { kind, name, count } = line;
     let package = message.split('/').next().unwrap_or_default();
     let number = || {
         let known = |name: String| numbers.get(&name).copied();
@@ -162,10 +162,10 @@ fn resolved(line: &Line<'_>, message: &str, numbers: &BTreeMap<String, usize>) -
         })
     };
     let kind = match Primitive::named(kind) {
-        Some(primitive) => Kind::Primitive(primitive),
-        None => Kind::Message(number().ok_or_else(|| format!("the type `{kind}` of `{name}` is not defined"))?),
+        Some(primitive) => ValueKind::Primitive(primitive),
+        None => ValueKind::Message(number().ok_or_else(|| format!("the type `{kind}` of `{name}` is not defined"))?),
     };
-    Ok(Field { name: (*name).to_string(), kind, count: *count })
+    Ok(SchemaField { name: (*name).to_string(), kind, count: *count })
 }
 
 #[cfg(test)]
@@ -178,20 +178,20 @@ mod tests {
                     uint8 mode 3\nOwn[<=4] own\n================\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\n\
                     string frame_id\n====\nMSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n===\nMSG: pack/Own\nbool on\n";
         let schema = Schema::parse("pack/msg/Whole", text).unwrap();
-        let whole: Vec<(&str, &Kind, Count)> =
+        let whole: Vec<(&str, &ValueKind, ValueCount)> =
             schema.messages[0].iter().map(|field| (field.name.as_str(), &field.kind, field.count)).collect();
-        let of = Kind::Primitive;
+        let of = ValueKind::Primitive;
         assert_eq!(
             whole,
             [
-                ("header", &Kind::Message(1), Count::One),
-                ("rate", &of(Primitive::F64), Count::Fixed(3)),
-                ("names", &of(Primitive::Text), Count::Counted),
-                ("mode", &of(Primitive::U8), Count::One),
-                ("own", &Kind::Message(3), Count::Counted),
+                ("header", &ValueKind::Message(1), ValueCount::One),
+                ("rate", &of(Primitive::F64), ValueCount::Fixed(3)),
+                ("names", &of(Primitive::Text), ValueCount::Counted),
+                ("mode", &of(Primitive::U8), ValueCount::One),
+                ("own", &ValueKind::Message(3), ValueCount::Counted),
             ]
         );
-        assert_eq!(schema.messages[1][0].kind, Kind::Message(2));
+        assert_eq!(schema.messages[1][0].kind, ValueKind::Message(2));
     }
 
     #[test]

@@ -14,7 +14,7 @@ const MESSAGE_HEADER: usize = 3;
 /// Letters of messages.
 const LETTERS: &[u8] = b"BFIMPQARDLCSO";
 
-/// What a subscription number stands for.
+/// Topic and instance of a subscription number.
 struct Subscription {
     topic: usize,
     leaves: Vec<Leaf>,
@@ -60,7 +60,7 @@ impl<R: Read> ULog<R> {
         Ok(())
     }
 
-    /// Takes in one message; true when it is to be told.
+    /// Takes in one message; returns true if it must be reported.
     fn take(&mut self, letter: u8, payload: &[u8], at: u64, message: &mut Message) -> bool {
         match letter {
             b'F' => {
@@ -144,7 +144,7 @@ impl<R: Read> ULog<R> {
         true
     }
 
-    /// Could a message begin here?
+    /// Returns true if a message can begin here.
     fn plausible(&self, window: &[u8]) -> bool {
         let (Some(size), Some(letter)) = (u16_at(window, 0), window.get(2)) else { return false };
         match letter {

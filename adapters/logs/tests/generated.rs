@@ -1,4 +1,4 @@
-//! What was written is read: every format, field by field.
+//! Round trips of every format, field by field.
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "what cannot be read is a failed test")]
 

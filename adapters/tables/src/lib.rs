@@ -1,4 +1,4 @@
-//! Histories as tables: every sample and message with what became of it, as CSV or Parquet.
+//! Histories as tables: every sample and message with its status, as CSV or Parquet.
 
 mod columns;
 mod csv_writer;
@@ -30,9 +30,9 @@ pub const COLUMNS: [&str; 9] = ["number", "t_ns", "arrived_ns", "kind", "name", 
 pub struct Row {
     /// Order of arrival, from 1.
     pub number: i64,
-    /// When it was measured or happened, ns of mission time.
+    /// Instant of the measurement or event, ns of mission time.
     pub t_ns: i64,
-    /// When it arrived, ns of mission time.
+    /// Arrival, ns of mission time.
     pub arrived_ns: i64,
     /// `sample` or `event`.
     pub kind: &'static str,
@@ -42,10 +42,10 @@ pub struct Row {
     pub value: Option<f64>,
     /// The unit of `value`.
     pub unit: Option<&'static str>,
-    /// The sample's value where it is no number.
+    /// The sample's value if it is not a number.
     pub text: Option<String>,
-    /// What became of it: `kept`, `inserted` (late, put in order), `replaced` (took the place of another value of its
-    /// instant), `repeated`, `late` (too late, kept aside), `missing` (not a number) or `refused`.
+    /// Status: `kept`, `inserted` (late, put in order), `replaced` (took the place of another value of its instant),
+    /// `repeated`, `late` (too late, kept aside), `missing` (not a number) or `refused`.
     pub status: &'static str,
 }
 
@@ -122,7 +122,7 @@ pub trait TableWriter {
     /// The table cannot be written.
     fn write(&mut self, row: Row) -> io::Result<()>;
 
-    /// Writes what is left. A table that was not finished is incomplete.
+    /// Writes the remaining rows. A table that was not finished is incomplete.
     ///
     /// # Errors
     /// The table cannot be written.

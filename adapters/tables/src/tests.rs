@@ -1,4 +1,4 @@
-//! What is written is read again.
+//! Round trips of tables.
 
 use super::*;
 use apex_model::quantity::Quantity;

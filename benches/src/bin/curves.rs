@@ -1,4 +1,4 @@
-//! How good plans are after how much processor time, and how that grows with the number of targets.
+//! Quality of plans by processor time, and its growth with the number of targets.
 //!
 //! `curves measure FILE.csv` runs every planner with rising budgets of work; `curves draw FILE.csv FILE.svg` draws what was
 //! measured. A loss is against the best plan that any planner found in any run on the problem, so it may be understated.
@@ -20,11 +20,11 @@ const MISSIONS: u64 = 2;
 const BUDGETS: [u64; 8] = [1_000, 3_000, 10_000, 30_000, 100_000, 300_000, 1_000_000, 3_000_000];
 /// The budget at which growth is shown.
 const GROWTH_BUDGET: u64 = 100_000;
-/// The size of a panel, and the room around it.
+/// Size of a panel, and the space around it.
 const PANEL: (f64, f64) = (330.0, 230.0);
 const ROOM: (f64, f64) = (70.0, 66.0);
-/// Processor seconds and losses (per cent) that are drawn. Processor time is told in ticks of 4 ms; what is shorter stands at
-/// the left edge.
+/// Processor seconds and losses (per cent) that are drawn. Processor time is reported in ticks of 4 ms; shorter times
+/// are at the left edge.
 const SECONDS: (f64, f64) = (4e-3, 10.0);
 const LOSS: (f64, f64) = (0.1, 100.0);
 const COLOURS: [(&str, &str); 5] = [
@@ -53,7 +53,7 @@ fn cpu_s() -> f64 {
     told.split_whitespace().next().and_then(|word| word.parse::<f64>().ok()).unwrap_or(f64::NAN) * 1e-9
 }
 
-/// Measures count by count; what is measured is in the file when a run is broken off.
+/// Measures count by count; finished counts are in the file when a run is interrupted.
 fn measure(csv: &std::path::Path) {
     let mut out = "kind,targets,mission,planner,budget_units,used_units,cpu_s,value\n".to_string();
     let done = |out: &str, what: &str| {
@@ -96,7 +96,7 @@ fn planners(out: &mut String, kind: &str, (count, number): (usize, u64), problem
             let name = solver.name();
             // Writing to a string cannot fail.
             let _ = writeln!(out, "{kind},{count},{number},{name},{units},{},{took_s:.6},{value:.6}", budget.used);
-            // A planner that has ended by itself does nothing more with more.
+            // A planner that has ended early does nothing more with more.
             if budget.used < *units / 2 {
                 break;
             }
@@ -132,8 +132,8 @@ fn read(text: &str) -> Vec<Row> {
     text.lines().skip(1).map(|line| row(line).expect("a row of figures")).collect()
 }
 
-/// Mean processor seconds and mean loss in per cent over the missions of a count, planner by planner and budget by budget. A
-/// planner that ended by itself keeps its last plan.
+/// Mean processor seconds and mean loss in per cent over the missions of a count, planner by planner and budget by
+/// budget. A planner that ended early keeps its last plan.
 fn curves(rows: &[Row], surveillance: bool, targets: usize) -> BTreeMap<String, Vec<(u64, f64, f64)>> {
     let chosen: Vec<&Row> =
         rows.iter().filter(|row| row.surveillance == surveillance && row.targets == targets).collect();

@@ -1,4 +1,4 @@
-//! What a waiting task takes of memory, counted by the allocator: the state of the agent, without library and effects.
+//! Memory of a waiting task, counted by the allocator: the state of the agent, without library and effects.
 #![allow(clippy::print_stdout, reason = "the table is what the program is for")]
 #![allow(clippy::expect_used, reason = "a figure that cannot be kept must stop the measurement")]
 

@@ -52,8 +52,8 @@ fn write_traces(folder: &Path) {
 /// Runs shorter than this are measured by the clock.
 const SHORT_NS: f64 = 30e6;
 
-/// How long this thread has been at work, in nanoseconds: what others do on the machine does not count. Where the system
-/// does not say, how long it is since the first question.
+/// Returns the processor time of this thread, in nanoseconds: other work of the machine does not count. If the system
+/// does not provide it, the time since the first call.
 fn worked_ns() -> f64 {
     static START: LazyLock<Instant> = LazyLock::new(Instant::now);
     let stat = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
@@ -131,7 +131,7 @@ fn single_samples(texts: &[String], values: &[f64]) -> Vec<f64> {
     times
 }
 
-/// Nanoseconds for a sample that nobody watches, next to a thousand monitors of another variable.
+/// Nanoseconds for a sample that no condition watches, next to a thousand monitors of another variable.
 fn unwatched(slices: bool) -> f64 {
     let samples = 100_000;
     let (instants, values): (Vec<Time>, Vec<f64>) = (0..samples).map(|index| (instant(index), index as f64)).unzip();

@@ -1,8 +1,8 @@
-//! How good plans of orienteering are, next to peers, at equal processor time.
+//! Quality of plans of orienteering, next to peers, at equal processor time.
 //!
-//! `problems FOLDER` writes problems of our own as files for the peers; `ours SECONDS..` plans them and prints JSON; `report FOLDER`
-//! sets `ours.json`, `pyvrp.json` and `ortools.json` of the folder side by side; `proven SECONDS..` counts which problems of few
-//! targets are solved to proven optimality. Gaps are to the best plan that anybody found, ours
+//! `problems FOLDER` writes generated problems as files for the peers; `ours SECONDS..` plans them and prints JSON;
+//! `report FOLDER` sets `ours.json`, `pyvrp.json` and `ortools.json` of the folder side by side; `proven SECONDS..`
+//! counts the problems of few targets that are solved to proven optimality. Gaps are to the best plan of any run, ours
 //! of a long run among them: proven optima exist for the narrow windows only.
 #![allow(clippy::print_stdout, reason = "the table is what the program is for")]
 #![allow(clippy::expect_used, reason = "a figure that cannot be kept must stop the measurement")]
@@ -18,7 +18,7 @@ use std::path::Path;
 const EVERY: usize = 10;
 /// Of these every so-many-th is cut to few targets.
 const EVERY_OF_FEW: usize = 4;
-/// Plans made anew after a change: the one whose first is found in median time counts.
+/// Plans made again after a change: the one whose first is found in median time counts.
 const REPLANS: usize = 25;
 /// Units of work of a second.
 const UNITS_PER_S: u64 = 1_000_000;
@@ -78,7 +78,8 @@ fn problems(folder: &Path) {
     }
 }
 
-/// Time that this thread has spent on a processor. It is told to the last switch of tasks, so one is asked for.
+/// Returns the time that this thread has spent on a processor. It is updated at switches of tasks, so the function
+/// causes one.
 fn cpu_s() -> f64 {
     std::thread::yield_now();
     let told = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
@@ -133,7 +134,7 @@ fn ours(spans: &[&str]) -> Value {
     Value::Object(all)
 }
 
-/// A thousand targets, one of which is worth nothing any more, and a flight that must end 2 % sooner.
+/// A thousand targets, one of which has become worthless, and a flight that must end 2 % sooner.
 fn replan() -> Value {
     let mut problem = formats::read("op", &generate::oplib(1_001, 0.5, 2)).expect("our own text").problem;
     let (before, _, _) = planned(&SingleVisit, &problem, 10_000_000);
@@ -206,7 +207,7 @@ fn cut(mut problem: SingleVisitProblem, count: usize) -> SingleVisitProblem {
     problem
 }
 
-/// How many problems of 20 and of 40 targets are solved with a bound that proves it.
+/// Counts the problems of 20 and of 40 targets that are solved with a bound that proves it.
 fn proven(spans: &[&str]) {
     for count in [20, 40] {
         for seconds in spans {

@@ -25,7 +25,7 @@ fn cpu_ns() -> u64 {
     text.split(' ').next().and_then(|first| first.parse().ok()).unwrap_or(0)
 }
 
-/// A budget of CPU time, looked at every few thousand units.
+/// A budget of CPU time, checked every few thousand units.
 struct CpuBudget {
     until_ns: u64,
     used: u64,
@@ -64,7 +64,7 @@ fn cost(solver: &str, problem: &Problem, milliseconds: u64, seed: u64) -> (f64, 
     }
 }
 
-/// The least cost that the anytime planner finds from one seed after the other, for so long: it ends by itself.
+/// Returns the least cost that the anytime planner finds from one seed after another, each to its end, for this time.
 fn best_of(problem: &Problem, milliseconds: u64) -> f64 {
     let (mut best, mut left_ms, mut seed) = (f64::INFINITY, milliseconds as f64, 7);
     while left_ms > 0.0 {
@@ -102,7 +102,8 @@ fn cycles(missions: u64, points: usize, names: &[String]) {
     println!("{near} of {count} cells at most 2 %, mean {:.2} %", all / f64::from(count));
 }
 
-/// Prints the costs of all three planners, mission after mission over all cells, so that whoever stops it has whole missions.
+/// Prints the costs of all three planners, mission after mission over all cells, so that an interrupted run has whole
+/// missions.
 fn pairs(missions: std::ops::Range<u64>, ours_ms: u64, theirs_ms: u64, names: &[String]) {
     println!("mission,cell,two_opt,wam,anytime,two_opt_s,wam_s,anytime_s");
     for number in missions {
@@ -121,7 +122,7 @@ fn pairs(missions: std::ops::Range<u64>, ours_ms: u64, theirs_ms: u64, names: &[
 fn tally(rows: &str) {
     let mut cells: BTreeMap<String, Vec<f64>> = BTreeMap::new();
     let mut spent_s = [0.0; 3];
-    // Whoever measures in parts has a heading in each, and a last row cut short where a part was stopped.
+    // A measurement in parts has a heading in each, and a last row cut short at the interruption of a part.
     for line in rows.lines().filter(|line| !line.starts_with("mission,")) {
         let words: Vec<&str> = line.split(',').collect();
         if words.len() != COLUMNS {

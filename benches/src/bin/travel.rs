@@ -14,7 +14,7 @@ const PLACES: usize = 100;
 const ZONES: usize = 50;
 /// Side of the square that a zone has for itself.
 const CELL_M: f64 = 120_000.0;
-/// What the bar asks for, in seconds of processor time.
+/// Bar, in seconds of processor time.
 const BAR_S: f64 = 0.1;
 const DAY_S: (f64, f64) = (0.0, 86_400.0);
 

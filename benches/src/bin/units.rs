@@ -1,5 +1,5 @@
-//! What a unit of work takes: every planner of surveillance and of single visits, from 10 to 1,000 targets. A unit stands for a
-//! microsecond (`apex_planning::solver::WORK_UNIT`); the aim is between half of one and two.
+//! Time per unit of work: every planner of surveillance and of single visits, from 10 to 1,000 targets. A unit
+//! represents a microsecond (`apex_planning::solver::WORK_UNIT`); the aim is between half of one and two.
 //!
 //! `units [UNITS]` prints a row for each planner and number of targets. What is counted is processor time of this thread, so that
 //! other work on the machine matters little.
@@ -11,7 +11,7 @@ use apex_planning::solver::{Environment, WorkBudget};
 use apex_portfolio::formats::{self, generate};
 
 const COUNTS: [usize; 5] = [10, 30, 100, 300, 1_000];
-/// Units asked for, where nobody says.
+/// Default number of units.
 const UNITS: u64 = 300_000;
 
 fn main() {

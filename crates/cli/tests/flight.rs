@@ -243,7 +243,7 @@ fn problems_are_printed_read_and_planned_alike() {
     assert_eq!((of_name[0]["plan"].clone(), &of_file[0]["mission"]), (of_file[0]["plan"].clone(), &"four".into()));
     desk.write("bad.json", "{\"Surveillance\": {\n  \"targets\": 7 }}");
     plan(&["bad.json"]).complained(2, &["bad.json:2:14", "no planning problem", "--problem"]);
-    plan(&["small-fixed-wild-4-globular"]).complained(2, &["wild is no spread of costs", "test-missions.md"]);
+    plan(&["small-fixed-wild-4-globular"]).complained(2, &["wild is not a spread of costs", "test-missions.md"]);
     plan(&["small-fixed-fixed-4-globular@x"]).complained(2, &["x is no number", "@7"]);
     plan(&["four.json", "--format", "pdl"]).complained(2, &["only a mission's plan", "help: "]);
     plan(&["four.json", "--budget", "0s"]).complained(2, &["no time to plan in", "--budget 2s"]);

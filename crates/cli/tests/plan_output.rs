@@ -306,7 +306,7 @@ fn names_that_nothing_has_are_told_with_the_nearest() {
     );
     plan(
         "small-fixed-fixd-12-uniform@3",
-        &["fixd is no spread of costs", "did you mean the test mission `small-fixed-fixed-12-uniform@3`?"],
+        &["fixd is not a spread of costs", "did you mean the test mission `small-fixed-fixed-12-uniform@3`?"],
     );
     plan("smal-fixed-fixed-8-uniform", &["begins with no scale", "`small-fixed-fixed-8-uniform`"]);
     plan(&"a-".repeat(5000), &["SCALE-RATE"]);

@@ -148,7 +148,7 @@ fn mistakes_are_told_before_anything_is_measured() {
     build(&[]).complained(2, &["new.txt is no profile, and is not written over"]);
     assert_eq!(desk.read("new.txt"), "my notes");
     desk.apex(&["profile", "show", "new.txt"])
-        .complained(2, &["new.txt:1:1: this is no profile", "my notes", "help: "]);
+        .complained(2, &["new.txt:1:1: this is not a profile", "my notes", "help: "]);
     desk.apex(&["profile", "show", "nowhere.txt"]).complained(2, &["cannot read nowhere.txt"]);
     desk.apex(&["profile", "show", "--budget", "7ms"]).complained(2, &["7ms was not measured", "this profile has"]);
     desk.apex(&["profile", "show", "--cell", "small-fixed-fixed-5-uniform"]).complained(2, &["was not measured"]);

@@ -176,7 +176,7 @@ fn misconduct_is_named_in_the_record_and_the_flight_goes_on() {
         ("hangs", "the solver hangs gave no answer within 0.2 s and was abandoned"),
         ("hoards", "the solver hoards took more than 64 MiB of memory"),
         ("lies", "before it can be there"),
-        ("dreams", "visits atlantis, which is no target"),
+        ("dreams", "visits atlantis, which is not a target"),
         ("numbs", "the plan of `numbs` breaks"),
         ("floods", "200000 visits, more than 100000"),
         ("boasts", "claims an expected cost of -1"),

@@ -1,4 +1,4 @@
-//! Memory: how far back a program looks, clause by clause, and what that takes (`monitoring.md`, rules 20 and 23).
+//! Memory: how far back a program looks, clause by clause, and what that takes (`condition-rules.md`, rules 20 and 23).
 //!
 //! What is derived here is what an agent obeys: [`crate::load`] prepares the histories by the same demands.
 

@@ -1,4 +1,4 @@
-//! The arbiter against a naive twin that applies the rules of `pdl.md` section 9 one by one, in random worlds.
+//! The arbiter against a naive twin that applies the rules of `pdl.md`, Conflicts one by one, in random worlds.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
 

@@ -14,7 +14,7 @@ use apex_model::time::Time;
 use proptest::prelude::*;
 use support::{agent, seconds};
 
-/// A priority clause as text, and its value at `t` seconds by the formulas of `pdl.md` section 9.
+/// A priority clause as text, and its value at `t` seconds by the formulas of `pdl.md`, Conflicts.
 #[derive(Clone, Copy, Debug)]
 enum Clause {
     Number(f64),

@@ -27,7 +27,7 @@ pub enum Ground {
     Polygon(Vec<Position>),
 }
 
-/// How to sweep.
+/// Settings of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SweepSettings {
     /// Width seen by one line.
@@ -44,7 +44,7 @@ pub struct SweepSettings {
 /// alternate directions. A row with gaps is flown through.
 ///
 /// # Errors
-/// A sentence where the ground or a setting makes no sense, or the sweep would have too many lines.
+/// An error message if the ground or a setting is invalid, or the sweep would have too many lines.
 pub fn sweep_lines(
     ground: &Ground,
     settings: &SweepSettings,
@@ -72,7 +72,7 @@ pub fn sweep_lines(
 /// The corners of the ground; those of a circle hold all of it.
 ///
 /// # Errors
-/// A sentence where the ground makes no sense.
+/// An error message if the ground is invalid.
 pub(crate) fn corners_of(ground: &Ground) -> Result<Vec<Position>, String> {
     let corners = match ground {
         Ground::Polygon(corners) => corners.clone(),

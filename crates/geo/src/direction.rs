@@ -1,8 +1,8 @@
-//! Quick geometry: positions as directions from the middle of the Earth.
+//! Fast geometry: positions as directions from the middle of the Earth.
 //!
-//! On the sphere of geocentric directions an angle times the Earth's radius there is a distance, good to 1 in 10,000 up to
-//! 2,500 km, and arcs between two directions stay within [`ARC_APART_M_MAX`] of the geodesic. What needs to be exact asks
-//! `geodesy` where the quick answer is too close to a limit. Bound: every function is O(1).
+//! On the sphere of geocentric directions an angle times the Earth's radius there is a distance, accurate to 1 in
+//! 10,000 up to 2,500 km, and arcs between two directions stay within [`ARC_APART_M_MAX`] of the geodesic. A caller
+//! that needs an exact answer uses `geodesy` if the fast answer is too close to a limit. Bound: every function is O(1).
 
 use crate::geodesy::{Position, RAD_PER_DEG};
 
@@ -12,7 +12,7 @@ pub const EARTH_RADIUS_M_MIN: f64 = 6_356_752.314_245;
 pub const EARTH_RADIUS_M_MAX: f64 = 6_378_137.0;
 /// Arcs up to this angle (2,500 km) stay close to geodesics.
 pub const ARC_RAD_MAX: f64 = 0.392;
-/// How far an arc of at most [`ARC_RAD_MAX`] may lie next to the geodesic between the same ends.
+/// Greatest distance of an arc of at most [`ARC_RAD_MAX`] from the geodesic between the same ends.
 pub const ARC_APART_M_MAX: f64 = 400.0;
 /// Square of the first eccentricity of WGS84.
 const ECCENTRICITY_SQUARED: f64 = 6.694_379_990_141_316e-3;
@@ -164,7 +164,7 @@ mod tests {
                 let at_rad = share * angle_rad;
                 let on_arc = a.blended(libm::cos(at_rad), quarter, libm::sin(at_rad));
                 let beside_m = geodesy::distance_m(on_arc.position(), geodesy::destination(from, turn, share * length_m));
-                prop_assert!(beside_m < ARC_APART_M_MAX, "{beside_m} m beside");
+                prop_assert!(beside_m < ARC_APART_M_MAX, "{beside_m} m apart");
                 let (east, north) = a.east_north(quarter);
                 let track_deg = libm::atan2(east, north) / RAD_PER_DEG;
                 prop_assert!(length_m < 1e4 || geodesy::wrap_180(track_deg - turn).abs() < 0.3, "{track_deg} {turn}");

@@ -33,7 +33,8 @@ pub fn azimuth_deg(from: Position, to: Position) -> f64 {
     inverse(from, to).1
 }
 
-/// Where one is after `distance_m` along the geodesic that leaves `from` at `azimuth_deg`. Negative distances go back.
+/// Returns the position after `distance_m` along the geodesic that leaves `from` at `azimuth_deg`. Negative distances
+/// go back.
 pub fn destination(from: Position, azimuth_deg: f64, distance_m: f64) -> Position {
     if distance_m == 0.0 {
         return from;

@@ -1,4 +1,4 @@
-//! Emergency landing places: how far is the nearest one, and does a leg stay near enough?
+//! Emergency landing places: distance of the nearest one, and legs that stay near enough.
 //!
 //! Bound: O(places) per position; a leg takes at most [`LEG_LOOKS_MAX`] looks.
 
@@ -6,7 +6,7 @@ use crate::direction::{ARC_APART_M_MAX, ARC_RAD_MAX, Direction, EARTH_RADIUS_M_M
 use crate::geodesy::{self, Position};
 pub use apex_model::problem::LandingPlace;
 
-/// Looks at one leg; with steps of at least [`LOOK_M_MIN`] this covers 20,000 km.
+/// Samples of one leg; with steps of at least [`LOOK_M_MIN`] this covers 20,000 km.
 pub const LEG_LOOKS_MAX: usize = 40_000;
 /// Least step between looks: an excursion shorter than this may be missed.
 pub const LOOK_M_MIN: f64 = 500.0;
@@ -17,8 +17,8 @@ pub fn nearest(places: &[LandingPlace], position: Position) -> Option<(&LandingP
     distances.filter(|(_, distance_m)| distance_m.is_finite()).min_by(|(_, a), (_, b)| a.total_cmp(b))
 }
 
-/// Does every point of the leg have a landing place within `distance_m_max`? Steps by the slack at each look, which is
-/// exact except for excursions shorter than [`LOOK_M_MIN`]. Without places the answer is no.
+/// Returns true if every point of the leg has a landing place within `distance_m_max`. Steps by the slack at each
+/// sample, which is exact except for excursions shorter than [`LOOK_M_MIN`]. Without places the answer is false.
 pub fn leg_is_within(places: &[LandingPlace], from: Position, to: Position, distance_m_max: f64) -> bool {
     let slack =
         |position| nearest(places, position).map_or(f64::NEG_INFINITY, |(_, distance_m)| distance_m_max - distance_m);
@@ -74,7 +74,7 @@ impl Reach {
         self.distance_m_max
     }
 
-    /// Is a landing place near enough to `position`, which lies in `direction`?
+    /// Returns true if a landing place is near enough to `position`, which lies in `direction`.
     pub fn holds(&self, position: Position, direction: Direction) -> bool {
         let cosine = self.directions.iter().fold(-1.0, |most: f64, place| most.max(place.dot(direction)));
         if self.sure_rad > 0.0 && cosine >= libm::cos(self.sure_rad.min(3.0)) {
@@ -86,8 +86,9 @@ impl Reach {
         nearest(&self.places, position).is_some_and(|(_, distance_m)| distance_m <= self.distance_m_max)
     }
 
-    /// Where the edges of two places' reaches meet outside of all others: there the shortest ways within reach bend. Taken
-    /// on the sphere just inside what is surely near enough (0.15 % of the distance and 400 m inside).
+    /// Returns the points at which the edges of two places' reaches meet outside of all others: the shortest paths
+    /// within reach bend there. Taken on the sphere just inside of what is certainly near enough (0.15 % of the
+    /// distance and 400 m inside).
     pub fn crossings(&self) -> Vec<Position> {
         let least = libm::cos(self.sure_rad * (1.0 - 1e-9));
         if self.sure_rad <= 0.0 || self.sure_rad > 1.5 {
@@ -107,7 +108,7 @@ impl Reach {
         found.into_iter().map(Direction::position).collect()
     }
 
-    /// As [`leg_is_within`]; unless `exact`, what is not sure is refused, which is quick.
+    /// As [`leg_is_within`]; unless `exact`, it refuses undecided legs, which is fast.
     pub fn holds_leg(
         &self,
         (from, from_direction): (Position, Direction),

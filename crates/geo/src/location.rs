@@ -17,7 +17,7 @@ impl Location {
     /// Reads a location `(latitude_deg longitude_deg [altitude_m])`; angles with a unit are converted.
     ///
     /// # Errors
-    /// A sentence that says what a location is and what was given.
+    /// An error message that states the forms of a location and the given value.
     pub fn of(value: &Value) -> Result<Location, String> {
         let refused = || format!("a location is (latitude longitude [altitude]) in degrees and metres; got {value}");
         let items = value.as_list().ok_or_else(refused)?;

@@ -16,7 +16,7 @@ pub const OUTLINE_SHARE_OF_SWATH: f64 = 0.25;
 /// `approach` back to it. Every point of the outline lies within a quarter of `swath_m` of a line.
 ///
 /// # Errors
-/// A sentence where the outline or the swath makes no sense, or too many lines would be needed.
+/// An error message if the outline or the swath is invalid, or too many lines would be needed.
 pub fn perimeter_lines(
     corners: &[Position],
     swath_m: f64,

@@ -121,7 +121,7 @@ pub fn point_to_segment(point: Point, a: Point, b: Point) -> f64 {
     point.minus(a.plus(share, along)).length()
 }
 
-/// Do the segments `a`-`b` and `c`-`d` share a point?
+/// Returns true if the segments `a`-`b` and `c`-`d` share a point.
 pub fn segments_meet(a: Point, b: Point, c: Point, d: Point) -> bool {
     let side = |from: Point, to: Point, point: Point| to.minus(from).cross(point.minus(from));
     let (c_side, d_side) = (side(a, b, c), side(a, b, d));

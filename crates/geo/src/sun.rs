@@ -35,7 +35,7 @@ pub fn solar_elevation_deg(position: Position, unix_s: f64) -> f64 {
     libm::asin(sine.clamp(-1.0, 1.0)) / RAD_PER_DEG
 }
 
-/// Is there the light that is wanted?
+/// Returns true if the light is as required.
 pub fn is_light(light: Light, position: Position, unix_s: f64) -> bool {
     match light {
         Light::Any => true,

@@ -1,4 +1,4 @@
-//! How long a flight may take before it counts as failed: limits of commands, for PDL.
+//! Greatest duration of a flight before it counts as failed: limits of commands, for PDL.
 //!
 //! Bound: linear in the number of places of a way.
 
@@ -66,7 +66,7 @@ pub(crate) fn flight_time_limit(arguments: &[Value]) -> Result<Value, String> {
     Ok(Value::Duration(Duration::from_seconds(libm::ceil(seconds))))
 }
 
-/// What a list of places holds.
+/// Places of a list.
 #[derive(Default)]
 struct Way {
     found: Vec<Location>,

@@ -23,7 +23,7 @@ pub struct Wind {
 pub struct WindTriangle {
     /// Speed over ground along the track.
     pub ground_speed_mps: f64,
-    /// Where the nose points, clockwise from north, 0..360.
+    /// Direction of the nose, clockwise from north, 0..360.
     pub heading_deg: f64,
 }
 

@@ -12,7 +12,7 @@ use std::convert::Infallible;
 /// Relative tolerance of quadrature for user functions.
 pub const QUADRATURE_TOLERANCE: f64 = 1e-11;
 
-/// How the likelihoods of events between two observations of a target go together.
+/// Combination of the likelihoods of events between two observations of a target.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Likelihoods {
     /// Added up, as in the paper: events are rare, or each counts.
@@ -22,7 +22,7 @@ pub enum Likelihoods {
     Survival,
 }
 
-/// What it costs not to know of an event that is `age_s` old. Events of the future cost nothing.
+/// Returns the cost of an unknown event that is `age_s` old. Events of the future cost nothing.
 pub fn cost_at(cost: &CostFunction, age_s: f64) -> f64 {
     if age_s < 0.0 {
         return 0.0;
@@ -98,7 +98,7 @@ fn table_integral(points: &[(f64, f64)], age_s: f64) -> f64 {
         if age_s <= *age {
             break;
         }
-        // At a jump (two points of one age) the piece has no width; the later cost goes on from there.
+        // At a jump (two points of one age) the piece has no width; the later cost continues from there.
         sum += 0.5 * (cost_from + cost) * (age - from);
         (from, cost_from) = (*age, *cost);
     }
@@ -136,7 +136,7 @@ pub(crate) fn pieces(rate: &EventRate, from_s: f64, until_s: f64) -> impl Iterat
 /// the function is not smooth, where known.
 ///
 /// # Errors
-/// A sentence where the function is not finite or too wild to integrate.
+/// An error message if the function is not finite or not integrable to the tolerance.
 pub fn interval_cost_of(
     rate: &EventRate,
     cost: &mut dyn FnMut(f64) -> f64,
@@ -152,14 +152,14 @@ pub fn interval_cost_of(
     Ok(sum)
 }
 
-/// What one target costs over the mission.
+/// Cost of one target over the mission.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TargetCost {
     /// The target's name.
     pub target: String,
     /// Its expected cost of ignorance.
     pub expected_cost: f64,
-    /// How often it was observed.
+    /// Number of observations.
     pub observations: usize,
     /// The longest span without an observation.
     pub longest_gap_s: f64,

@@ -1,4 +1,4 @@
-//! What a mission is worth: the expected cost of ignorance and the mission score (paper, sections II.A and II.B).
+//! Value of a mission: the expected cost of ignorance and the mission score (paper, sections II.A and II.B).
 //!
 //! Pure functions over the plain data of `apex_model::problem`. No state, no clock, no randomness.
 

@@ -5,10 +5,10 @@
 
 use apex_model::problem::{CrewMember, FailureTerm, SingleVisitProblem};
 
-/// Hours of one person.
+/// Hours of one crew member.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WorkedHours {
-    /// What they do.
+    /// Role of the member.
     pub role: String,
     /// H: hours.
     pub hours: f64,

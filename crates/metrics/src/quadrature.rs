@@ -1,8 +1,8 @@
 //! Adaptive Gauss-Kronrod quadrature (7 and 15 points): the second witness of the closed forms, and the way to integrate
 //! cost functions that users write themselves.
 //!
-//! The two rules agree by chance on jumps that no node sees, beyond the outermost ones, and on pairs of jumps to both sides of
-//! the middle. So the function is also compared with the polynomial through the nodes, at the ends.
+//! The two rules agree by coincidence on jumps that no node sees, beyond the outermost ones, and on pairs of jumps to
+//! both sides of the middle. So the function is also compared with the polynomial through the nodes, at the ends.
 //! Bound: at most [`PIECES_MAX`] bisections, 17 evaluations each.
 
 use std::sync::LazyLock;
@@ -34,9 +34,10 @@ const GAUSS: [f64; 7] =
     [0.0, 0.129_484_966_168_869_7, 0.0, 0.279_705_391_489_276_64, 0.0, 0.381_830_050_505_118_9, 0.0];
 const GAUSS_MIDDLE: f64 = 0.417_959_183_673_469_4;
 
-/// Where the function is compared, of half a piece's width from its middle, and the width that the comparison stands for.
+/// Points of comparison, in halves of a piece's width from its middle, and the width that the comparison represents.
 const COMPARED: [(f64, f64); 2] = [(-1.0, 0.009), (1.0, 0.009)];
-/// How far inside an end is still the end, as a share of the greater end: jumps at an end belong to the next piece.
+/// Distance inside of an end that still counts as the end, as a share of the greater end: jumps at an end belong to the
+/// next piece.
 const END_SHARE: f64 = 1e-13;
 
 /// The nodes of a piece, with those of its other half.
@@ -44,7 +45,7 @@ fn nodes() -> impl Iterator<Item = f64> + Clone {
     NODES.iter().map(|node| -node).chain([0.0]).chain(NODES.iter().rev().copied())
 }
 
-/// What each node's value counts in the polynomial through all of them, at each place of [`COMPARED`].
+/// Weight of each node's value in the polynomial through all of them, at each point of [`COMPARED`].
 static SHARES: LazyLock<[[f64; 15]; 2]> = LazyLock::new(|| {
     COMPARED.map(|(place, _)| {
         let mut shares = [0.0; 15];
@@ -88,7 +89,7 @@ fn rule(function: &mut dyn FnMut(f64) -> f64, from: f64, until: f64) -> Piece {
 /// `breaks` are places of kinks and jumps, where known; without them the result is as good but slower.
 ///
 /// # Errors
-/// A sentence where the function yields something not finite or the tolerance is not reached.
+/// An error message if the function yields a value that is not finite or the tolerance is not reached.
 pub fn integrate(
     function: &mut dyn FnMut(f64) -> f64,
     from: f64,

@@ -16,7 +16,7 @@ const BEGUN: f64 = 0.02;
 /// Cost of ignorance between an observation that ended at `from_s` and one that ends at `until_s`, of the first event.
 ///
 /// # Errors
-/// A sentence where quadrature does not settle.
+/// An error message if quadrature does not converge.
 pub fn interval_cost(target: &SurveillanceTarget, from_s: f64, until_s: f64) -> Result<f64, String> {
     over_pieces(&target.rate, from_s, until_s, |span| weighted_integral(&target.cost, span))
 }
@@ -24,7 +24,7 @@ pub fn interval_cost(target: &SurveillanceTarget, from_s: f64, until_s: f64) -> 
 /// [`interval_cost`] for a cost that is not of the model's families, as [`eci::interval_cost_of`].
 ///
 /// # Errors
-/// A sentence where the function is not finite or too wild to integrate.
+/// An error message if the function is not finite or not integrable to the tolerance.
 pub fn interval_cost_of(
     rate: &EventRate,
     cost: &mut dyn FnMut(f64) -> f64,
@@ -132,7 +132,7 @@ fn not_yet(p: f64, r: f64, Span { oldest_s, length_s, .. }: Span) -> f64 {
     if q * length_s > -1.0 {
         return libm::exp(-r * oldest_s) * weight(q, length_s);
     }
-    // A growing exponential is not told by itself: it may be beyond all numbers.
+    // A growing exponential is not returned alone: it may be beyond all numbers.
     (libm::exp(-r * oldest_s - q * length_s) - libm::exp(-r * oldest_s)) / -q
 }
 
@@ -206,7 +206,7 @@ mod tests {
         }
     }
 
-    /// Counted one time step after the other: what is left of the target, times what happens to it.
+    /// Counted one time step after another: the remaining probability of the target, times its rate.
     #[test]
     fn steps_of_time_come_to_the_same() {
         let rate = EventRate { steps: vec![(0.0, 0.004), (100.0, 0.0), (150.0, 0.02)] };

@@ -1,4 +1,4 @@
-//! A cost of a user's own as a table of the model, so that planners and bounds can use it.
+//! A user-defined cost as a table of the model, so that planners and bounds can use it.
 //!
 //! # What is promised
 //! Of a function that never falls between the ages 0 and `oldest_s`, with `C` its cost at `oldest_s`: at every age the
@@ -25,8 +25,8 @@ pub const JUMP_SHARE: f64 = 1.0 / (1_u64 << 40) as f64;
 /// Points `(age_s, cost)` by rising age from 0 to `oldest_s`, for `CostFunction::Table`.
 ///
 /// # Errors
-/// A sentence with the age where the function has no cost, a negative one, one that is not finite, or falls; or where it
-/// takes too many calls or points.
+/// An error message with the age at which the function has no cost, a negative one, one that is not finite, or falls;
+/// or if it takes too many calls or points.
 pub fn tabulate(function: &mut Function<'_>, oldest_s: f64, relative_error: f64) -> Result<Vec<(f64, f64)>, String> {
     if !oldest_s.is_finite() || oldest_s <= 0.0 {
         return Err(format!("The oldest age is {oldest_s} s; it must be a positive number."));
@@ -91,8 +91,8 @@ fn asked(
     Ok(done)
 }
 
-/// Of points by rising age those between which straight lines pass all others `near` enough: each line goes on as long as one
-/// does.
+/// Returns those of points by rising age between which straight lines pass all others `near` enough: each line extends
+/// as far as one does.
 fn straightened(points: &[(f64, f64)], near: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
     let Some((first, rest)) = points.split_first() else { return Vec::new() };
     let (mut corners, mut corner) = (vec![*first], *first);

@@ -1,4 +1,5 @@
-//! Costs of a user's own: any function of the age of an event, asked where it is needed and held to what costs must be.
+//! User-defined costs: any function of the age of an event, evaluated where needed and checked against the rules of
+//! costs.
 //!
 //! What is promised of such a function is seen only at the ages at which it is asked: there it must be finite, not
 //! negative and, except for rounding, nowhere less than at a younger age asked.
@@ -14,10 +15,10 @@ pub(crate) const ROUNDING: f64 = 1e-12;
 /// Calls of one target's cost in one score.
 pub const CALLS_MAX: usize = 4_000_000;
 
-/// Cost of an event by its age in seconds, or a sentence why there is none.
+/// Cost of an event by its age in seconds, or an error message.
 pub type Function<'a> = dyn FnMut(f64) -> Result<f64, String> + 'a;
 
-/// A cost of a user's own.
+/// A user-defined cost.
 pub struct UserCost<'a> {
     /// The cost by age.
     pub function: Box<Function<'a>>,
@@ -28,7 +29,7 @@ pub struct UserCost<'a> {
 /// The function's cost at `age_s`.
 ///
 /// # Errors
-/// A sentence where it has none, or one that is negative or not finite.
+/// An error message if it has no cost, or one that is negative or not finite.
 pub(crate) fn ask(function: &mut Function<'_>, age_s: f64) -> Result<f64, String> {
     let cost = function(age_s).map_err(|why| format!("The cost of an event {age_s} s old cannot be told: {why}"))?;
     if !cost.is_finite() || cost < 0.0 {
@@ -37,7 +38,7 @@ pub(crate) fn ask(function: &mut Function<'_>, age_s: f64) -> Result<f64, String
     Ok(cost)
 }
 
-/// What is said of a function that falls from the younger to the older of two ages with their costs.
+/// Returns the error of a function that falls from the younger to the older of two ages with their costs.
 pub(crate) fn falls((young_s, young): (f64, f64), (old_s, old): (f64, f64)) -> String {
     format!("The cost of an event falls from {young} at {young_s} s to {old} at {old_s} s; cost never falls with age.")
 }
@@ -46,7 +47,7 @@ pub(crate) fn falls((young_s, young): (f64, f64), (old_s, old): (f64, f64)) -> S
 /// their families: by quadrature to [`eci::QUADRATURE_TOLERANCE`]. `likelihoods` of events are added up or survived.
 ///
 /// # Errors
-/// A sentence that names the target: one that is none, a visit without a time, or what is wrong with a cost and at which age.
+/// An error message that names the target: an unknown one, a visit without a time, or an invalid cost and its age.
 pub fn expected_cost_with(
     problem: &SurveillanceProblem,
     visits: &[SurveillanceVisit],
@@ -132,7 +133,7 @@ fn target_cost_of(
     }
 }
 
-/// Where a function fell, of all that was asked of it.
+/// Returns the age at which a function fell, of all evaluated ages.
 fn fall(mut asked: Vec<(f64, f64)>) -> Option<String> {
     asked.sort_by(|(one_s, _), (other_s, _)| one_s.total_cmp(other_s));
     let mut highest = (0.0, 0.0);

@@ -1,11 +1,11 @@
-//! What a check of a program found, for programs that read it.
+//! Findings of a check of a program, for programs that read them.
 
 use apex_executive::memory;
 use apex_model::library::Library;
 use apex_pdl::{Checked, Fix, Severity, TextEdit};
 use serde_json::{Value, json};
 
-/// What was found, counted: `3 procedures, 1 primitive, 0 errors, 0 warnings, 0 notes`.
+/// Counts the findings: `3 procedures, 1 primitive, 0 errors, 0 warnings, 0 notes`.
 pub fn summary(checked: &Checked) -> String {
     let count = |severity: Severity| checked.diagnostics.iter().filter(|each| each.severity == severity).count();
     let library = &checked.library;

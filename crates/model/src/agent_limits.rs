@@ -1,7 +1,7 @@
 //! Limits that an agent may lower for itself: `(agent NAME .. :limits (:tasks 200 :event-history 50))`.
 //!
-//! What they bound and why they are as high as they are is told in [`crate::limits`]; an agent on a small computer wants
-//! them lower, and tests reach them so. The word in PDL is the constant's name without its `_MAX`.
+//! The constants and the reasons for their values are in [`crate::limits`]. An agent on a small computer lowers them,
+//! and tests lower them to reach them. The word in PDL is the constant's name without its `_MAX`.
 
 use crate::cause::Cause;
 use crate::limits;
@@ -112,7 +112,7 @@ impl Limit {
         self.facts().2
     }
 
-    /// The executive's own limit: the greatest value, and the value where nobody sets one.
+    /// The executive's own limit: the greatest value, and the default.
     pub fn most(self) -> u64 {
         self.facts().3
     }
@@ -128,7 +128,7 @@ pub struct Limits {
     set: Vec<(Limit, u64)>,
 }
 
-/// The executive's own limits, for who has no agent.
+/// The executive's own limits, for code without an agent.
 pub const UNLOWERED: &Limits = &Limits { set: Vec::new() };
 
 impl Limits {

@@ -5,7 +5,7 @@ use crate::symbol::Symbol;
 use crate::variables;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Which results of its steps the other steps of a procedure wait for.
+/// Results of steps that other steps of the same procedure wait for.
 #[derive(Debug)]
 pub struct Awaited<'p> {
     procedure: &'p Procedure,

@@ -14,14 +14,14 @@ use serde::{Deserialize, Serialize};
 
 pub use crate::cause::Cause;
 
-/// Why something was decided, and by which line of PDL.
+/// Cause of a decision, and the line of PDL that led to it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Because {
     /// The cause.
     pub cause: Cause,
     /// The clause of PDL that made it so.
     pub place: Option<Place>,
-    /// What was seen: samples, events, ends of tasks.
+    /// Evidence: samples, events, ends of tasks.
     pub evidence: EvidenceList,
 }
 
@@ -34,14 +34,14 @@ pub enum Evidence {
         variable: StateVariable,
         /// Its value.
         value: Value,
-        /// When.
+        /// Instant.
         at: Time,
     },
     /// A message.
     Event {
         /// Its form.
         form: Value,
-        /// When.
+        /// Instant.
         at: Time,
         /// Its number among all that arrived: equal messages may come at one instant.
         sequence: u64,
@@ -52,14 +52,14 @@ pub enum Evidence {
         task: TaskId,
         /// The state's word; `resumed` is the change from interrupted to ongoing.
         state: Value,
-        /// When.
+        /// Instant.
         at: Time,
     },
     /// The end of a task.
     TaskEnd {
         /// The task.
         task: TaskId,
-        /// When.
+        /// Instant.
         at: Time,
     },
     /// An episode over a run of samples.
@@ -70,7 +70,7 @@ pub enum Evidence {
         start: Time,
         /// Last sample's time.
         end: Time,
-        /// How many samples.
+        /// Number of samples.
         samples: u64,
     },
     /// An instant that was waited for.
@@ -86,7 +86,7 @@ pub enum Evidence {
         what: String,
         /// Its value.
         value: Value,
-        /// When.
+        /// Instant.
         at: Time,
     },
     /// Something that did not happen.
@@ -102,12 +102,12 @@ pub enum Evidence {
     Aggregate(Box<Aggregate>),
 }
 
-/// What a task was granted of a resource.
+/// Share of a resource that a task was granted.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Share {
     /// The resource.
     pub resource: Value,
-    /// How much of it, with its unit; none is all that there is.
+    /// Amount with its unit; `None` is all of the resource.
     pub amount: Option<Value>,
 }
 
@@ -129,9 +129,9 @@ pub enum ConflictRule {
     Rank,
     /// Higher priority.
     Priority,
-    /// Equal: who has it keeps it.
+    /// Equal: the holder keeps the resource.
     Incumbent,
-    /// Equal: work that was interrupted goes on before other work begins.
+    /// Equal: work that was interrupted continues before other work begins.
     Begun,
     /// Equal newcomers: written order.
     WrittenOrder,
@@ -146,10 +146,10 @@ pub enum ConflictRule {
     },
 }
 
-/// Why one of several matches that are equally specific goes first.
+/// Rule by which one of several equally specific matches goes first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum EqualsRule {
-    /// It is a plan made in flight: whoever asked for it wants it used.
+    /// It is a plan made in flight: its requester wants it used.
     MadeInFlight,
     /// It is a procedure, and the others are primitives.
     Procedure,
@@ -157,12 +157,12 @@ pub enum EqualsRule {
     FirstInLibrary,
 }
 
-/// What a task brings to a conflict: its priority (or rank), and its interrupt cost where it defends what it holds.
+/// Strength of a task in a conflict: its priority or rank, and its interrupt cost if it defends what it holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Strength {
     /// Priority, or rank where ranks decide.
     pub priority: f64,
-    /// Interrupt cost; 0 for who does not hold the resource, and where ranks decide.
+    /// Interrupt cost; 0 for a task that does not hold the resource, and in comparisons by rank.
     pub interrupt_cost: f64,
 }
 
@@ -172,7 +172,7 @@ impl Strength {
         Strength { priority, interrupt_cost: 0.0 }
     }
 
-    /// What is compared.
+    /// Value that is compared.
     pub fn total(self) -> f64 {
         self.priority + self.interrupt_cost
     }
@@ -193,7 +193,7 @@ impl Because {
         Because { cause, place, evidence: EvidenceList::default() }
     }
 
-    /// The cause as a sentence fragment after "because", with evidence and place: what the trace prints.
+    /// Returns the cause as text after "because", with evidence and place, as the trace prints it.
     pub fn text(&self, library: &Library) -> String {
         self.text_at(&|place| library.describe_place(place))
     }

@@ -1,11 +1,11 @@
-//! The built-in functions of PDL: names, arities, purity (`pdl.md` section 6).
+//! The built-in functions of PDL: names, arities, purity (`pdl.md`, Forms).
 //!
 //! The checker resolves calls against this table; the executive evaluates exactly the names in it. A call in a checked
 //! library always carries the name of [`BUILT_INS`], never an alias. Special forms (`if`, `let`, `setq`, ..) are not
 //! functions: they become their own [`crate::expression::ExprKind`].
 //!
-//! Keyword arguments stand in the argument list as constant symbols with their colon (`:prior-to`) before their value.
-//! A parameter printed as FORM is a datum with holes, not an expression: `(inform (ready ?camera))`; it reaches the
+//! Keyword arguments are in the argument list as constant symbols with their colon (`:prior-to`) before their value. A
+//! parameter printed as FORM is a datum with holes, not an expression: `(inform (ready ?camera))`; it reaches the
 //! evaluator as a constant or as [`crate::expression::ExprKind::Template`].
 
 /// A built-in function.
@@ -17,7 +17,8 @@ pub struct BuiltIn {
     pub arguments_min: usize,
     /// At most so many arguments; none is unlimited.
     pub arguments_max: Option<usize>,
-    /// Has no effect: may stand in conditions, guards and everywhere else. Impure functions stand in hooks only.
+    /// True if the function has no effect and may occur in conditions, guards and everywhere else. Impure functions
+    /// occur in hooks only.
     pub pure: bool,
     /// Parameters and result in one line, for operators.
     pub summary: &'static str,
@@ -189,7 +190,7 @@ pub const BUILT_INS: &[BuiltIn] = &[
     pure("zerop", 1, 1, "number -> true for zero"),
 ];
 
-/// Other spellings and the names in [`BUILT_INS`] that they stand for, sorted.
+/// Other spellings of names in [`BUILT_INS`], sorted by spelling.
 pub const ALIASES: &[(&str, &str)] = &[
     ("caddr", "third"),
     ("cadr", "second"),

@@ -44,18 +44,18 @@ pub enum Cause {
     Probes {
         /// The task that waits.
         waiting: TaskId,
-        /// Which probe it is, from 1.
+        /// Number of the probe, from 1.
         number: u64,
-        /// How many there may be.
+        /// Greatest number of probes.
         limit: Option<u64>,
     },
     /// No more is pursued for a condition with `:probing`.
     ProbingStopped {
         /// The task that waits, or waited.
         waiting: TaskId,
-        /// How many probes were begun.
+        /// Number of probes that were begun.
         probes: u64,
-        /// Why.
+        /// Reason.
         reason: ProbingEnd,
     },
     /// This is the `on-failure` of a task that failed.
@@ -97,7 +97,7 @@ pub enum Cause {
     },
     /// All resources were granted, or none is needed.
     ResourcesGranted {
-        /// What it got.
+        /// Resources that the task got.
         resources: Vec<Share>,
     },
     /// A conflict over a resource was lost.
@@ -108,9 +108,9 @@ pub enum Cause {
         resource: Value,
         /// The rule that decided.
         rule: ConflictRule,
-        /// What the winner brought.
+        /// Strength of the winner.
         winner: Strength,
-        /// What the loser brought.
+        /// Strength of the loser.
         loser: Strength,
     },
     /// The resource can never give what is needed: it has less, or less of it is left.
@@ -119,7 +119,7 @@ pub enum Cause {
         resource: Value,
         /// The amount needed, with its unit.
         needed: Value,
-        /// What there is, with its unit.
+        /// Remaining amount, with its unit.
         left: Value,
     },
     /// An ancestor was suspended with everything below it.
@@ -146,7 +146,7 @@ pub enum Cause {
     },
     /// All tasks made by `forall` have ended, or the list was empty.
     ItemsEnded {
-        /// How many items.
+        /// Number of items.
         items: u64,
         /// The last that ended; none when the list was empty.
         last: Option<TaskId>,
@@ -181,7 +181,7 @@ pub enum Cause {
     CommandTimedOut {
         /// The command.
         command: CommandId,
-        /// How long its answer was waited for.
+        /// Time for which the answer was waited for.
         patience: Duration,
     },
     /// The parent ended.
@@ -216,16 +216,16 @@ pub enum Cause {
     },
     /// The most specific match.
     MostSpecific {
-        /// How many matched.
+        /// Number of matches.
         candidates: u64,
     },
     /// No match is more specific, and of those as specific it goes first.
     FirstOfEquals {
-        /// How many matched.
+        /// Number of matches.
         candidates: u64,
-        /// How many of them are as specific, itself included.
+        /// Number of equally specific matches, itself included.
         equals: u64,
-        /// Why it goes first.
+        /// Rule that put it first.
         rule: EqualsRule,
     },
     /// The activity is built in: there is nothing to choose.
@@ -235,7 +235,7 @@ pub enum Cause {
     },
     /// The step has a `forall`: its work is one task for each item.
     ForAll {
-        /// How many items.
+        /// Number of items.
         items: u64,
     },
     /// No procedure or primitive matched, and a solver serves the goal.
@@ -263,7 +263,7 @@ pub enum Cause {
     SolverTimedOut {
         /// The request.
         request: SolveRequestId,
-        /// How long its answer was waited for.
+        /// Time for which the answer was waited for.
         patience: Duration,
     },
     /// A `waitfor`, `select`, `=>` or `setq` bound a variable.
@@ -280,7 +280,7 @@ pub enum Cause {
     SentAgain,
     /// An expression could not be evaluated.
     ExpressionFailed {
-        /// What went wrong.
+        /// Error message.
         message: String,
     },
     /// A step's value does not fit the pattern after `=>`.
@@ -290,7 +290,7 @@ pub enum Cause {
     },
     /// A sample or a message could not be recorded as it came.
     InputRefused {
-        /// What is wrong with it.
+        /// Error in it.
         message: String,
     },
     /// An answer came to something that was never asked.
@@ -331,12 +331,12 @@ pub enum Cause {
     },
     /// The application ends for a reason outside of this agent.
     Stopped {
-        /// Why, from outside.
+        /// Reason, as stated from outside.
         reason: String,
     },
     /// A message has no receiver: no agent or router is called so.
     NobodyHears {
-        /// Who was meant, and who is there.
+        /// Intended receiver, and the agents that exist.
         message: String,
     },
     /// Tasks wait for each other's resources in a circle.
@@ -346,7 +346,7 @@ pub enum Cause {
     },
     /// The executive contradicts itself: a bug of Apex, never of a program.
     ExecutiveFault {
-        /// What happened.
+        /// Message about the event.
         message: String,
     },
 }

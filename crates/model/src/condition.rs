@@ -1,4 +1,4 @@
-//! Conditions: what monitors watch for (`monitoring.md` section 1, paper Appendix B and Table 1).
+//! Conditions: what monitors watch for (`conditions.md`, paper Appendix B and Table 1).
 //!
 //! Everything the language can say is representable; what the executive cannot evaluate yet is refused by the
 //! checker with a clear diagnostic, never ignored.
@@ -16,9 +16,9 @@ use std::sync::Arc;
 pub struct Condition {
     /// The name that its result is bound to, without `?`.
     pub tag: Option<Symbol>,
-    /// What it is.
+    /// Kind and parameters.
     pub kind: ConditionKind,
-    /// Where it stands.
+    /// Place in the source.
     pub place: Place,
 }
 
@@ -41,7 +41,7 @@ pub enum ConditionKind {
     InOrder(Vec<Condition>, Vec<Expr>),
     /// An Allen relation between adjacent parts.
     Allen {
-        /// Which of the thirteen.
+        /// Relation, one of the thirteen.
         relation: AllenRelation,
         /// The parts.
         parts: Vec<Condition>,
@@ -74,11 +74,11 @@ pub enum ConditionKind {
     Function(Expr),
     /// `:probing`: active sensing while the part is watched.
     Probing {
-        /// What is watched.
+        /// Watched condition.
         condition: Box<Condition>,
         /// The goal pursued to sense.
         goal: Template,
-        /// How often.
+        /// Interval between probes.
         interval: Expr,
         /// Not longer than.
         time_limit: Option<Expr>,
@@ -109,7 +109,7 @@ pub struct MeasurementCondition {
     pub object: Vec<Constraint>,
     /// All must hold of the time stamp; empty means the default window, from the creation of the task on.
     pub timestamp: Vec<Constraint>,
-    /// How values between samples are estimated.
+    /// Estimation of values between samples.
     pub estimation: Option<Estimation>,
 }
 
@@ -166,7 +166,7 @@ pub struct EpisodeCondition {
     pub variable: VariablePattern,
     /// The required sampling quality; stating none is a load-time error.
     pub quality: Quality,
-    /// `:any`: any two samples of a run bound an episode, not only the whole run (`monitoring.md` rule 7).
+    /// `:any`: any two samples of a run bound an episode, not only the whole run (`condition-rules.md`, rule 7).
     pub any: bool,
     /// Must hold of every value in the run.
     pub value: Vec<Constraint>,
@@ -176,7 +176,7 @@ pub struct EpisodeCondition {
     pub last_value: Vec<Constraint>,
     /// Must hold of the object.
     pub object: Vec<Constraint>,
-    /// When it starts and ends and how long it lasts.
+    /// Constraints on start, end and duration.
     pub timing: Timing,
     /// Aggregates: name without the colon and constraints.
     pub stats: Vec<(Symbol, Vec<Constraint>)>,

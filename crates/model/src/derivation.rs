@@ -12,15 +12,15 @@ use serde::{Deserialize, Serialize};
 pub struct Derivation {
     /// The variable of the object, without `?`.
     pub object: Symbol,
-    /// What the expression reads, each once.
+    /// Inputs that the expression reads, each once.
     pub inputs: Vec<DerivationInput>,
     /// The value, in terms of the names of the inputs and of `object`.
     pub value: Expr,
-    /// How samples of several variables are brought to one instant.
+    /// Rule by which samples of several variables are brought to one instant.
     pub join: Join,
     /// A derivation reads derived variables of lower ranks only: 0 reads measured ones.
     pub rank: u32,
-    /// Where it stands.
+    /// Place in the source.
     pub place: Place,
 }
 
@@ -33,11 +33,11 @@ pub struct DerivationInput {
     pub attribute: Symbol,
     /// Its object: the derivation's object variable or a literal.
     pub object: Pattern,
-    /// What is read.
+    /// Value that is read.
     pub reads: Reading,
 }
 
-/// What a derivation reads of a state variable at an instant.
+/// Value that a derivation reads of a state variable at an instant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Reading {
     /// Its value.
@@ -50,7 +50,7 @@ pub enum Reading {
     Changed,
 }
 
-/// How samples of several variables are brought to one instant.
+/// Rule by which samples of several variables are brought to one instant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Join {
     /// A variable has the value of its latest sample, for this time at most; none is without limit.

@@ -22,7 +22,7 @@ pub struct SolveRequestId(pub u64);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct QuestionId(pub u64);
 
-/// What the executive wants the world to know or do, in the order decided.
+/// Request or report of the executive to the outside, in the order decided.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Effect {
     /// A decision, with its cause. Every change of a task's state is one.
@@ -35,30 +35,30 @@ pub enum Effect {
         task: TaskId,
         /// The ground form, for example `(fly-to (34.7 -119.8 7010))`.
         form: Value,
-        /// Why, and which form of PDL said it.
+        /// Cause, with the form of PDL that led to it.
         because: Because,
     },
     /// The command's task ended or was interrupted before the answer: the vehicle should stop doing it.
     WithdrawCommand {
         /// The command.
         command: CommandId,
-        /// Why, for the record.
+        /// Reason, for the record.
         reason: String,
     },
     /// Run a solver; answered by `SolverReported`.
     Solve(SolveRequest),
-    /// Nobody waits for this answer any longer.
+    /// No task waits for this answer any longer.
     CancelSolve(SolveRequestId),
-    /// `(inform FORM)`: a message for whoever listens outside. The agent itself receives it as an event too.
+    /// `(inform FORM)`: a message for listeners outside. The agent itself receives it as an event too.
     Inform {
-        /// Who said it.
+        /// Speaking task.
         task: TaskId,
-        /// What.
+        /// Form of the message.
         form: Value,
     },
     /// `(print ..)`.
     Print {
-        /// Who printed.
+        /// Printing task.
         task: TaskId,
         /// The text.
         text: String,
@@ -67,42 +67,43 @@ pub enum Effect {
     Ask {
         /// For the answer.
         question: QuestionId,
-        /// Who asks.
+        /// Asking task.
         task: TaskId,
         /// The question.
         text: String,
         /// Choices.
         options: Vec<Value>,
-        /// When the operator's time is over.
+        /// Instant at which the operator's time is over.
         by: Option<Time>,
         /// Taken then; none fails the task.
         default: Option<Value>,
     },
     /// The application is over: by `(end-application)`, or because the root task of its only agent ended.
     EndApplication {
-        /// Why.
+        /// Reason.
         reason: String,
     },
     /// Something for other agents of the application: by `(cogevent FORM agent)`, or by `inform` and `publish` along
     /// routers. It reaches them at the same instant.
     Tell {
-        /// Who says it.
+        /// Speaking task.
         task: TaskId,
-        /// Who hears it, in the order of their declarations, each once.
+        /// Receivers in the order of their declarations, each once.
         to: Vec<Symbol>,
-        /// What.
+        /// Message.
         message: Message,
     },
-    /// Nobody waits for the answer to this question any longer: its task ended or was interrupted, or the time is over.
+    /// No task waits for the answer to this question any longer: its task ended or was interrupted, or the time is
+    /// over.
     WithdrawQuestion {
         /// The question.
         question: QuestionId,
-        /// Why, for the record and the operator.
+        /// Reason, for the record and the operator.
         reason: String,
     },
-    /// This agent is done, because its root task ended; the application's other agents go on.
+    /// This agent has ended, because its root task ended; the application's other agents continue.
     AgentEnded {
-        /// Why.
+        /// Reason.
         reason: String,
     },
     /// `(publish (ATTRIBUTE OBJECT) VALUE)`: a sample of the agent itself, which its histories hold from this instant on.
@@ -138,13 +139,13 @@ pub struct SolveRequest {
 pub struct Decision {
     /// The task it is about; none for decisions about the whole agent.
     pub task: Option<TaskId>,
-    /// What was decided.
+    /// Decision.
     pub kind: DecisionKind,
-    /// Why.
+    /// Cause.
     pub because: Because,
 }
 
-/// What was decided.
+/// Kind of a decision, with its data.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum DecisionKind {
     /// A task came into being, in state pending.
@@ -169,7 +170,7 @@ pub enum DecisionKind {
     },
     /// A monitor's condition became true.
     Satisfied {
-        /// Which clause: `waitfor`, `end-when`, ..
+        /// Clause: `waitfor`, `end-when`, ..
         clause: Cow<'static, str>,
         /// The hull of the evidence.
         interval: (Time, Time),
@@ -181,7 +182,7 @@ pub enum DecisionKind {
         /// The value.
         value: Value,
     },
-    /// How the goal will be pursued.
+    /// A way to pursue the goal was selected.
     Selected {
         /// Procedure, primitive, built-in or solver.
         method: Method,
@@ -194,7 +195,7 @@ pub enum DecisionKind {
     Refused {
         /// The resource.
         resource: Value,
-        /// Who has it or gets it.
+        /// Task that holds or gets the resource.
         winner: TaskId,
     },
     /// A procedure was added to the library from a plan.
@@ -208,7 +209,7 @@ pub enum DecisionKind {
     },
     /// An error inside an expression, a limit reached, a stray answer: named, never silent.
     Trouble {
-        /// What.
+        /// Message.
         message: String,
     },
 }

@@ -1,5 +1,5 @@
-//! What was computed rather than measured: values between and beyond samples, statistics and trends
-//! (`monitoring.md` section 2, rules 1, 6, 10 to 12 and 22). Evidence, like a sample, with the samples behind it.
+//! Computed instead of measured evidence: values between and beyond samples, statistics and trends
+//! (`condition-rules.md`, rules 1, 6, 10 to 12 and 22). Each carries the samples that it rests on.
 
 use crate::event::StateVariable;
 use crate::quantity::format_rounded;
@@ -8,7 +8,7 @@ use crate::value::Value;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// How values between and beyond samples are found.
+/// Method that finds values between and beyond samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Estimator {
     /// The last sample holds.
@@ -29,20 +29,20 @@ impl fmt::Display for Estimator {
 /// A value that an estimator gives for an instant.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
-    /// How it was found.
+    /// Method that found it.
     pub estimator: Estimator,
-    /// Whose value.
+    /// Variable of the value.
     pub variable: StateVariable,
     /// The estimated value.
     pub value: Value,
     /// The instant it is for.
     pub at: Time,
-    /// Where the estimate is valid, half-open: of a persisted sample from its instant to where it expires or is
-    /// replaced, of a line from the first to after the last fitted sample.
+    /// Half-open interval in which the estimate is valid: from the instant of a persisted sample to its expiry or
+    /// replacement; of a line from the first to just after the last fitted sample.
     pub extent: (Time, Time),
-    /// How many samples it rests on.
+    /// Number of samples that it rests on.
     pub samples: u64,
-    /// How far the instant lies outside of the samples; zero between them.
+    /// Distance of the instant from the samples; zero between them.
     pub extrapolation: Duration,
     /// Root mean square of the residuals of a line, in the unit of the variable.
     pub error: Option<Value>,
@@ -77,15 +77,15 @@ impl Estimate {
 /// A number computed over samples of one variable: a statistic or a trend.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Aggregate {
-    /// Whose samples.
+    /// Variable of the samples.
     pub variable: StateVariable,
-    /// What was computed, as PDL names it without the colon: `mean`, `rate`.
+    /// Name of the measure as PDL names it without the colon: `mean`, `rate`.
     pub name: String,
-    /// What came of it.
+    /// Computed value.
     pub value: Value,
     /// First and last instant of the interval, closed.
     pub interval: (Time, Time),
-    /// How many samples are in it.
+    /// Number of samples in it.
     pub samples: u64,
 }
 

@@ -8,12 +8,12 @@ use crate::value::Value;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// What one call of the executive's `step` works on. Events are in order of arrival, none later than `now`.
+/// Input of one call of the executive's `step`. Events are in order of arrival, none later than `now`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Batch {
     /// The instant of this step.
     pub now: Time,
-    /// What happened since the last step.
+    /// Events since the last step.
     pub events: Vec<Event>,
 }
 
@@ -22,9 +22,9 @@ pub struct Batch {
 pub struct Event {
     /// Arrival number, strictly increasing over the life of an agent; orders events of one instant.
     pub sequence: u64,
-    /// When it happened; may be earlier than the step's `now`.
+    /// Instant of the event; may be earlier than the step's `now`.
     pub at: Time,
-    /// What it is.
+    /// Kind and data.
     pub kind: EventKind,
 }
 
@@ -39,7 +39,7 @@ pub enum EventKind {
     CommandAcknowledged(CommandId, Result<Value, String>),
     /// A solver answered.
     SolverReported(SolveRequestId, SolverReport),
-    /// A person answered.
+    /// The operator answered.
     OperatorAnswered(QuestionId, Value),
     /// The requested time has arrived.
     Woken,
@@ -49,7 +49,7 @@ pub enum EventKind {
     Stop(String),
 }
 
-/// What one agent says to others.
+/// Message from one agent to others.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Message {
     /// A message.
@@ -134,7 +134,7 @@ impl fmt::Debug for StateVariable {
     }
 }
 
-/// What came back from a solver, already checked by the pool.
+/// Answer of a solver, already checked by the pool.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum SolverReport {
     /// A plan as steps of a sequential procedure.

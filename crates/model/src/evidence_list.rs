@@ -5,7 +5,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::ops::Deref;
 use std::sync::Arc;
 
-/// What was seen, in order; cheap to clone, and nothing at all when empty.
+/// Evidence in order; cheap to clone, and without an allocation if empty.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EvidenceList(Option<Arc<[Evidence]>>);
 

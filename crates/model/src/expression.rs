@@ -1,4 +1,4 @@
-//! Checked expressions: the small total language of `pdl.md` section 6, after loading.
+//! Checked expressions: the small total language of `pdl.md`, Forms, after loading.
 //!
 //! Evaluated by the executive; built by the PDL front end. Names are resolved: a [`ExprKind::Local`] is lexically
 //! bound, a [`ExprKind::Call`] names a built-in, a `defun` of the library, or a declared host function.
@@ -11,9 +11,9 @@ use serde::{Deserialize, Serialize};
 /// An expression and where it stands.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Expr {
-    /// What it is.
+    /// Kind and operands.
     pub kind: ExprKind,
-    /// Where it stands.
+    /// Place in the source.
     pub place: Place,
 }
 
@@ -141,6 +141,6 @@ pub struct Closure {
     pub body: Vec<Expr>,
     /// Captured local variables.
     pub captured: Vec<(Symbol, Value)>,
-    /// Where the lambda stands.
+    /// Place of the lambda in the source.
     pub place: Place,
 }

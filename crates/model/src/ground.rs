@@ -1,4 +1,4 @@
-//! Which state variables a condition names together with their objects.
+//! State variables that a condition names together with their objects.
 
 use crate::condition::{Condition, ConditionKind, VariablePattern};
 use crate::event::StateVariable;

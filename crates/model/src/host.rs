@@ -1,4 +1,4 @@
-//! Host functions: pure functions of the host program that PDL calls by name (`pdl.md` section 6).
+//! Host functions: pure functions of the host program that PDL calls by name (`pdl.md`, Forms).
 
 use crate::symbol::Symbol;
 use crate::value::Value;
@@ -37,7 +37,7 @@ impl std::fmt::Debug for HostFunctions {
 }
 
 impl PartialEq for HostFunctions {
-    /// Functions have no identity of their own: equal when the names are.
+    /// Functions have no identity of their content: two lists are equal if their names are.
     fn eq(&self, other: &HostFunctions) -> bool {
         self.0.keys().eq(other.0.keys())
     }

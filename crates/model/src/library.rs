@@ -1,4 +1,4 @@
-//! The checked library: everything an agent knows before it starts (`pdl.md` sections 1, 3, 5, 8).
+//! The checked library: everything an agent knows before it starts (`pdl.md`, Text, Procedures, Primitives, Applications).
 
 use crate::agent_limits::Limits;
 use crate::derivation::Derivation;
@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Checked definitions. Built by the PDL front end; believed by everyone after.
+/// Checked definitions. The PDL front end builds them; all later code relies on their correctness.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Library {
     /// Source texts, in load order; [`Place::file`] indexes them.
@@ -83,7 +83,7 @@ pub struct Function {
     pub body: Vec<Expr>,
     /// Calls nothing that publishes, prints, assigns task variables or commands.
     pub pure: bool,
-    /// Where it stands.
+    /// Place in the source.
     pub place: Place,
 }
 
@@ -93,11 +93,11 @@ pub struct Function {
 pub struct HostDeclaration {
     /// Parameter names; a last `&rest` name takes all further arguments.
     pub parameters: Vec<Symbol>,
-    /// Only pure functions may stand in conditions.
+    /// True if the function is pure; only pure functions may occur in conditions.
     pub pure: bool,
     /// Calling it sends `(NAME argument..)` to the vehicle as a command instead of computing a value.
     pub command: bool,
-    /// Where it stands.
+    /// Place in the source.
     pub place: Place,
 }
 
@@ -114,7 +114,7 @@ pub struct StateVariableDeclaration {
     pub lateness: Option<Value>,
     /// `:rate R`: samples per second to expect, for memory estimates.
     pub rate_per_s: Option<f64>,
-    /// Where it stands.
+    /// Place in the source.
     pub place: Place,
 }
 
@@ -123,11 +123,11 @@ pub struct StateVariableDeclaration {
 pub struct ResourceDeclaration {
     /// Exclusive, shared or consumed.
     pub kind: ResourceKind,
-    /// Where it stands.
+    /// Place in the source.
     pub place: Place,
 }
 
-/// How a resource may be taken.
+/// Rule by which a resource is claimed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ResourceKind {
     /// One holder at a time: the default.
@@ -149,7 +149,7 @@ pub struct SolverDeclaration {
     pub budget: Option<Expr>,
     /// A goal pursued while the plan is late.
     pub meanwhile: Option<Template>,
-    /// Where it stands.
+    /// Place in the source.
     pub place: Place,
 }
 
@@ -169,7 +169,7 @@ pub struct AgentDeclaration {
     /// Its limits, where it lowers any.
     #[serde(default)]
     pub limits: Limits,
-    /// Where it stands.
+    /// Place in the source.
     pub place: Place,
 }
 
@@ -194,16 +194,16 @@ impl AgentDeclaration {
     }
 }
 
-/// How an agent uses a router: `NAME`, or `(NAME [:publish TOPICS] [:subscribe TOPICS])`.
+/// Use of a router by an agent: `NAME`, or `(NAME [:publish TOPICS] [:subscribe TOPICS])`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RouterUse {
     /// The router.
     pub router: Symbol,
-    /// What the agent says on it.
+    /// Topics that the agent sends on it.
     pub publish: Topics,
-    /// What the agent hears of it.
+    /// Topics that the agent receives from it.
     pub subscribe: Topics,
-    /// Where it stands.
+    /// Place in the source.
     pub place: Place,
 }
 
@@ -214,7 +214,7 @@ impl RouterUse {
     }
 }
 
-/// Which messages and samples pass.
+/// Messages and samples that pass.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Topics {
     /// Everything.
@@ -226,9 +226,9 @@ pub enum Topics {
 /// `(router NAME [:carries TOPICS])`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RouterDeclaration {
-    /// What it passes on.
+    /// Topics that it forwards.
     pub carries: Topics,
-    /// Where it stands.
+    /// Place in the source.
     pub place: Place,
 }
 
@@ -242,7 +242,7 @@ pub struct Application {
     /// Every other keyword in written order, without the colon, with its raw datum
     /// (`:vehicle`, `:targets`, `:airspace`, `:weather`, `:libraries`, `:files`, `:init`, ..).
     pub options: Vec<(Symbol, Value)>,
-    /// Where it stands.
+    /// Place in the source.
     pub place: Place,
 }
 

@@ -1,8 +1,8 @@
 //! Every limit of the core, with its reason. Loops over external input take their bound from here. Some may be lowered by an
 //! agent: [`crate::agent_limits`].
 
-/// Rounds of notice/enable/choose/contend/commit/act at one instant, except for those in which tasks only end: a chain of
-/// steps that take no time is as long as it is written, and comes to its end by itself.
+/// Rounds of notice/enable/choose/contend/commit/act at one instant, except for those in which tasks only end: a chain
+/// of steps that take no time is as long as it is written, and ends without help.
 pub const CASCADE_ROUNDS_MAX: u32 = 10_000;
 /// Nesting of lists in PDL text: deeper than any human writes, shallower than the stack.
 pub const READ_DEPTH_MAX: usize = 256;
@@ -41,7 +41,7 @@ pub const LIST_ITEMS_MAX: usize = 1_000_000;
 pub const SOLVE_REQUESTS_MAX: usize = 64;
 /// Seconds after which a command without an answer has failed, where the primitive gives no timeout.
 pub const COMMAND_TIMEOUT_DEFAULT_S: i64 = 6 * 3600;
-/// Seconds after which a request to a solver without an answer has failed, where nobody states a budget.
+/// Seconds after which a request to a solver without an answer has failed, if no budget is stated.
 pub const SOLVE_TIMEOUT_DEFAULT_S: i64 = 3600;
 /// Seconds that a solver may answer later than its budget: a plan that is a little late is better than none.
 pub const SOLVE_GRACE_S: i64 = 60;
@@ -60,7 +60,8 @@ pub const MEDIAN_NUMBERS_MAX: u64 = 1_000_000;
 /// Instants at which samples leave a sliding window that are tried before the next wake: the next sample mostly comes
 /// first.
 pub const WINDOW_FORESIGHT_MAX: usize = 4;
-/// Looks at two priorities that move, to find when one overtakes the other: some 30 halvings of each of 30 spans.
+/// Evaluations of two changing priorities to find the instant at which one overtakes the other: about 30 halvings of
+/// each of 30 spans.
 pub const PRIORITY_SEARCH_MAX: u32 = 2_000;
 /// Milliseconds after which two priorities are compared again whose crossing cannot be computed.
 pub const PRIORITY_LOOK_AGAIN_MS: i64 = 250;

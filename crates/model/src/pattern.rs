@@ -1,4 +1,4 @@
-//! Patterns over values: indexes of procedures, events waited for (`pdl.md` section 2). Paper: pattern matching service.
+//! Patterns over values: indexes of procedures, events waited for (`pdl.md`, Patterns). Paper: pattern matching service.
 
 use crate::expression::Expr;
 use crate::symbol::Symbol;

@@ -33,7 +33,7 @@ pub struct PlannedProcedure {
 pub struct PlannedStep {
     /// The step's tag.
     pub tag: Symbol,
-    /// What the step does.
+    /// Activity of the step.
     pub activity: PlannedActivity,
     /// Line of the step in the procedure's text, from 1.
     pub line: u32,
@@ -64,7 +64,7 @@ impl Location {
     }
 }
 
-/// How a site is inspected.
+/// Manner in which a site is inspected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum LookFrom {
     /// From one point: for vehicles that hover.
@@ -73,7 +73,7 @@ pub enum LookFrom {
     Circle,
 }
 
-/// What a step of a plan does.
+/// Activity of a step of a plan.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum PlannedActivity {
     /// Fly every line over a target with the scanner on.
@@ -82,7 +82,7 @@ pub enum PlannedActivity {
         target: String,
         /// Ends of each line, in the order flown.
         lines: Vec<(Location, Location)>,
-        /// When the plan expects the end, since the mission's start; `None` if it is not stated.
+        /// Expected end, since the mission's start; `None` if it is not stated.
         due: Option<Duration>,
     },
     /// Fly every line over a target and take pictures by distance.
@@ -97,14 +97,14 @@ pub enum PlannedActivity {
         every_m: f64,
         /// True airspeed along the lines.
         speed_mps: f64,
-        /// When the plan expects the end, since the mission's start.
+        /// Expected end, since the mission's start.
         due: Duration,
     },
     /// Fly to a point and take pictures from there.
     Inspect {
         /// The target's id.
         target: String,
-        /// Where the vehicle hovers.
+        /// Location of the hover.
         from: Location,
         /// The camera.
         camera: String,
@@ -112,10 +112,10 @@ pub enum PlannedActivity {
         at: String,
         /// Number of pictures.
         count: u32,
-        /// When the plan expects the end, since the mission's start.
+        /// Expected end, since the mission's start.
         due: Duration,
     },
-    /// Fly to a site and look at it.
+    /// Fly to a site and observe it.
     Visit {
         /// The site's id.
         site: String,
@@ -123,7 +123,7 @@ pub enum PlannedActivity {
         from: LookFrom,
         /// The point, or the centre of the circle.
         at: Location,
-        /// How long the look takes.
+        /// Duration of the observation.
         dwell: Duration,
         /// The camera that looks; `None`: the vehicle carries none.
         camera: Option<String>,
@@ -134,14 +134,14 @@ pub enum PlannedActivity {
     Loiter {
         /// The point.
         at: Location,
-        /// How long.
+        /// Duration.
         time: Duration,
     },
     /// Stay at a point until an instant; no longer than it takes to get there where the instant has passed.
     LoiterUntil {
         /// The point.
         at: Location,
-        /// When it ends, since the mission's start.
+        /// End, since the mission's start.
         until: Duration,
     },
     /// Any other ground goal.

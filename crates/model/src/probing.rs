@@ -4,7 +4,7 @@ use crate::time::Duration;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Why probing ends.
+/// Reason for which probing ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ProbingEnd {
     /// The condition holds.

@@ -1,4 +1,4 @@
-//! Procedures, steps and primitives after checking (`pdl.md` sections 3 to 5). Paper: section III.
+//! Procedures, steps and primitives after checking (`pdl.md`, Procedures, Steps, Primitives). Paper: section III.
 //!
 //! Solver plans become the same [`Procedure`] type.
 
@@ -10,7 +10,7 @@ use crate::symbol::Symbol;
 use crate::time::Duration;
 use serde::{Deserialize, Serialize};
 
-/// How a procedure orders its steps.
+/// Order in which a procedure executes its steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ProcedureKind {
     /// All at once unless waitfors order them.
@@ -26,7 +26,7 @@ pub enum ProcedureKind {
 /// A stored or generated procedure: the template of a controller.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Procedure {
-    /// How its steps are ordered.
+    /// Order of the steps.
     pub kind: ProcedureKind,
     /// The class of goals it serves.
     pub index: Pattern,
@@ -46,7 +46,7 @@ pub struct Procedure {
     pub steps: Vec<Step>,
     /// The bundle it belongs to.
     pub bundle: Option<Symbol>,
-    /// Where it stands.
+    /// Place in the source.
     pub place: Place,
 }
 
@@ -57,7 +57,7 @@ pub struct ResourceNeed {
     pub resource: Template,
     /// Units of a capacity or amount of a depletable; none takes the whole.
     pub amount: Option<Expr>,
-    /// Where it stands.
+    /// Place in the source.
     pub place: Place,
 }
 
@@ -107,7 +107,7 @@ pub struct Hooks {
 pub struct Step {
     /// Its name; also the variable `?tag` that holds its task.
     pub tag: Symbol,
-    /// What is to be achieved.
+    /// Activity of the step.
     pub activity: Activity,
     /// `=> ?v`: what the task's value is bound to in the parent's context.
     pub binds: Option<Box<Pattern>>,
@@ -135,7 +135,7 @@ pub struct Step {
     pub hooks: Hooks,
     /// + Goal to pursue if the step fails.
     pub on_failure: Option<Box<Activity>>,
-    /// Where it stands.
+    /// Place in the source.
     pub place: Place,
 }
 
@@ -163,7 +163,7 @@ impl Step {
     }
 }
 
-/// What a step does.
+/// Activity of a step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Activity {
     /// A goal, matched against procedures, primitives and solvers.
@@ -272,7 +272,7 @@ pub struct Primitive {
     pub profile: Vec<ResourceNeed>,
     /// Variables of the primitive with initial values, in order.
     pub locals: Vec<(Symbol, Expr)>,
-    /// How long it takes.
+    /// Duration.
     pub duration: Option<Expr>,
     /// Forms run every interval while ongoing; no interval is the agent's default.
     pub update: Option<(Option<Expr>, Vec<Expr>)>,
@@ -284,6 +284,6 @@ pub struct Primitive {
     pub returns: Option<Expr>,
     /// The bundle it belongs to.
     pub bundle: Option<Symbol>,
-    /// Where it stands.
+    /// Place in the source.
     pub place: Place,
 }

@@ -1,4 +1,4 @@
-//! Quantities: a number with its dimension (`pdl.md` section 1, + quantities).
+//! Quantities: a number with its dimension (`pdl.md`, Text, + quantities).
 //!
 //! Stored in SI; the unit the author wrote is kept for printing only. Pure time is [`crate::time::Duration`]
 //! and a dimensionless number is a plain real: neither is ever a `Quantity`.
@@ -127,7 +127,7 @@ pub struct Unit {
     pub name: &'static str,
     /// Other accepted spellings, lower case.
     pub aliases: &'static [&'static str],
-    /// What it measures.
+    /// Measured dimension.
     pub dimension: Dimension,
     /// SI value of one unit.
     pub factor: f64,
@@ -204,7 +204,7 @@ pub fn unit_named(name: &str) -> Option<&'static Unit> {
 pub struct Quantity {
     /// The value in SI units.
     pub si: f64,
-    /// What is measured.
+    /// Measured dimension.
     pub dimension: Dimension,
     /// Index into [`UNITS`] of the unit to print in; none prints SI base units.
     pub unit: Option<u8>,

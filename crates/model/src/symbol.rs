@@ -1,4 +1,4 @@
-//! Symbols: case-insensitive names, folded for matching and printed as written (`pdl.md` section 1).
+//! Symbols: case-insensitive names, folded for matching and printed as written (`pdl.md`, Text).
 
 use rustc_hash::FxBuildHasher;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -16,7 +16,7 @@ struct SymbolText {
     printed: Option<Box<str>>,
     /// Of the folded text: two symbols with different numbers differ.
     hash: u64,
-    /// The first eight bytes of the folded text as one number, which orders most symbols without a look at their texts.
+    /// The first eight bytes of the folded text as one number, which orders most symbols without their texts.
     prefix: u64,
 }
 
@@ -46,7 +46,7 @@ impl Symbol {
         self.0.printed.as_deref().unwrap_or(&self.0.folded)
     }
 
-    /// Is this the symbol with the folded text `folded`?
+    /// Returns true if this is the symbol with the folded text `folded`.
     pub fn is(&self, folded: &str) -> bool {
         &*self.0.folded == folded
     }

@@ -54,7 +54,7 @@ impl fmt::Display for TaskState {
     }
 }
 
-/// How a task ended.
+/// Outcome of a task.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Outcome {
     /// As intended, with its value.

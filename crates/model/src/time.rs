@@ -1,7 +1,7 @@
 //! Time as a value.
 //!
 //! Signed 64-bit nanoseconds of mission time everywhere; stamps of other clocks are mapped to it where they arrive.
-//! PDL: durations and time points (`pdl.md` section 1). Paper: section III, histories.
+//! PDL: durations and time points (`pdl.md`, Text). Paper: section III, histories.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;

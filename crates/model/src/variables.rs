@@ -1,4 +1,4 @@
-//! Which pattern variables a clause mentions: an information dependency between steps is found here.
+//! Pattern variables that a clause mentions, from which information dependencies between steps follow.
 
 use crate::condition::{
     Condition, ConditionKind, Constraint, EpisodeCondition, Estimation, MeasurementCondition, Timing,

@@ -33,7 +33,7 @@ codes! {
     TOO_DEEP "E0006" "Lists are nested deeper than the limit.";
     TOO_LARGE "E0007" "A source text is larger than the limit.";
     NUMBER_RANGE "E0008" "A number is too large to be represented.";
-    UNKNOWN_UNIT "E0009" "A number is followed by a word that is no unit.";
+    UNKNOWN_UNIT "E0009" "A number is followed by a word that is not a unit.";
     NOT_ONE_DATUM "E0010" "The text must hold exactly one datum.";
     BRACKET "E0011" "A list is written with brackets or braces.";
     UNKNOWN_FORM "E0101" "No top-level form has this name.";
@@ -53,7 +53,7 @@ codes! {
     UNKNOWN_FUNCTION "E0201" "No function has this name.";
     UNKNOWN_INDEXICAL "E0202" "No indexical has this name.";
     UNKNOWN_TAG "E0203" "No step of this procedure has this tag.";
-    UNBOUND_VARIABLE "E0204" "A variable is used where nothing binds it.";
+    UNBOUND_VARIABLE "E0204" "A variable is used without a binding.";
     NEVER_BOUND "E0205" "A variable that must be bound already cannot be.";
     ARITY "E0206" "A function is called with too few or too many arguments.";
     IMPURE "E0207" "A function with effects stands where only a value may be computed.";

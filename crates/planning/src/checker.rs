@@ -1,4 +1,5 @@
-//! The independent checker: every plan passes here before the executive sees it, whoever made it.
+//! The independent checker: every plan passes it before the executive receives it, whatever planner or operator made
+//! it.
 //!
 //! Own arithmetic throughout (quadrature instead of closed forms, winding angles instead of crossing counts, vectors
 //! instead of the wind triangle), so that a planner's mistake is not made twice.
@@ -11,7 +12,7 @@ mod turns;
 
 use apex_model::problem::{Plan, Problem};
 
-/// What is wrong with `plan` as an answer to `problem`: one phrase per violation, empty where the plan may be used.
+/// Returns the violations of `plan` as an answer to `problem`, one phrase each; empty if the plan may be used.
 pub fn violations(problem: &Problem, plan: &Plan) -> Vec<String> {
     match (problem, plan) {
         (Problem::Surveillance(problem), Plan::Surveillance(plan)) => surveillance::violations(problem, plan),

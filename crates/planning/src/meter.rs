@@ -1,11 +1,12 @@
-//! What a proof may still take, and what it has taken: as planners are, proofs are budgeted in units of work, never by a clock.
+//! Budget of a proof and its use so far: like planners, proofs are budgeted in units of work, never by a clock.
 //!
-//! Loops of proofs are metered in nanoseconds, as measured on one core of a loaded server, and charged in whole units, so that
-//! equal budgets prove equal bounds everywhere. Who gets less than would be needed takes a coarser look and says so.
+//! Loops of proofs are metered in nanoseconds, as measured on one core of a loaded server, and charged in whole units,
+//! so that equal budgets prove equal bounds everywhere. A proof with less than it needs uses a coarser grid and reports
+//! it.
 
 use crate::solver::{Budget, WORK_UNIT};
 
-/// A budget with what was spent of it, and whether it made somebody stop early.
+/// A budget with the spent part, and whether a proof stopped early because of it.
 pub struct Meter<'a> {
     budget: &'a mut dyn Budget,
     /// Spent and not yet a whole unit.
@@ -24,7 +25,7 @@ impl<'a> Meter<'a> {
         self.budget.used()
     }
 
-    /// Was everything tried that would have been with a greater budget?
+    /// Returns true if a greater budget would not have added anything.
     pub fn is_complete(&self) -> bool {
         !self.cut
     }

@@ -19,7 +19,7 @@ impl Registry {
     /// Adds a planner.
     ///
     /// # Errors
-    /// A sentence when its name is taken, or could not stand in `(solver NAME ..)`.
+    /// An error message if its name is taken, or could not occur in `(solver NAME ..)`.
     pub fn add(&mut self, solver: Arc<dyn Solver>) -> Result<(), String> {
         let name = solver.name();
         let word = |letter: char| letter.is_ascii_lowercase() || letter.is_ascii_digit() || letter == '-';

@@ -6,11 +6,11 @@
 use apex_model::problem::{Plan, Problem};
 use apex_model::time::Duration;
 
-/// Time that one unit of a solver's work stands for: in flights, in budgets and in the profile table.
+/// Time that one unit of a solver's work represents: in flights, in budgets and in the profile table.
 ///
 /// Measured on one core of a loaded server: all planners take 0.5 to 1.3 microseconds a unit, from 10 to 1,000 targets
-/// (`docs/reference/planning-speed.md`; `make bench-units` measures it again). A slower computer does less in a second of flight
-/// than a unit stands for: its budgets should be smaller, or its plans are late.
+/// (`docs/reference/planning-speed.md`; `make bench-units` measures it again). A slower computer does less in a second
+/// of flight than a unit represents: its budgets should be smaller, or its plans are late.
 pub const WORK_UNIT: Duration = Duration(1_000);
 
 /// Work units in `time`; at least one.
@@ -18,12 +18,12 @@ pub fn units_in(time: Duration) -> u64 {
     u64::try_from(time.0 / WORK_UNIT.0).unwrap_or(0).max(1)
 }
 
-/// Time that `units` of work stand for.
+/// Returns the time that `units` of work represent.
 pub fn time_of(units: u64) -> Duration {
     Duration(WORK_UNIT.0.saturating_mul(i64::try_from(units).unwrap_or(i64::MAX)))
 }
 
-/// What a solver may use.
+/// Powers that a solver may use.
 pub struct Environment<'a> {
     /// Seed for the solver's own generator; equal seed and budget give an equal plan.
     pub seed: u64,
@@ -35,7 +35,7 @@ pub struct Environment<'a> {
     pub previous: Option<&'a Plan>,
 }
 
-/// Permission to go on.
+/// Permission to continue.
 pub trait Budget {
     /// Charges `units` of work.
     fn charge(&mut self, units: u64);
@@ -43,7 +43,7 @@ pub trait Budget {
     fn exhausted(&self) -> bool;
     /// Units charged so far.
     fn used(&self) -> u64;
-    /// Units that are left; none where a clock decides. Whoever cools down wants to know for how long.
+    /// Returns the remaining units; `None` if a clock decides. An annealing planner plans its temperatures by it.
     fn left(&self) -> Option<u64> {
         None
     }
@@ -85,12 +85,12 @@ pub trait Solver: Send + Sync {
     /// The name in profile tables, records and `(solver NAME ..)` forms.
     fn name(&self) -> &str;
 
-    /// Can it plan for problems of this kind?
+    /// Returns true if it can plan for problems of this kind.
     fn serves(&self, problem: &Problem) -> bool;
 
     /// Plans. Returns when done or when the budget is exhausted.
     ///
     /// # Errors
-    /// A sentence for operators when there is no feasible plan or the problem makes no sense.
+    /// An error message for operators if no feasible plan exists or the problem is invalid.
     fn solve(&self, problem: &Problem, environment: &mut Environment<'_>) -> Result<Plan, String>;
 }

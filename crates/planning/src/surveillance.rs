@@ -1,4 +1,4 @@
-//! What all surveillance planners share: flying a word of targets, its expected cost, and the plan made of it.
+//! Shared parts of surveillance planners: flying a tour of targets, its expected cost, and the plan made of it.
 
 pub mod previous;
 mod reach;

@@ -13,7 +13,7 @@ pub const TARGETS_MAX: usize = 5_000;
 /// Refuses surveillance problems without meaning.
 ///
 /// # Errors
-/// A sentence that names the target and the field.
+/// An error message that names the target and the field.
 pub fn surveillance(problem: &SurveillanceProblem) -> Result<(), String> {
     if problem.targets.is_empty() {
         return Err("There is no target to watch.".to_string());
@@ -85,7 +85,7 @@ fn travel_times(problem: &SurveillanceProblem) -> Result<(), String> {
 /// Refuses single-visit problems without meaning.
 ///
 /// # Errors
-/// A sentence that names the target and the field.
+/// An error message that names the target and the field.
 pub fn single_visit(problem: &SingleVisitProblem) -> Result<(), String> {
     if problem.targets.is_empty() {
         return Err("There is no target to visit.".to_string());
@@ -128,10 +128,10 @@ pub fn single_visit(problem: &SingleVisitProblem) -> Result<(), String> {
 /// Turns wider than this are a mistake: the widest of an airliner in a strong wind are a tenth of it.
 const TURN_RADIUS_M_MAX: f64 = 200_000.0;
 
-/// Refuses turns that nobody flies.
+/// Refuses turns that no vehicle flies.
 ///
 /// # Errors
-/// A sentence that says how wide turns may be.
+/// An error message that states the limits of turns.
 pub fn turn_radius(radius_m: f64) -> Result<(), String> {
     not_negative("The turn radius", radius_m)?;
     if radius_m > TURN_RADIUS_M_MAX {
@@ -159,10 +159,10 @@ fn given_times(problem: &SingleVisitProblem, travel: &TravelTimes) -> Result<(),
 fn precedence(problem: &SingleVisitProblem) -> Result<(), String> {
     for name in problem.precedence.iter().flat_map(|(earlier, later)| [earlier, later]) {
         if !problem.targets.iter().any(|target| target.name == *name) {
-            return Err(format!("The order of visits names {name}, which is no target."));
+            return Err(format!("The order of visits names {name}, which is not a target."));
         }
     }
-    // Repeatedly take away targets with nothing before them; what is left goes round in a circle.
+    // Repeatedly remove targets with nothing before them; the remaining ones form a circle.
     let mut open: Vec<&(String, String)> = problem.precedence.iter().collect();
     loop {
         let before = open.len();

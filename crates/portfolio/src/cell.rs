@@ -21,7 +21,7 @@ pub enum Scale {
     Small,
 }
 
-/// How a quantity differs between targets.
+/// Distribution of a quantity over targets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Spread {
     /// Half the targets have little, half have much.
@@ -32,7 +32,7 @@ pub enum Spread {
     Uniform,
 }
 
-/// How targets lie.
+/// Distribution of targets in space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Space {
     /// In two crowds.
@@ -54,7 +54,7 @@ pub struct Cell {
     pub cost: Spread,
     /// Number of targets.
     pub count: usize,
-    /// How the targets lie.
+    /// Distribution of the targets in space.
     pub space: Space,
 }
 
@@ -125,7 +125,7 @@ impl Cell {
         cells
     }
 
-    /// 27 cells that stand for all: every pair of levels of any two of count, scale, space and the two spreads occurs
+    /// 27 cells that represent all: every pair of levels of any two of count, scale, space and the two spreads occurs
     /// equally often (an orthogonal array of strength two).
     pub fn subset() -> Vec<Cell> {
         let level = |number: usize| (number / 9, number / 3 % 3, number % 3);
@@ -167,14 +167,13 @@ impl FromStr for Cell {
         let parts: Vec<&str> = text.splitn(5, '-').collect();
         let [scale, rate, cost, count, space] = parts.as_slice() else {
             return Err(format!(
-                "{text} is no cell: write SCALE-RATE-COST-COUNT-SPACE, for example small-clustered-fixed-8-two-cluster"
+                "{text} is not a cell: write SCALE-RATE-COST-COUNT-SPACE, for example small-clustered-fixed-8-two-cluster"
             ));
         };
         let spread = |what: &str, word: &str| {
-            Spread::ALL
-                .into_iter()
-                .find(|spread| spread.word() == word)
-                .ok_or_else(|| format!("{word} is no spread of {what} (in {text}): it is clustered, fixed or uniform"))
+            Spread::ALL.into_iter().find(|spread| spread.word() == word).ok_or_else(|| {
+                format!("{word} is not a spread of {what} (in {text}): it is clustered, fixed or uniform")
+            })
         };
         let scale = Scale::ALL.into_iter().find(|known| known.word() == *scale);
         let count = count.parse().ok().filter(|count| (1..=TARGETS_MAX).contains(count));

@@ -1,4 +1,4 @@
-//! What is wrong with a benchmark file, for operators.
+//! Errors of benchmark files, for operators.
 
 use std::fmt;
 
@@ -11,11 +11,11 @@ pub struct FormatError {
     pub column: usize,
     /// The line's text.
     pub text: String,
-    /// What is wrong.
+    /// Error.
     pub message: String,
-    /// Why it is wrong.
+    /// Reason.
     pub reason: String,
-    /// What to do.
+    /// Remedy.
     pub help: String,
 }
 

@@ -1,4 +1,4 @@
-//! Which planner is best for which mission: features of problems, the measured profile of planners, and selection by it.
+//! Selection of the best planner for a mission: features of problems, and the measured profile of planners.
 //!
 //! [`test_missions`] draws missions of each [`cell`] of the feature space, [`profile`] measures planners on them, and
 //! [`table`] chooses by what was measured. [`formats`] reads benchmark files. Planners are handed in as a registry; this

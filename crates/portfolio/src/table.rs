@@ -16,7 +16,7 @@ use std::sync::OnceLock;
 
 /// The table that ships with the product.
 pub const PROFILE: &str = include_str!("../data/profile-table.csv");
-/// Time assumed where nobody says how long deliberation may take.
+/// Time assumed if no request states how long deliberation may take.
 pub const BUDGET_DEFAULT: Duration = Duration(1_000_000_000);
 
 /// The chosen planner.
@@ -24,13 +24,13 @@ pub const BUDGET_DEFAULT: Duration = Duration(1_000_000_000);
 pub struct Selection {
     /// Its name.
     pub solver: String,
-    /// Why: the features, the cell, and what the table says of it.
+    /// Reason: the features, the cell, and its entry in the table.
     pub reason: String,
     /// The table says that operators plan such missions better; `solver` is the best that is none of them.
     pub people_plan_better: bool,
 }
 
-/// People among the planners of a table.
+/// Name of the human operator among the planners of a table.
 const PEOPLE: &str = "human";
 
 /// A table: of each cell, at each time for deliberation, which planner is best. `apex profile build --table` writes one; planners
@@ -101,7 +101,7 @@ fn of_surveillance(
         return Ok(Selection { solver: entry.best.clone(), reason, people_plan_better });
     }
     if entry.next == PEOPLE {
-        return Err(format!("{} names nobody but people", entry.cell));
+        return Err(format!("{} names no planner except `human`", entry.cell));
     }
     reason += &format!("; {} plans until a person does", entry.next);
     Ok(Selection { solver: entry.next.clone(), reason, people_plan_better })

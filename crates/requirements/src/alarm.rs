@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What a requirement protects, most important first: where several must be acted upon, the first comes first.
+/// Protected good of a requirement, most important first: if several must be acted upon, the first comes first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Concern {
@@ -22,7 +22,7 @@ pub enum Concern {
     Sensor,
 }
 
-/// When an alarm is raised and cleared. The unit is that of the margin.
+/// Margins at which an alarm is raised and cleared. The unit is that of the margin.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Thresholds {
     /// Below this margin the requirement is threatened, whatever the prediction says.
@@ -31,7 +31,7 @@ pub struct Thresholds {
     pub raise_samples: u32,
     /// Share of `warning` by which the margin must exceed it before the alarm is cleared.
     pub clear_share: f64,
-    /// How long the margin must stay there.
+    /// Time for which the margin must stay there.
     pub clear_s: f64,
 }
 
@@ -71,14 +71,14 @@ pub struct Alarm {
     asked: u32,
     /// Since when the margin is clear, while the alarm is raised.
     clear_since_s: Option<f64>,
-    /// When alarms of the last hour were raised.
+    /// Instants at which alarms of the last hour were raised.
     raised_s: Vec<f64>,
 }
 
 /// One sample of a requirement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// When, in seconds of mission time.
+    /// Instant in seconds of mission time.
     pub at_s: f64,
     /// The margin now.
     pub margin: f64,

@@ -1,13 +1,13 @@
-//! Which requirement to break where no flight keeps all of them.
+//! Choice of the requirement to break if no flight keeps all of them.
 
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 
-/// What a violation endangers, worst first.
+/// Harm that a violation may cause, worst first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Harm {
-    /// People on the ground.
+    /// Harm on the ground.
     PeopleOnGround,
     /// The aircraft.
     Aircraft,
@@ -20,7 +20,7 @@ pub enum Harm {
 /// One requirement that a choice breaks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Breach {
-    /// What it endangers.
+    /// Harm that it may cause.
     pub harm: Harm,
     /// Depth of the violation times its duration: the integral of the negative margin over time, in units of the requirement's
     /// default margin times seconds, so that breaches of one harm compare.

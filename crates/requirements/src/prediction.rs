@@ -12,7 +12,7 @@ pub const EXACT_S: f64 = 0.01;
 pub struct Violation {
     /// Seconds from now; 0 if the requirement is violated now.
     pub after_s: f64,
-    /// Where.
+    /// State on the route.
     pub state: RouteState,
 }
 

@@ -1,4 +1,4 @@
-//! How long a response takes, and whether it must begin now.
+//! Duration of a response, and whether it must begin now.
 
 use crate::GRAVITY_M_S2;
 use std::f64::consts::FRAC_PI_2;
@@ -9,7 +9,7 @@ pub fn turn_radius_m(true_airspeed_mps: f64, bank_deg: f64) -> f64 {
     if tangent > 0.0 { true_airspeed_mps * true_airspeed_mps / (GRAVITY_M_S2 * tangent) } else { f64::INFINITY }
 }
 
-/// How far wind carries a vehicle during a quarter turn.
+/// Returns the distance by which wind carries a vehicle during a quarter turn.
 pub fn drift_m(turn_radius_m: f64, true_airspeed_mps: f64, tail_wind_mps: f64) -> f64 {
     if true_airspeed_mps > 0.0 { tail_wind_mps * FRAC_PI_2 * turn_radius_m / true_airspeed_mps } else { 0.0 }
 }

@@ -5,7 +5,7 @@ use apex_geo::plane::Point;
 use apex_geo::wind::{GROUND_SPEED_MPS_MIN, Wind, triangle};
 use std::f64::consts::{PI, TAU};
 
-/// How a vehicle moves on a route.
+/// Motion of a vehicle on a route.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
     /// Airspeed along the route; must be positive.
@@ -20,7 +20,7 @@ pub struct Motion {
     pub descent_mps: f64,
 }
 
-/// Where the vehicle will be.
+/// Predicted state of the vehicle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RouteState {
     /// Seconds from now.
@@ -54,7 +54,7 @@ struct TimedPiece {
 pub struct Route {
     motion: Motion,
     pieces: Vec<TimedPiece>,
-    /// Where the last piece ends, and the direction of flight there.
+    /// End of the last piece, and the direction of flight there.
     end: (Point, Point),
     end_s: f64,
     speed_mps_max: f64,
@@ -150,12 +150,12 @@ impl Route {
         self.speed_mps_max = self.speed_mps_max.max(speed_mps);
     }
 
-    /// When the last piece ends, in seconds from now.
+    /// Returns the end of the last piece, in seconds from now.
     pub fn end_s(&self) -> f64 {
         self.end_s
     }
 
-    /// Where the route ends, and the direction of flight there (unit length).
+    /// Returns the end of the route, and the direction of flight there (unit length).
     pub fn end(&self) -> (Point, Point) {
         self.end
     }

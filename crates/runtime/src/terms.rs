@@ -77,7 +77,7 @@ pub enum Control {
     Command(Arc<Command>),
     /// Nothing more will be said but [`Control::Stop`]: the run need not wait for inputs.
     Quiet,
-    /// End the run in good order.
+    /// End the run cleanly.
     Stop,
 }
 

@@ -1,4 +1,5 @@
-//! Proofs of how good a given plan is, by planners' and bounds' methods together: planners know the bounds of their own plans.
+//! Proofs of the quality of a given plan, by planners' and bounds' methods together: planners know the bounds of their
+//! own plans.
 
 use crate::bounds::{Contradiction, expected_cost_within, expected_cost_without_waiting_within, state_at_least};
 use crate::planners::single_visit;

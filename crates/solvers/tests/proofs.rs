@@ -20,7 +20,7 @@ fn a_hundred_targets_with_narrow_windows_are_proven_soon() {
     }
 }
 
-/// Forty targets with windows as wide as the flight: what is learnt in a hurry is not enough, care is, and the budget too.
+/// Forty targets with windows as wide as the flight: the fast pass is not enough, the fine pass is, and the budget too.
 #[test]
 fn forty_targets_with_wide_windows_are_proven() {
     let known = [("r204", 848.0, 6_000_000), ("r208", 837.0, 6_000_000), ("rc207", 920.0, 1_000_000)];

@@ -1,4 +1,4 @@
-//! Figures that follow from a vehicle file and that people check it by: ranges, turns, pixels, swaths, scan rates.
+//! Figures that follow from a vehicle file and by which a reader checks it: ranges, turns, pixels, swaths, scan rates.
 
 use crate::energy::EnergyModel;
 use crate::model::{Airframe, VehicleModel};
@@ -8,7 +8,7 @@ use libm::{cos, tan};
 /// Standard acceleration of gravity.
 const GRAVITY_M_S2: f64 = 9.806_65;
 
-/// What a sensor sees from one height above flat ground, level.
+/// View of a sensor from one height above flat ground, level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sight {
     /// Height above the ground, m.
@@ -61,7 +61,7 @@ impl VehicleModel {
         }
     }
 
-    /// What `sensor` of this vehicle sees from `height_m`, straight below.
+    /// Returns the view of `sensor` of this vehicle from `height_m`, straight below.
     pub fn sight(&self, sensor: &CarriedSensor, height_m: f64) -> Sight {
         let (pixel_rad, field_of_view_deg) = match &sensor.model.optics {
             Optics::LineScanner { .. } => {

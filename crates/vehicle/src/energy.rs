@@ -20,7 +20,7 @@ const LEAST_SHARE: f64 = 0.1;
 /// Energy counts as low this share of the capacity above the reserve.
 const LOW_MARGIN_SHARE: f64 = 0.05;
 
-/// What the vehicle flies on.
+/// Source of energy.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum EnergyModel {
     /// A tank.

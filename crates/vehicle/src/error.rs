@@ -59,7 +59,7 @@ impl<'a> FileName<'a> {
     }
 }
 
-/// Why a text is not a vehicle or sensor model.
+/// Error in the text of a vehicle or sensor model.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct VehicleFileError {
     /// Kind of the file.
@@ -68,16 +68,17 @@ pub struct VehicleFileError {
     pub file: Box<str>,
     /// JSON path of the field, for example `flight.ceiling_m` or `sensors[1].name`; empty for the file as a whole.
     pub path: String,
-    /// What the field must be.
+    /// Expected value of the field.
     pub expected: String,
-    /// What the file has there.
+    /// Value in the file.
     pub found: String,
-    /// What to do about it, in the imperative.
+    /// Remedy, in the imperative.
     pub help: String,
 }
 
 impl VehicleFileError {
-    /// What failed and where, without the reason: ``vehicle file `my-uav.json`: invalid `flight.ceiling_m` ``.
+    /// Returns the failure and its place, without the reason: ``vehicle file `my-uav.json`: invalid `flight.ceiling_m`
+    /// ``.
     pub fn place(&self) -> String {
         match self.path.as_str() {
             "" => format!("{} `{}` is invalid", self.kind, self.file),
@@ -85,7 +86,7 @@ impl VehicleFileError {
         }
     }
 
-    /// Why: `expected .., found ..`.
+    /// Returns the reason: `expected .., found ..`.
     pub fn reason(&self) -> String {
         format!("expected {}, found {}", self.expected, self.found)
     }

@@ -4,7 +4,7 @@ use crate::energy::{EnergyModel, Reserve, StatedEndurance};
 use crate::sensor::{CarriedSensor, ScannerMode};
 use serde::{Deserialize, Serialize};
 
-/// How an airframe flies.
+/// Kind of airframe with its limits of flight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Airframe {
@@ -19,7 +19,7 @@ pub enum Airframe {
 pub struct VehicleModel {
     /// Name, for messages and the flight record.
     pub name: String,
-    /// How it flies.
+    /// Airframe.
     pub airframe: Airframe,
     /// Mass in flight with sensors and half of the fuel.
     pub mass_kg: f64,
@@ -59,9 +59,9 @@ pub struct VehicleModel {
     pub braking_share: f64,
     /// Horizontal acceleration that a tilt must provide against drag, per m/s of airspeed (1/s); zero for a fixed wing.
     pub drag_per_s: f64,
-    /// How turns are planned, by the planner and by the simulated autopilot.
+    /// Model of turns, for the planner and the simulated autopilot.
     pub turns: TurnModel,
-    /// How it rolls in turbulence.
+    /// Roll response to turbulence.
     pub attitude_hold: AttitudeHold,
     /// Fuel or battery.
     pub energy: EnergyModel,
@@ -71,17 +71,17 @@ pub struct VehicleModel {
     pub endurance: StatedEndurance,
     /// The sensors that it carries.
     pub sensors: Vec<CarriedSensor>,
-    /// What lines over the ground are recorded with: the line scanner in the mode in use, or a frame camera straight down.
+    /// Recorder of lines over the ground: the line scanner in the mode in use, or a frame camera straight down.
     pub scanner: Option<ScannerMode>,
     /// The cameras among the sensors.
     pub cameras: Vec<CameraModel>,
-    /// How often it reports.
+    /// Intervals between reports.
     pub report: ReportIntervals,
-    /// How plans for it are made.
+    /// Model for planning.
     pub planning: PlanningModel,
 }
 
-/// How turns are planned.
+/// Model of turns.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TurnModel {
     /// Share of `bank_deg_max` that turns are planned with; the rest corrects errors.
@@ -130,7 +130,7 @@ pub struct CameraModel {
     pub interval_s_min: f64,
 }
 
-/// How often state is reported.
+/// Intervals between reports of state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ReportIntervals {
     /// While the scanner is on or a line is flown.

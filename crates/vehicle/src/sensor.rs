@@ -15,7 +15,7 @@ pub struct SensorModel {
     pub optics: Optics,
     /// Parts of the spectrum with what they see.
     pub bands: Vec<Band>,
-    /// How it is fixed to the airframe.
+    /// Mount on the airframe.
     pub mount: Mount,
     /// Limits of the vehicle's motion while it records.
     pub motion: MotionLimits,
@@ -31,7 +31,7 @@ pub struct SensorModel {
     pub mass_kg: f64,
     /// Temperature inside, if it limits the use.
     pub temperature: Option<SensorTemperature>,
-    /// What becomes of its data.
+    /// Use of its data.
     pub data: SensorData,
 }
 
@@ -113,7 +113,7 @@ pub struct Band {
     pub through_smoke: bool,
 }
 
-/// How a sensor is fixed to the airframe. Tilt is 0 ahead and -90 straight down; pan is clockwise from the nose.
+/// Mount of a sensor on the airframe. Tilt is 0 ahead and -90 straight down; pan is clockwise from the nose.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Mount {
     /// It looks in one direction of the airframe.
@@ -166,7 +166,7 @@ pub struct SensorTemperature {
     pub self_heating_w: f64,
 }
 
-/// What becomes of the data of a sensor.
+/// Use of the data of a sensor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SensorData {
     /// Bytes of one line or picture.
@@ -204,7 +204,8 @@ impl CarriedSensor {
 const SIDELAP_SHARE: f64 = 0.2;
 
 impl CarriedSensor {
-    /// What lines over the ground are recorded with: the line scanner in the mode in use, or else a frame camera straight down.
+    /// Returns the recorder of lines over the ground: the line scanner in the mode in use, or else a frame camera
+    /// straight down.
     pub fn recorder_of_lines(sensors: &[CarriedSensor]) -> Option<ScannerMode> {
         let scanner = sensors.iter().find_map(CarriedSensor::scanner_mode).cloned();
         scanner.or_else(|| sensors.iter().find_map(CarriedSensor::strip))

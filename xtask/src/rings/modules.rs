@@ -26,7 +26,7 @@ struct Module {
     paths: BTreeMap<Vec<String>, usize>,
 }
 
-/// Where a path leads.
+/// Target of a path.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Place {
     Module(ModuleId),
@@ -127,7 +127,7 @@ impl Modules {
         self.all.iter().map(|module| module.file.as_str()).collect()
     }
 
-    /// Where `path` leads, seen from module `from`; `None` if it leaves the crate or names something local.
+    /// Returns the target of `path`, seen from module `from`; `None` if it leaves the crate or names something local.
     fn follow(&self, from: ModuleId, path: &[String], visited: &mut Visited) -> Option<Place> {
         let (first, rest) = path.split_first()?;
         let mut place = match first.as_str() {
@@ -148,7 +148,8 @@ impl Modules {
         Some(place)
     }
 
-    /// What `name` means within module `id`. The last name of a path is an item rather than a module of equal name.
+    /// Returns the meaning of `name` within module `id`. The last name of a path is an item rather than a module of
+    /// equal name.
     fn lookup(&self, id: ModuleId, name: &str, is_last: bool, visited: &mut Visited) -> Option<Place> {
         if !visited.insert((id, name.to_string(), is_last)) {
             return None;

@@ -1,4 +1,4 @@
-//! What the code of one module names: its items, its imports, and every path in its code.
+//! Names in the code of one module: its items, its imports, and every path in its code.
 //!
 //! Tests are left out: items under `#[cfg(test)]` or `#[test]` contribute nothing.
 

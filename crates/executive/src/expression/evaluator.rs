@@ -5,7 +5,6 @@ use super::result::EvalResult;
 use super::{
     Action, EvalContext, EvaluationError, arithmetic, effects, history_queries, lists, strings, time_functions,
 };
-use crate::monitoring::memory::histories;
 use crate::state::bindings::Bindings;
 use apex_model::builtins::built_in;
 use apex_model::event::StateVariable;
@@ -167,7 +166,7 @@ impl<'a> Evaluator<'a> {
                 Action::Publish { variable: of, value, router, .. }
                     if of == variable && !router.as_ref().is_some_and(Value::is_true) =>
                 {
-                    histories::in_declared_unit(context.library(), variable, value.clone()).ok()
+                    super::declared_unit::in_declared_unit(context.library(), variable, value.clone()).ok()
                 }
                 _ => None,
             })

@@ -1,10 +1,11 @@
-//! Evaluation of expressions (`pdl.md` section 6): a small total language over values.
+//! Evaluation of expressions (`pdl.md`, Forms): a small total language over values.
 //!
 //! One file per family of functions. [`evaluate`] is pure; [`run`] evaluates the forms of a hook and collects what they
 //! want done as [`Action`]s. Every evaluation is bounded by the limits of `apex_model::limits`.
 
 pub(crate) mod arithmetic;
 pub(crate) mod comparison;
+pub(crate) mod declared_unit;
 pub(crate) mod effects;
 pub(crate) mod eval_context;
 pub(crate) mod evaluator;

@@ -9,6 +9,7 @@
 
 use super::pattern_matching::match_pattern;
 use crate::expression::arithmetic::{compare, described, duration, equal, instant, with_unit};
+use crate::expression::declared_unit::unit_of;
 use crate::expression::{EvalContext, EvaluationError, WithBindings, evaluate};
 use crate::state::bindings::Bindings;
 use crate::state::monitors::monitor::{Test, Tests};
@@ -16,7 +17,7 @@ use apex_model::condition::{Constraint, Relation};
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::library::Library;
 use apex_model::pattern::Pattern;
-use apex_model::quantity::{Dimension, Unit, unit_named};
+use apex_model::quantity::{Dimension, Unit};
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
@@ -33,12 +34,6 @@ pub(crate) enum Reading {
     Span,
     /// As it is; a bare number times the factor is in SI and of the dimension.
     Scaled(f64, Dimension),
-}
-
-/// The unit that samples of `attribute` are declared with.
-pub(crate) fn unit_of(attribute: &Symbol, library: &Library) -> Option<&'static Unit> {
-    let declared = library.state_variables.get(attribute)?.unit.as_ref()?;
-    unit_named(declared.printed())
 }
 
 /// Prepares value constraints: comparisons with what can never change are evaluated once.

@@ -5,7 +5,7 @@ use super::scene::SessionState;
 use super::watched::Watched;
 use super::{MonitorResult, MonitorSession, ResultEvent, SessionError};
 use crate::expression::arithmetic::with_unit;
-use crate::monitoring::constraints::unit_of;
+use crate::expression::declared_unit::unit_of;
 use crate::monitoring::episodes::{threshold_episode, threshold_formula};
 use crate::monitoring::memory::{histories, retention};
 use crate::monitoring::stimulus::Stimulus;

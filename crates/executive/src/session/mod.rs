@@ -46,7 +46,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use watched::Watched;
 
-/// Watches conditions over a stream of samples, messages and changes of tasks' states (`monitoring.md`).
+/// Watches conditions over a stream of samples, messages and changes of tasks' states (`conditions.md`).
 ///
 /// Stimuli come in any number and order of calls; their instants move the session's time, which never goes back. All
 /// stimuli of one instant are one step (rule 4): an instant is over when one of a later instant comes, or when
@@ -80,16 +80,16 @@ pub struct MonitorSession {
     watches: Table<Watched>,
     next_watch: u64,
     arrivals: u64,
-    /// How late samples may come at most.
+    /// Greatest delay of samples.
     lateness: Duration,
     /// For comparison: every sample is reported in the general way.
     without_banks: bool,
-    /// What happened at the present instant.
+    /// Stimuli of the present instant.
     stimuli: Vec<Stimulus>,
     /// Samples of the present instant that derived variables read.
     derive_from: Vec<Changed>,
     touched: Vec<MonitorId>,
-    /// What banks have said of the present instant.
+    /// Updates that episode indexes have reported for the present instant.
     heard: Vec<episode_index::EpisodeUpdate>,
     /// Instants at which a condition begins or is judged, or at which the bank of its leaf with this number is looked at.
     wakes: BTreeSet<(Time, MonitorId, Option<u32>)>,

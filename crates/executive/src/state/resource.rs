@@ -1,4 +1,4 @@
-//! Resources: who holds what, who waits for it, and how much is left (`pdl.md` sections 3 and 9).
+//! Resources: who holds what, who waits for it, and how much is left (`pdl.md`, Procedures, Conflicts).
 
 use crate::state::resource_id::ResourceId;
 use crate::state::waiting::Waiting;

@@ -1,4 +1,4 @@
-//! The naive arbiter: the rules of `pdl.md` section 9 and of decisions 0008, 0010, 0013, 0023, 0029, 0031 and 0035, one by one,
+//! The naive arbiter: the rules of `pdl.md`, Conflicts and of decisions 0008, 0010, 0013, 0023, 0029, 0031 and 0035, one by one,
 //! with every set of holders tried. It shares nothing with the executive.
 
 mod order;

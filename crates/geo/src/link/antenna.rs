@@ -5,7 +5,7 @@ use crate::geodesy::Position;
 /// An antenna of a link.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Antenna {
-    /// Where it is.
+    /// Position.
     pub position: Position,
     /// Altitude above mean sea level, m.
     pub altitude_m: f64,

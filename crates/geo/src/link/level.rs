@@ -16,7 +16,7 @@ pub const EXPONENT: f64 = 2.4;
 /// Carrier frequency of the modem of the paper, Hz: how much a ridge weakens depends on it.
 const FREQUENCY_HZ: f64 = 915e6;
 
-/// How a level falls with the distance from the station.
+/// Law by which a level falls with the distance from the station.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum LevelLaw {
     /// Full everywhere: a satellite link.
@@ -65,7 +65,7 @@ impl LevelLaw {
     }
 }
 
-/// Where a radio link is weakened.
+/// Area in which a radio link is weakened.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Shadow {
     /// Its place and shape.
@@ -94,7 +94,7 @@ pub enum ShadowShape {
         from_deg: f64,
         /// Last direction, degrees from north.
         to_deg: f64,
-        /// Where it begins, m from the station.
+        /// Begin, m from the station.
         beyond_m: f64,
     },
     /// The edge of a hill: behind it, and below the line of sight over it, the level falls by diffraction at a knife edge
@@ -110,13 +110,13 @@ pub enum ShadowShape {
 /// Levels of one radio link by place.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LevelModel {
-    /// Where the ground station is; `None` for a satellite link.
+    /// Position of the ground station; `None` for a satellite link.
     pub station: Option<Position>,
     /// Altitude of its antenna above mean sea level, m.
     pub station_altitude_m: f64,
-    /// How the level falls with distance.
+    /// Fall of the level with distance.
     pub law: LevelLaw,
-    /// Where it is weakened.
+    /// Areas in which it is weakened.
     pub shadows: Vec<Shadow>,
 }
 

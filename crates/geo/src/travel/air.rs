@@ -15,7 +15,7 @@ pub(crate) struct Step {
     pub(crate) track: (f64, f64),
 }
 
-/// What blows between two changes.
+/// Wind between two changes.
 #[derive(Clone, Debug, PartialEq)]
 enum Blows {
     /// The same everywhere.
@@ -35,8 +35,8 @@ pub struct Air {
 }
 
 impl Air {
-    /// The wind of `field` at `altitude_m` from `from_s` to `until_s`, for flying at `true_airspeed_mps`. Before and after,
-    /// the first and last wind go on.
+    /// The wind of `field` at `altitude_m` from `from_s` to `until_s`, for flying at `true_airspeed_mps`. The first and
+    /// last wind extend before and after.
     pub fn new(field: &WindField, altitude_m: f64, true_airspeed_mps: f64, from_s: f64, until_s: f64) -> Air {
         let heights = |layer: &&WindLayer| {
             field.blend || (layer.altitude_m_min <= altitude_m && altitude_m < layer.altitude_m_max)
@@ -66,7 +66,7 @@ impl Air {
         Air::new(&WindField::default(), 0.0, true_airspeed_mps, 0.0, 0.0)
     }
 
-    /// When the wind changes, in order.
+    /// Returns the instants at which the wind changes, in order.
     pub fn changes_s(&self) -> &[f64] {
         &self.changes_s
     }
@@ -76,7 +76,7 @@ impl Air {
         self.true_airspeed_mps + self.speed_mps_max
     }
 
-    /// Is there a wind that may keep the vehicle from flying some track?
+    /// Returns true if a wind may keep the vehicle from flying some track.
     pub(crate) fn may_be_too_strong(&self) -> bool {
         let slowest_mps = self.true_airspeed_mps - self.speed_mps_max;
         slowest_mps.is_nan() || slowest_mps <= GROUND_SPEED_MPS_MIN
@@ -97,7 +97,7 @@ impl Air {
         self.changes_s.partition_point(|change_s| *change_s < time_s)
     }
 
-    /// When span number `span` begins and ends.
+    /// Returns begin and end of span number `span`.
     pub(crate) fn span_ends_s(&self, span: usize) -> (f64, f64) {
         let begin_s = span.checked_sub(1).and_then(|before| self.changes_s.get(before));
         let end_s = self.changes_s.get(span);

@@ -1,4 +1,4 @@
-//! Boxes in a tree: which of them does a leg meet?
+//! Boxes in a tree, to find those that a leg meets.
 //!
 //! Bound: building O(n log n); a question O(log n + boxes met).
 
@@ -40,7 +40,7 @@ impl Boxes {
         Boxes { nodes, order }
     }
 
-    /// Calls `found` with the number of each box that the leg may meet, until it answers true; was there such an answer?
+    /// Calls `found` with the number of each box that the leg may meet, until it answers true; returns whether it did.
     pub(crate) fn any(&self, a: Point, b: Point, mut found: impl FnMut(usize) -> bool) -> bool {
         let mut open = vec![0];
         while let Some(index) = open.pop() {

@@ -1,11 +1,11 @@
 //! Circling over ground: from somewhere on a circle around one place to a circle around another, or to a pose.
 //!
-//! Who looks at a place and cannot stop there circles around it, and may be anywhere on the circle when it has seen enough.
-//! Everything is flown over ground on arcs of one radius and straight lines; it is wide enough for the strongest wind
-//! ([`radius`]), so wind only changes what an arc and a line take. A flight leaves by its circle or by the opposite turn, flies
-//! a line that touches both circles, and is there where it touches the other one.
-//! What leaving takes at the most ([`Rounds::worst`]) is searched for between bounds: from each point of a circle one may
-//! first fly on to the next of [`POINTS`], so that nothing that lies between them is missed.
+//! A vehicle that observes a place and cannot stop there circles around it, and may be anywhere on the circle when the
+//! observation ends. Everything is flown over ground on arcs of one radius and straight lines; it is wide enough for
+//! the strongest wind ([`radius`]), so wind only changes the times of arcs and lines. A flight leaves by its circle or
+//! by the opposite turn, flies a line that touches both circles, and arrives where it touches the other one. The
+//! greatest time of leaving ([`Rounds::worst`]) is searched for between bounds: from each point of a circle the vehicle
+//! may first fly to the next of [`POINTS`], so that no point between them is missed.
 //! Bound: [`POINTS`] points of the circle and four words each, mostly some tens.
 
 use super::dubins::{angle, left, turned, unit};
@@ -14,7 +14,7 @@ use std::f64::consts::TAU;
 
 /// Pieces of a full circle over which the time of a turn is summed.
 const PIECES: usize = 120;
-/// Points of a circle at which leaving it is looked at, and every how many at first.
+/// Points of a circle at which leaving it is evaluated, and the step between them at first.
 const POINTS: usize = 192;
 const APART: usize = 32;
 /// A turn nearer than this to a full circle is none.
@@ -22,8 +22,8 @@ const NO_TURN_RAD: f64 = 1e-9;
 /// Directions that are tried where a circle is met from a place that is left in any.
 const TRACKS: usize = 16;
 
-/// The radius of a ground circle that can be flown in every wind up to the one in which `ground_speed_mps_max` is the highest
-/// speed: with the wind the heading turns most quickly, namely by the square of that speed over radius and airspeed.
+/// The radius of a ground circle that can be flown in every wind up to the one in which `ground_speed_mps_max` is the
+/// highest speed: with the wind the heading turns fastest, namely by the square of that speed over radius and airspeed.
 pub(super) fn radius(turn_radius: f64, true_airspeed_mps: f64, ground_speed_mps_max: f64) -> f64 {
     let quicker = ground_speed_mps_max / true_airspeed_mps;
     turn_radius * quicker * quicker
@@ -37,7 +37,7 @@ pub(super) struct On {
     pub(super) track_rad: f64,
 }
 
-/// Where a flight ends.
+/// End of a flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum End {
     /// On a circle around this place, either way round.
@@ -54,7 +54,7 @@ pub(super) struct Passage {
     pub(super) time_s: f64,
     along: (On, f64),
     first: (On, f64),
-    /// Where the line ends.
+    /// End of the line.
     line: Point,
     /// On the end's circle, and how far around it.
     last: Option<(On, f64)>,
@@ -107,13 +107,13 @@ impl Rounds {
         circles * at(PIECES) + at(index) + (share - index as f64) * (at(index + 1) - at(index))
     }
 
-    /// What an arc takes.
+    /// Returns the time of an arc.
     fn arc_s(&self, on: On, by_rad: f64) -> f64 {
         let end_rad = on.track_rad + on.sense * by_rad;
         self.radius * (self.turned_until_s(end_rad) - self.turned_until_s(on.track_rad)).abs()
     }
 
-    /// What a full circle takes.
+    /// Returns the time of a full circle.
     pub(super) fn circle_s(&self) -> f64 {
         self.radius * self.turned_until_s(TAU)
     }
@@ -127,7 +127,7 @@ impl Rounds {
         [1.0, -1.0].map(|sense| On { centre: point.plus(sense * self.radius, left(track_rad)), sense, track_rad })
     }
 
-    /// Where one is on a circle after some seconds.
+    /// Returns the position on a circle after some seconds.
     pub(super) fn after(&self, on: On, lasts_s: f64) -> (On, f64) {
         let circles = libm::floor(lasts_s / self.circle_s()).max(0.0);
         let rest_s = lasts_s - circles * self.circle_s();
@@ -139,8 +139,8 @@ impl Rounds {
         (On { track_rad: on.track_rad + on.sense * low, ..on }, circles * TAU + low)
     }
 
-    /// The quickest flight from a point of a circle, which may be flown on along first; with the opposite turn too where there
-    /// is space for it. None where the end lies inside the turns.
+    /// Returns the fastest flight from a point of a circle, along which the vehicle may first continue; with the
+    /// opposite turn too if there is space for it. `None` if the end lies inside the turns.
     pub(super) fn passage(&self, on: On, end: End, opposite: bool) -> Option<Passage> {
         let share = on.sense * on.track_rad / TAU;
         let first = (share - libm::floor(share)) * POINTS as f64;
@@ -154,7 +154,7 @@ impl Rounds {
         all.min_by(|a, b| a.time_s.total_cmp(&b.time_s))
     }
 
-    /// The same for who leaves the circle at once.
+    /// The same for a vehicle that leaves the circle at once.
     fn leaving(&self, on: On, end: End, opposite: bool) -> Option<Passage> {
         let other = On {
             centre: on.centre.plus(-2.0 * on.sense * self.radius, left(on.track_rad)),
@@ -182,7 +182,7 @@ impl Rounds {
         best
     }
 
-    /// The quickest flight to a circle from a pose, or from a place that may be left in any direction.
+    /// Returns the fastest flight to a circle from a pose, or from a place that may be left in any direction.
     pub(super) fn to_circle(&self, point: Point, track_rad: Option<f64>, centre: Point) -> Option<Passage> {
         let tries = if track_rad.is_some() { 1 } else { TRACKS };
         let tracks = (0..tries).map(|index| track_rad.unwrap_or(TAU * index as f64 / TRACKS as f64));
@@ -225,8 +225,8 @@ impl Rounds {
         Passage { time_s, along: (first, 0.0), first: (first, by_rad), line, last }
     }
 
-    /// The quickest flight from a point of the circle around `centre`, either way round, never takes longer to its end than
-    /// this; none where the end cannot be reached from somewhere.
+    /// Returns the greatest time of the fastest flight from a point of the circle around `centre`, in either sense, to
+    /// its end; `None` if the end cannot be reached from some point.
     pub(super) fn worst(&self, centre: Point, end: End, opposite: bool) -> Option<f64> {
         if end == End::Circle(centre) {
             return Some(0.0);
@@ -305,7 +305,7 @@ fn point(centre: Point, sense: f64, number: usize) -> On {
 }
 
 impl Passage {
-    /// Where it ends on its circle; none where it ends at a place or a pose.
+    /// Returns its end on its circle; `None` if it ends at a place or a pose.
     pub(super) fn end(&self) -> Option<On> {
         self.last.map(|(on, by_rad)| On { track_rad: on.track_rad + on.sense * by_rad, ..on })
     }

@@ -1,4 +1,4 @@
-//! A straight leg flown through changing wind: when is the vehicle where?
+//! A straight leg flown through changing wind: position of the vehicle by time.
 //!
 //! Progress is followed exactly: in each step the ground speed holds from one change of the wind to the next, also when a
 //! change comes in the middle of a step. Two vehicles on one leg therefore never pass each other (first in, first out).
@@ -17,7 +17,7 @@ pub(crate) struct Course {
     steps: Vec<Step>,
 }
 
-/// What is known of a leg in one of its two directions.
+/// Known times of a leg in one of its two directions.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Timing {
     /// For each span of the air the time for the leg; not a number where it has not been asked for.
@@ -29,9 +29,9 @@ pub(crate) struct Timing {
 /// A part of a leg that must not be flown at some time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Block {
-    /// Which part, as shares of the length.
+    /// Part, as shares of the length.
     pub(crate) part: Span,
-    /// When; infinite where it has no end.
+    /// Span of time; infinite if it has no end.
     pub(crate) time_s: Span,
 }
 
@@ -84,7 +84,7 @@ impl Course {
         self.length / self.steps.len().max(1) as f64
     }
 
-    /// When the vehicle that leaves at `depart_s` has arrived as far as `share` of the leg.
+    /// Returns the instant at which the vehicle that leaves at `depart_s` has passed `share` of the leg.
     pub(crate) fn advance(&self, air: &Air, backwards: bool, depart_s: f64, share: f64) -> f64 {
         let (mut now_s, mut span) = (depart_s, air.span_at(depart_s));
         self.walk(share, |index, whole| {
@@ -105,7 +105,8 @@ impl Course {
         now_s
     }
 
-    /// When to leave so as to have come as far as `share` of the leg at `at_s`: undoes [`Course::advance`].
+    /// Returns the departure with which the vehicle has passed `share` of the leg at `at_s`: inverse of
+    /// [`Course::advance`].
     pub(crate) fn retreat(&self, air: &Air, backwards: bool, at_s: f64, share: f64) -> f64 {
         let mut pieces = Vec::with_capacity(self.steps.len());
         self.walk(share, |index, whole| pieces.push((index, whole)));
@@ -179,8 +180,8 @@ impl Course {
         })
     }
 
-    /// Whoever leaves later than the first is not through when the block is shut, earlier than the second is there before
-    /// it opens again.
+    /// A departure after the first is not through when the block is shut, one before the second arrives before it opens
+    /// again.
     fn closed_by(&self, air: &Air, backwards: bool, block: &Block) -> Span {
         let ((from, until), (shut_s, open_s)) = (block.part, block.time_s);
         let first_s = if shut_s.is_finite() { self.retreat(air, backwards, shut_s, until) } else { shut_s };

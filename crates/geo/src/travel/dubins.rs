@@ -1,12 +1,11 @@
-//! Turn-limited paths: the quickest way from one pose to another for who cannot turn more tightly than a radius, in a
-//! steady wind.
+//! Turn-limited paths: the fastest path from one pose to another for a vehicle with a least turn radius, in a steady
+//! wind.
 //!
-//! Without wind such a path is a turn, a straight line or an opposite turn, and a turn (Dubins 1957). A wind that is the
-//! same everywhere carries the air with everything in it: seen from the air the end moves against the wind, and what is
-//! wanted is the first instant at which a path of just that duration reaches it (McGee, Spry and Hedrick 2005; Techy and
-//! Woolsey 2009). Each of the words is asked for that instant by itself, from the one on at which a straight flight would be
-//! there.
-//! A track that is not given is free: then the turn at that end is left out.
+//! Without wind such a path is a turn, a straight line or an opposite turn, and a turn (Dubins 1957). A wind that is
+//! the same everywhere carries the air with everything in it: seen from the air the end moves against the wind, and the
+//! solution is the first instant at which a path of just that duration reaches it (McGee, Spry and Hedrick 2005; Techy
+//! and Woolsey 2009). This instant is found for each path type separately, beginning with the arrival of a straight
+//! flight. A track that is not given is free: then the turn at that end is left out.
 //! Bound: [`INSTANTS_MAX`] instants for each of eight words, mostly some tens; one without wind.
 
 use crate::plane::Point;
@@ -26,13 +25,13 @@ const TRACKS: usize = 16;
 /// A place with a direction over ground, counter-clockwise from the x axis; none is free.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// Where.
+    /// Position.
     pub point: Point,
     /// In which direction.
     pub track_rad: Option<f64>,
 }
 
-/// Who flies, and in which wind.
+/// Vehicle and wind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flyer {
     /// Speed through the air.
@@ -60,7 +59,7 @@ pub struct TurnPath {
     flyer: Flyer,
     /// Its parts in order.
     pub parts: [Part; 3],
-    /// How long it takes.
+    /// Duration.
     pub time_s: f64,
 }
 
@@ -103,8 +102,8 @@ impl Flyer {
         (ahead_mps > 0.0).then_some(heading_rad)
     }
 
-    /// All paths from one pose to the other, each the quickest of its word, quickest first; none where the wind is too
-    /// strong for a pose, or stronger than the vehicle is quick.
+    /// Returns all paths from one pose to the other, each the fastest of its type, fastest first; empty if the wind is
+    /// too strong for a pose, or stronger than the vehicle is fast.
     pub fn paths(&self, from: Pose, to: Pose) -> Vec<TurnPath> {
         let Some((start, end)) = self.headings(from, to) else { return Vec::new() };
         let mut found: Vec<TurnPath> = words(start.is_some(), end.is_some())
@@ -229,14 +228,14 @@ impl Flyer {
 #[derive(Clone, Copy, Debug)]
 struct PathCandidate {
     time_s: f64,
-    /// How much longer than that the path takes.
+    /// Excess of the path's duration.
     missed_s: f64,
     heading_rad: f64,
     parts: [Part; 3],
 }
 
 impl PathCandidate {
-    /// Has a turn become a full circle, or none, on the way to the other?
+    /// Returns true if a turn has become a full circle, or none, between this and the other.
     fn jumps_to(&self, other: &PathCandidate, radius: f64) -> bool {
         let pairs = self.parts.iter().zip(&other.parts);
         pairs.into_iter().any(|(a, b)| a.turn != 0.0 && (a.length_m - b.length_m).abs() > PI * radius)
@@ -312,7 +311,7 @@ fn words(turn_first: bool, turn_last: bool) -> impl Iterator<Item = PathType> {
     straight.chain(turning.filter(move |_| turn_first && turn_last))
 }
 
-/// What stays the same of a word while its end moves.
+/// Constants of a path type while its end moves.
 struct PathEnds {
     radius: f64,
     start: Option<f64>,
@@ -364,7 +363,7 @@ impl PathType {
         }
         let up = Point { x: -apart.y / distance, y: apart.x / distance };
         let between = first.plus(0.5, apart).plus(self.side * libm::sqrt(high), up);
-        // Where two circles touch, the centre lies to the left of who turns to the left.
+        // Where two circles touch, the centre lies to the left of a vehicle that turns left.
         let heading_at = |centre: Point| angle(between.minus(centre)) + self.first * FRAC_PI_2;
         let (into, out) = (heading_at(first), heading_at(last));
         let turns = [turned(self.first, into - start), turned(self.between, out - into), turned(self.last, end - out)];
@@ -373,7 +372,7 @@ impl PathType {
 }
 
 impl TurnPath {
-    /// Where the vehicle is over ground `time_s` after the beginning, and its heading.
+    /// Returns the position over ground `time_s` after the beginning, and the heading.
     pub fn at(&self, time_s: f64) -> (Point, f64) {
         let mut left_m = time_s * self.flyer.true_airspeed_mps;
         let (mut point, mut heading_rad) = (self.from.plus(time_s, self.flyer.wind_mps), self.heading_rad);
@@ -395,7 +394,7 @@ impl TurnPath {
     /// The path over ground as points from beginning to end, never farther than `tolerance_m` from what is flown.
     pub fn points(&self, tolerance_m: f64) -> Vec<Point> {
         let speed_mps = self.flyer.true_airspeed_mps;
-        // A chord is off by an eighth of the acceleration times the time squared, at the most.
+        // A chord is off by at most an eighth of the acceleration times the time squared.
         let step_s = libm::sqrt(8.0 * tolerance_m * self.flyer.turn_radius_m) / speed_mps;
         let mut points = vec![self.from];
         let mut begin_s = 0.0;

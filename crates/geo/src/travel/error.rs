@@ -1,8 +1,8 @@
-//! What stands in the way, as text.
+//! Obstacles of travel, as text.
 
 use std::fmt;
 
-/// Why a place cannot be used or there is no way.
+/// Reason for which a place cannot be used or no path exists.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TravelError {
     /// Inside this restricted zone.

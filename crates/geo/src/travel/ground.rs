@@ -1,4 +1,5 @@
-//! What may be flown over, and when: zones, corridors and the reach of landing places, asked about places and legs.
+//! Ground that may be flown over, by time: zones, corridors and the reach of landing places, queried for places and
+//! legs.
 //!
 //! Bound: a leg asks the zones whose boxes it meets, O(corners) each.
 
@@ -29,9 +30,9 @@ pub(crate) struct Zone {
     pub(crate) margin: f64,
     /// Ways bend around its corners at this distance, no less than the margin.
     pub(crate) bend_radius: f64,
-    /// Units of the plane for a metre on the ground, at the most.
+    /// Greatest number of units of the plane for a metre on the ground.
     pub(crate) stretch: f64,
-    /// When it is active, merged; infinite where it has no end in the time looked at.
+    /// Active times, merged; infinite if they do not end in the considered time.
     pub(crate) active_s: Vec<Span>,
 }
 
@@ -49,14 +50,14 @@ pub(crate) struct PreparedPoint {
     pub(crate) point: Point,
     /// Zones closer than their margin, with their distance: a leg from here need not keep more.
     close: Vec<(usize, f64)>,
-    /// How ways bend here; none where they may come and go in every direction.
+    /// Bend of paths here; `None` if they may come and go in every direction.
     bend: Option<PathVertex>,
     /// A place to go to, not only to pass.
     is_place: bool,
 }
 
 impl PreparedPoint {
-    /// Is a leg in direction `along`, to or from here, of use to a shortest way?
+    /// Returns true if a leg in direction `along`, to or from here, can be part of a shortest path.
     pub(crate) fn takes(&self, along: Point) -> bool {
         self.bend.is_none_or(|bend| bend.takes(along))
     }
@@ -190,7 +191,7 @@ impl Ground {
         self.open_s(spot).is_empty() || reach.is_some_and(|reach| !reach.holds(spot.position, spot.direction))
     }
 
-    /// When it is allowed to be at `spot`.
+    /// Returns the times at which `spot` is allowed.
     pub(crate) fn open_s(&self, spot: &PreparedPoint) -> Vec<Span> {
         let mut shut = Vec::new();
         self.tree.any(spot.point, spot.point, |number| {
@@ -228,7 +229,7 @@ impl Ground {
         Some(PreparedPoint { position, direction, point, close, bend: None, is_place: false })
     }
 
-    /// Why it is not allowed to be at `spot` at some time of `time_s`; none where it is at all times of it.
+    /// Returns the obstacle at `spot` at some time of `time_s`; `None` if it is allowed at all times of it.
     pub(crate) fn place_trouble(&self, spot: &PreparedPoint, (from_s, until_s): Span) -> Option<TravelError> {
         let meets = |(begin_s, end_s): &Span| *begin_s <= until_s && from_s < *end_s;
         let mut inside = None;
@@ -253,10 +254,10 @@ impl Ground {
         Some(TravelError::NoLandingPlace(nearest.map_or(f64::INFINITY, |(_, distance_m)| distance_m)))
     }
 
-    /// Which parts of the leg are shut at which times; empty where none is.
+    /// Returns the parts of the leg that are shut and their times; empty if none is.
     ///
     /// # Errors
-    /// Some part is shut for ever: what shuts it.
+    /// The obstacle, if a part is shut forever.
     pub(crate) fn blocks(&self, from: &PreparedPoint, to: &PreparedPoint) -> Result<Vec<Block>, TravelError> {
         self.blocks_wider(from, to, 0.0)
     }
@@ -306,9 +307,9 @@ impl Ground {
         reach.map_or(Ok(blocks), |reach| Err(TravelError::LeavesReach(reach.distance_m_max())))
     }
 
-    /// Does everything within `width` of a leg keep every zone's margin but for `room` of it, at all times, however close its
-    /// ends are? Said no where permitted zones share the leg, and where landing places limit it: these are asked about
-    /// lines only.
+    /// Returns true if everything within `width` of a leg keeps every zone's margin reduced by `room`, at all times,
+    /// however close its ends are. False if permitted zones share the leg, or landing places limit it: these are
+    /// evaluated for lines only.
     pub(crate) fn is_clear(&self, from: &PreparedPoint, to: &PreparedPoint, (width, room): (f64, f64)) -> bool {
         let (a, b) = (from.point, to.point);
         let wide = |zone: &Zone| width * zone.stretch * (1.0 + super::turns::TOLERANCE_SHARE);
@@ -325,7 +326,7 @@ impl Ground {
             })
     }
 
-    /// Why a leg itself is not allowed at some time of `time_s`, whatever ways lead around; none where it is.
+    /// Returns the obstacle of a leg at some time of `time_s`, whatever paths lead around; `None` if it is allowed.
     pub(crate) fn leg_trouble(
         &self,
         from: &PreparedPoint,

@@ -1,7 +1,7 @@
 //! The network of legs between places and bends, made once for a set of zones.
 //!
-//! Legs between bends are found when the network is made, those of a place when it is first asked for. A leg is kept if it
-//! is not shut for ever; at which times it is shut is part of it. Bound: O(n^2) questions to the ground for n bends; a place
+//! Legs between bends are found when the network is made, those of a place on its first use. A leg is kept if it is not
+//! shut forever; the times at which it is shut are part of it. Bound: O(n^2) queries of the ground for n bends; a place
 //! adds n.
 
 use super::air::Air;
@@ -23,7 +23,7 @@ pub const BENDS_MAX: usize = 2_000;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct EndpointId(pub(crate) usize);
 
-/// A straight leg that is not shut for ever.
+/// A straight leg that is not shut forever.
 #[derive(Clone, Debug)]
 struct Leg {
     course: Course,
@@ -55,20 +55,20 @@ pub(crate) struct Join {
 #[derive(Clone, Debug)]
 pub(super) struct Endpoint {
     pub(super) spot: PreparedPoint,
-    /// When it is allowed to be there.
+    /// Times at which the place is allowed.
     pub(super) open_s: Vec<Span>,
     /// In which direction it is left and reached, clockwise from north; none is any.
     pub(super) track_rad: Option<f64>,
-    /// Is it circled around instead of flown over?
+    /// True if it is circled around instead of flown over.
     pub(super) is_circled: bool,
     /// Rides to bends, once they are known.
     joins: Option<Vec<Join>>,
 }
 
-/// How the vehicle turns.
+/// Turns of the vehicle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turns {
-    /// Turns are no tighter than this; 0 where they take no time and no space.
+    /// Least radius of turns; 0 if they take no time and no space.
     pub(super) radius: f64,
     /// Radius of the circles over ground around places; 0 where none is circled around.
     pub(super) circle_radius: f64,
@@ -80,7 +80,7 @@ impl Turns {
         Turns { radius, circle_radius: if circling && radius > 0.0 { circle } else { 0.0 } }
     }
 
-    /// How far from a straight way its circles and turns may lead.
+    /// Returns the greatest distance of its circles and turns from a straight path.
     pub(super) fn room(self) -> f64 {
         3.0 * self.circle_radius
     }
@@ -92,7 +92,7 @@ pub struct Network {
     pub(super) ground: Ground,
     pub(super) air: Air,
     pub(super) time_s: Span,
-    /// When zones open or shut, in order.
+    /// Instants at which zones open or shut, in order.
     pub(super) changes_s: Vec<f64>,
     pub(super) on_plane: bool,
     pub(super) turns: Turns,
@@ -102,7 +102,7 @@ pub struct Network {
     /// For each bend the rides to other bends.
     joins: Vec<Vec<Join>>,
     pub(super) places: Vec<Endpoint>,
-    /// Between places, the one of the lower number first; no leg where it is shut for ever.
+    /// Legs between places, the one of the lower number first; an error if it is shut forever.
     direct: BTreeMap<(usize, usize), Result<usize, TravelError>>,
     legs: Vec<Leg>,
     pub(super) found: super::ways::Found,
@@ -187,7 +187,7 @@ impl Network {
         self.path_vertices.len()
     }
 
-    /// Legs looked at and labels set since the last call, for budgets.
+    /// Returns the number of examined legs and labels since the last call, for budgets.
     pub fn take_work(&mut self) -> u64 {
         std::mem::take(&mut self.work)
     }
@@ -237,17 +237,17 @@ impl Network {
         }
     }
 
-    /// Why it is not allowed to be at `place` at some time of `time_s`; none where it is at all times of it.
+    /// Returns the obstacle at `place` at some time of `time_s`; `None` if it is allowed at all times of it.
     pub fn place_trouble(&self, place: EndpointId, time_s: Span) -> Option<TravelError> {
         self.places.get(place.0).and_then(|place| self.ground.place_trouble(&place.spot, time_s))
     }
 
-    /// How many times zones have opened or shut by `time_s`: what is allowed is the same at times of equal numbers.
+    /// Returns how many times zones have opened or shut by `time_s`: equal numbers mean equal permissions.
     pub fn epoch(&self, time_s: f64) -> usize {
         self.changes_s.partition_point(|change_s| *change_s <= time_s)
     }
 
-    /// Why the straight leg between two positions is not allowed at some time of `time_s`.
+    /// Returns the obstacle of the straight leg between two positions at some time of `time_s`.
     pub fn leg_trouble(&self, from: Position, to: Position, (from_s, until_s): Span) -> Option<TravelError> {
         let spots = self.ground.spot(from).and_then(|from| Ok((from, self.ground.spot(to)?)));
         match spots {
@@ -282,7 +282,7 @@ impl Network {
     /// The straight ride between two places.
     ///
     /// # Errors
-    /// What shuts it for ever.
+    /// The obstacle that shuts it forever.
     pub(super) fn direct(&mut self, from: EndpointId, to: EndpointId) -> Result<DirectedLeg, TravelError> {
         let key = (from.0.min(to.0), from.0.max(to.0));
         let backwards = from.0 > to.0;
@@ -319,14 +319,14 @@ impl Network {
         self.joins.get(bend).map_or(&[], Vec::as_slice)
     }
 
-    /// When a ride that begins at `depart_s` ends.
+    /// Returns the end of a ride that begins at `depart_s`.
     pub(super) fn arrive(&mut self, ride: DirectedLeg, depart_s: f64) -> f64 {
         let Some(leg) = self.legs.get_mut(ride.leg) else { return f64::INFINITY };
         let timing = leg.timings.get_mut(usize::from(ride.backwards));
         timing.map_or(f64::INFINITY, |timing| leg.course.arrive(&self.air, ride.backwards, timing, depart_s))
     }
 
-    /// When to begin a ride so as to end it at `arrive_s`.
+    /// Returns the begin of a ride that ends at `arrive_s`.
     pub(super) fn retreat(&self, ride: DirectedLeg, arrive_s: f64) -> f64 {
         let leg = self.legs.get(ride.leg);
         leg.map_or(f64::NEG_INFINITY, |leg| leg.course.retreat(&self.air, ride.backwards, arrive_s, 1.0))
@@ -349,7 +349,7 @@ impl Network {
         self.legs.get(ride.leg).map_or(f64::INFINITY, |leg| leg.course.length())
     }
 
-    /// Where a bend is.
+    /// Returns the position of a bend.
     pub(super) fn bend(&self, bend: usize) -> Option<&PreparedPoint> {
         self.path_vertices.get(bend)
     }

@@ -1,4 +1,4 @@
-//! Where ways bend: at corners of zones, on outlines that keep the margin.
+//! Bends of paths: at corners of zones, on outlines that keep the margin.
 //!
 //! A shortest way among polygons bends only at corners that stick out into the space to be flown, and only so that the
 //! zone lies inside the bend ([`PathVertex::takes`]). With a margin the outline around a corner is an arc; the bends are the
@@ -17,7 +17,7 @@ const ALONG_RAD: f64 = 1e-9;
 /// A corner of an outline.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PathVertex {
-    /// Where.
+    /// Position.
     pub(crate) point: Point,
     /// Direction to the corner of the outline before.
     before: Point,
@@ -93,7 +93,7 @@ fn rotated(vector: Point, angle_rad: f64) -> Point {
     Point { x: cosine * vector.x - sine * vector.y, y: sine * vector.x + cosine * vector.y }
 }
 
-/// Do two edges that are not neighbours meet?
+/// Returns true if two edges that are not neighbours meet.
 pub(crate) fn crosses_itself(corners: &[Point]) -> bool {
     crossing(corners).is_some()
 }

@@ -1,4 +1,4 @@
-//! Who arrives first where: a search over bends that follows time.
+//! Earliest arrivals: a search over bends that follows time.
 //!
 //! A label is a bend in one of the spans in which it is allowed to be there; arriving earlier in a span is never worse,
 //! because one can hold there. Bound: O(legs log bends) for each search, times the spans of a bend.

@@ -1,4 +1,4 @@
-//! What ways must obey, as data: from a mission on the Earth, or drawn on a plane.
+//! Constraints of paths, as data: from a mission on the Earth, or drawn on a plane.
 
 use super::ground::{Ground, Zone};
 use super::path_vertices::crossing;
@@ -8,7 +8,7 @@ use crate::landing::Reach;
 use crate::plane::{Plane, Point};
 use apex_model::problem::{AirspaceZone, LandingPlace, Position, ZoneKind};
 
-/// What a flight between some altitudes during some time must obey.
+/// Constraints of a flight in a range of altitudes and a span of time.
 #[derive(Clone, Copy, Debug)]
 pub struct Setting<'a> {
     /// Zones of airspace.
@@ -27,7 +27,7 @@ pub struct Setting<'a> {
     pub around: &'a [Position],
     /// Lowest and highest altitude of the flight above mean sea level: zones above and below play no part.
     pub altitudes_m: (f64, f64),
-    /// Beginning and end of the time looked at: zones active at other times play no part.
+    /// Begin and end of the considered time: zones active at other times are ignored.
     pub time_s: (f64, f64),
 }
 
@@ -40,7 +40,7 @@ pub struct PlaneZone {
     pub keep_in: bool,
     /// Corners in order, either sense, not closed.
     pub corners: Vec<Point>,
-    /// When it is active; empty for always.
+    /// Active times; empty for always.
     pub active_s: Vec<(f64, f64)>,
 }
 

@@ -58,7 +58,7 @@ impl Solid {
         plane::edges(&self.corners).fold(f64::INFINITY, |least, (c, d)| least.min(plane::point_to_segment(point, c, d)))
     }
 
-    /// Is `point` inside and not on the edge?
+    /// Returns true if `point` is inside and not on the edge.
     pub(crate) fn holds(&self, point: Point) -> bool {
         self.low.x < point.x
             && point.x < self.high.x
@@ -68,7 +68,7 @@ impl Solid {
             && self.distance(point) > self.tolerance
     }
 
-    /// Is the box around the leg farther than `margin` from the box around the polygon?
+    /// Returns true if the box around the leg is farther than `margin` from the box around the polygon.
     pub(crate) fn is_far_from(&self, a: Point, b: Point, margin: f64) -> bool {
         a.x.max(b.x) + margin < self.low.x
             || a.x.min(b.x) - margin > self.high.x
@@ -95,7 +95,8 @@ impl Solid {
         merged(spans, 1e-12)
     }
 
-    /// Does any part of the leg lie inside or closer to an edge than `margin`? As [`Solid::near`], but quicker.
+    /// Returns true if a part of the leg lies inside or closer to an edge than `margin`. As [`Solid::near`], but
+    /// faster.
     pub(crate) fn meets(&self, a: Point, b: Point, margin: f64) -> bool {
         if self.is_far_from(a, b, margin) {
             return false;
@@ -158,7 +159,7 @@ fn beside(a: Point, b: Point, c: Point, d: Point, margin: f64) -> Option<Span> {
     span
 }
 
-/// Where on the line `a + s along` the distance from `centre` is less than `radius`.
+/// Returns the span of the line `a + s along` at less than `radius` from `centre`.
 fn within_disc(a: Point, along: Point, centre: Point, radius: f64) -> Option<Span> {
     let from = a.minus(centre);
     let (squared, half, rest) = (along.dot(along), from.dot(along), from.dot(from) - radius * radius);
@@ -175,7 +176,7 @@ fn within_disc(a: Point, along: Point, centre: Point, radius: f64) -> Option<Spa
     Some(((-half - root) / squared, (-half + root) / squared))
 }
 
-/// Where `value + s rate` lies between `low` and `high`.
+/// Returns the span in which `value + s rate` lies between `low` and `high`.
 fn within_band(value: f64, rate: f64, low: f64, high: f64) -> Option<Span> {
     if rate == 0.0 {
         return (low < value && value < high).then_some((0.0, 1.0));

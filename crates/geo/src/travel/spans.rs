@@ -17,7 +17,7 @@ pub(crate) fn merged(mut spans: Vec<Span>, gap: f64) -> Vec<Span> {
     joined
 }
 
-/// What of `whole` no span of the sorted, merged `taken` holds.
+/// Returns the parts of `whole` that no span of the sorted, merged `taken` holds.
 pub(crate) fn gaps(whole: Span, taken: &[Span]) -> Vec<Span> {
     let mut found = Vec::new();
     let mut from = whole.0;

@@ -176,7 +176,7 @@ mod random {
         points.extend(world.zones.iter().flat_map(|zone| zone.corners.iter().copied()));
         let clear = |a: Point, b: Point| {
             solids.iter().all(|solid| {
-                // Cut at every crossing with every edge, found one at a time, and look at the middles.
+                // Cut at every crossing with every edge, found one at a time, and test the middles.
                 let along = b.minus(a);
                 let mut cuts = vec![0.0, 1.0];
                 for (c, d) in plane::edges(solid.corners()) {
@@ -337,7 +337,8 @@ mod random {
             let places: Vec<EndpointId> = world.places.iter().map(|place| network.add_point(*place).unwrap()).collect();
             let mut departs = departs;
             departs.sort_by(f64::total_cmp);
-            // A place that is shut at some time cannot be held at: who leaves later may come from elsewhere.
+            // A place that is shut at some time does not allow holding: a vehicle that leaves later may come from
+            // elsewhere.
             let outside = |place: &Point| world.zones.iter().all(|zone| !plane::inside(*place, &zone.corners));
             if !outside(&world.places[0]) {
                 return Ok(());

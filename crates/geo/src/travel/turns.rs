@@ -1,12 +1,12 @@
-//! Ways of who cannot turn at once: turns at both ends and at every bend, in the wind that blows there.
+//! Paths of a vehicle that turns along arcs: turns at both ends and at every bend, in the wind that blows there.
 //!
-//! A way is flown through its bends, each in the direction halfway between its legs, so that around a zone it swings to the
-//! outside. From bend to bend it is a turn-limited path ([`super::dubins`]) in the mean wind of that piece; directions at its
-//! ends are those of their places, where they have one, and free else. Of the words the quickest is taken that keeps out of
-//! all that is shut for ever. What turning costs beyond the straight way is the same at every departure, namely what it costs
-//! in the worst of the winds of the time looked at, so that nobody who leaves later is there earlier. From a place that is
-//! circled around a way takes what it takes from the worst point of the circle, and to one it ends on the circle
-//! ([`super::circles`]).
+//! A path is flown through its bends, each in the direction halfway between its legs, so that around a zone it swings
+//! to the outside. From bend to bend it is a turn-limited path ([`super::dubins`]) in the mean wind of that piece;
+//! directions at its ends are those of their places, if they have one, else free. Of the path types the fastest is
+//! taken that avoids all that is shut forever. The time of turns beyond the straight path is the same at every
+//! departure, namely that in the worst of the winds of the considered time, so that no vehicle that leaves later
+//! arrives earlier. From a place that is circled around, a path takes its time from the worst point of the circle, and
+//! to one it ends on the circle ([`super::circles`]).
 //! Bound: eight words for each piece and wind, a question to the ground for each chord of some.
 
 use super::circles::{End, On, Passage, Rounds};
@@ -26,13 +26,13 @@ pub const TOLERANCE_SHARE: f64 = 1e-3;
 const WIND_SHARES: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 /// Directions of a place that are tried, where one is free.
 const TRACKS: usize = 32;
-/// Work of one piece in one wind, in legs looked at.
+/// Work of one piece in one wind, in examined legs.
 const LOOKS_PER_PIECE: u64 = 20;
 
 /// A path over ground as points, on the Earth and on the plane.
 type Drawn = Vec<(Position, Point)>;
 
-/// How a place is left and reached.
+/// Departure from and arrival at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum At {
     /// In any direction.
@@ -43,19 +43,19 @@ pub(super) enum At {
     Circle,
 }
 
-/// Where on a circle around a place a vehicle is, and which way round it flies.
+/// Position on a circle around a place, and sense of the flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Circling {
     /// From the place to the vehicle, clockwise from north.
     pub bearing_rad: f64,
-    /// To the right?
+    /// True to the right.
     pub clockwise: bool,
 }
 
-/// What turning makes of a way.
+/// Effect of turns on a path.
 #[derive(Clone, Debug)]
 pub(super) struct Turned {
-    /// What it takes more than the straight legs.
+    /// Time in addition to the straight legs.
     pub(super) extra_s: f64,
     /// Departures at which something is shut next to the legs.
     pub(super) closed_s: Vec<Span>,
@@ -73,7 +73,7 @@ struct Piece<'a> {
     bearings_rad: (f64, f64),
 }
 
-/// How a piece's own plane lies.
+/// Orientation of a piece's plane.
 enum Frame {
     /// On the map: the directions of its axes.
     Plane(Point, Point),
@@ -194,7 +194,7 @@ fn turn_rad(angle_rad: f64) -> f64 {
 }
 
 impl Network {
-    /// What turning makes of a way; none where there is no space for it. Only asked where turns are limited.
+    /// Returns the effect of turns on a path; `None` if there is no space for them. Only called if turns are limited.
     pub(super) fn turn(&mut self, way: PathId) -> Option<Turned> {
         let (spots, ends) = self.ends_and_bends(way)?;
         let (pieces, at) = self.pieces(&spots, ends);
@@ -243,8 +243,8 @@ impl Network {
         flown.then_some(turned)
     }
 
-    /// The quickest path over a piece that keeps out of what is shut for ever, as points over ground, and when zones that it
-    /// meets are shut.
+    /// Returns the fastest path over a piece that avoids what is shut forever, as points over ground, and the times at
+    /// which zones that it meets are shut.
     fn free_path(
         &self,
         piece: &Piece<'_>,
@@ -285,7 +285,7 @@ impl Network {
         (pieces, at)
     }
 
-    /// What a piece takes at the most that begins on a circle, ends on one, or both; none where there is no space for it.
+    /// Returns the greatest time of a piece with a circle at one end or both; `None` without space for it.
     fn circled_s(&self, piece: &Piece<'_>, wind_mps: Point, ends: (At, At)) -> Option<f64> {
         let rounds = self.rounds(wind_mps)?;
         if ends.0 != At::Circle {
@@ -315,8 +315,8 @@ impl Network {
         }
     }
 
-    /// The quickest flight over a piece that has a circle at one end or both, from `on` where it begins on one, else from the
-    /// point of the circle that suits it best.
+    /// Returns the fastest flight over a piece that has a circle at one end or both, from `on` if it begins on one,
+    /// else from the best point of the circle.
     fn passage(&self, piece: &Piece<'_>, rounds: &Rounds, ends: (At, At), on: Option<On>) -> Option<Passage> {
         if ends.0 != At::Circle {
             let wide = (2.0 * self.turns.circle_radius, self.turns.room());
@@ -341,9 +341,9 @@ impl Network {
         targets.into_iter().find_map(quickest)
     }
 
-    /// What is flown on a way with a circle at one end or both, by who leaves the first from where `from` says (none: from
-    /// where it suits best), as points never farther than [`TOLERANCE_SHARE`] of the radius from it; and where one is then on
-    /// the circle at its end. Empty where there is no space.
+    /// Returns the flight along a path with a circle at one end or both, by a vehicle that leaves the first from `from`
+    /// (`None`: from the best point), as points within [`TOLERANCE_SHARE`] of the radius of it; and the position on the
+    /// circle at its end. Empty if there is no space.
     pub fn circling_path(
         &mut self,
         way: PathId,
@@ -404,20 +404,20 @@ impl Network {
         let rounds = self.rounds(piece.wind(self, self.air.span_at(begin_s)))?;
         let on = piece.on(from);
         let (after, by_rad) = rounds.after(on, lasts_s);
-        // Many rounds are drawn as one and what is left.
+        // Many rounds are drawn as one and the remainder.
         let shown_rad = if by_rad > TAU { TAU + by_rad % TAU } else { by_rad };
         let points = rounds.arc(on, shown_rad, TOLERANCE_SHARE * self.turns.radius);
         Some((points.into_iter().map(|point| piece.shown(point)).collect(), piece.circling(after)))
     }
 
-    /// Is there room to circle around a place?
+    /// Returns true if there is space to circle around a place.
     pub fn has_room_to_circle(&self, place: EndpointId) -> bool {
         let Some(spot) = self.places.get(place.0).map(|place| &place.spot) else { return false };
         let wide = (self.turns.circle_radius, self.turns.room());
         self.turns.circle_radius <= 0.0 || self.ground.is_clear(spot, spot, wide)
     }
 
-    /// What its turns make a way take more than straight legs; 0 where turns are not limited.
+    /// Returns the time that turns add to the straight legs of a path; 0 if turns are not limited.
     pub fn turns_s(&mut self, way: PathId) -> f64 {
         self.turned(way).map_or(0.0, |turned| turned.extra_s)
     }
@@ -442,7 +442,7 @@ impl Network {
     }
 }
 
-/// What the straight line takes; none where the wind does not allow it.
+/// Returns the time of the straight line; `None` if the wind does not allow it.
 fn straight_s(flyer: &Flyer, length: f64) -> Option<f64> {
     let heading_rad = flyer.heading_rad(0.0)?;
     let speed_mps = flyer.true_airspeed_mps * libm::cos(heading_rad) + flyer.wind_mps.x;

@@ -1,9 +1,9 @@
 //! Ways between places, and when they arrive.
 //!
-//! Between two places the straight leg is flown where it is never shut. Elsewhere a set of ways is found once, each the best
-//! for leaving at some instant (the beginning, and whenever zones or the wind change); from then on the pair's arrival is
-//! that of the best of them, holding at the departure where that is needed. On one way nobody overtakes, so that leaving
-//! later never means arriving earlier. Bound of a question: O(ways x legs), mostly O(1).
+//! Between two places the straight leg is flown if it is never shut. Otherwise a set of paths is found once, each the
+//! best for leaving at some instant (the beginning, and whenever zones or the wind change); from then on the pair's
+//! arrival is that of the best of them, holding at the departure if needed. On one path no vehicle overtakes another,
+//! so that leaving later never means arriving earlier. Bound of a query: O(paths x legs), mostly O(1).
 
 use super::course::first_open;
 use super::error::TravelError;
@@ -23,7 +23,7 @@ const INSTANTS_MAX: usize = 16;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PathId(usize);
 
-/// When to leave and when one is there.
+/// Departure and arrival.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trip {
     /// Later than asked for where it is better to hold first.
@@ -42,7 +42,7 @@ struct TravelPath {
     rides: Vec<DirectedLeg>,
     /// Departures at which some part is shut: open spans, sorted.
     closed_s: Vec<Span>,
-    /// What turns make of it, once that was asked for; none where there is no space for them.
+    /// Effect of turns, once it was requested; `None` inside if there is no space for them.
     turned: Option<Option<Turned>>,
 }
 
@@ -60,7 +60,7 @@ pub(super) struct Found {
 }
 
 impl Network {
-    /// The first arrival at `to` of who is at `from` at `ready_s`.
+    /// Returns the first arrival at `to` of a vehicle that is at `from` at `ready_s`.
     ///
     /// # Errors
     /// What blocks the way.
@@ -95,7 +95,8 @@ impl Network {
         best.ok_or(TravelError::Shut)
     }
 
-    /// The first arrival by one way; none where it is shut or `from` must not be held at for so long.
+    /// Returns the first arrival by one path; `None` if it is shut or the vehicle must not hold at `from` for that
+    /// time.
     fn trip_by(&mut self, number: PathId, ready_s: f64) -> Option<Trip> {
         let extra_s = if self.turns.radius > 0.0 { self.turned(number)?.extra_s } else { 0.0 };
         let way = self.found.ways.get(number.0)?;
@@ -112,7 +113,7 @@ impl Network {
         now_s.is_finite().then_some(Trip { depart_s, arrive_s: now_s + extra_s, way: number })
     }
 
-    /// What turns make of a way, and its closed departures with theirs; none where there is no space for them.
+    /// Returns the effect of turns on a path, with its closed departures; `None` if there is no space for them.
     pub(super) fn turned(&mut self, number: PathId) -> Option<&Turned> {
         if self.turns.radius <= 0.0 {
             return None;
@@ -129,7 +130,7 @@ impl Network {
         self.found.ways.get(number.0)?.turned.as_ref()?.as_ref()
     }
 
-    /// Has a way space for its turns?
+    /// Returns true if a path has space for its turns.
     fn has_room(&mut self, number: PathId) -> bool {
         self.turns.radius <= 0.0 || self.turned(number).is_some()
     }
@@ -171,8 +172,8 @@ impl Network {
         self.found.ways.get(way.0).map_or(f64::INFINITY, |way| way.rides.iter().map(|ride| self.length(*ride)).sum())
     }
 
-    /// Trips from every place to every place for who is ready at `ready_s`: a row for each place of departure. A place to
-    /// itself takes no time.
+    /// Returns the trips from every place to every place of a vehicle that is ready at `ready_s`: a row for each place
+    /// of departure. A place to itself takes no time.
     pub fn matrix(&mut self, from: &[EndpointId], to: &[EndpointId], ready_s: f64) -> Vec<Vec<Option<Trip>>> {
         let row = |here: &EndpointId| {
             let mut tree = None;
@@ -247,7 +248,7 @@ impl Network {
         if ways.is_empty() { Err(straight.err().unwrap_or(TravelError::Shut)) } else { Ok(ways) }
     }
 
-    /// May one ever be at `place`, as far as zones and landing places go?
+    /// Returns true if zones and landing places ever allow `place`.
     fn is_ever_open(&self, place: EndpointId) -> bool {
         let Some(open_s) = self.places.get(place.0).map(|place| &place.open_s) else { return false };
         open_s.iter().any(|(from_s, until_s)| self.place_trouble(place, (*from_s, until_s.next_down())).is_none())

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 /// Why a component has its health.
 pub struct ComponentHealth {
-    /// In words.
+    /// As text.
     pub text: String,
     /// As JSON ([`explain_json`]).
     pub json: serde_json::Value,

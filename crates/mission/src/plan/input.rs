@@ -1,4 +1,4 @@
-//! What `apex plan` is asked: a mission, a problem in a file (JSON, or a benchmark's format), or a test mission by the name
+//! Input of `apex plan`: a mission, a problem in a file (JSON, or a benchmark's format), or a test mission by the name
 //! of its cell.
 
 use super::{problem_file, proof};
@@ -18,7 +18,7 @@ use apex_portfolio::cell::Cell;
 use apex_portfolio::formats;
 use std::path::Path;
 
-/// What a proof may take in addition to a short budget for planning.
+/// Least work of a proof in addition to a short budget for planning.
 const BOUND_BUDGET_MIN: Duration = Duration(500_000_000);
 /// Deliberation time where none is stated.
 const BUDGET_DEFAULT: Duration = Duration(10_000_000_000);
@@ -29,9 +29,9 @@ pub struct PlanInput {
     pub name: String,
     /// The problem.
     pub problem: Problem,
-    /// How long solvers may take.
+    /// Greatest time of solvers.
     pub budget: Duration,
-    /// What proofs of bounds may take.
+    /// Greatest time of proofs of bounds.
     pub bound_budget: Duration,
     /// Seed of solvers' chance.
     pub seed: u64,
@@ -39,7 +39,7 @@ pub struct PlanInput {
     pub mission: Option<(Mission, Value)>,
     /// Statements of a benchmark's file in addition to the problem.
     pub benchmark: Option<Benchmark>,
-    /// Where the flight begins, if the problem does not say it.
+    /// Start of the flight, if the problem does not state it.
     pub start: Option<Position>,
 }
 

@@ -63,7 +63,7 @@ impl Style {
         }
     }
 
-    /// An expression on the right side of a comparison, where names stand for themselves.
+    /// Prints an expression on the right side of a comparison, where names represent themselves.
     pub(super) fn operand(self, expr: &Expr) -> String {
         match &expr.kind {
             ExprKind::Constant(value @ Value::Symbol(_)) => self.literal(value),

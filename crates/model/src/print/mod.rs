@@ -9,7 +9,7 @@ pub use expression::form_text;
 
 use crate::value::Value;
 
-/// How much of a form is printed.
+/// Amount of detail with which a form is printed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Style {
     /// Text that reads back as exactly the same noun.

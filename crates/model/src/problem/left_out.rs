@@ -7,6 +7,6 @@ use serde::{Deserialize, Serialize};
 pub struct LeftOut {
     /// The target's name.
     pub target: String,
-    /// Why, for example "needs 41 min more than endurance leaves".
+    /// Reason, for example "needs 41 min more than endurance leaves".
     pub reason: String,
 }

@@ -1,4 +1,4 @@
-//! Where and in what: positions, windows of time, wind, airspace and landing places, as plain data.
+//! Positions, windows of time, wind, airspace and landing places, as plain data.
 
 use serde::{Deserialize, Serialize};
 
@@ -36,12 +36,12 @@ impl TimeWindow {
     /// All of time.
     pub const ALWAYS: TimeWindow = TimeWindow { from_s: -FOREVER_S, until_s: FOREVER_S };
 
-    /// Is `time_s` inside?
+    /// Returns true if `time_s` is inside.
     pub fn contains(&self, time_s: f64) -> bool {
         self.from_s <= time_s && time_s < self.until_s
     }
 
-    /// Does it share an instant with `[from_s, until_s]`?
+    /// Returns true if it shares an instant with `[from_s, until_s]`.
     pub fn overlaps(&self, from_s: f64, until_s: f64) -> bool {
         self.from_s <= until_s && from_s < self.until_s
     }
@@ -62,7 +62,7 @@ pub struct Area {
 }
 
 impl Area {
-    /// Is `position` inside or on the edge?
+    /// Returns true if `position` is inside or on the edge.
     pub fn contains(&self, position: Position) -> bool {
         let longitude_deg = position.longitude_deg;
         let between_meridians = if self.west_deg <= self.east_deg {
@@ -78,7 +78,7 @@ impl Area {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WindLayer {
-    /// Where it holds; none is everywhere.
+    /// Area of validity; `None` is everywhere.
     pub area: Option<Area>,
     /// Lower face, above mean sea level.
     pub altitude_m_min: f64,
@@ -108,7 +108,7 @@ pub struct WindField {
     pub blend: bool,
 }
 
-/// What a zone of airspace demands.
+/// Demand of a zone of airspace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ZoneKind {
     /// Stay out.
@@ -131,7 +131,7 @@ pub struct AirspaceZone {
     pub altitude_m_min: f64,
     /// Upper face, above mean sea level.
     pub altitude_m_max: f64,
-    /// When it is active.
+    /// Window in which it is active.
     pub active: TimeWindow,
 }
 
@@ -141,6 +141,6 @@ pub struct AirspaceZone {
 pub struct LandingPlace {
     /// Its name.
     pub name: String,
-    /// Where.
+    /// Position.
     pub position: Position,
 }

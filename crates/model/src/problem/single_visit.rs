@@ -7,17 +7,17 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SingleVisitProblem {
-    /// What may be observed; names are unique.
+    /// Targets that may be observed; names are unique.
     pub targets: Vec<SingleVisitTarget>,
-    /// What flies.
+    /// Vehicle.
     pub vehicle: SingleVisitVehicle,
-    /// Where the vehicle is when the plan begins.
+    /// Position of the vehicle at the beginning of the plan.
     pub start: Position,
     /// At which altitude above mean sea level.
     pub start_altitude_m: f64,
-    /// When the plan begins.
+    /// Beginning of the plan.
     pub start_s: f64,
-    /// Where it must end; none is anywhere.
+    /// Required end of the flight; `None` is anywhere.
     pub base: Option<Position>,
     /// Time after which the vehicle must be down; none leaves it to endurance and fuel.
     pub end_s: Option<f64>,
@@ -31,13 +31,13 @@ pub struct SingleVisitProblem {
     pub zone_margin_m: f64,
     /// Emergency landing places.
     pub landing_places: Vec<LandingPlace>,
-    /// Never farther than this from the nearest landing place; none is no limit.
+    /// Greatest distance from the nearest landing place; `None`: unlimited.
     pub landing_distance_m_max: Option<f64>,
     /// The wind as forecast.
     pub wind: WindField,
-    /// Who works on the mission: their hours cost.
+    /// Members of the mission's crew: their hours cost.
     pub crew: Vec<CrewMember>,
-    /// What failure would cost.
+    /// Cost of a failure.
     pub failure: FailureTerm,
     /// Travel times given as numbers: from the start, between targets (from the end of an observation to where the next
     /// begins), to the base. Airspace, wind and altitudes then play no part, and positions are for display. None: the
@@ -105,8 +105,8 @@ pub struct Manoeuvre {
     /// Straight lines `(from, to)` in order; the last `to` is the exit, and the first `from` the entry unless `entry` says
     /// otherwise. Empty means overhead at the target's position.
     pub lines: Vec<(Position, Position)>,
-    /// Where the manoeuvre begins: on the first line's extension, as far before it as the wings need to come level. None: where the
-    /// first line begins.
+    /// Begin of the manoeuvre: on the extension of the first line, as far before it as the wings need to come level.
+    /// `None`: the begin of the first line.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub entry: Option<Position>,
     /// Time from entry to exit, turns included.
@@ -126,7 +126,7 @@ pub struct Manoeuvre {
 pub struct PictureWork {
     /// Name of the camera.
     pub camera: String,
-    /// Name of the place to look at; none: straight down.
+    /// Name of the place that the camera points at; `None`: straight down.
     pub at: Option<String>,
     /// Pictures in all.
     pub count: u32,
@@ -161,7 +161,7 @@ impl QualityFactors {
 pub struct QualityFactor {
     /// 0 worthless .. 1 as wished.
     pub factor: f64,
-    /// Why it is not 1, for example "roll 12 deg for 8 s on leg 3"; empty where it is.
+    /// Cause of a factor other than 1, for example "roll 12 deg for 8 s on leg 3"; empty if it is 1.
     pub cause: String,
 }
 
@@ -171,7 +171,7 @@ impl Default for QualityFactor {
     }
 }
 
-/// What flies, as far as a planner needs to know.
+/// Vehicle, as far as a planner needs it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SingleVisitVehicle {
@@ -193,13 +193,13 @@ pub struct SingleVisitVehicle {
     pub endurance_s: f64,
     /// Flight time that must be left at the end.
     pub endurance_reserve_s: f64,
-    /// Least radius of a turn through the air, from speed and greatest roll angle; 0: turns take neither time nor room. Else
-    /// targets are left and reached in the directions of their lines.
+    /// Least radius of a turn through the air, from speed and greatest roll angle; 0: turns take neither time nor
+    /// space. Otherwise targets are left and reached in the directions of their lines.
     #[serde(default)]
     pub turn_radius_m: f64,
 }
 
-/// A person whose hours cost.
+/// Member of the crew whose hours cost.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CrewMember {
@@ -249,17 +249,18 @@ pub struct PlannedVisit {
     pub manoeuvre: usize,
     /// Way points from the exit before to this entry, both included; detours around airspace are in between.
     pub route: Vec<Position>,
-    /// What is flown from end to end of the route, turns included: points never farther than a thousandth of the vehicle's
-    /// turn radius from it. Empty where turns are not limited: the route itself.
+    /// Flown path from end to end of the route, turns included: its points are within a thousandth of the vehicle's
+    /// turn radius of the flight. Empty if turns are not limited: then the route itself is flown.
     #[serde(default)] // never skipped: the flight record stores plans without the names of fields
     pub path: Vec<Position>,
-    /// When the vehicle leaves the exit before (or the start); later than the visit before has ended where it holds first.
+    /// Departure from the exit before (or from the start); later than the end of the visit before if the vehicle holds
+    /// first.
     pub depart_s: f64,
-    /// When it is at the entry.
+    /// Arrival at the entry.
     pub arrive_s: f64,
-    /// When the observation begins; later than arrival where it has to wait.
+    /// Begin of the observation; later than the arrival if the vehicle has to wait.
     pub begin_s: f64,
-    /// When the observation ends.
+    /// End of the observation.
     pub end_s: f64,
     /// The timing factor `o(t)`.
     pub timing: f64,
@@ -273,18 +274,18 @@ pub struct PlannedVisit {
 /// A subset of targets in order, with times.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SingleVisitPlan {
-    /// Who made it.
+    /// Name of the planner.
     pub solver: String,
     /// The observations in order.
     pub visits: Vec<PlannedVisit>,
     /// Way points from the last exit to the base, both included; empty where there is no base.
     pub return_route: Vec<Position>,
-    /// What is flown there, as [`PlannedVisit::path`].
+    /// Flown path to the base, as [`PlannedVisit::path`].
     #[serde(default)]
     pub return_path: Vec<Position>,
-    /// When the vehicle leaves the last exit for the base; later than the last visit's end where it holds first.
+    /// Departure from the last exit to the base; later than the end of the last visit if the vehicle holds first.
     pub return_depart_s: f64,
-    /// When the flight ends: at the base, or at the last exit where there is none.
+    /// End of the flight: at the base, or at the last exit if there is no base.
     pub end_s: f64,
     /// Fuel burnt.
     pub fuel_used_kg: f64,
@@ -303,7 +304,7 @@ pub struct SingleVisitPlan {
 }
 
 impl SingleVisitPlan {
-    /// How much more benefits the best plan may have, as a share of the bound: 0 is proven to have the most. None where no
+    /// Returns how much more benefit the best plan may have, as a share of the bound: 0 is proven optimal. `None` if no
     /// bound is known.
     pub fn gap(&self) -> Option<f64> {
         let bound = self.benefits_bound?;

@@ -7,15 +7,15 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SurveillanceProblem {
-    /// What to watch; names are unique.
+    /// Targets to watch; names are unique.
     pub targets: Vec<SurveillanceTarget>,
-    /// How long it takes to get from place to place.
+    /// Travel times between places.
     pub travel: TravelTimes,
     /// End of the mission: open intervals of ignorance are closed here.
     pub horizon_s: f64,
-    /// Must the vehicle be back at its base by the horizon (and by the end of endurance)?
+    /// True if the vehicle must be back at its base by the horizon and by the end of its endurance.
     pub return_to_base: bool,
-    /// Flight time that fuel or batteries allow, reserve already taken off; none is no limit.
+    /// Flight time that fuel or batteries allow, without the reserve; `None`: unlimited.
     pub endurance_s: Option<f64>,
 }
 
@@ -25,13 +25,13 @@ pub struct SurveillanceProblem {
 pub struct SurveillanceTarget {
     /// Its name.
     pub name: String,
-    /// Where it is; used for features of the problem and for display, not for travel times.
+    /// Position, for features of the problem and for display, not for travel times.
     pub position: Position,
-    /// How long one observation takes. Ignorance is reset at its end.
+    /// Duration of one observation. Ignorance is reset at its end.
     pub dwell_s: f64,
     /// Likelihood of the event that matters.
     pub rate: EventRate,
-    /// What it costs not to know of an event, by age of the event.
+    /// Cost of an event that is not known, by its age.
     pub cost: CostFunction,
     /// Time since the last observation when the mission starts; 0 is fresh.
     pub initial_age_s: f64,
@@ -71,7 +71,7 @@ pub enum CostFunction {
     Saturating {
         /// Cost of an event that is never found.
         maximum: f64,
-        /// How fast the cost gathers.
+        /// Rate at which the cost grows.
         rate_per_s: f64,
     },
     /// Nothing before the deadline, `maximum` from then on.
@@ -109,22 +109,22 @@ pub enum CostFunction {
 pub struct SurveillanceVisit {
     /// The target's name.
     pub target: String,
-    /// When the vehicle is there and begins to observe.
+    /// Arrival, and begin of the observation.
     pub arrive_s: f64,
-    /// When the observation ends and ignorance is reset.
+    /// End of the observation, at which ignorance is reset.
     pub end_s: f64,
 }
 
 /// Observations in order of time, until the horizon.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SurveillancePlan {
-    /// Who made it.
+    /// Name of the planner.
     pub solver: String,
-    /// The cycle that is flown again and again; empty where the plan is no cycle.
+    /// Cycle that is flown repeatedly; empty if the plan is not a cycle.
     pub cycle: Vec<String>,
     /// Every visit that ends by the horizon.
     pub visits: Vec<SurveillanceVisit>,
-    /// When the vehicle is back at its base, where the problem asks for it.
+    /// Return to the base, if the problem asks for it.
     pub return_s: Option<f64>,
     /// Expected cost of ignorance over the horizon.
     pub expected_cost: f64,
@@ -137,8 +137,8 @@ pub struct SurveillancePlan {
 }
 
 impl SurveillancePlan {
-    /// How much more the plan may cost than the best one, as a share of its cost: 0 is proven to be the best. None where no
-    /// bound is known.
+    /// Returns how much more the plan may cost than the best one, as a share of its cost: 0 is proven optimal. `None`
+    /// if no bound is known.
     pub fn gap(&self) -> Option<f64> {
         let bound = self.expected_cost_bound?;
         Some(if self.expected_cost > 0.0 { ((self.expected_cost - bound) / self.expected_cost).max(0.0) } else { 0.0 })

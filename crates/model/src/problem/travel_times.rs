@@ -18,9 +18,9 @@ pub struct TravelTimes {
     pub between_s: Vec<Vec<f64>>,
     /// From each target to the base; may be empty where the problem does not ask for a return.
     pub to_base_s: Vec<f64>,
-    /// The same for later departures, by rising departure; empty where it does not matter when one leaves. What stands above
-    /// is then for leaving at 0 or before. Between two departures times change along straight lines, after the last one they
-    /// stay. Whoever leaves later is not there earlier.
+    /// Times for later departures, by rising departure; empty if times do not depend on the departure. The times above
+    /// are then for a departure at 0 or before. Between two departures times change linearly, after the last one they
+    /// stay. A vehicle that departs later does not arrive earlier.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub later: Vec<LaterTimes>,
 }
@@ -29,7 +29,7 @@ pub struct TravelTimes {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LaterTimes {
-    /// When one leaves, in seconds of the problem's own time.
+    /// Departure, in seconds of the problem's time.
     pub depart_s: f64,
     /// From the start to each target.
     pub from_start_s: Vec<f64>,
@@ -79,7 +79,7 @@ impl TravelTimes {
         self.later.iter_mut().for_each(|later| shut(&mut later.from_start_s, &mut later.between_s, target));
     }
 
-    /// Does it not matter when one leaves?
+    /// Returns true if times do not depend on the departure.
     pub fn is_constant(&self) -> bool {
         self.later.is_empty()
     }

@@ -1,4 +1,4 @@
-//! Agents, routers and what they say to each other by name (`pdl.md` section 8).
+//! Agents, routers and what they say to each other by name (`pdl.md`, Applications).
 
 use super::clauses::{groups, values_of};
 use super::{Goal, Lowering, Scope};

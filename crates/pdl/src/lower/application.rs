@@ -1,4 +1,4 @@
-//! Applications (`pdl.md` section 8).
+//! Applications (`pdl.md`, Applications).
 
 use super::Lowering;
 use super::clauses::{Group, groups};

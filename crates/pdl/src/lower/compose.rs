@@ -1,4 +1,4 @@
-//! Conditions made of conditions: logic, order, Allen relations, absence (`monitoring.md` section 1).
+//! Conditions made of conditions: logic, order, Allen relations, absence (`conditions.md`).
 
 use super::Lowering;
 use super::clauses::groups;

@@ -1,4 +1,4 @@
-//! Conditions (`monitoring.md` section 1): which form is which.
+//! Conditions (`conditions.md`): which form is which.
 
 use super::constraint::relation_named;
 use super::{Lowering, Scope};

@@ -1,4 +1,4 @@
-//! Constraints on values: `(op expr)`, ranges, predicates, tolerances (`monitoring.md` section 1, C).
+//! Constraints on values: `(op expr)`, ranges, predicates, tolerances (`conditions.md`, C).
 
 use super::Lowering;
 use super::apart::apart_from_unit;

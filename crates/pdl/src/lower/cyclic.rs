@@ -1,4 +1,4 @@
-//! Cyclic conditions (`monitoring.md` section 1).
+//! Cyclic conditions (`conditions.md`).
 
 use super::Lowering;
 use super::clauses::groups;

@@ -1,4 +1,4 @@
-//! Episodes: quality, statistics, trends; atomic episodes (`monitoring.md` section 1).
+//! Episodes: quality, statistics, trends; atomic episodes (`conditions.md`).
 
 use super::Lowering;
 use super::clauses::{Group, groups, values_of};

@@ -1,4 +1,4 @@
-//! Expressions (`pdl.md` section 6): literals, variables, indexicals, quotation, lists as calls.
+//! Expressions (`pdl.md`, Forms): literals, variables, indexicals, quotation, lists as calls.
 
 use super::Lowering;
 use crate::codes;

@@ -1,4 +1,4 @@
-//! Measurement conditions, estimation, active sensing (`monitoring.md` section 1).
+//! Measurement conditions, estimation, active sensing (`conditions.md`).
 
 use super::Lowering;
 use super::clauses::{Group, groups, values_of};

@@ -1,4 +1,4 @@
-//! Patterns (`pdl.md` section 2).
+//! Patterns (`pdl.md`, Patterns).
 
 use super::Lowering;
 use crate::codes;

@@ -1,4 +1,4 @@
-//! Primitives (`pdl.md` section 5).
+//! Primitives (`pdl.md`, Primitives).
 
 use super::special::local_name;
 use super::{Lowering, Scope};

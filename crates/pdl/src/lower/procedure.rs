@@ -1,4 +1,4 @@
-//! Procedures (`pdl.md` section 3): kind, index, clauses, steps; clauses shared with steps and primitives.
+//! Procedures (`pdl.md`, Procedures): kind, index, clauses, steps; clauses shared with steps and primitives.
 
 use super::step::StepSource;
 use super::{Lowering, Scope, Served, Unindexed};

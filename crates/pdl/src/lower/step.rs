@@ -1,4 +1,4 @@
-//! Steps (`pdl.md` section 4): tag, activity, result, clauses.
+//! Steps (`pdl.md`, Steps): tag, activity, result, clauses.
 
 use super::Lowering;
 use super::activity::swap;

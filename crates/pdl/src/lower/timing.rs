@@ -1,4 +1,4 @@
-//! Timing of episodes and events: start, end, duration and the manual's earliest and latest (`monitoring.md` section 1, T).
+//! Timing of episodes and events: start, end, duration and the manual's earliest and latest (`conditions.md`, T).
 
 use super::Lowering;
 use super::expected::{Expected, ExpectedKind};

@@ -1,4 +1,4 @@
-//! Lossless tree to data: numbers, quantities, names and lists with their places (`pdl.md` section 1).
+//! Lossless tree to data: numbers, quantities, names and lists with their places (`pdl.md`, Text).
 
 mod atom;
 mod datum;

@@ -1,11 +1,11 @@
-//! The checker's own look at a single-visit plan whose travel times are given as numbers.
+//! Independent check of a single-visit plan whose travel times are given as numbers.
 
 use apex_model::problem::{PlannedVisit, SingleVisitPlan, SingleVisitProblem, TravelTimes, UNREACHABLE_S};
 
 /// Times are sums of a few thousand numbers: rounding stays far below this.
 const TOLERANCE_S: f64 = 1e-6;
 
-/// Legs that are quicker than the given times allow, and targets seen twice or not known.
+/// Reports legs that are faster than the given times allow, and targets that are visited twice or unknown.
 pub(super) fn legs(
     problem: &SingleVisitProblem,
     travel: &TravelTimes,
@@ -29,8 +29,8 @@ pub(super) fn legs(
     }
 }
 
-/// What a leg takes at `depart_s`, in the checker's own arithmetic: the two departures around it weigh by their nearness.
-/// `from` none is the start, `to` none the base; infinite where there is no way.
+/// Returns the time of a leg at `depart_s`, in separate arithmetic: the two departures around it weigh by their
+/// nearness. `from` `None` is the start, `to` `None` the base; infinite if no path exists.
 pub(super) fn leg_s(travel: &TravelTimes, from: Option<usize>, to: Option<usize>, depart_s: f64) -> f64 {
     let of = |start: &[f64], between: &[Vec<f64>], base: &[f64]| {
         let time_s = match (from, to) {

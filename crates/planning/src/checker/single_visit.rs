@@ -1,5 +1,5 @@
-//! The checker's own look at a single-visit plan: flies it in short steps, with its own arithmetic for wind, polygons,
-//! fuel and worth.
+//! Independent check of a single-visit plan: flies it in short steps, with separate arithmetic for wind, polygons, fuel
+//! and worth.
 
 use super::{given_times, turns};
 use apex_geo::geodesy::{self, Position, RAD_PER_DEG, wrap_180};
@@ -12,14 +12,14 @@ use apex_model::problem::{
 const STEP_M: f64 = 5_000.0;
 /// Steps of one leg.
 const STEPS_MAX: usize = 4_000;
-/// A leg may be quicker than the checker's by this share and [`TIME_TOLERANCE_S`]: both integrate in steps.
+/// A leg may be faster than the checker's by this share and [`TIME_TOLERANCE_S`]: both integrate in steps.
 const TIME_TOLERANCE: f64 = 0.02;
 const TIME_TOLERANCE_S: f64 = 30.0;
 /// The Earth is this far from being a sphere: nearer than the limit by more is surely near enough.
 const SPHERE_TOLERANCE: f64 = 0.01;
 const WORTH_TOLERANCE: f64 = 1e-6;
 
-/// What is wrong with `plan`; empty if nothing is.
+/// Returns the violations of `plan`; empty if there are none.
 pub(super) fn violations(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> Vec<String> {
     let mut found = Vec::new();
     let mut here = problem.start;

@@ -1,4 +1,4 @@
-//! The checker's own look at a surveillance plan.
+//! Independent check of a surveillance plan.
 
 use super::given_times::leg_s;
 use apex_metrics::{eci, quadrature};
@@ -9,7 +9,7 @@ const TIME_TOLERANCE_S: f64 = 1e-6;
 /// Share by which costs may differ.
 const COST_TOLERANCE: f64 = 1e-8;
 
-/// What is wrong with `plan`; empty if nothing is.
+/// Returns the violations of `plan`; empty if there are none.
 pub(super) fn violations(problem: &SurveillanceProblem, plan: &SurveillancePlan) -> Vec<String> {
     let mut found = Vec::new();
     let index = |name: &str| problem.targets.iter().position(|target| target.name == name);
@@ -18,10 +18,10 @@ pub(super) fn violations(problem: &SurveillanceProblem, plan: &SurveillancePlan)
     let mut seen = vec![Vec::new(); problem.targets.len()];
     for (number, visit) in (1_usize..).zip(&plan.visits) {
         let Some((at, target)) = index(&visit.target).and_then(|at| Some((at, problem.targets.get(at)?))) else {
-            found.push(format!("visits {}, which is no target", visit.target));
+            found.push(format!("visits {}, which is not a target", visit.target));
             continue;
         };
-        // Leaving at once is the earliest: whoever leaves later is not there earlier.
+        // An immediate departure arrives first: a vehicle that leaves later does not arrive earlier.
         let travel_s = leg_s(&problem.travel, place, Some(at), time_s);
         let missing_s = time_s + travel_s - visit.arrive_s;
         if missing_s.is_nan() || missing_s > TIME_TOLERANCE_S {
@@ -110,7 +110,7 @@ fn integral(
     quadrature::integrate(&mut density, from_s, until_s, &breaks, 0.1 * COST_TOLERANCE)
 }
 
-/// Is every target either visited or left out with a reason, and is the cycle the visits' beginning?
+/// Checks that every target is either visited or left out with a reason, and that the cycle is the begin of the visits.
 fn bookkeeping(problem: &SurveillanceProblem, plan: &SurveillancePlan, seen: &[Vec<f64>]) -> Vec<String> {
     let mut found = Vec::new();
     for (target, ends) in problem.targets.iter().zip(seen) {

@@ -1,5 +1,4 @@
-//! The checker's own look at turns: along a path over ground it follows the heading through the air, and asks how quickly it
-//! changes.
+//! Independent check of turns: along a path over ground it follows the heading through the air and its rate of change.
 
 use super::single_visit::ground_speed_mps;
 use apex_geo::geodesy::{self, Position, RAD_PER_DEG};
@@ -16,7 +15,7 @@ const CORNER_RAD_MAX: f64 = 0.12;
 /// Shorter pieces show no direction.
 const SHORT_M: f64 = 0.5;
 
-/// What is flown: the path, or the route where turns are not limited.
+/// Returns the flown positions: the path, or the route if turns are not limited.
 pub(super) fn flown<'a>(problem: &SingleVisitProblem, route: &'a [Position], path: &'a [Position]) -> &'a [Position] {
     if problem.vehicle.turn_radius_m > 0.0 && !path.is_empty() { path } else { route }
 }
@@ -41,7 +40,7 @@ struct Piece {
     lasts_s: f64,
 }
 
-/// Does the vehicle turn as tightly as `flown` does, and from and to the directions of its `ends`?
+/// Checks that the vehicle can turn as tightly as `flown` does, and from and to the directions of its `ends`.
 pub(super) fn check(
     problem: &SingleVisitProblem,
     flown: &[Position],

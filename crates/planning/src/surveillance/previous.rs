@@ -1,4 +1,4 @@
-//! The plan that is flown now, as a place to begin: what is left of it on a problem that has changed.
+//! The plan in execution as a start: its remainder on a problem that has changed.
 //!
 //! Bound: O(targets + visits).
 
@@ -7,8 +7,8 @@ use crate::solver::Budget;
 use apex_model::problem::Plan;
 use std::collections::BTreeMap;
 
-/// What is left of a plan: its visits as far as their targets are still there and time reaches; a plan that repeats a cycle goes on
-/// with it. None if nothing is left.
+/// Returns the remainder of a plan: its visits as far as their targets still exist and time reaches; a plan that
+/// repeats a cycle continues it. `None` if the remainder is empty.
 pub fn word(scenario: &Scenario<'_>, plan: Option<&Plan>) -> Option<Vec<usize>> {
     let Plan::Surveillance(plan) = plan? else { return None };
     let targets = &scenario.problem().targets;
@@ -26,7 +26,7 @@ pub fn word(scenario: &Scenario<'_>, plan: Option<&Plan>) -> Option<Vec<usize>> 
     (!word.is_empty()).then_some(word)
 }
 
-/// The targets of what is left of a plan in the order in which they come first: a cycle to begin with.
+/// Returns the targets of the remainder of a plan in the order in which they come first: a cycle to begin with.
 pub fn cycle(scenario: &Scenario<'_>, plan: Option<&Plan>) -> Option<Vec<usize>> {
     let word = word(scenario, plan)?;
     let mut there = vec![false; scenario.problem().targets.len()];
@@ -34,7 +34,7 @@ pub fn cycle(scenario: &Scenario<'_>, plan: Option<&Plan>) -> Option<Vec<usize>>
     Some(word.into_iter().filter(|target| first(target)).collect())
 }
 
-/// What is left of the plan where that costs less than `cost`, with what it costs.
+/// Returns the remainder of the plan if it costs less than `cost`, with its cost.
 pub fn better(
     scenario: &Scenario<'_>,
     plan: Option<&Plan>,
@@ -46,7 +46,7 @@ pub fn better(
     (before < cost).then_some((before, word))
 }
 
-/// What finding a target by its name takes, in nanoseconds.
+/// Work of finding a target by its name, in nanoseconds.
 const NAME_NS: u64 = 100;
 
 #[cfg(test)]

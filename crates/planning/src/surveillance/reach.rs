@@ -1,4 +1,4 @@
-//! Which targets of surveillance can be observed at all, and which are left faster over others than straight home.
+//! Targets of surveillance that can be observed at all, and those that are left faster over others than straight home.
 //!
 //! Given times need not obey the triangle inequality, so a target that cannot be flown to, or left, at once may be by way of
 //! another one. Bound: O(targets), O(targets^2) where a target cannot be the first.
@@ -42,7 +42,7 @@ pub(super) fn detours_home_s(problem: &SurveillanceProblem) -> Vec<f64> {
 
 /// Times that differ by no more are equal.
 const SAME_S: f64 = 1e-6;
-/// What a look from one target at another one takes, in nanoseconds.
+/// Work of comparing one target with another one, in nanoseconds.
 const LOOK_NS: u64 = 12;
 
 /// Makes the least number final, lets it lower the others, and so on (Dijkstra). `over` is the number of the third by way of the

@@ -1,7 +1,8 @@
 //! Flying a word (a sequence of targets) or a cycle over a surveillance problem: times, expected cost, plan.
 //!
-//! Work is metered here in nanoseconds and charged in whole units, so that a unit is the same to every planner of surveillance;
-//! what planners do besides flying words they [`spend`](Scenario::spend) too. The figures were measured (`make bench-units`).
+//! Work is metered here in nanoseconds and charged in whole units, so that a unit is the same to every planner of
+//! surveillance; planners charge their other work with [`spend`](Scenario::spend). The figures were measured
+//! (`make bench-units`).
 //! Bound: O(visits) per evaluation, at most [`VISITS_MAX`].
 
 use super::reach;
@@ -16,15 +17,15 @@ use std::cell::{Cell, OnceCell};
 /// Visits of one plan: a visit every second for a day and more.
 pub const VISITS_MAX: usize = 100_000;
 
-/// What an entry of the travel times takes when a problem is prepared, in nanoseconds.
+/// Work per entry of the travel times when a problem is prepared, in nanoseconds.
 const ENTRY_NS: u64 = 4;
-/// What a word takes to be flown: each visit, each target, and the rest.
+/// Work of flying a tour: each visit, each target, and the rest.
 const VISIT_NS: u64 = 30;
 const TARGET_NS: u64 = 1;
 const WORD_NS: u64 = 120;
-/// What a travel time takes more where it depends on the departure.
+/// Additional work of a travel time that depends on the departure.
 const DEPARTURE_NS: u64 = 25;
-/// What a plan takes to be written: each visit and each target.
+/// Work of writing a plan: each visit and each target.
 const WRITTEN_VISIT_NS: u64 = 250;
 const WRITTEN_TARGET_NS: u64 = 400;
 
@@ -50,9 +51,9 @@ pub struct Scenario<'a> {
     /// Least time from the end of each target's observation to the base, over others where that is faster than the way home;
     /// empty where it is not.
     home_s: Vec<f64>,
-    /// What each target costs when it is never visited, and all of them.
+    /// Cost of each target that is never visited, and of all of them.
     idle: (Vec<f64>, f64),
-    /// Mean time from one usable target to another, dwell included, once somebody has asked.
+    /// Mean time from one usable target to another, dwell included, once it was requested.
     mean_transit_s: OnceCell<f64>,
     /// Work done and not yet charged.
     spent_ns: Cell<u64>,
@@ -114,7 +115,7 @@ impl<'a> Scenario<'a> {
         self.limit_s
     }
 
-    /// What a travel time takes more because it depends on the departure, in nanoseconds.
+    /// Returns the additional work of a travel time that depends on the departure, in nanoseconds.
     pub fn departure_ns(&self) -> u64 {
         if self.problem.travel.is_constant() { 0 } else { DEPARTURE_NS }
     }
@@ -316,7 +317,8 @@ impl<'a> Scenario<'a> {
             .collect()
     }
 
-    /// What one visit of the target would do to the cost, where it is least out of the way, and where time is left at the end.
+    /// Returns the effect on the cost of one visit of the target, at the least detour and where time is left at the
+    /// end.
     fn unwanted_reason(&self, word: &[usize], index: usize, cost: f64) -> String {
         let travel = &self.typical;
         let detour_s = |at: usize| {

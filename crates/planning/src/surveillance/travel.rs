@@ -5,21 +5,21 @@ use apex_geo::travel::{Air, Circling, EndpointId, Network, Setting, TravelError,
 use apex_geo::wind::WindField;
 use apex_model::problem::{AirspaceZone, LaterTimes, TravelTimes, UNREACHABLE_S};
 
-/// How the vehicle gets from place to place.
+/// Times and paths of the vehicle from place to place.
 #[derive(Clone, Debug)]
 pub struct Transit<'a> {
     /// Speed through the air.
     pub true_airspeed_mps: f64,
-    /// Least radius of its turns through the air; 0 for who can stop and turn on the spot. With one it circles around the start
-    /// and the targets, and a way takes what it takes from the worst point of a circle.
+    /// Least radius of its turns through the air; 0 for a vehicle that can stop and turn on the spot. With one it
+    /// circles around the start and the targets, and a path takes its time from the worst point of a circle.
     pub turn_radius_m: f64,
     /// Altitude at which the wind is taken.
     pub altitude_m: f64,
     /// The wind.
     pub wind: &'a WindField,
-    /// When the plan begins.
+    /// Begin of the plan.
     pub time_s: f64,
-    /// When it ends: zones that are active before that are kept out of at all times.
+    /// End of the plan: zones that are active before it are avoided at all times.
     pub until_s: f64,
     /// Zones to keep out of and to stay in.
     pub zones: &'a [AirspaceZone],
@@ -60,7 +60,7 @@ impl SurveillanceTravel {
     /// The ways between `targets`, from `start` and to `base`.
     ///
     /// # Errors
-    /// A sentence that names a zone that makes no sense, or the start or base that is not on the map or inside a zone.
+    /// An error message that names an invalid zone, or the start or base that is off the map or inside a zone.
     pub fn new(
         start: Position,
         targets: &[Position],
@@ -124,7 +124,7 @@ impl SurveillanceTravel {
     fn at_departures(&mut self, changes_s: &[f64]) -> TravelTimes {
         let first = self.leaving_at(0.0);
         let mut known = vec![first];
-        // Times are constant except for who is on the way when the wind changes.
+        // Times are constant except for a vehicle that is on the way when the wind changes.
         for change_s in changes_s {
             let longest_s = |times: &LaterTimes| {
                 let all = times.from_start_s.iter().chain(&times.to_base_s).chain(times.between_s.iter().flatten());
@@ -181,8 +181,8 @@ impl SurveillanceTravel {
         }
     }
 
-    /// Both ends and the bends of the way to a target for who leaves another, or the start (none), `depart_s` after the
-    /// beginning; empty where there is none.
+    /// Returns the path to target `to` with both ends and its bends, departing from target `from` (`None`: the start)
+    /// `depart_s` seconds after the beginning. Empty if no path exists.
     pub fn route(&mut self, from: Option<usize>, to: usize, depart_s: f64) -> Vec<Position> {
         let from = from.map_or(Some(self.ends.start), |from| self.ends.targets.get(from).copied());
         let to = self.ends.targets.get(to).copied();
@@ -195,13 +195,13 @@ impl SurveillanceTravel {
         self.positions(ends, depart_s)
     }
 
-    /// Radius of the circles around start and targets; 0 for who turns on the spot.
+    /// Returns the radius of the circles around start and targets; 0 for a vehicle that turns on the spot.
     pub fn circle_radius_m(&self) -> f64 {
         self.network.circle_radius_m()
     }
 
-    /// What turning makes the way to a target take more than straight legs do, in the worst case, for who leaves another target,
-    /// or the start (none), `depart_s` after the beginning.
+    /// Returns the time that turns add to the straight legs to a target in the worst case, departing from another
+    /// target (`None`: the start) `depart_s` after the beginning.
     pub fn turns_s(&mut self, from: Option<usize>, to: usize, depart_s: f64) -> f64 {
         let from = from.map_or(Some(self.ends.start), |from| self.ends.targets.get(from).copied());
         self.turns_between_s(from.zip(self.ends.targets.get(to).copied()), depart_s)
@@ -217,16 +217,16 @@ impl SurveillanceTravel {
         trip.map_or(0.0, |trip| self.network.turns_s(trip.way))
     }
 
-    /// What a vehicle with a turn radius flies around a target while it looks from one time to another, and where on the circle
-    /// it is then.
+    /// Returns the path of a vehicle with a turn radius around a target while it observes from one time to another, and
+    /// its last position on the circle.
     pub fn look(&self, at: usize, from: Circling, (begin_s, end_s): (f64, f64)) -> (Vec<Position>, Circling) {
         let place = self.ends.targets.get(at).copied();
         let arc = place.map(|place| self.network.circling_arc(place, from, (self.begin_s + begin_s, end_s - begin_s)));
         arc.unwrap_or((Vec::new(), from))
     }
 
-    /// What it flies on the way from a target (none: the start) to another (none: the base) for which it leaves at `depart_s`,
-    /// from where on the circle `left` says (none: from where it suits best); and where on the next circle it is then.
+    /// Returns the path from a target (`None`: the start) to another (`None`: the base) with departure at `depart_s`,
+    /// from the position on the circle in `left` (`None`: from the best one), and the position on the next circle.
     pub fn flown(
         &mut self,
         (from, to): (Option<usize>, Option<usize>),
@@ -246,7 +246,7 @@ impl SurveillanceTravel {
         }
     }
 
-    /// Why a target cannot be visited at all: what it lies in.
+    /// Returns the obstacle in which a target lies that cannot be visited at all.
     pub fn trouble(&self, target: usize) -> Option<&TravelError> {
         self.troubles.get(target).and_then(Option::as_ref)
     }
@@ -257,7 +257,7 @@ impl SurveillanceTravel {
     }
 }
 
-/// How far the times in the middle are from the straight lines between those before and after.
+/// Returns the distance of the times in the middle from the straight lines between those before and after.
 fn off_s(before: &LaterTimes, middle: &LaterTimes, after: &LaterTimes) -> f64 {
     let times = |of: &LaterTimes| -> Vec<f64> {
         of.from_start_s.iter().chain(&of.to_base_s).chain(of.between_s.iter().flatten()).copied().collect()

@@ -3,7 +3,7 @@
 use crate::solver::Budget;
 use crate::surveillance::scenario::Scenario;
 
-/// What a step of the recursion takes, in quarters of a nanosecond.
+/// Work of a step of the recursion, in quarters of a nanosecond.
 const STEP_QUARTER_NS: u64 = 6;
 
 /// Held and Karp's recursion over sets; the tour begins with the first target.

@@ -17,10 +17,10 @@ pub const EXACT_MAX: usize = 9;
 pub const STARTS_MAX: usize = 8;
 /// Improvements of one descent: far more than any tour needs, so that rounding cannot loop.
 const IMPROVEMENTS_MAX: usize = 100_000;
-/// What a row of turns or moves takes next to them, in nanoseconds.
+/// Work of a row of turns or moves in addition to them, in nanoseconds.
 const ROW_NS: u64 = 100;
 
-/// How many times as long a look at the travel times takes where they do not lie in the processor's own memory any more.
+/// Returns the factor of an access to travel times that the processor's cache does not hold any longer.
 fn memory(count: usize) -> u64 {
     1 + count as u64 / 400
 }
@@ -98,7 +98,7 @@ mod tests {
 
     #[test]
     fn directed_lengths_count() {
-        // One way round is free, the other is dear.
+        // One direction is free, the other is expensive.
         let distance = |from: usize, to: usize| if (from + 1) % 5 == to { 1.0 } else { 10.0 };
         let mut tour = vec![4, 3, 2, 1, 0];
         let problem = examples::random(5, 1);

@@ -3,7 +3,7 @@
 use crate::solver::Budget;
 use crate::surveillance::scenario::Scenario;
 
-/// What a look at a target takes in nanoseconds.
+/// Work per examined target, in nanoseconds.
 const LOOK_NS: u64 = 3;
 
 /// All of `targets` in nearest-neighbour order, beginning with the one nearest to `from` (none: the start).

@@ -4,10 +4,10 @@ use super::{ROW_NS, length, memory};
 use crate::solver::Budget;
 use crate::surveillance::scenario::Scenario;
 
-/// What a move takes to be tried, in nanoseconds.
+/// Work of trying a move, in nanoseconds.
 const MOVE_NS: u64 = 12;
 
-/// Moves the part of up to three targets whose moving (as it is or turned round) shortens the tour most.
+/// Moves the part of up to three targets whose move (as it is or reversed) shortens the tour most.
 pub(super) fn improve(
     scenario: &Scenario<'_>,
     tour: &mut Vec<usize>,

@@ -1,13 +1,13 @@
-//! 2-opt: a part of the tour turned round. Bound: O(n^2).
+//! 2-opt: reversal of a part of the tour. Bound: O(n^2).
 
 use super::{ROW_NS, memory};
 use crate::solver::Budget;
 use crate::surveillance::scenario::Scenario;
 
-/// What a turn takes to be tried, in nanoseconds.
+/// Work of trying a reversal, in nanoseconds.
 const TURN_NS: u64 = 8;
 
-/// Turns round the part whose turning shortens the tour most; false where none does.
+/// Reverses the part whose reversal shortens the tour most; false if none does.
 pub(super) fn improve(
     scenario: &Scenario<'_>,
     tour: &mut [usize],

@@ -1,13 +1,13 @@
-//! Do travel times given as numbers make sense?
+//! Validity of travel times given as numbers.
 
 use apex_model::problem::{LaterTimes, TravelTimes, UNREACHABLE_S};
 
-/// Departures for which times may be given: a day in steps of ten minutes, with room around each change of the wind.
+/// Departures for which times may be given: a day in steps of ten minutes, with reserve around each change of the wind.
 const DEPARTURES_MAX: usize = 256;
-/// Who leaves later may be there earlier by this much: rounding of what made the times.
+/// A later departure may arrive earlier by this much: rounding of given times.
 const OVERTAKEN_S_MAX: f64 = 1e-3;
 
-/// Refuses times that do not fit `count` targets, are no times, or let somebody who leaves later arrive earlier.
+/// Refuses times that do not fit `count` targets, are not times, or let a later departure arrive earlier.
 pub(super) fn times(travel: &TravelTimes, count: usize, with_base: bool) -> Result<(), String> {
     let TravelTimes { from_start_s, between_s, to_base_s, later } = travel;
     table((from_start_s, between_s, to_base_s), count, with_base)?;
@@ -58,7 +58,7 @@ struct Table<'a> {
 
 impl Table<'_> {
     fn times(&self) -> impl Iterator<Item = f64> {
-        // The base comes last: where nobody asks for it, its times may be missing.
+        // The base comes last: if no return is required, its times may be missing.
         self.from_start_s.iter().chain(self.between_s.iter().flatten()).chain(self.to_base_s).copied()
     }
 }

@@ -1,4 +1,4 @@
-//! Times that depend on the departure: every planner and the checker see them, and nobody overtakes.
+//! Times that depend on the departure: every planner and the checker see them, and no vehicle overtakes.
 
 use apex_model::problem::{Plan, Position, Problem, UNREACHABLE_S, WindField, WindLayer};
 use apex_planning::checker;
@@ -90,7 +90,7 @@ proptest! {
             let mut plan = solver.solve(&problem, &mut environment).unwrap();
             apex_solvers::bounds::state(&problem, &mut plan).unwrap();
             prop_assert_eq!(checker::violations(&problem, &plan), Vec::<String>::new());
-            // A plan for who is always as quick as at the best departure comes too late in truth.
+            // A plan for a vehicle that is always as fast as at the best departure comes too late in truth.
             let mut budget = WorkBudget::new(5_000);
             let mut environment = Environment { seed, budget: &mut budget, report: &mut |_| {}, previous: None };
             let hasty = solver.solve(&blind, &mut environment).unwrap();

@@ -1,4 +1,4 @@
-//! Surveillance by who cannot stop: times by hand, and plans flown in small steps.
+//! Surveillance by a vehicle that cannot stop: times by hand, and plans flown in small steps.
 
 use apex_geo::geodesy;
 use apex_geo::travel::Circling;
@@ -134,7 +134,7 @@ fn who_has_no_room_to_circle_is_told_so_and_so_is_who_turns_too_wide() {
         active: TimeWindow::ALWAYS,
     };
     let calm = WindField::default();
-    // 3.3 km north of the saddle: space for who hovers, and for circles of 3 km.
+    // 3.3 km north of the saddle: space for a vehicle that hovers, and for circles of 3 km.
     let zones = [beside(39.63)];
     let reach = |turn_radius_m: f64| {
         let ways = SurveillanceTravel::new(start, &targets, start, &transit(turn_radius_m, &calm, &zones)).unwrap();

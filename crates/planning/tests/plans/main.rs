@@ -1,4 +1,4 @@
-//! What planning says of plans, with plans that the shipped planners make.
+//! Checks of plans that the shipped planners make.
 #![allow(clippy::expect_used, clippy::indexing_slicing, clippy::panic, clippy::unwrap_used, reason = "tests")]
 
 mod changing_wind;

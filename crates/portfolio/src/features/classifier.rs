@@ -1,4 +1,4 @@
-//! What a classifier is: it reads one feature of a mission.
+//! A classifier reads one feature of a mission.
 
 use apex_geo::geodesy::Position;
 use apex_geo::plane::{Plane, Point};
@@ -8,7 +8,7 @@ use apex_planning::surveillance::scenario::Scenario;
 /// Distance that the missions of the profile table could fly in theirs: an hour at 20 m/s. Maps are compared in this measure,
 /// so that a vehicle of twice the speed sees a map of half the size.
 const REACH_M: f64 = 72_000.0;
-/// Pairs of targets that are looked at to know the speed.
+/// Greatest number of pairs of targets that are examined to know the speed.
 const SPEED_PAIRS_MAX: usize = 1_000;
 
 /// A mission with what classifiers ask of it.
@@ -20,10 +20,10 @@ pub struct ClassifierInput<'a> {
 }
 
 impl<'a> ClassifierInput<'a> {
-    /// Looks at `problem`.
+    /// Prepares the input from `problem`.
     ///
     /// # Errors
-    /// A sentence where the problem makes no sense or no target can be observed at all.
+    /// An error message if the problem is invalid or no target can be observed at all.
     pub fn new(problem: &'a SurveillanceProblem) -> Result<ClassifierInput<'a>, String> {
         let scenario = Scenario::new(problem)?;
         let positions: Vec<Position> = problem.targets.iter().map(|target| target.position).collect();
@@ -38,7 +38,7 @@ impl<'a> ClassifierInput<'a> {
         self.scenario.problem()
     }
 
-    /// Where targets are, in metres on a plane around them.
+    /// Returns the positions of targets, in metres on a plane around them.
     pub fn points(&self) -> &[Point] {
         &self.points
     }
@@ -63,12 +63,13 @@ fn speed_mps(problem: &SurveillanceProblem, points: &[Point]) -> f64 {
     speeds.get(speeds.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// What a classifier reads from a mission.
+/// Result of a classifier.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reading {
     /// Numbers, each with its name and unit (`tour time over horizon`).
     pub numbers: Vec<(&'static str, f64)>,
-    /// How far the mission is from each bin, in the order of [`Classifier::bins`]; the bin with the least is the mission's.
+    /// Distance of the mission from each bin, in the order of [`Classifier::bins`]; the bin with the least is the
+    /// mission's.
     pub distances: Vec<f64>,
 }
 

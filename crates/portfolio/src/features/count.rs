@@ -1,4 +1,4 @@
-//! How many targets there are.
+//! Number of targets.
 
 use super::classifier::{Classifier, ClassifierInput, Reading};
 use crate::cell::COUNTS;

@@ -1,4 +1,4 @@
-//! How the importance of targets differs: what an event that is never found costs, times how likely it is.
+//! Variation of the importance of targets: cost of an event that is never found, times its probability.
 
 use super::classifier::{Classifier, ClassifierInput, Reading};
 use super::variability;
@@ -27,7 +27,7 @@ impl Classifier for Importance {
     }
 }
 
-/// What an event costs that is never found: the limit where there is one, else the cost at the horizon.
+/// Returns the cost of an event that is never found: the limit if there is one, else the cost at the horizon.
 fn never_found(cost: &CostFunction, horizon_s: f64) -> f64 {
     match cost {
         CostFunction::Saturating { maximum, .. }

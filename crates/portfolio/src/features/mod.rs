@@ -1,7 +1,7 @@
 //! Problem classification (paper, section V.C): features of a given mission, by which the best planner is looked up.
 //!
-//! A classifier reads one feature: numbers for people, and how far the mission is from each of the feature's bins. Each is
-//! one file and a row in [`CLASSIFIERS`]; third parties add theirs the same way and hand their own list to
+//! A classifier reads one feature: readable numbers, and the distance of the mission from each of the feature's bins.
+//! Each is one file and a row in [`CLASSIFIERS`]; third parties add theirs the same way and pass their own list to
 //! [`classify_with`]. Bound: O(n^2) in the number of targets.
 
 mod classifier;
@@ -48,7 +48,7 @@ impl Feature {
 /// Reads every feature of `problem`.
 ///
 /// # Errors
-/// A sentence where the problem makes no sense.
+/// An error message if the problem is invalid.
 pub fn classify(problem: &SurveillanceProblem) -> Result<Vec<Feature>, String> {
     classify_with(CLASSIFIERS, problem)
 }
@@ -56,7 +56,7 @@ pub fn classify(problem: &SurveillanceProblem) -> Result<Vec<Feature>, String> {
 /// Reads the features of `classifiers`.
 ///
 /// # Errors
-/// A sentence where the problem makes no sense.
+/// An error message if the problem is invalid.
 pub fn classify_with(classifiers: &[&dyn Classifier], problem: &SurveillanceProblem) -> Result<Vec<Feature>, String> {
     let given = ClassifierInput::new(problem)?;
     let read = |classifier: &&dyn Classifier| {

@@ -1,5 +1,5 @@
-//! Which pattern of the profile table a set of points is most like: the likelihood of nine patterns, three ways to lie on
-//! maps of three sizes, wherever their centre is.
+//! Pattern of the profile table that a set of points resembles most: the likelihood of nine patterns, three
+//! distributions on maps of three sizes, for any centre.
 //!
 //! Size and kind are asked together because they are mixed up else: four targets in one crowd on a large map are as far apart
 //! as four anywhere on a medium one, and only their sizes given the kind tell more than their shape.
@@ -31,7 +31,7 @@ pub(super) fn unlikelihoods(given: &ClassifierInput<'_>) -> [[f64; 3]; 3] {
     each.map(|row| row.map(|unlikely| (unlikely - least) / count))
 }
 
-/// What the likelihoods need to know of the points.
+/// Statistics of the points for the likelihoods.
 struct Shape {
     count: f64,
     width_m: f64,

@@ -1,4 +1,4 @@
-//! How the speed differs at which the costs of ignorance gather.
+//! Variation of the rates at which the costs of ignorance grow.
 
 use super::classifier::{Classifier, ClassifierInput, Reading};
 use super::variability;

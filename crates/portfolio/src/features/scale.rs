@@ -1,4 +1,4 @@
-//! How large the map is, measured by what the vehicle can fly in the mission's time.
+//! Size of the map, measured by the distance that the vehicle can fly in the mission's time.
 //!
 //! The number is kappa, the time of the shortest tour over all targets with their dwells over the time available: at 1 a
 //! single lap fits. The bin is that of the likeliest pattern of the table.

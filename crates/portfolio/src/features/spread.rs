@@ -1,4 +1,4 @@
-//! How targets lie: in two crowds, in one, or everywhere.
+//! Distribution of targets: in two groups, in one, or everywhere.
 //!
 //! The bin is that of the likeliest pattern of the table; silhouette and nearest-neighbour index are for operators and for
 //! classifiers to come.

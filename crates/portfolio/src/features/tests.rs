@@ -94,7 +94,7 @@ fn odd_missions_are_classified_too() {
     assert!(classify(&problem).is_err());
 }
 
-/// A third party's classifier: does the vehicle have to come back?
+/// A third party's classifier: true if the vehicle has to come back.
 struct Return;
 
 impl Classifier for Return {

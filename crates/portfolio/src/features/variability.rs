@@ -1,4 +1,4 @@
-//! How a quantity differs between targets: not at all, in two groups, or anyhow.
+//! Variation of a quantity between targets: none, two groups, or any.
 
 use super::classifier::Reading;
 use crate::cell::Spread;

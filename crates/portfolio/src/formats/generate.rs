@@ -20,7 +20,7 @@ pub enum Family {
     },
 }
 
-/// How places lie.
+/// Distribution of places.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Places {
     /// In ten clusters.
@@ -31,7 +31,7 @@ pub enum Places {
     Mixed,
 }
 
-/// How long the depot is open.
+/// Opening time of the depot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Day {
     /// A dozen visits fit.

@@ -2,7 +2,7 @@
 
 use apex_model::problem::SingleVisitProblem;
 
-/// What a file asks.
+/// Kind of problem that a file poses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ProblemKind {
     /// The most value within time windows and a closing time.
@@ -20,7 +20,7 @@ pub struct Instance {
     pub name: String,
     /// The format, as text.
     pub format: &'static str,
-    /// What is asked.
+    /// Kind of problem.
     pub question: ProblemKind,
     /// Vehicles (paths) that the file names; the problem is that of one.
     pub vehicles: Option<usize>,

@@ -17,7 +17,7 @@ pub use instance::{Instance, ProblemKind};
 
 use crate::format_error::FormatError;
 
-/// Is `text` meant to be one of these formats? Looks at its first words only.
+/// Returns true if `text` is meant to be one of these formats, by its first words only.
 pub fn is_one(text: &str) -> bool {
     tsplib::is_one(text) || solomon::is_one(text) || toptw::is_one(text)
 }

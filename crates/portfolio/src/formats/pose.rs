@@ -22,16 +22,16 @@ pub(super) struct Vertex {
     pub(super) closes: f64,
 }
 
-/// What limits a problem in addition its targets.
+/// Limits of a problem in addition to its targets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Frame {
     pub(super) question: ProblemKind,
-    /// When the vehicle may leave and must be back.
+    /// Earliest departure and latest return of the vehicle.
     pub(super) opens: f64,
     pub(super) closes: f64,
     /// All times of the file are multiples of this.
     pub(super) resolution: f64,
-    /// Do targets have windows?
+    /// True if targets have windows.
     pub(super) windows: bool,
 }
 
@@ -96,7 +96,7 @@ fn tour(problem: &mut SingleVisitProblem) {
     problem.crew = vec![clock];
 }
 
-/// Where a vertex is shown: the plane around the point 0 0 of the map.
+/// Returns the displayed position of a vertex: on the plane around the point 0 0 of the map.
 fn shown(vertices: &[Vertex]) -> impl Fn(&Vertex) -> Position + use<> {
     let range = |axis: fn(&Vertex) -> f64| {
         let values = vertices.iter().map(axis);
@@ -128,7 +128,7 @@ pub(super) fn check_count(count: usize, at: &TextToken<'_>) -> Result<(), Format
     if count == 0 || count > most {
         return Err(at.trouble(
             format!("{count} targets cannot be planned for"),
-            format!("a problem has from 1 to {most} targets besides its depot"),
+            format!("a problem has from 1 to {most} targets in addition to its depot"),
             if count == 0 { "add a target" } else { "take a part of the file" },
         ));
     }

@@ -18,7 +18,7 @@ use crate::format_error::FormatError;
 const HELP: &str = "docs/reference/planning-problems.md shows the format";
 const FORM: &str = "a customer is `number x y demand ready due service`";
 
-/// Is there a line `VEHICLE` near the top?
+/// Returns true if a line `VEHICLE` is near the top.
 pub(super) fn is_one(text: &str) -> bool {
     let mut lines = words::lines(text).filter(|line| !line.is_empty()).take(4);
     lines.any(|line| line.len() == 1 && line.first().is_some_and(|word| word.text.eq_ignore_ascii_case("VEHICLE")))

@@ -1,4 +1,4 @@
-//! What benchmark files say, what is wrong with them, and that our own do not drift.
+//! Contents and errors of benchmark files, and that generated ones do not drift.
 
 use super::generate::{self, Day, Family, Places};
 use super::*;

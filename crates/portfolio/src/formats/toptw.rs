@@ -19,7 +19,7 @@ const VEHICLES_MAX: usize = 100_000;
 /// Numbers of a vertex before the list of `a` numbers.
 const BEFORE_LIST: usize = 7;
 
-/// Does `text` begin with a line of numbers?
+/// Returns true if `text` begins with a line of numbers.
 pub(super) fn is_one(text: &str) -> bool {
     let first = content(text).next();
     first.is_some_and(|line| line.len() >= 3 && line.iter().take(3).all(|word| word.text.parse::<f64>().is_ok()))

@@ -4,7 +4,7 @@ use crate::format_error::FormatError;
 
 /// Longer lines and words are cut in messages.
 const SHOWN_MAX: usize = 80;
-/// Numbers beyond this are no coordinates, times or profits: sums of them would no longer be exact.
+/// Numbers beyond this are not coordinates, times or profits: sums of them would not be exact.
 const NUMBER_MAX: f64 = 1e9;
 /// Digits after the point that are counted.
 const DECIMALS_MAX: usize = 6;

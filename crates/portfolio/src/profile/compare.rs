@@ -7,7 +7,7 @@ use super::{Profile, budget_words};
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-/// What both say at one budget.
+/// Comparison at one budget.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Compared {
     /// The budget as text.

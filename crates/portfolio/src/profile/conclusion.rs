@@ -1,4 +1,5 @@
-//! What selection needs of a profile: the best planner of each cell at each budget. Written as `data/profile-table.csv`.
+//! Extract of a profile for selection: the best planner of each cell at each budget. Written as
+//! `data/profile-table.csv`.
 
 use super::verdict::{self, Best, Verdict};
 use super::{Profile, budget_words};
@@ -6,7 +7,7 @@ use crate::cell::Cell;
 use crate::format_error::FormatError;
 use std::fmt::Write;
 
-/// The first line that is no comment.
+/// The first line that is not a comment.
 const HEADING: &str = "cell,budget_units,best,verdict,next,effect_percent";
 
 /// One line: the best planner of a cell at a budget.
@@ -18,16 +19,16 @@ pub struct Conclusion {
     pub budget_units: u64,
     /// The planner with the least mean logarithm of costs.
     pub best: String,
-    /// What can be said of it: `First` is better than every other.
+    /// Verdict; `First` means better than every other.
     pub verdict: Verdict,
     /// The next best; the same planner where there is no other.
     pub next: String,
-    /// How much less the best costs than the next, in percent.
+    /// Advantage of the best over the next, in percent of cost.
     pub effect_percent: f64,
 }
 
 impl Conclusion {
-    /// In words: `wam is best at 10 ms, 2.3 % before two-opt`.
+    /// Formats it as text: `wam is best at 10 ms, 2.3 % before two-opt`.
     pub fn words(&self) -> String {
         let budget = budget_words(self.budget_units);
         let (best, next, effect) = (&self.best, &self.next, self.effect_percent);
@@ -41,7 +42,7 @@ impl Conclusion {
     }
 }
 
-/// What follows from `profile`.
+/// Returns the conclusions from `profile`.
 pub fn conclusions(profile: &Profile) -> Vec<Conclusion> {
     let bests: Vec<Vec<Best>> = (0..profile.budgets.len()).map(|budget| verdict::best(profile, budget)).collect();
     let mut all = Vec::new();
@@ -119,13 +120,13 @@ fn conclusion_of(line: &str) -> Result<Conclusion, String> {
     let verdicts = [Verdict::First, Verdict::NoDifference, Verdict::Undecided];
     Ok(Conclusion {
         cell: cell.parse()?,
-        budget_units: budget_units.parse().map_err(|_| format!("{budget_units} is no budget in work units"))?,
+        budget_units: budget_units.parse().map_err(|_| format!("{budget_units} is not a budget in work units"))?,
         best: (*best).to_string(),
         verdict: verdicts
             .into_iter()
             .find(|known| word(*known) == *verdict)
-            .ok_or_else(|| format!("{verdict} is no verdict: better, no difference or undecided"))?,
+            .ok_or_else(|| format!("{verdict} is not a verdict: better, no difference or undecided"))?,
         next: (*next).to_string(),
-        effect_percent: effect_percent.parse().map_err(|_| format!("{effect_percent} is no number"))?,
+        effect_percent: effect_percent.parse().map_err(|_| format!("{effect_percent} is not a number"))?,
     })
 }

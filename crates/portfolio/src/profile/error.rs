@@ -1,15 +1,15 @@
-//! What was asked of a profile that cannot be done, for operators.
+//! Errors of requests for profiles, for operators.
 
 use std::fmt;
 
 /// A request that cannot be met: what, why, and what to do.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProfileError {
-    /// What cannot be done.
+    /// Failed request.
     pub message: String,
-    /// Why, where the message does not say it.
+    /// Reason, if the message does not state it.
     pub reason: Option<String>,
-    /// What to do.
+    /// Remedy.
     pub help: String,
 }
 

@@ -67,7 +67,7 @@ impl FromStr for Profile {
         while let Some(line) = lines.next_of("planner") {
             let words = line.words();
             let [_, name, version] = words.as_slice() else {
-                return Err(line.trouble(0, "this is no planner", "a name and a version belong here"));
+                return Err(line.trouble(0, "this is not a planner", "a name and a version belong here"));
             };
             if planners.iter().any(|known: &Planner| known.name == *name) {
                 return Err(line.trouble(1, format!("{name} is there twice"), "each planner has one line"));
@@ -96,9 +96,9 @@ impl FromStr for Profile {
 fn row(lines: &mut Lines<'_>, head: &Line<'_>, profile: &Profile) -> Result<Row, FormatError> {
     let words = head.words();
     let [_, cell, hash] = words.as_slice() else {
-        return Err(head.trouble(0, "this is no cell", "a name and a hash belong here"));
+        return Err(head.trouble(0, "this is not a cell", "a name and a hash belong here"));
     };
-    let cell = cell.parse().map_err(|why| head.trouble(1, format!("{cell} is no cell"), why))?;
+    let cell = cell.parse().map_err(|why| head.trouble(1, format!("{cell} is not a cell"), why))?;
     if profile.rows.iter().any(|row| row.cell == cell) {
         return Err(head.trouble(1, format!("{cell} is there twice"), "each cell has one place"));
     }
@@ -154,7 +154,7 @@ impl<'a> Lines<'a> {
         }
         let wanted = format!("a line `{word} ..` belongs here");
         Err(match self.next() {
-            Some(line) => line.trouble(0, "this is no profile of planners", wanted),
+            Some(line) => line.trouble(0, "this is not a profile of planners", wanted),
             None => self.end("it ends too early", &wanted),
         })
     }
@@ -165,7 +165,7 @@ impl<'a> Lines<'a> {
         read.filter(|number| allowed.contains(number)).ok_or_else(|| {
             let (low, high) = (allowed.start(), allowed.end());
             let wanted = if low == high { format!("{low} is read") } else { format!("from {low} to {high}") };
-            line.trouble(1, format!("this is no {word} that can be used"), wanted)
+            line.trouble(1, format!("{word} cannot be used"), wanted)
         })
     }
 
@@ -175,7 +175,7 @@ impl<'a> Lines<'a> {
         for (place, word) in line.words().into_iter().enumerate().skip(1) {
             let units = word.parse().ok().filter(|units| *units > budgets.last().copied().unwrap_or(0));
             budgets.push(units.ok_or_else(|| {
-                line.trouble(place, format!("{word} is no budget"), "budgets are work units above 0, rising")
+                line.trouble(place, format!("{word} is not a budget"), "budgets are work units above 0, rising")
             })?);
         }
         if budgets.is_empty() {
@@ -199,7 +199,7 @@ impl<'a> Line<'a> {
         let mut costs = Vec::with_capacity(words.len());
         for (place, word) in words.iter().enumerate().skip(2) {
             let cost = word.parse::<f64>().ok().filter(|cost| cost.is_finite() && *cost > 0.0);
-            let wrong = || self.trouble(place, format!("{word} is no cost"), "costs are finite numbers above 0");
+            let wrong = || self.trouble(place, format!("{word} is not a cost"), "costs are finite numbers above 0");
             costs.push(cost.ok_or_else(wrong)?);
         }
         if costs.len() as u64 == missions {
@@ -209,7 +209,7 @@ impl<'a> Line<'a> {
         Err(self.trouble(words.len().saturating_sub(1), message, "every mission has one cost"))
     }
 
-    /// What is wrong with the word at `place`.
+    /// Makes the error of the word at `place`.
     fn trouble(&self, place: usize, message: impl Into<String>, reason: impl Into<String>) -> FormatError {
         let start = self.words().get(place).map_or(0, |word| word.as_ptr().addr() - self.text.as_ptr().addr());
         FormatError {

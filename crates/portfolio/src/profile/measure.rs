@@ -1,4 +1,4 @@
-//! What a planner comes to on one mission at each budget.
+//! Costs of a planner on one mission at each budget.
 
 use super::file::rounded;
 use crate::cell::Cell;
@@ -19,7 +19,7 @@ pub struct Measured {
 /// before it counts.
 ///
 /// # Errors
-/// A sentence where the planner finds no plan, or one that is not valid.
+/// An error message if the planner finds no plan, or an invalid one.
 pub fn mission(cell: &Cell, number: u64, solver: &dyn Solver, budgets: &[u64]) -> Result<Measured, String> {
     let problem = Problem::Surveillance(cell.mission(number));
     let mut measured = Measured::default();

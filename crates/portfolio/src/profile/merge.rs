@@ -6,12 +6,12 @@ use crate::cell::Cell;
 
 /// The whole of `parts`, each with its name for operators.
 ///
-/// Cells come in the order of [`Cell::all`], others after them as they come; planners as they come. What stands in two parts
-/// must be equal in both.
+/// Cells come in the order of [`Cell::all`], others after them in the order of the parts, as do planners. Contents of
+/// two parts must be equal in both.
 ///
 /// # Errors
-/// A sentence that names the part: other missions, budgets or versions than the first part has, costs that contradict, or a
-/// planner that was not measured in all cells.
+/// An error message that names the part: other missions, budgets or versions than the first part has, contradictory
+/// costs, or a planner that was not measured in all cells.
 pub fn merged(parts: &[(String, Profile)]) -> Result<Profile, String> {
     let Some((first_name, first)) = parts.first() else { return Err("there are no parts".to_string()) };
     let mut whole = Profile { planners: Vec::new(), rows: Vec::new(), ..first.clone() };
@@ -51,7 +51,7 @@ pub fn merged(parts: &[(String, Profile)]) -> Result<Profile, String> {
     Ok(whole)
 }
 
-/// What is other in `part` than in `first` of what all parts must share.
+/// Compares the properties of `part` and `first` that all parts must share.
 fn alike(part: &Profile, first: &Profile) -> Result<(), &'static str> {
     if part.generator != first.generator {
         return Err("missions (by version of their generator)");

@@ -1,9 +1,9 @@
 //! The performance profile (paper, section V.C and Figure 4): what planners come to on test missions, measured, and what can be
 //! said of it.
 //!
-//! A [`Profile`] holds every cost that was measured, by cell, planner, budget and mission; who is better where is worked out
-//! from it ([`verdict`]), never stored beside it. Missions are independent and planners deterministic in their work, so the
-//! same profile comes of any machine and any number of threads. What selection needs of it is `data/profile-table.csv`.
+//! A [`Profile`] holds every cost that was measured, by cell, planner, budget and mission; comparisons of planners are
+//! computed from it ([`verdict`]), never stored. Missions are independent and planners deterministic in their work, so
+//! any machine and any number of threads give the same profile. Selection reads its extract `data/profile-table.csv`.
 
 pub mod compare;
 pub mod conclusion;
@@ -42,7 +42,7 @@ pub struct Planner {
 /// One cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
-    /// Which.
+    /// Cell.
     pub cell: Cell,
     /// Hash of its missions.
     pub hash: String,
@@ -57,7 +57,7 @@ impl Row {
     }
 }
 
-/// What was measured, and of what.
+/// Measured costs, with the parameters of the measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
     /// Version of the test missions' generator.
@@ -117,7 +117,8 @@ impl Profile {
         self.put(planner, measured.chunks(missions).map(of_cell).collect());
     }
 
-    /// Why this profile cannot be completed with new measurements: its missions are not those of this generator.
+    /// Returns the reason for which this profile cannot be completed with new measurements: its missions are not those
+    /// of this generator.
     pub fn outdated(&self) -> Option<String> {
         if self.generator != GENERATOR_VERSION {
             return Some(format!(

@@ -1,4 +1,4 @@
-//! What users name: cells, budgets, planners and numbers of missions, each checked before anything is measured.
+//! Names from users: cells, budgets, planners and numbers of missions, each checked before any measurement.
 
 use super::error::ProfileError;
 use super::{MISSIONS_MAX, Profile, Row, budget_words};
@@ -15,7 +15,7 @@ const BUDGETS_MAX: usize = 32;
 /// The cells of these names, each once; `all` and `subset` are known too.
 ///
 /// # Errors
-/// A name is no cell's, or one stands twice.
+/// A name is unknown, or one occurs twice.
 pub fn cells(names: &[String]) -> Result<Vec<Cell>, ProfileError> {
     let mut cells: Vec<Cell> = Vec::new();
     for name in names {
@@ -104,7 +104,7 @@ pub fn counts(counts: &[usize]) -> Result<(), ProfileError> {
 /// The planners of surveillance of these names, each once.
 ///
 /// # Errors
-/// A name is no planner's, or one stands twice.
+/// A name is unknown, or one occurs twice.
 pub fn planners(names: &[String], registry: &Registry) -> Result<Vec<Arc<dyn Solver>>, ProfileError> {
     let any = Cell { scale: Scale::Small, rate: Spread::Fixed, cost: Spread::Fixed, count: 4, space: Space::Uniform };
     let serving = registry.serving(&Problem::Surveillance(any.mission(0)));

@@ -9,15 +9,15 @@ use std::fmt::Write;
 
 /// Width and height of a square, in pixels.
 const SQUARE: (usize, usize) = (26, 17);
-/// Where squares begin, below titles and next to the words of rows.
+/// Corner of the squares, below titles and next to the words of rows.
 const ORIGIN: (usize, usize) = (205, 72);
-/// Room between two maps.
+/// Space between two maps.
 const GAP: usize = 18;
 /// Columns of a map, and rows.
 const SHAPE: (usize, usize) = (9, 27);
-/// Colours, one a planner in the order of a profile; further planners begin anew.
+/// Colours, one per planner in the order of a profile; further planners repeat them.
 const COLOURS: [&str; 6] = ["#bbbbbb", "#4477aa", "#ee6677", "#228833", "#ccbb44", "#aa3377"];
-/// Where nothing can be said.
+/// Colour of cells without a verdict.
 const PALE: &str = "#f4f4f4";
 
 /// One square: its colour, how strong, the text in it, and what the pointer tells.

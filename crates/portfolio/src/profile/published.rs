@@ -1,7 +1,7 @@
 //! The published profile (the paper's Figure 4) and how far ours agrees with it.
 //!
-//! Agreement is not expected to be high: the original's generator and horizon are lost, each of its cells seems to be one
-//! scenario, and its first planner is a person.
+//! Agreement is not expected to be high: the original's generator and horizon are lost, each of its cells seems to be
+//! one scenario, and its first planner is a human operator.
 
 use super::error::ProfileError;
 use super::verdict::{Comparison, Verdict};
@@ -12,9 +12,9 @@ use std::fmt::Write;
 
 /// Cells with their codes.
 const FIGURE_4: &str = include_str!("../../data/figure-4.csv");
-/// What the codes mean, in the order of the figure's legend.
+/// Meanings of the codes, in the order of the figure's legend.
 pub const LEGEND: [&str; 4] = ["Human", "2-Opt", "WAM", "no difference"];
-/// Our planners that the codes 1 and 2 stand for.
+/// Our planners that correspond to the codes 1 and 2.
 pub const PLANNERS: [&str; 2] = ["two-opt", "wam"];
 
 /// The code of every cell, as printed.
@@ -36,7 +36,8 @@ pub fn code(comparison: &Comparison) -> Option<usize> {
     }
 }
 
-/// How often each published code (row) met each of ours: 1, 2, 3, undecided (columns). None where a planner is missing.
+/// Counts how often each published code (row) met each of ours: 1, 2, 3, undecided (columns). `None` if a planner is
+/// missing.
 fn agreement(profile: &Profile, budget: usize) -> Option<[[usize; 4]; 4]> {
     let [first, second] = PLANNERS.map(|name| profile.planner(name));
     let compared = verdict::pair(profile, budget, first?, second?);
@@ -52,12 +53,12 @@ fn agreement(profile: &Profile, budget: usize) -> Option<[[usize; 4]; 4]> {
     Some(counts)
 }
 
-/// How far a profile agrees with the figure at one budget.
+/// Agreement of a profile with the figure at one budget.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Agreement {
     /// The budget as text.
     pub budget: String,
-    /// How often each published code (row) met each of ours (column).
+    /// Number of meetings of each published code (row) with each of ours (column).
     pub counts: [[usize; 4]; 4],
 }
 
@@ -84,12 +85,12 @@ impl Agreement {
         self.sum((1..4).map(|code| (code, code - 1)))
     }
 
-    /// Cells in which the figure's best is no person.
+    /// Returns the number of cells in which the figure's best is a program.
     pub fn comparable(&self) -> usize {
         self.sum((1..4).flat_map(|theirs| (0..4).map(move |ours| (theirs, ours))))
     }
 
-    /// Cells in which the figure's best is a person.
+    /// Returns the number of cells in which the figure's best is a human operator.
     pub fn human(&self) -> usize {
         self.sum((0..4).map(|ours| (0, ours)))
     }

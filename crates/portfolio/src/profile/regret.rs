@@ -13,7 +13,7 @@ use std::sync::Arc;
 /// The first number of missions that are never part of a profile.
 pub const UNSEEN: u64 = 1_000_000;
 
-/// What became of one mission.
+/// Regret of one mission.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MissionRegret {
     /// Name of the chosen planner.
@@ -27,7 +27,7 @@ pub struct MissionRegret {
 /// Selects one of `planners` for unseen mission `number` of `cell` within `units`, and runs all of `solvers`.
 ///
 /// # Errors
-/// A sentence where a planner finds no valid plan, or the chosen one is not among them.
+/// An error message if a planner finds no valid plan, or the chosen one is not among them.
 pub fn mission(
     cell: &Cell,
     number: u64,
@@ -57,16 +57,16 @@ pub fn cells(count: usize) -> Vec<Cell> {
     cells
 }
 
-/// What became of many missions.
+/// Regret of many missions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summary {
     /// Targets of each.
     pub targets: usize,
     /// The budget as text.
     pub budget: String,
-    /// How many missions.
+    /// Number of missions.
     pub missions: usize,
-    /// What the chosen planner costs more than the best, on average and at worst, in percent.
+    /// Additional cost of the chosen planner over the best, on average and at worst, in percent.
     pub regret_percent: f64,
     /// The worst of one mission.
     pub worst_percent: f64,

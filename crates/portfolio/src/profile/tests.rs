@@ -40,16 +40,16 @@ fn broken_profiles_are_refused_with_their_place() {
     let text = small().to_string();
     let refused = |from: &str, to: &str| text.replacen(from, to, 1).parse::<Profile>().unwrap_err().to_string();
     for (from, to, expected) in [
-        ("format 1", "format 9", "2:8: this is no format that can be used (1 is read)"),
-        ("missions 3", "missions many", "4:10: this is no missions that can be used (from 1 to 10000)"),
-        ("budgets 1000 10000", "budgets 1000 10", "5:14: 10 is no budget (budgets are work units above 0, rising)"),
+        ("format 1", "format 9", "2:8: format cannot be used (1 is read)"),
+        ("missions 3", "missions many", "4:10: missions cannot be used (from 1 to 10000)"),
+        ("budgets 1000 10000", "budgets 1000 10", "5:14: 10 is not a budget (budgets are work units above 0, rising)"),
         ("planner slow", "planner quick", "7:9: quick is there twice (each planner has one line)"),
-        ("cell large-", "cell huge-", "8:6: huge-clustered-clustered-4-two-cluster is no cell"),
-        ("quick 1000 1.000000e2", "quick 1000 cheap", "9:12: cheap is no cost (costs are finite numbers above 0)"),
-        ("quick 1000 1.000000e2", "quick 1000 -1", "9:12: -1 is no cost"),
+        ("cell large-", "cell huge-", "8:6: huge-clustered-clustered-4-two-cluster is not a cell"),
+        ("quick 1000 1.000000e2", "quick 1000 cheap", "9:12: cheap is not a cost (costs are finite numbers above 0)"),
+        ("quick 1000 1.000000e2", "quick 1000 -1", "9:12: -1 is not a cost"),
         ("quick 1000 1.000000e2 ", "quick 1000 ", "there are 2 costs here and 3 missions"),
         ("slow 1000 ", "slow 7 ", "11:1: this line is not expected here (the costs of slow at 1000 units"),
-        ("quick 1000 1.0", "quick 1000 = 1.0", "9:12: = is no cost"),
+        ("quick 1000 1.0", "quick 1000 = 1.0", "9:12: = is not a cost"),
     ] {
         let message = refused(from, to);
         assert!(message.starts_with(expected) || message.contains(expected), "{from} -> {to}: {message}");
@@ -57,7 +57,7 @@ fn broken_profiles_are_refused_with_their_place() {
     let half = text.get(..text.len() / 2).unwrap();
     assert!(half.parse::<Profile>().is_err());
     assert!("".parse::<Profile>().unwrap_err().to_string().contains("it ends too early"));
-    assert!("{}".parse::<Profile>().unwrap_err().to_string().contains("this is no profile of planners"));
+    assert!("{}".parse::<Profile>().unwrap_err().to_string().contains("this is not a profile of planners"));
 }
 
 proptest! {
@@ -81,7 +81,7 @@ fn conclusions_are_read_back() {
     assert_eq!(conclusion::read(&conclusion::written(&profile)), Ok(all));
     let broken = conclusion::read("# x\ncell,budget\nnowhere,1,a,better,b,2").unwrap_err();
     assert_eq!(broken.line, 3);
-    assert!(broken.message.contains("nowhere is no cell"), "{broken}");
+    assert!(broken.message.contains("nowhere is not a cell"), "{broken}");
 }
 
 #[test]

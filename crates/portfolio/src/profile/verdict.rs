@@ -1,8 +1,8 @@
-//! Which planner is better in which cell, and whether that can be said at all.
+//! Comparison of planners in a cell, and its significance.
 //!
-//! Two planners are compared by the mean over a cell's missions of the logarithm of their costs' ratio. One is *better* where
-//! Wilcoxon's test says so after Holm's correction over the family, and the effect is at least 1 %; there is *no difference*
-//! where the 95 % interval of the mean lies within 1 %; everything else is *undecided*.
+//! Two planners are compared by the mean over a cell's missions of the logarithm of their costs' ratio. One is *better*
+//! if Wilcoxon's test rejects equality after Holm's correction over the family, and the effect is at least 1 %; there
+//! is *no difference* if the 95 % interval of the mean lies within 1 %; everything else is *undecided*.
 
 use super::Profile;
 use super::statistics::{holm, mean_interval, signed_rank};
@@ -12,7 +12,7 @@ pub const EFFECT_MIN: f64 = 0.009_950_330_853_168_083;
 /// Probability of error below which a difference counts, over the whole family.
 pub const ERROR_MAX: f64 = 0.05;
 
-/// What can be said of two planners in one cell.
+/// Verdict about two planners in one cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// The first is better.

@@ -24,7 +24,7 @@ const TWO_CLUSTERS: (f64, f64) = (0.05, 0.38);
 const GLOBULAR: f64 = 0.08;
 /// Draws of one place; after so many the separation is halved, so that crowded maps are drawn too.
 const DRAWS_MAX: usize = 1_000;
-/// Where the map lies: its centre, at which every test mission starts; for display.
+/// Centre of the map, at which every test mission starts; for display.
 pub const CENTRE: Position = Position { latitude_deg: 37.4, longitude_deg: -122.1 };
 
 /// The chance of one mission.
@@ -139,7 +139,7 @@ fn factors(spread: Spread, count: usize, chance: &mut Chance) -> Vec<f64> {
             Spread::Clustered => 1.8 * chance.between(0.9, 1.1),
         })
         .collect();
-    // Fisher and Yates: who has little and who has much does not depend on where they are.
+    // Fisher and Yates: small and large values do not depend on positions.
     for last in (1..count).rev() {
         factors.swap(last, chance.below(last + 1));
     }

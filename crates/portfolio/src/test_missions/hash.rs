@@ -1,4 +1,4 @@
-//! Hashes of missions, by which anybody knows that the same ones were drawn.
+//! Hashes of missions, which show that the same ones were drawn.
 
 use crate::cell::Cell;
 use apex_model::problem::{CostFunction, SurveillanceProblem};

@@ -36,7 +36,7 @@ fn names_of_cells_are_read_back() {
     let refused = |text: &str| text.parse::<Cell>().unwrap_err();
     assert!(refused("small").contains("write SCALE-RATE-COST-COUNT-SPACE"));
     assert!(refused("huge-fixed-fixed-4-uniform").contains("large, medium or small"));
-    assert!(refused("small-fixed-wild-4-uniform").contains("wild is no spread of costs"));
+    assert!(refused("small-fixed-wild-4-uniform").contains("wild is not a spread of costs"));
     assert!(refused("small-fixed-fixed-0-uniform").contains("a number from 1 to"));
     assert!(refused("small-fixed-fixed-4-square").contains("two-cluster, globular or uniform"));
 }

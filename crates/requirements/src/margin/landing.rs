@@ -5,7 +5,7 @@ pub fn disc_m(distance_m: f64, distance_m_max: f64) -> f64 {
     distance_m_max - distance_m
 }
 
-/// How a vehicle glides.
+/// Glide performance of a vehicle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Glide {
     /// Metres forward per metre of height in still air (lift over drag).

@@ -27,7 +27,7 @@ pub struct LocalZone {
     corners: Vec<Point>,
     /// Lower and upper face, above mean sea level.
     altitude_m: (f64, f64),
-    /// When it is active, in seconds of mission time.
+    /// Active time, in seconds of mission time.
     active_s: (f64, f64),
 }
 
@@ -126,7 +126,7 @@ pub struct KeepIn {
     edge: Vec<(Point, Point)>,
 }
 
-/// How far outside of an edge is looked whether the area continues there.
+/// Distance outside of an edge at which the continuation of the area is tested.
 const OUTSIDE_M: f64 = 1.0;
 
 impl KeepIn {

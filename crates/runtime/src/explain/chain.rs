@@ -171,7 +171,10 @@ impl<'a> Chain<'a> {
             Cause::StartsOver | Cause::RepeatedEnabled | Cause::IntervalElapsed => {
                 log.transition_before(own, "pending", row.id)?
             }
-            Cause::PredecessorEnded { predecessor } => log.transition(*predecessor, "terminated", here)?,
+            Cause::PredecessorEnded { predecessor: of }
+            | Cause::ParentEnded { parent: of }
+            | Cause::ChildFailed { child: of }
+            | Cause::HandlerEnded { handler: of } => log.transition(*of, "terminated", here)?,
             Cause::ResultArrived { variable } => return self.result(own, variable.printed(), row),
             Cause::ResourcesGranted { .. } => return self.granted(own, row),
             Cause::Outranked { by, .. } => log.transition(*by, "ongoing", here)?,
@@ -194,11 +197,7 @@ impl<'a> Chain<'a> {
             | Cause::OperatorAnswered { .. }
             | Cause::OperatorSilent { .. }
             | Cause::OperatorMute { .. } => log.transition_before(own, "ongoing", row.id)?,
-            Cause::ParentEnded { parent } => log.transition(*parent, "terminated", here)?,
             Cause::ParentRestarted { parent } => log.transition(*parent, "pending", here)?,
-            Cause::ChildFailed { child } | Cause::HandlerEnded { handler: child } => {
-                log.transition(*child, "terminated", here)?
-            }
             Cause::FailureHandled { .. } => log.before(own, "trouble", row.id)?,
             Cause::PlanArrived { request, .. }
             | Cause::SolverFailed { request, .. }

@@ -176,17 +176,7 @@ impl Line {
                 line.words = format!("prints {text}");
                 line.text_field("text", text);
             }
-            Effect::Ask { question, options, by, default, .. } => {
-                line.words = format!("asks {:?} ({})", told.subject, told.text);
-                line.field("question", question.0).text_field("text", &told.subject);
-                line.field("options", FieldValue::List(options.iter().map(FieldValue::from).collect()));
-                if let Some(by) = by {
-                    line.field("by", *by);
-                }
-                if let Some(default) = default {
-                    line.field("default", default);
-                }
-            }
+            Effect::Ask { .. } => line.asked(effect, told),
             Effect::WithdrawQuestion { question, reason } => {
                 line.words = format!("question {} withdrawn: {reason}", question.0);
                 line.field("question", question.0).text_field("reason", reason);
@@ -207,6 +197,20 @@ impl Line {
             }
         }
         line
+    }
+
+    /// Adds the members of a question to the operator.
+    fn asked(&mut self, effect: &Effect, told: &EffectRow) {
+        let Effect::Ask { question, options, by, default, .. } = effect else { return };
+        self.words = format!("asks {:?} ({})", told.subject, told.text);
+        self.field("question", question.0).text_field("text", &told.subject);
+        self.field("options", FieldValue::List(options.iter().map(FieldValue::from).collect()));
+        if let Some(by) = by {
+            self.field("by", *by);
+        }
+        if let Some(default) = default {
+            self.field("default", default);
+        }
     }
 
     fn decided(&mut self, decision: &Decision, told: &EffectRow, describer: &EffectDescriber) {

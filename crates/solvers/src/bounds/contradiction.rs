@@ -13,9 +13,9 @@ pub struct Contradiction {
     pub problem: Box<Problem>,
     /// The plan, without the bound.
     pub plan: Box<Plan>,
-    /// What the plan collects; of surveillance its expected cost, of a tour its length.
+    /// Value of the plan: of surveillance its expected cost, of a tour its length.
     pub value: f64,
-    /// What no plan is said to better.
+    /// Value that no plan should better.
     pub bound: f64,
 }
 

@@ -28,23 +28,23 @@ use std::borrow::Cow;
 pub struct Bound {
     /// No plan costs less; with a proof by ages, none that never waits.
     pub expected_cost: f64,
-    /// What proves it.
+    /// Proof of the bound.
     pub proof: Proof,
 }
 
-/// What proves a bound.
+/// Proof of a bound.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Proof {
-    /// Expected cost that one more second of flight would save at the least.
+    /// Least expected cost that one more second of flight would save.
     PricePerSecond(f64),
     /// Multipliers of the rows of the program of absences.
     RevisitGaps(revisit_gaps::Multipliers),
-    /// All flights that never wait were looked at from the end on, over a grid of ages, so closely.
+    /// All flights that never wait were evaluated backwards over a grid of ages with this resolution.
     AgeGrid(age_grid::horizon::GridResolution),
 }
 
-/// States in a plan of surveillance how good any plan could be, where the plan does not say so itself or claims less, by
-/// the price of time: quickly, as in flight. Plans of single visits bring their bounds.
+/// States in a plan of surveillance a bound of any plan, where the plan has none or claims less, by the price of time:
+/// in little time, as in flight. Plans of single visits bring their bounds.
 ///
 /// # Errors
 /// The bound contradicts the plan, which then states none.
@@ -118,7 +118,7 @@ fn simplified(problem: &SurveillanceProblem) -> Cow<'_, SurveillanceProblem> {
     Cow::Owned(SurveillanceProblem { travel: problem.travel.least(), ..held.into_owned() })
 }
 
-/// What the proof proves for `problem`, computed anew: any numbers prove something, good ones much.
+/// Returns what the proof proves for `problem`, computed anew: any numbers prove something, good ones much.
 pub fn verified(problem: &SurveillanceProblem, proof: &Proof) -> f64 {
     let quickest = &*simplified(problem);
     match proof {

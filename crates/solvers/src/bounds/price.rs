@@ -13,7 +13,7 @@ use apex_model::problem::{SurveillanceProblem, SurveillanceTarget, UNREACHABLE_S
 
 /// Prices that are tried.
 pub const PRICES_MAX: usize = 48;
-/// What a target takes, all prices together, in nanoseconds.
+/// Work per target for all prices together, in nanoseconds.
 pub(super) const TARGET_NS: f64 = 2e5;
 /// Share by which a bound is lowered, so that rounding cannot lift it above the truth.
 const ROUNDING: f64 = 1e-9;
@@ -25,7 +25,7 @@ const HALVINGS: usize = 64;
 pub struct PriceBound {
     /// No plan costs less.
     pub expected_cost: f64,
-    /// Expected cost that one more second of flight would save at the least.
+    /// Least expected cost that one more second of flight would save.
     pub price_per_s: f64,
 }
 
@@ -80,14 +80,14 @@ fn of_targets(problem: &SurveillanceProblem, targets: &[Target<'_>], price: f64)
     bound - ROUNDING * bound.abs()
 }
 
-/// What a target is to the bound.
+/// Data of a target for the bound.
 struct Target<'a> {
     target: &'a SurveillanceTarget,
     /// Least events per second at any time.
     events_per_s: f64,
     /// The time over which it costs: the horizon and its age at the start.
     span_s: f64,
-    /// What a stay takes at the least: one observation and half of the shortest ways to the target and from it.
+    /// Least duration of a stay: one observation and half of the shortest paths to the target and from it.
     stay_s: f64,
     /// Half of the shortest way from it.
     half_out_s: f64,
@@ -134,7 +134,7 @@ impl Target<'_> {
         for stays in 0..=self.stays_max {
             let cost = self.with_stays(stays, price, worth_s);
             least = least.min(cost);
-            // The cost is convex in the number of stays: once it rises it goes on rising.
+            // The cost is convex in the number of stays: once it rises it keeps rising.
             if cost > before {
                 break;
             }

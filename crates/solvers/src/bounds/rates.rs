@@ -16,7 +16,7 @@ pub(super) fn held(problem: &SurveillanceProblem) -> Cow<'_, SurveillanceProblem
     Cow::Owned(held)
 }
 
-/// Does a rate change while it counts?
+/// Returns true if a rate changes while it counts.
 pub(super) fn change(problem: &SurveillanceProblem) -> bool {
     let differ = |steps: &[(f64, f64)]| steps.iter().zip(steps.iter().skip(1)).any(|((_, a), (_, b))| a != b);
     problem.targets.iter().any(|target| differ(&steps(target, problem.horizon_s)))

@@ -88,7 +88,8 @@ fn bounds_of_test_missions_are_below_good_plans_and_not_far() {
     assert!(mean > 0.9, "{mean} {ratios:?}");
 }
 
-/// What is proven without waiting within so many units, if it is true, with what that took and whether it was everything.
+/// Returns what is proven without waiting within that many units, if it is true, with the work of it and whether it was
+/// everything.
 fn within(problem: &SurveillanceProblem, units: u64) -> (f64, u64, bool) {
     let mut budget = WorkBudget::new(units);
     let mut meter = Meter::new(&mut budget);
@@ -112,7 +113,7 @@ fn a_small_budget_proves_less_says_so_and_is_kept() {
         let mut before = 0.0;
         for share in [1_000, 30, 4] {
             let (proven, used, complete) = within(&problem, needed / share);
-            // The quick bound and the smallest program are tried whatever the budget is.
+            // The fast bound and the smallest program are tried whatever the budget is.
             assert!(used <= needed / share * 5 / 4 + 3_000, "{count}: {used} of {needed} / {share}");
             assert!(!complete && proven <= all * (1.0 + 1e-9), "{count}: {proven} {all}");
             assert!(proven >= 0.9 * before, "{count}: {proven} after {before} with less");

@@ -1,18 +1,19 @@
 //! A bound on the length of a tour: trees with one circle, whose prices make every node have two neighbours (Held and Karp
 //! 1970).
 //!
-//! A tour is a tree over all nodes but the depot, and two edges at the depot. Prices on nodes, paid at each of a tree's edges
-//! and given back twice, change no tour's length but raise that of trees that pass nodes by; whatever they are, the
-//! shortest tree bounds every tour. Of two directions the quicker counts, so the bound is weak where they differ much.
+//! A tour is a tree over all nodes but the depot, and two edges at the depot. Multipliers on nodes, paid at each of a
+//! tree's edges and given back twice, do not change a tour's length but raise that of trees that pass nodes by;
+//! whatever they are, the shortest tree bounds every tour (Held and Karp 1970). Of two directions the faster counts, so
+//! the bound is weak where they differ much.
 //! Bound: O(rounds x nodes squared).
 
 use apex_model::problem::{TravelTimes, UNREACHABLE_S};
 use apex_planning::meter::Meter;
 
-/// Edges looked at in all, about a second, and rounds at most and at least.
+/// Greatest number of examined edges in all, about a second, and rounds at most and at least.
 const LOOKS_MAX: usize = 200_000_000;
 const ROUNDS: (usize, usize) = (20, 1_000);
-/// What a look at an edge takes, in nanoseconds: measured were 4 among 400 places.
+/// Work per examined edge, in nanoseconds: measured were 4 among 400 places.
 const LOOK_NS: f64 = 5.0;
 /// Rounds without a better bound after which steps are halved.
 const PATIENCE: u32 = 8;
@@ -40,7 +41,7 @@ pub fn shortest(travel: &TravelTimes, reached: f64, meter: &mut Meter<'_>) -> f6
     let mut prices = vec![0.0; count];
     let (mut best, mut share, mut stale) = (0.0_f64, 1.0, 0);
     for round in 0..(LOOKS_MAX / (count * count)).clamp(ROUNDS.0, ROUNDS.1) {
-        // A single tree is quick.
+        // A single tree is fast.
         if round > 0 && meter.left_ns() <= 0.0 {
             meter.cut();
             break;

@@ -1,16 +1,16 @@
 //! The table of legs of a problem whose vehicle flies: ways around zones and through wind.
 //!
-//! Where nothing changes in time a leg takes what it takes now. Else the least time over all departures is enclosed from
-//! below: whoever leaves later is not there earlier, so that between two departures nobody is quicker than who arrives with
-//! the first and has left with the second.
-//! Bound: O(nodes^2) ways; times the departures looked at, [`DEPARTURES_MAX`] for each way.
+//! If nothing changes in time a leg takes what it takes now. Otherwise the least time over all departures is enclosed
+//! from below: a vehicle that leaves later does not arrive earlier, so between two departures no vehicle is faster than
+//! one that arrives with the first and has left with the second.
+//! Bound: O(nodes^2) paths, times the examined departures, [`DEPARTURES_MAX`] for each path.
 
 use super::network::{END, FIRST, NO_WAY, Node, START, ceil_ticks, floor_ticks};
 use super::schedule::Schedule;
 use super::travel::PointKey;
 use apex_planning::solver::Budget;
 
-/// Which time of a leg counts.
+/// Time of a leg that counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Times {
     /// That of leaving when the plan begins, rounded up.
@@ -19,7 +19,7 @@ pub(crate) enum Times {
     Least,
 }
 
-/// Departures of one way that are looked at for its least time.
+/// Departures of one path that are examined for its least time.
 const DEPARTURES_MAX: usize = 48;
 /// The least time is known to this share.
 const EXACT: f64 = 0.01;
@@ -85,7 +85,7 @@ fn duration_s(schedule: &Schedule<'_>, node: &Node) -> f64 {
     manoeuvre.map_or(0.0, |manoeuvre| manoeuvre.duration_s)
 }
 
-/// No departure of the flight makes a way quicker than this.
+/// Returns a time below which the path does not fall for any departure of the flight.
 fn least_s(schedule: &mut Schedule<'_>, (from, to): (PointKey, PointKey), changes_s: &[f64]) -> f64 {
     let (begin_s, end_s) = (schedule.problem.start_s, schedule.limit_s);
     let nobody_s = schedule.travel.time_s_min(from, to);

@@ -25,7 +25,7 @@ const NODES_MAX: usize = 6_000;
 const FINE_SPAN_S: f64 = 1e-3 * TICKS_MAX;
 /// Two times nearer than this share of a tick are the same.
 const SAME_TICKS: f64 = 1e-6;
-/// Of missions that are flown around zones: every pair of nodes has a way of its own.
+/// Greatest number of nodes in missions that are flown around zones: every pair of nodes has a path of its own.
 const FLOWN_NODES_MAX: usize = 400;
 /// Work units of finding one of them, about.
 const UNITS_PER_WAY: u64 = 10;
@@ -50,12 +50,11 @@ pub(crate) struct Network {
     legs: Vec<i32>,
     /// The nodes as they were before windows were closed to what can be reached.
     wide: Vec<Node>,
-    /// For each node those that are quickly reached from it or that quickly reach it, nearest first; empty until they are
-    /// found.
+    /// For each node those that it reaches soonest or that reach it soonest, nearest first; empty until they are found.
     pub(crate) near: Vec<Vec<u32>>,
     /// Length of a tick.
     pub(crate) tick_s: f64,
-    /// What each tick of flight costs.
+    /// Cost of each tick of flight.
     pub(crate) cost_per_tick: f64,
 }
 
@@ -105,8 +104,9 @@ impl Network {
         Some(Network::tightened(nodes, legs, problem.targets.len(), (tick_s, cost_per_tick)))
     }
 
-    /// A network that nobody is quicker in: each way at its best departure, each value at its best time, and no order, for a
-    /// bound on what any plan of the problem is worth. None with too many nodes, or where the budget is too small to find the ways.
+    /// Returns a network in which no vehicle is slower than in the problem: each path at its best departure, each value
+    /// at its best time, and no order, for a bound on the worth of any plan. `None` with too many nodes, or if the
+    /// budget is too small to find the paths.
     pub(crate) fn relaxed(schedule: &mut Schedule<'_>, usable: &[usize], meter: &mut Meter<'_>) -> Option<Network> {
         let problem = schedule.problem;
         let span_s = span_s(schedule);
@@ -189,8 +189,8 @@ impl Network {
         FIRST..self.nodes.len() as u32
     }
 
-    /// Opens windows when they can be reached at the earliest and closes them when the end can still be reached: over other
-    /// nodes where that is quicker, as rounded or given times may have it.
+    /// Opens windows at the earliest arrival and closes them at the last departure that reaches the end: over other
+    /// nodes where that is faster, as rounded or given times may have it.
     fn tighten(&mut self) {
         let (first, rest) = self.quickest();
         let limit = self.limit();
@@ -200,8 +200,8 @@ impl Network {
         }
     }
 
-    /// For each node the least ticks from the start and to the end. All legs are looked at once; after that those of nodes
-    /// which are reached, or from which the end is reached, more quickly than was known.
+    /// Returns for each node the least ticks from the start and to the end. All legs are examined once; after that only
+    /// those of nodes that are reached, or from which the end is reached, sooner than was known.
     fn quickest(&self) -> (Vec<i32>, Vec<i32>) {
         let count = self.nodes.len();
         let mut first: Vec<i32> = self.legs.get(..count).unwrap_or_default().to_vec();
@@ -229,8 +229,8 @@ impl Network {
         (first, rest)
     }
 
-    /// The same network with its ends exchanged: routes are flown backwards, times count from the end. A visit begins so long
-    /// before the end as it begins, at the latest, in the network itself.
+    /// Returns the same network with its ends exchanged: routes are flown backwards, times count from the end. A visit
+    /// begins as long before the end as it begins, at the latest, in the network.
     pub(crate) fn turned(&self) -> Network {
         let count = self.nodes.len();
         let other = |node: usize| match node as u32 {
@@ -288,7 +288,7 @@ fn lines_are_free(schedule: &mut Schedule<'_>, target: usize, manoeuvre: usize) 
     !flown || schedule.travel.lines_trouble(target, manoeuvre, problem.start_s, schedule.limit_s).is_none()
 }
 
-/// Do order, timing, costs and ways allow it?
+/// Returns true if order, timing, costs and paths allow it.
 pub(crate) fn serves(schedule: &Schedule<'_>) -> bool {
     let problem = schedule.problem;
     let timed = problem.targets.iter().any(|target| !target.timing.is_empty());
@@ -296,8 +296,8 @@ pub(crate) fn serves(schedule: &Schedule<'_>) -> bool {
     !timed && !risky && problem.precedence.is_empty() && schedule.travel.is_steady(schedule.limit_s)
 }
 
-/// How long a flight may take. Where ticks would become coarse by that, and times are given, how long a flight takes that
-/// waits only for windows to open.
+/// Returns the greatest duration of a flight. If ticks would become coarse by that, and times are given, it is the
+/// duration of a flight that waits only for windows to open.
 fn span_s(schedule: &Schedule<'_>) -> f64 {
     let problem = schedule.problem;
     let span_s = schedule.limit_s - problem.start_s;
@@ -385,7 +385,7 @@ fn legs(problem: &SingleVisitProblem, travel: &TravelTimes, nodes: &[Node], tick
         let manoeuvre = target.and_then(|target| target.manoeuvres.get(node.manoeuvre as usize));
         manoeuvre.map_or(0.0, |manoeuvre| manoeuvre.duration_s)
     };
-    // Ticks are powers of ten: most of them have a whole number in a second, and multiplying is quicker than dividing.
+    // Ticks are powers of ten: most of them have a whole number in a second, and multiplying is faster than dividing.
     let ticks_per_s = if tick_s < 1.0 { libm::round(1.0 / tick_s) } else { 1.0 / tick_s };
     let mut legs = vec![NO_WAY; nodes.len() * nodes.len()];
     let count = nodes.len();

@@ -60,7 +60,7 @@ fn least_s(schedule: &Schedule<'_>, from: Option<&Node>, to: &Node) -> f64 {
     schedule.travel.time_s_min(leaves, PointKey::Entry(to.target, to.manoeuvre))
 }
 
-/// When the observation of each node ends at the earliest; infinite where its windows are over before (Dijkstra).
+/// Returns the earliest end of the observation of each node; infinite if its windows are over before (Dijkstra).
 fn earliest_ends_s(schedule: &Schedule<'_>, nodes: &[Node]) -> Vec<f64> {
     let end_s = |node: &Node, arrive_s: f64| {
         let open = schedule.windows(node.target, node.manoeuvre).iter().find(|it| arrive_s <= it.until_s + SLACK_S);

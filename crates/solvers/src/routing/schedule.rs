@@ -22,7 +22,7 @@ pub(crate) struct Choice {
     pub(crate) not_before_s: f64,
 }
 
-/// When a visit happens.
+/// Times of a visit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Timed {
     /// Leaves the place before.
@@ -42,21 +42,21 @@ pub(crate) struct Timed {
 pub(crate) struct Judged {
     /// The visits' times.
     pub(crate) visits: Vec<Timed>,
-    /// When the flight ends.
+    /// End of the flight.
     pub(crate) end_s: f64,
     /// Benefits minus costs.
     pub(crate) score: f64,
 }
 
 impl Judged {
-    /// Is this better than `other`: a higher score, or the same in less time?
+    /// Returns true if this is better than `other`: a higher score, or the same in less time.
     pub(crate) fn beats(&self, other: &Judged) -> bool {
         let close = 1e-9 * (1.0 + self.score.abs());
         self.score > other.score + close || (self.score > other.score - close && self.end_s < other.end_s - 1e-6)
     }
 }
 
-/// Why an order cannot be flown.
+/// Reason for which an order cannot be flown.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Infeasibility {
     /// No way, or no time window: the phrase says which.
@@ -88,7 +88,7 @@ impl<'a> Schedule<'a> {
     /// Prepares `problem`.
     ///
     /// # Errors
-    /// A sentence where the problem makes no sense or the vehicle may not even be where it starts.
+    /// An error message if the problem is invalid or the vehicle must not be at its start.
     pub(crate) fn new(problem: &'a SingleVisitProblem) -> Result<Schedule<'a>, String> {
         apex_planning::validate::single_visit(problem)?;
         let mut travel = Travel::new(problem)?;
@@ -201,7 +201,7 @@ impl<'a> Schedule<'a> {
         Ok(Judged { visits: Vec::new(), end_s, score: -self.costs.of_flight(end_s - start_s) })
     }
 
-    /// A sentence that says why the problem has no plan, from what [`Schedule::idle`] says.
+    /// Returns a message that states why the problem has no plan, from the result of [`Schedule::idle`].
     pub(crate) fn no_plan(&self, idle: &Infeasibility) -> String {
         match idle {
             Infeasibility::TooLate { over_s } => format!(
@@ -243,7 +243,7 @@ impl<'a> Schedule<'a> {
         })
     }
 
-    /// Are the manoeuvre's lines allowed while they are flown?
+    /// Checks that the manoeuvre's lines are allowed while they are flown.
     fn check_lines(&mut self, choice: Choice, begin_s: f64, end_s: f64) -> Result<(), Infeasibility> {
         if self.problem.zones.is_empty() && self.problem.landing_distance_m_max.is_none() {
             return Ok(());
@@ -252,7 +252,8 @@ impl<'a> Schedule<'a> {
         trouble.map_or(Ok(()), |trouble| Err(Infeasibility::Impossible(trouble)))
     }
 
-    /// When the vehicle that is ready to leave `node` at `ready_s` is back at the base; `ready_s` where there is none.
+    /// Returns the arrival at the base of the vehicle that is ready to leave `node` at `ready_s`; `ready_s` if there is
+    /// no base.
     pub(crate) fn home_at_s(&mut self, node: PointKey, ready_s: f64) -> Result<f64, Infeasibility> {
         if self.problem.base.is_none() {
             return Ok(ready_s);
@@ -262,7 +263,7 @@ impl<'a> Schedule<'a> {
             .map_err(|_| Infeasibility::Impossible("no way leads back to the base".to_string()))
     }
 
-    /// Does every target come after those that must come earlier?
+    /// Checks that every target comes after those that must precede it.
     fn check_order(&self, order: &[Choice]) -> Result<(), Infeasibility> {
         if self.problem.precedence.is_empty() {
             return Ok(());
@@ -277,7 +278,7 @@ impl<'a> Schedule<'a> {
         Ok(())
     }
 
-    /// What flying until `later_s` instead of `end_s` costs.
+    /// Returns the cost of flying until `later_s` instead of `end_s`.
     pub(crate) fn delay_cost(&self, end_s: f64, later_s: f64) -> f64 {
         let start_s = self.problem.start_s;
         self.costs.of_flight(later_s - start_s) - self.costs.of_flight(end_s - start_s)
@@ -295,7 +296,7 @@ impl<'a> Schedule<'a> {
     }
 }
 
-/// What a flight costs, ready to be asked for many times; equal to [`mission_score::flight_cost`].
+/// Cost of a flight, prepared for many evaluations; equal to [`mission_score::flight_cost`].
 #[derive(Clone, Copy, Debug)]
 struct Costs {
     fixed: f64,

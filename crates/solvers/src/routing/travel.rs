@@ -1,9 +1,9 @@
 //! Ways and times between the places of a single-visit problem: legs through wind and around airspace, or given as numbers.
 //!
-//! A vehicle changes its altitude as soon as it leaves a place: near it all altitudes between both ends' are taken, farther
-//! on that of the other end alone. So pairs of places differ in the zones that count for them; for each set of zones there is
-//! one network (`apex_geo::travel`), made when it is first needed. Times are exact for every
-//! departure and first in, first out. What a network looks at is charged as work.
+//! A vehicle changes its altitude as soon as it leaves a place: near it all altitudes between those of both ends count,
+//! farther on that of the other end alone. So pairs of places differ in the zones that count for them; for each set of
+//! zones there is one network (`apex_geo::travel`), made when it is first needed. Times are exact for every departure
+//! and first in, first out. The examined parts of a network are charged as work.
 
 use super::zones::{distance_m, holds};
 use apex_geo::direction::Direction;
@@ -26,9 +26,9 @@ pub(crate) enum PointKey {
     Start,
     /// The base.
     Base,
-    /// Where a manoeuvre (target, manoeuvre) begins.
+    /// Begin of a manoeuvre (target, manoeuvre).
     Entry(usize, usize),
-    /// Where it ends.
+    /// Its end.
     Exit(usize, usize),
 }
 
@@ -37,20 +37,20 @@ pub(crate) enum PointKey {
 pub(crate) struct TimedPath {
     /// Both ends and the bends between.
     pub(crate) route: Vec<Position>,
-    /// What is flown, turns included; empty where they are not limited.
+    /// Flown path, turns included; empty if turns are not limited.
     pub(crate) path: Vec<Position>,
-    /// When it begins: later than asked for where the vehicle has to hold first.
+    /// Departure, after a hold if one is needed.
     pub(crate) depart_s: f64,
-    /// When it ends.
+    /// Arrival.
     pub(crate) arrive_s: f64,
 }
 
 /// From when until when.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Times {
-    /// When the vehicle leaves: later than asked for where it has to hold first.
+    /// Departure, after a hold if one is needed.
     pub(crate) depart_s: f64,
-    /// When it is there.
+    /// Arrival.
     pub(crate) arrive_s: f64,
 }
 
@@ -67,7 +67,7 @@ struct Layer {
     places: Vec<Option<Result<EndpointId, TravelError>>>,
 }
 
-/// Where a node is.
+/// Position of a node.
 #[derive(Clone, Copy)]
 struct Spot {
     position: Position,
@@ -96,7 +96,7 @@ impl<'a> Travel<'a> {
     /// Prepares airspace and wind of `problem`.
     ///
     /// # Errors
-    /// A sentence that names a zone that makes no sense.
+    /// An error message that names an invalid zone.
     pub(crate) fn new(problem: &'a SingleVisitProblem) -> Result<Travel<'a>, String> {
         let mut around = vec![problem.start];
         around.extend(problem.base);
@@ -126,13 +126,13 @@ impl<'a> Travel<'a> {
         let mut travel =
             Travel { problem, offsets, spots, around, air, zones_m, layers: Vec::new(), lines: BTreeMap::new() };
         if problem.travel.is_none() {
-            // Zones that make no sense are told before anything is planned.
+            // Invalid zones are reported before any planning.
             travel.layer(travel.zones_at(vehicle.cruise_altitude_m))?;
         }
         Ok(travel)
     }
 
-    /// Do ways take the same time at every departure until `limit_s`?
+    /// Returns true if paths take the same time at every departure until `limit_s`.
     pub(crate) fn is_steady(&self, limit_s: f64) -> bool {
         match &self.problem.travel {
             Some(travel) => travel.is_constant(),
@@ -140,7 +140,7 @@ impl<'a> Travel<'a> {
         }
     }
 
-    /// When the wind changes, and when zones open or shut, after the plan's beginning, in order.
+    /// Returns the instants after the plan's beginning at which the wind changes and zones open or shut, in order.
     pub(crate) fn changes_s(&self) -> Vec<f64> {
         let ends = self.problem.zones.iter().flat_map(|zone| [zone.active.from_s, zone.active.until_s]);
         let mut changes_s: Vec<f64> = ends.chain(self.air.changes_s().iter().copied()).collect();
@@ -166,7 +166,7 @@ impl<'a> Travel<'a> {
         }
     }
 
-    /// When the vehicle that is ready to leave `from` at `ready_s` is at `to`. Errors: what stands in the way.
+    /// Returns departure and arrival at `to` after readiness at `from` at `ready_s`. Errors: the obstacle.
     pub(crate) fn times(&mut self, from: PointKey, to: PointKey, ready_s: f64) -> Result<Times, String> {
         if let Some(travel) = &self.problem.travel {
             let travel_s = given_s(travel, from, to, ready_s).ok_or("no way leads there")?;
@@ -180,7 +180,7 @@ impl<'a> Travel<'a> {
         self.times(from, to, ready_s).ok().map(|times| times.arrive_s - ready_s)
     }
 
-    /// What turns make the way from `from` to `to` take beyond straight legs; 0 where there is no way.
+    /// Returns the time that turns add to the straight legs of the path from `from` to `to`; 0 if no path exists.
     pub(crate) fn turns_s(&mut self, from: PointKey, to: PointKey, ready_s: f64) -> f64 {
         let Ok((layer, _, trip)) = self.find(from, to, ready_s) else { return 0.0 };
         self.layers.get_mut(layer).map_or(0.0, |layer| layer.network.turns_s(trip.way))
@@ -200,7 +200,7 @@ impl<'a> Travel<'a> {
     /// The way from `from` to `to` of the vehicle that is ready to leave at `ready_s`.
     ///
     /// # Errors
-    /// A phrase that says what stands in the way, for example "inside restricted area R-2515".
+    /// A phrase that names the obstacle, for example "inside restricted area R-2515".
     pub(crate) fn way(&mut self, from: PointKey, to: PointKey, ready_s: f64) -> Result<TimedPath, String> {
         if let Some(travel) = &self.problem.travel {
             let arrive_s = ready_s + given_s(travel, from, to, ready_s).ok_or("no way leads there")?;
@@ -239,8 +239,7 @@ impl<'a> Travel<'a> {
         self.zones_where(|zone, _| holds(zone, altitude_m))
     }
 
-    /// The zones that count on a way from the spot `from` to an altitude: those at that altitude, and near the spot those at
-    /// all altitudes that are passed in `climb_s`.
+    /// Zones of a path from `from` to an altitude: those at it, and near `from` those at altitudes passed in `climb_s`.
     fn zones_between(&self, from: usize, from_m: f64, to_m: f64, climb_s: f64) -> ZoneSet {
         let reach_m = climb_s * self.air.ground_speed_mps_max() + self.problem.zone_margin_m;
         let (low_m, high_m) = (from_m.min(to_m), from_m.max(to_m));
@@ -299,7 +298,7 @@ impl<'a> Travel<'a> {
         Ok(self.layers.len() - 1)
     }
 
-    /// Why it is not allowed to be at `position` at cruise altitude when the plan begins.
+    /// Returns the reason for which the vehicle must not be at `position` at cruise altitude when the plan begins.
     ///
     /// # Errors
     /// As [`Travel::new`].
@@ -313,7 +312,7 @@ impl<'a> Travel<'a> {
         })
     }
 
-    /// Why the lines of a manoeuvre are not allowed from `begin_s` to `end_s`; none where they are.
+    /// Returns the reason that forbids the lines of a manoeuvre from `begin_s` to `end_s`; `None` if allowed.
     pub(crate) fn lines_trouble(
         &mut self,
         target: usize,
@@ -402,8 +401,9 @@ fn given_s_min(travel: &TravelTimes, from: PointKey, to: PointKey) -> f64 {
     if time_s < UNREACHABLE_S { time_s } else { f64::INFINITY }
 }
 
-/// The direction of the line that a manoeuvre begins or ends with. A place without one is flown over as one comes from the
-/// start, so that whoever turns back over it pays for the turn; start and base are left and met in any direction (none).
+/// Returns the direction of the line that a manoeuvre begins or ends with. A place without one is flown over in the
+/// direction from the start, so that a vehicle that turns back over it pays for the turn; start and base are left and
+/// met in any direction (`None`).
 fn track_rad(problem: &SingleVisitProblem, node: PointKey) -> Option<f64> {
     let target = match node {
         PointKey::Start | PointKey::Base => return None,
@@ -430,7 +430,7 @@ fn line_track_rad(problem: &SingleVisitProblem, node: PointKey) -> Option<f64> {
     (length_m > 1.0).then_some(track_deg * RAD_PER_DEG)
 }
 
-/// Where a node is and at which altitude.
+/// Returns the position of a node and its altitude.
 fn place(problem: &SingleVisitProblem, node: PointKey) -> (Position, f64) {
     let cruise_m = problem.vehicle.cruise_altitude_m;
     let of = |target: usize, manoeuvre: usize, entry: bool| {

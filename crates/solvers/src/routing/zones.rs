@@ -1,9 +1,9 @@
-//! Where zones lie, in height and distance.
+//! Extent of zones in height and distance.
 
 use apex_geo::plane::{self, Plane, Point};
 use apex_model::problem::{AirspaceZone, Position};
 
-/// Is the altitude between the faces of the zone?
+/// Returns true if the altitude is between the faces of the zone.
 pub(super) fn holds(zone: &AirspaceZone, altitude_m: f64) -> bool {
     zone.altitude_m_min <= altitude_m && altitude_m < zone.altitude_m_max
 }

@@ -132,8 +132,9 @@ impl Orders<'_> {
         }
     }
 
-    /// When an observation may begin after an arrival: as early as possible, because a later departure never
-    /// arrives earlier; of worths that change with time also at the corners of the timing and the ends of windows.
+    /// Returns the instants at which an observation may begin after an arrival: as early as possible, because a later
+    /// departure never arrives earlier; for worths that change with time also at the corners of the timing and the ends
+    /// of windows.
     fn begins_s(&self, target: usize, arrive_s: f64) -> Vec<f64> {
         let data = &self.problem.targets[target];
         let always = [(f64::NEG_INFINITY, f64::INFINITY)];

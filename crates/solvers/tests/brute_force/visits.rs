@@ -1,4 +1,4 @@
-//! What planners and proofs claim of a random single-visit problem, and what is true.
+//! Claims of planners and proofs about a random single-visit problem, compared with the truth.
 
 use crate::chance::Chance;
 use crate::{visit_orders, visit_problems};
@@ -13,7 +13,7 @@ const LENIENT_S: f64 = -1e-5;
 /// Share within which sums of worths are equal.
 const SAME: f64 = 1e-9;
 
-/// What is claimed of the problem of this seed and is not true.
+/// Returns the false claims about the problem of this seed.
 pub(crate) fn differences(seed: u64) -> Vec<String> {
     let mut chance = Chance::new(seed);
     let problem = visit_problems::problem(&mut chance);

@@ -1,4 +1,4 @@
-//! What planners and proofs claim of a random surveillance problem, and what is true.
+//! Claims of planners and proofs about a random surveillance problem, compared with the truth.
 
 use crate::chance::Chance;
 use crate::{watch_problems, watch_words};
@@ -11,7 +11,7 @@ use apex_solvers::planners::human::Human;
 /// Share within which costs are equal.
 const SAME: f64 = 1e-7;
 
-/// What is claimed of the problem of this seed and is not true.
+/// Returns the false claims about the problem of this seed.
 pub(crate) fn differences(seed: u64) -> Vec<String> {
     let mut chance = Chance::new(seed ^ 0x5157);
     let problem = watch_problems::problem(&mut chance);

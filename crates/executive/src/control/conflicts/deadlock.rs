@@ -15,6 +15,7 @@ use apex_model::because::{Because, Cause, CircleLink};
 use apex_model::effect::DecisionKind;
 use apex_model::task::TaskId;
 use apex_model::value::Value;
+use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 /// A claim that was refused: each resource that it lacks, with who holds it.
@@ -77,10 +78,10 @@ fn waits_from(agent: &Agent, start: TaskId) -> Waits {
         }
         let lacks = lacks(agent, id);
         for holding in lacks.iter().flat_map(|(_, holders)| holders) {
-            if !waits.below.contains_key(&holding.task) {
+            if let Entry::Vacant(slot) = waits.below.entry(holding.task) {
                 let below = claims_below(agent, holding.task);
                 open.extend(&below);
-                waits.below.insert(holding.task, below);
+                slot.insert(below);
             }
         }
         waits.claims.insert(id, lacks);

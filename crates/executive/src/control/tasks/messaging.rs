@@ -6,8 +6,8 @@
 
 use crate::control::cycle::{Cycle, SelfMessage};
 use crate::expression::EvaluationError;
+use crate::expression::declared_unit;
 use crate::expression::view::View;
-use crate::monitoring::memory::histories;
 use crate::monitoring::pattern_matching::match_pattern;
 use crate::state::bindings::Bindings;
 use crate::state::clause::Level;
@@ -56,7 +56,7 @@ pub(crate) fn publish(
     let message = Message::Measurement(variable.clone(), value.clone());
     let to = receivers(cycle, &message, router, because.place.unwrap_or_default())?;
     if !is_given(router) {
-        let held = histories::in_declared_unit(cycle.library, &variable, value.clone());
+        let held = declared_unit::in_declared_unit(cycle.library, &variable, value.clone());
         let shown = held.unwrap_or_else(|_| value.clone());
         let effect = Effect::Publish { task: id, variable: variable.clone(), value: shown, because };
         cycle.effects.push(effect);
@@ -68,7 +68,7 @@ pub(crate) fn publish(
 
 /// The agent measures something itself: its expressions see it from now on, its conditions from the next round.
 fn say_sample(cycle: &mut Cycle<'_>, variable: StateVariable, value: Value) {
-    if let Ok(held) = histories::in_declared_unit(cycle.library, &variable, value.clone()) {
+    if let Ok(held) = declared_unit::in_declared_unit(cycle.library, &variable, value.clone()) {
         cycle.agent.published.push((variable.clone(), held));
     }
     cycle.work.said.push(SelfMessage::Measurement(variable, value));

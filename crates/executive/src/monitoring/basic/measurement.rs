@@ -7,8 +7,9 @@
 //! PDL: `(ATTR OBJ REL VAL [+/- E])`, `(:measurement ..)`.
 //! Paper: Table 1, rows 1 to 4.
 
+use crate::expression::declared_unit::unit_of;
 use crate::expression::{EvalContext, EvaluationError};
-use crate::monitoring::constraints::{Reading, all, prepare, unit_of};
+use crate::monitoring::constraints::{Reading, all, prepare};
 use crate::monitoring::part::{ConditionFaults, PartContext, remember};
 use crate::monitoring::sampled::{SampleConstraints, Sampled};
 use crate::monitoring::samples::{SampleView, concerns, known_variable};

@@ -5,7 +5,7 @@
 //! Writes: the absent part of a monitor.
 //! Bound: O(new results) per look; while it is in doubt, memory for results that a whole window lies between.
 //! PDL: `(:absent C :for D)`.
-//! Paper: Table 1 row 10 (not); `monitoring.md` rule 14.
+//! Paper: Table 1 row 10 (not); `condition-rules.md`, rule 14.
 
 use crate::expression::arithmetic::duration;
 use crate::expression::{EvalContext, EvaluationError, evaluate};

@@ -5,7 +5,7 @@
 //! Writes: removes final results from the parts, except for messages; keeps only their span.
 //! Bound: O(new results + objects + messages) per evaluation.
 //! PDL: `(:absent (:and ..) :for D)`.
-//! Paper: Table 1 row 10 (not); `monitoring.md` rule 14.
+//! Paper: Table 1 row 10 (not); `condition-rules.md`, rule 14.
 //!
 //! Results that go together in any way overlap or touch: each combination shares a part with one that shares its other parts
 //! with the next. So where all parts have been there, the combinations cover all of the time from the first start to the last

@@ -8,8 +8,9 @@
 //! Paper: section IV example 1, Table 1 row 7.
 
 use crate::expression::arithmetic::duration;
+use crate::expression::declared_unit::unit_of;
 use crate::expression::{EvalContext, EvaluationError, evaluate};
-use crate::monitoring::constraints::{Reading, all, is_lower_bound, prepare, unit_of};
+use crate::monitoring::constraints::{Reading, all, is_lower_bound, prepare};
 use crate::monitoring::episodes::run_update::{Judged, advance_run};
 use crate::monitoring::episodes::{run_fast_path, threshold_backfill};
 use crate::monitoring::part::{ConditionFaults, PartContext, Truth, remember};

@@ -7,8 +7,9 @@
 //! PDL: `:episode` with fixed bounds, `:quality` and a least `:duration`.
 //! Paper: section IV example 1.
 
+use crate::expression::declared_unit::unit_of;
 use crate::expression::{EvalContext, evaluate};
-use crate::monitoring::constraints::{Reading, never_changes, read, unit_of};
+use crate::monitoring::constraints::{Reading, never_changes, read};
 use crate::monitoring::episodes::run_update::{advance_run, result, with_newest};
 use crate::monitoring::part::{ConditionFaults, site};
 use crate::state::bindings::Bindings;

@@ -7,8 +7,8 @@
 //! PDL: `(state-variable ..)`, `:lateness`.
 //! Paper: section IV, logging and retrieving data.
 
-use crate::expression::arithmetic::{described, duration, with_unit};
-use crate::monitoring::constraints::unit_of;
+use crate::expression::arithmetic::duration;
+use crate::expression::declared_unit::in_declared_unit;
 use crate::monitoring::memory::demand::{Demand, Reach, Subject};
 use crate::monitoring::stimulus::Stimulus;
 use crate::state::histories::history::{Histories, Occurrence, Sample};
@@ -16,7 +16,6 @@ use crate::state::recorded::Recorded;
 use apex_model::agent_limits::{Limit, Limits};
 use apex_model::event::StateVariable;
 use apex_model::library::Library;
-use apex_model::quantity::Dimension;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
@@ -69,25 +68,6 @@ pub(crate) fn record_sample(
             );
             Recording { stimulus: None, trouble: Some(message), recorded: Some(recorded), overflows }
         }
-    }
-}
-
-/// `value` as the history of `variable` holds it: a bare number has the unit that the variable is declared with.
-///
-/// # Errors
-/// A sentence for the trace when the unit cannot measure the value.
-pub(crate) fn in_declared_unit(library: &Library, variable: &StateVariable, value: Value) -> Result<Value, String> {
-    let declaration = library.state_variables.get(&variable.attribute);
-    let Some(unit) = declaration.and_then(|_| unit_of(&variable.attribute, library)) else { return Ok(value) };
-    match value.as_number() {
-        Some((number, Dimension::NONE)) => Ok(with_unit(number, unit)),
-        Some((_, dimension)) if dimension == unit.dimension => Ok(value),
-        _ => Err(format!(
-            "the sample {} of {variable} was refused: it is declared in {}, which measures {}",
-            described(&value),
-            unit.name,
-            unit.dimension
-        )),
     }
 }
 

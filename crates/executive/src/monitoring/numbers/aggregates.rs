@@ -7,8 +7,9 @@
 //! PDL: `:stats`, `:trend`.
 //! Paper: Table 1, rows 8 and 9.
 
+use crate::expression::declared_unit::unit_of;
 use crate::expression::{EvalContext, EvaluationError, evaluate};
-use crate::monitoring::constraints::{Reading, prepare_as, satisfies_all_as, unit_of};
+use crate::monitoring::constraints::{Reading, prepare_as, satisfies_all_as};
 use crate::monitoring::numbers::significance::slope_by_chance;
 use crate::state::bindings::Bindings;
 use crate::state::monitors::moments::{HeldMoments, Moments};

@@ -7,8 +7,9 @@
 //! PDL: `(:cyclic (ATTR OBJ) :period C [:amplitude C] [:cycles C] [:hysteresis V])`.
 //! Paper: section V.B, services for detecting cyclic patterns.
 
+use crate::expression::declared_unit::unit_of;
 use crate::expression::{EvalContext, EvaluationError, evaluate};
-use crate::monitoring::constraints::{Reading, all, unit_of};
+use crate::monitoring::constraints::{Reading, all};
 use crate::monitoring::part::{ConditionFaults, PartContext, Truth, remember};
 use crate::monitoring::sampled::{Sampled, object_bindings};
 use crate::monitoring::samples::{SampleView, known_variable};

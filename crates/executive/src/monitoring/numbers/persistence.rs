@@ -7,8 +7,9 @@
 //! PDL: `:estimation :persist`, `(:persist :with-timeout D)`.
 //! Paper: Table 1, row 5.
 
+use crate::expression::declared_unit::unit_of;
 use crate::expression::{EvalContext, EvaluationError};
-use crate::monitoring::constraints::{prepare, unit_of};
+use crate::monitoring::constraints::prepare;
 use crate::monitoring::part::{ConditionFaults, PartContext, Truth, remember};
 use crate::monitoring::sampled::{SampleConstraints, Sampled};
 use crate::monitoring::samples::{SampleView, concerns, known_variable, seen_of};

@@ -7,8 +7,8 @@
 //! PDL: `:estimation :linear-regression` and its options.
 //! Paper: Table 1, row 6; Appendix B, constraints on estimators.
 
+use crate::expression::declared_unit::unit_of;
 use crate::expression::{EvalContext, EvaluationError, evaluate};
-use crate::monitoring::constraints::unit_of;
 use crate::monitoring::numbers::aggregates::in_unit;
 use crate::monitoring::numbers::line_crossing::{Scale, band, bind, earliest, number_of};
 use crate::monitoring::part::{ConditionFaults, PartContext, Truth};

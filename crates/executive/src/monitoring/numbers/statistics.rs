@@ -7,8 +7,9 @@
 //! PDL: `:episode` with `:stats` or `:trend`.
 //! Paper: Table 1, rows 8 and 9.
 
+use crate::expression::declared_unit::unit_of;
 use crate::expression::{EvalContext, EvaluationError};
-use crate::monitoring::constraints::{Reading, all, prepare, satisfies_all, unit_of};
+use crate::monitoring::constraints::{Reading, all, prepare, satisfies_all};
 use crate::monitoring::numbers::aggregates::{CriterionResult, criteria, name};
 use crate::monitoring::numbers::regression::declared_scale;
 use crate::monitoring::numbers::statistic_runs::{CriteriaVerdict, Evaluated, Evaluation, contradicted, take_in};

@@ -1,4 +1,4 @@
-//! A cyclic condition (`monitoring.md` section 1, `:cyclic`), and its state: turning points and the run of cycles they make.
+//! A cyclic condition (`conditions.md`, `:cyclic`), and its state: turning points and the run of cycles they make.
 
 use crate::state::bindings::Bindings;
 use crate::state::monitors::monitor::Satisfaction;

@@ -1,4 +1,4 @@
-//! Moments of samples: count, mean, spread and slope, numerically stable (`monitoring.md` section 2, rules 10 to 13).
+//! Moments of samples: count, mean, spread and slope, numerically stable (`condition-rules.md`, rules 10 to 13).
 //!
 //! Everything is relative to an anchor that is one of the samples, so that neither a large offset nor the size of an
 //! instant in nanoseconds costs digits; and nothing is ever subtracted, so that a spike that has left leaves nothing

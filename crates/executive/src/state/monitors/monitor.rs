@@ -1,4 +1,4 @@
-//! Monitors: the incremental state of one condition (paper, section III; `monitoring.md`).
+//! Monitors: the incremental state of one condition (paper, section III; `conditions.md`).
 //!
 //! A monitor is a tree with the shape of its condition. It is plain data: the services in the executive's
 //! `monitoring` folder create it, feed it and ask it.

@@ -1,4 +1,4 @@
-//! State of the conditions that compute: statistics, trends, regression, persistence (`monitoring.md` section 2, rules
+//! State of the conditions that compute: statistics, trends, regression, persistence (`condition-rules.md`, rules
 //! 9 to 13). Plain data; the services in the executive's `monitoring` folder work on it.
 
 use crate::state::bindings::Bindings;

@@ -1,4 +1,4 @@
-//! Numbers in order, for medians: two halves that are kept of equal size (`monitoring.md` section 2, rule 11).
+//! Numbers in order, for medians: two halves that are kept of equal size (`condition-rules.md`, rule 11).
 //!
 //! Bound: adding and removing O(log n), the middle O(m log m) when m numbers are left out.
 

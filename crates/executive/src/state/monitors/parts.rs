@@ -1,5 +1,5 @@
 //! State of the parts of a monitor that watch no samples themselves: messages, tasks, time, functions, and parts that
-//! relate others in time, Allen relations and absence (`monitoring.md` rules 7, 14, 15).
+//! relate others in time, Allen relations and absence (`condition-rules.md`, rules 7, 14, 15).
 
 use crate::state::monitors::monitor::{Part, Satisfaction};
 use apex_model::condition::{AllenRelation, Timing};

@@ -22,8 +22,8 @@ fn near(a: f64, b: f64, by: f64) -> bool {
 
 #[test]
 fn a_passage_by_hand() {
-    // To the left around the origin, just heading away from the other circle: half a circle on, then as far as the places are
-    // apart. A quarter before, three quarters by its own circle, so the opposite turn by a quarter is quicker.
+    // To the left around the origin, just heading away from the other circle: half a circle more, then the distance of
+    // the places. A quarter before, three quarters by the same circle, so the opposite turn by a quarter is faster.
     let on = |track_rad: f64| On { centre: p(0.0, 0.0), sense: 1.0, track_rad };
     let there = End::Circle(p(100.0, 0.0));
     let s = |track_rad: f64, opposite: bool| calm().passage(on(track_rad), there, opposite).unwrap().time_s;
@@ -51,11 +51,11 @@ fn wind_makes_circles_wider_and_slower() {
     assert!(near(radius(100.0, 10.0, 15.0), 225.0, 1e-9));
     let (still, windy) = (Rounds::new(1.0, 1.0, p(0.0, 0.0)).unwrap(), Rounds::new(1.0, 1.0, p(0.3, 0.4)).unwrap());
     assert!(near(still.circle_s(), TAU, 1e-12) && windy.circle_s() > 1.2 * TAU);
-    assert!(Rounds::new(1.0, 1.0, p(0.8, 0.6)).is_none(), "as strong as the vehicle is quick");
+    assert!(Rounds::new(1.0, 1.0, p(0.8, 0.6)).is_none(), "as strong as the vehicle is fast");
 }
 
-/// Flies `points` with an airspeed of `airspeed` in `wind` and says how long it takes and how quickly the heading turns at the
-/// most: headings are those whose air velocity and wind add up to the chords.
+/// Flies `points` with an airspeed of `airspeed` in `wind` and returns the time and the greatest turn rate of the
+/// heading: headings are those whose air velocity and wind add up to the chords.
 fn flown(points: &[Point], airspeed: f64, wind: Point) -> (f64, f64) {
     let (mut time_s, mut most, mut before): (f64, f64, Option<(f64, f64)>) = (0.0, 0.0, None);
     for pair in points.windows(2) {
@@ -150,7 +150,7 @@ proptest! {
             }
         }
         prop_assert!(worst_s >= tried_s - 1e-9, "{worst_s} {tried_s}");
-        // Near a pose it may be better to fly on to a point that was not looked at.
+        // Near a pose it may be better to continue to a point that was not evaluated.
         let share = if track.is_none() { 0.04 } else { 0.15 };
         let is_far = distance >= 8.0 || track.is_none();
         prop_assert!(!is_far || worst_s <= tried_s + share * rounds.circle_s(), "{worst_s} {tried_s}");
@@ -170,7 +170,7 @@ proptest! {
             let circle_s = Rounds::new(network.circle_radius_m(), 10.0, wind).unwrap().circle_s();
             let rounds = libm::floor(look_s / circle_s) - f64::from(u8::from(*look_s >= circle_s));
             prop_assert!(near(flown_s + rounds * circle_s, *look_s, 0.01), "looked for {flown_s} of {look_s}");
-            prop_assert!(rate <= 10.0 / turn * 1.02, "looks at {rate} of {}", 10.0 / turn);
+            prop_assert!(rate <= 10.0 / turn * 1.02, "turns at {rate} of {}", 10.0 / turn);
             let trip = network.trip(leg[0], leg[1], 0.0).unwrap();
             let (path, next) = network.circling_spots(trip.way, 0.0, Some(after)).unwrap();
             let path = on_map(path);

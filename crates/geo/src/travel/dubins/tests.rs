@@ -9,7 +9,7 @@ fn apart_rad(a: f64, b: f64) -> f64 {
     apart.abs().min(PI)
 }
 
-/// Where who flies three parts ends, by summing arcs; angles and lengths through the air at speed 1.
+/// Returns the end of a flight of three parts, by summing arcs; angles and lengths through the air at speed 1.
 fn flown(heading: f64, turns: [f64; 3], lengths: [f64; 3], radius: f64, wind: Point) -> Point {
     let (mut x, mut y, mut heading) = (0.0, 0.0, heading);
     for (turn, length) in turns.into_iter().zip(lengths) {
@@ -27,8 +27,8 @@ fn flown(heading: f64, turns: [f64; 3], lengths: [f64; 3], radius: f64, wind: Po
     Point { x: x + wind.x * time, y: y + wind.y * time }
 }
 
-/// The quickest path from the origin by trying first turns: the last one follows from the headings, and where the length of
-/// the line (or the turn) between can be chosen so that the miss across changes its sign, there is a path.
+/// Returns the fastest path from the origin by trying first turns: the last one follows from the headings, and if the
+/// length of the line (or the turn) between can be chosen so that the miss across changes its sign, a path exists.
 fn naive(to: Point, headings: (f64, f64), radius: f64, wind: Point) -> (f64, f64) {
     // Those with a line, and all.
     let (mut straight, mut best) = (f64::INFINITY, f64::INFINITY);

@@ -7,7 +7,7 @@ use super::super::words::{self, TextToken};
 use super::HELP;
 use crate::format_error::FormatError;
 
-/// What the head says.
+/// Data of the head.
 #[derive(Default)]
 pub(super) struct Header {
     pub(super) name: Option<String>,
@@ -16,7 +16,7 @@ pub(super) struct Header {
     pub(super) dimension: Option<usize>,
     /// The metric; `Some(None)` where weights are given as numbers.
     pub(super) metric: Option<Option<Metric>>,
-    /// How weights are laid out.
+    /// Layout of weights.
     pub(super) layout: Option<String>,
     /// The longest tour of an orienteering problem.
     pub(super) limit: Option<f64>,

@@ -15,7 +15,7 @@ use weights::Weights;
 
 const HELP: &str = "docs/reference/planning-problems.md lists what is read";
 
-/// Is one of the first lines `NAME`, `TYPE` or `DIMENSION` with a colon?
+/// Returns true if one of the first lines is `NAME`, `TYPE` or `DIMENSION` with a colon.
 pub(super) fn is_one(text: &str) -> bool {
     let known = ["NAME", "TYPE", "DIMENSION", "COMMENT", "EDGE_WEIGHT_TYPE"];
     let mut lines = words::lines(text).filter(|line| !line.is_empty()).take(8);
@@ -25,7 +25,7 @@ pub(super) fn is_one(text: &str) -> bool {
     })
 }
 
-/// What the sections of a file hold.
+/// Sections of a file.
 #[derive(Default)]
 struct Sections {
     places: Option<Vec<(f64, f64)>>,

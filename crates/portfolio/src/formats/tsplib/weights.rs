@@ -7,7 +7,7 @@ use super::header::Header;
 use crate::format_error::FormatError;
 use apex_model::problem::UNREACHABLE_S;
 
-/// Where distances come from.
+/// Source of distances.
 pub(super) enum Weights {
     /// A metric of places.
     Places(Metric, Vec<(f64, f64)>),
@@ -33,7 +33,7 @@ impl Weights {
         pairs.filter(|(from, to)| from != to).map(|(from, to)| self.between(from, to, count)).fold(0.0, f64::max)
     }
 
-    /// Are all distances whole numbers?
+    /// Returns true if all distances are whole numbers.
     pub(super) fn are_whole(&self) -> bool {
         match self {
             Weights::Places(..) => true,
@@ -41,7 +41,7 @@ impl Weights {
         }
     }
 
-    /// Are places latitudes and longitudes?
+    /// Returns true if places are latitudes and longitudes.
     pub(super) fn is_geographical(&self) -> bool {
         matches!(self, Weights::Places(Metric::Geographical, _))
     }

@@ -1,10 +1,10 @@
-//! How little any flight without end can cost per second, and a cycle that comes near to it.
+//! Lower bound on the cost per second of any flight without end, and a cycle that comes near to it.
 //!
-//! A number is proven as cost per second where values can be given to the points of the grid so that no visit leads to less
-//! than it began with, when so much is taken off for each of its seconds: then a flight of any length costs at least so much
-//! a second, except for what the values differ. The values are found by going over the grid again and again at a number on
-//! trial, and the number by halving; any values prove something.
-//! A flight that follows the values shows a cycle that comes near.
+//! A cost per second is proven if values can be given to the points of the grid so that no visit leads to less than it
+//! began with, when that cost is subtracted for each of its seconds. Then a flight of any length costs at least that
+//! much per second, except for the differences of the values. Repeated sweeps over the grid find the values for a trial
+//! cost, and halving finds the cost; any values prove something. A flight that follows the values shows a cycle that
+//! comes near.
 //! Bound: O(sweeps x points x targets x 2^targets).
 
 use super::{Grid, LONG_S, gathered, leg_s};
@@ -20,7 +20,7 @@ const POINTS_COARSE: usize = 20_000;
 /// Numbers on trial, and how often the grid is gone over for each.
 const TRIALS_MAX: usize = 12;
 const SWEEPS_MAX: usize = 120;
-/// How often it is gone over before the number is asked for.
+/// Number of sweeps before the cost is computed.
 const SWEEPS_AT_ONCE: usize = 20;
 /// Shares of the cost within which a number counts as proven, and at which trials end.
 const NEAR: f64 = 1e-5;
@@ -30,9 +30,9 @@ const VISITS: usize = 900;
 const CYCLE_MAX: usize = 300;
 /// Visits at which a cycle may begin.
 const BEGINNINGS: usize = 60;
-/// What it takes to fly after the values and to look for cycles, in nanoseconds.
+/// Work of following the values and seeking cycles, in nanoseconds.
 const FLOWN_NS: f64 = 1e7;
-/// A cycle is told as better where it saves so great a share.
+/// Least share by which a cycle must be cheaper to be reported as better.
 const BETTER: f64 = 1e-3;
 /// Share by which the bound is lowered, so that rounding cannot lift it above the truth.
 const ROUNDING: f64 = 1e-9;
@@ -44,24 +44,25 @@ pub struct BestCycle {
     pub cycle: Vec<usize>,
     /// Expected cost per second of this cycle without end.
     pub cost_per_s: f64,
-    /// No flight without end that goes on at once costs less per second.
+    /// No flight without end that never waits costs less per second.
     pub cost_per_s_bound: f64,
-    /// What proves it: a value for each point of the grid.
+    /// Proof: a value for each point of the grid.
     pub proof: Vec<f64>,
 }
 
-/// What becomes of a plan's cycle if it is flown without end.
+/// Result of flying a plan's cycle without end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WithoutEnd {
     /// Expected cost per second of the plan's cycle.
     pub cost_per_s: f64,
-    /// No flight without end that goes on at once costs less per second.
+    /// No flight without end that never waits costs less per second.
     pub cost_per_s_bound: f64,
     /// Names of the targets of a cycle that costs less, with its cost per second, where one is known.
     pub better: Option<(Vec<String>, f64)>,
 }
 
-/// The plan's cycle without end, within the budget; none where the plan is no cycle, or there is no bound for it.
+/// Evaluates the plan's cycle without end, within the budget. `None` if the plan is not a cycle, or there is no bound
+/// for it.
 pub fn of_plan(problem: &Problem, plan: &Plan, meter: &mut Meter<'_>) -> Option<WithoutEnd> {
     let (Problem::Surveillance(problem), Plan::Surveillance(plan)) = (problem, plan) else { return None };
     let index = |name: &String| problem.targets.iter().position(|target| target.name == *name);
@@ -119,7 +120,7 @@ fn fitting(problem: &SurveillanceProblem, points_max: usize, meter: &mut Meter<'
     Grid::new(problem, (share * grid.size() as f64) as usize, LONG_S)
 }
 
-/// What the sweeps take that a grid needs at the least to prove something, in nanoseconds.
+/// Returns the work of the sweeps that a grid needs to prove anything, in nanoseconds.
 fn sweeps_ns(grid: &Grid) -> f64 {
     3.0 * SWEEPS_AT_ONCE as f64 * grid.visits() * grid.step_ns()
 }
@@ -166,8 +167,8 @@ fn on_grid(
     Some(best)
 }
 
-/// What the values prove, computed from the problem and them alone: expected cost per second that no flight without end that
-/// goes on at once goes below.
+/// Returns what the values prove, computed from the problem and them alone: expected cost per second below which no
+/// flight without end falls that never waits.
 pub fn verified(problem: &SurveillanceProblem, proof: &[f64]) -> f64 {
     let grid = Grid::new(problem, proof.len(), LONG_S).filter(|grid| grid.size() == proof.len());
     grid.map_or(0.0, |grid| proven(&grid, proof))
@@ -179,7 +180,7 @@ fn sweep(grid: &Grid, values: &mut [f64], trial: f64, best: &mut BestCycle, mete
     for number in 1..=SWEEPS_MAX {
         improve(grid, values, trial);
         meter.spend(once_ns);
-        // Whoever has to stop asks once more.
+        // A caller that has to stop asks once more.
         let last = meter.left_ns() <= once_ns;
         if number % SWEEPS_AT_ONCE == 0 || last {
             meter.spend(once_ns);
@@ -200,8 +201,8 @@ fn sweep(grid: &Grid, values: &mut [f64], trial: f64, best: &mut BestCycle, mete
     false
 }
 
-/// Each value anew from those that visits lead to, the greatest ages first: visits lead to greater ones. Then the first is
-/// taken off all, since only their differences count.
+/// Updates each value from those that visits lead to, the greatest ages first, because visits lead to greater ones.
+/// Then it subtracts the first value from all, since only their differences count.
 fn improve(grid: &Grid, values: &mut [f64], per_s: f64) {
     let length = grid.row();
     let (mut sums, mut best) = (vec![0.0; length], vec![0.0; length]);
@@ -232,7 +233,7 @@ fn proven(grid: &Grid, values: &[f64]) -> f64 {
             grid.ahead(step, others, values, &mut sums);
             for (value, sum) in row.iter().zip(&sums) {
                 let per_s = (sum - value) / step.seconds;
-                // What is no number proves nothing.
+                // NaN proves nothing.
                 least = if per_s >= least { least } else { per_s };
             }
         }

@@ -1,8 +1,8 @@
-//! No flight that goes on at once costs less over the horizon: backwards in time over the grid of ages.
+//! Lower bound on the cost of any flight over the horizon that never waits: backwards in time over the grid of ages.
 //!
-//! Time goes in equal ticks. A visit that ends between two of them leaves the whole ticks that are left, and for the rest of
-//! the tick at least what all targets gather at any instant when all but one have an age: whoever has less time could fly the
-//! same, cut off earlier. Endurance and the way back are not looked at: they make no flight cheaper.
+//! Time advances in equal ticks. A visit that ends between two of them leaves the remaining whole ticks, and for the
+//! rest of the tick at least what all targets accumulate at any instant when all but one have an age: a vehicle with
+//! less time could fly the same, cut off earlier. Endurance and the way back are ignored: they make no flight cheaper.
 //! Bound: O(ticks x points x targets x 2^targets), limited by [`GridResolution::steps`].
 
 use super::{Grid, first_leg_s, gathered, leg_s};
@@ -11,20 +11,20 @@ use apex_metrics::eci;
 use apex_model::problem::{SurveillanceProblem, UNREACHABLE_S};
 use apex_planning::meter::Meter;
 
-/// Ticks for the quickest way to another target.
+/// Ticks for the shortest leg to another target.
 const TICKS_PER_LEG: f64 = 24.0;
 /// With fewer ticks times visits between points nothing is worth proving.
 const STEPS_MIN: f64 = 1e5;
-/// Share of what is left that may be taken: cycles want their bound too.
+/// Share of the remaining budget that may be used: cycles need their bound too.
 const LEFT_SHARE: f64 = 0.5;
-/// Where only a share of the work of the closest look can be done, the grid has this power of it for its share of points.
+/// If only a share of the work of the finest grid can be done, the grid has this power of it as its share of points.
 const POINTS_POWER: f64 = 0.5;
 /// Share by which the bound is lowered, so that rounding cannot lift it above the truth.
 const ROUNDING: f64 = 3e-9;
-/// What is so little above a whole number of ticks is whole.
+/// A number this little above a whole number of ticks counts as whole.
 const WHOLE: f64 = 1e-9;
 
-/// How close a look is taken.
+/// Resolution of the grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GridResolution {
     /// Points of the grid of ages at most.
@@ -94,11 +94,11 @@ fn value(problem: &SurveillanceProblem, grid: &Grid, time: &Time) -> Option<f64>
     Some(value - ROUNDING * value.abs())
 }
 
-/// How the horizon falls into ticks.
+/// Division of the horizon into ticks.
 struct Time {
     ticks: usize,
     tick_s: f64,
-    /// What all targets gather per second at the least when one has just been visited.
+    /// Least cost that all targets accumulate per second when one has just been visited.
     least_per_s: f64,
 }
 
@@ -115,7 +115,7 @@ impl Time {
         if !(problem.horizon_s > 0.0 && wanted_s.is_finite() && wanted_s > 0.0) {
             return None;
         }
-        // Whoever stays has no broken ticks: they would be a cheap way to let time pass.
+        // A vehicle that stays has no broken ticks: they would be a cheap way to let time pass.
         let stays = (0..count).map(|target| leg_s(problem, target, target)).filter(is_leg);
         let stay_s = stays.fold(f64::INFINITY, f64::min);
         let tick_s = if stay_s.is_finite() { stay_s / libm::ceil(stay_s / wanted_s) } else { wanted_s };
@@ -135,14 +135,14 @@ impl Time {
         libm::ceil(seconds / self.tick_s - WHOLE) as usize
     }
 
-    /// What is gathered in what a visit leaves of its last tick.
+    /// Returns the cost that accumulates in the remainder of a visit's last tick.
     fn of_rest(&self, ticks: usize, seconds: f64) -> f64 {
         self.least_per_s * (ticks as f64 * self.tick_s - seconds).max(0.0)
     }
 }
 
-/// What all targets gather per second at any instant of the last tick, at the least: all but one have at least the first
-/// age of the grid, or that of the whole flight.
+/// Returns the least cost that all targets accumulate per second at any instant of the last tick: all but one have at
+/// least the first age of the grid, or that of the whole flight.
 fn least_per_s(problem: &SurveillanceProblem, grid: &Grid, tick_s: f64) -> f64 {
     let at = |target: usize| {
         let of = problem.targets.get(target)?;
@@ -166,7 +166,7 @@ impl Layers {
     }
 }
 
-/// The least cost from every point on, for ever more ticks that are left.
+/// Returns the least cost from every point on, by number of remaining ticks.
 fn backwards(problem: &SurveillanceProblem, grid: &Grid, time: &Time) -> Option<Layers> {
     let ticks: Vec<usize> = grid.steps.iter().map(|step| time.ticks_of(step.seconds)).collect();
     let firsts = (0..problem.targets.len()).map(|to| first_leg_s(problem, to)).filter(|leg_s| *leg_s < UNREACHABLE_S);
@@ -192,7 +192,7 @@ fn backwards(problem: &SurveillanceProblem, grid: &Grid, time: &Time) -> Option<
     Some(layers)
 }
 
-/// Where nothing can be visited any more, all is gathered to the end. Who still can loses nothing by it.
+/// Accumulates all costs to the end where no further visit is possible. Where one is possible, nothing is lost by it.
 fn stop(problem: &SurveillanceProblem, grid: &Grid, layer: &mut [f64], left_s: f64) {
     for target in 0..problem.targets.len() {
         let Some(own) = layer.get_mut(grid.first(target)..) else { return };

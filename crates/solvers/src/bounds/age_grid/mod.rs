@@ -1,11 +1,11 @@
 //! Bounds for few targets by the ages of all of them: for one horizon, and for flights without end.
 //!
-//! After a visit the vehicle is at a target whose age is nothing; what the rest of the flight will cost hangs on the ages of
-//! the others alone. It is concave in them where the cost of an age is concave, since whatever is flown gathers a concave
-//! cost from each target, and the best of that is the least. So values on a grid of ages, each no greater than the truth,
-//! stay so between its points when they are joined (linearly in each age), and from values of the rest of a flight come
-//! values of a flight that is a visit longer. Ages beyond the grid count as its last, which is no dearer.
-//! Flights go on at once: whoever waits is not bounded here.
+//! After a visit the vehicle is at a target of age zero; the cost of the rest of the flight depends on the ages of the
+//! others alone. It is concave in them where the cost of an age is concave, since any flight accumulates a concave cost
+//! from each target, and the best flight is the least of them. So values on a grid of ages, each no greater than the
+//! truth, stay lower bounds between its points when they are joined (linearly in each age), and from values of the rest
+//! of a flight come values of a flight that is a visit longer. Ages beyond the grid count as its last, which is not
+//! more expensive. Flights never wait: a waiting vehicle is not bounded here.
 //! Bound: O(targets x points x 2^targets) for all visits once.
 
 pub mod cycles;
@@ -21,14 +21,14 @@ pub const TARGETS_MAX: usize = 5;
 const CORNERS_MAX: usize = 1 << (TARGETS_MAX - 1);
 /// Ages of a target that are distinguished at most.
 const LEVELS_MAX: usize = 48;
-/// The last age on the grid is that at which so much of the greatest cost is reached.
+/// Share of the greatest cost at which the grid ends.
 const SATURATED: f64 = 0.995;
 /// No cost grows beyond this age.
 const LONG_S: f64 = 1e7;
-/// The last age on the grid where a cost grows for ever: so many times the way through all targets.
+/// Length of the grid where a cost grows without limit, in tours through all targets.
 const TOURS: f64 = 20.0;
-/// What a visit from a point takes for each corner of the cell in a row of points, in nanoseconds. Measured over a horizon were 2.0 with
-/// 3 targets, 2.1 with 4 and 2.4 with 5; in sweeps about the same.
+/// Work of a visit from a point for each corner of the cell in a row of points, in nanoseconds. Measured over a horizon
+/// were 2.0 with 3 targets, 2.1 with 4 and 2.4 with 5; in sweeps about the same.
 const STEP_CORNER_NS: f64 = 2.3;
 /// Halvings in the search for an age.
 const HALVINGS: usize = 60;
@@ -39,7 +39,7 @@ pub(super) struct Step {
     pub(super) from: usize,
     pub(super) to: usize,
     pub(super) seconds: f64,
-    /// What the target that is left gathers meanwhile.
+    /// Cost that the departed target accumulates meanwhile.
     user_cost: f64,
     /// The age of the target that is left, on the grid of the other one.
     own: Option<GridInterpolation>,
@@ -47,7 +47,8 @@ pub(super) struct Step {
     others: Vec<Vec<(Option<GridInterpolation>, f64)>>,
 }
 
-/// Where an age is on a grid: how far its point is from the first, its share of the way to the next, how far that is.
+/// Position of an age on a grid: offset of its point from the first, its share of the distance to the next, and the
+/// offset of that one.
 #[derive(Clone, Copy, Debug)]
 struct GridInterpolation {
     offset: u32,
@@ -100,7 +101,7 @@ impl Grid {
         (self.steps.len() * self.size() / self.levels.len().max(1)) as f64
     }
 
-    /// What it takes to look at one of them, in nanoseconds.
+    /// Returns the work for one of them, in nanoseconds.
     pub(super) fn step_ns(&self) -> f64 {
         STEP_CORNER_NS * libm::exp2(self.levels.len().saturating_sub(2) as f64)
     }
@@ -161,7 +162,8 @@ impl Grid {
         })
     }
 
-    /// Where an age of `target` is among the points at `at`; nowhere if it is that target, whose age is nothing.
+    /// Returns the position of an age of `target` among the points at `at`; `None` if it is that target, whose age is
+    /// zero.
     fn place(&self, at: usize, target: usize, age_s: f64) -> Option<GridInterpolation> {
         let levels = self.levels.get(target).filter(|_| at != target)?;
         let position = if target < at { target } else { target - 1 };
@@ -258,7 +260,7 @@ impl Corners {
     }
 }
 
-/// Does the cost of an age grow ever more slowly?
+/// Returns true if the cost of an age grows ever more slowly.
 fn is_concave(cost: &CostFunction) -> bool {
     match cost {
         CostFunction::Linear { .. } | CostFunction::Saturating { .. } => true,
@@ -306,7 +308,7 @@ fn tour_s(problem: &SurveillanceProblem) -> f64 {
     legs.filter(|leg_s| *leg_s < UNREACHABLE_S).sum()
 }
 
-/// What is gathered by a target while its age grows from `age_s` by `seconds`, at the least.
+/// Returns the least cost that a target accumulates while its age grows from `age_s` by `seconds`.
 fn gathered(problem: &SurveillanceProblem, target: usize, age_s: f64, seconds: f64) -> f64 {
     let Some(of) = problem.targets.get(target) else { return 0.0 };
     let integral = |age_s: f64| eci::cost_integral(&of.cost, age_s);

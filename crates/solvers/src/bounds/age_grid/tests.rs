@@ -23,7 +23,7 @@ fn coarse_cycle(problem: &SurveillanceProblem, points: usize) -> Option<cycles::
     cycles::best_within(problem, &[], points, &mut Meter::new(&mut WorkBudget::new(u64::MAX)))
 }
 
-/// A few targets, with costs that saturate, come late or grow for ever.
+/// Makes a problem of a few targets, with costs that saturate, begin late or grow without limit.
 fn problem(count: usize, seed: u64, dwell_s: f64, age_s: f64) -> SurveillanceProblem {
     let mut problem = examples::sized(count, seed, 6_000.0);
     problem.targets.iter_mut().for_each(|target| target.dwell_s = dwell_s);
@@ -49,7 +49,7 @@ proptest! {
         prop_assume!(Scenario::new(&problem).is_ok());
         let scenario = Scenario::new(&problem).unwrap();
         let cost = |word: &Vec<usize>| scenario.cost(word.iter().copied(), &mut WorkBudget::new(1));
-        // Seven visits of three minutes fit, at the most.
+        // At most seven visits of three minutes fit.
         let least = words(count, 7).map(|word| cost(&word)).fold(f64::INFINITY, f64::min);
         let bound = horizon::expected_cost_at(&problem, horizon::GridResolution { points: 1_500, ..horizon::GridResolution::CLOSEST }).unwrap();
         prop_assert!(bound <= least * (1.0 + 1e-9), "{bound} {least}");
@@ -147,7 +147,7 @@ fn cycles_are_bounded_with_what_there_is() {
     assert!(complete && all.cost_per_s_bound > 0.0);
     for share in [100, 5, 2] {
         let (found, used, complete) = within(needed / share);
-        // Flying after the values is not broken off.
+        // Following the values is not interrupted.
         assert!(!complete && used <= needed / share * 5 / 4 + 11_000, "{used} of {needed} / {share}");
         let Some(found) = found else { continue };
         assert!(found.cost_per_s_bound <= all.cost_per_s * (1.0 + 1e-9), "{found:?} {all:?}");

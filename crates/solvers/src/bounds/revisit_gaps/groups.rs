@@ -1,9 +1,9 @@
 //! Groups of near targets: each target's chain of ever larger ones, as they merge by the mean of the ways between them.
 //!
-//! Which groups are looked at decides how strong a bound is, never whether it holds. Bound: O(targets^3).
+//! The choice of groups decides how strong a bound is, never whether it holds. Bound: O(targets^3).
 
-/// For each target its groups, from itself alone to the greatest that leaves somebody out. `between` is the time from one
-/// target to another one; times beyond all bounds count as `far`.
+/// Returns for each target its groups, from itself alone to the greatest that leaves out another target. `between` is
+/// the time from one target to another one; times beyond all bounds count as `far`.
 pub(super) fn chains(count: usize, between: impl Fn(usize, usize) -> f64, far: f64) -> Vec<Vec<Vec<usize>>> {
     let mut groups: Vec<Vec<usize>> = (0..count).map(|target| vec![target]).collect();
     let mut chains: Vec<Vec<Vec<usize>>> = groups.iter().map(|alone| vec![alone.clone()]).collect();

@@ -1,4 +1,4 @@
-//! A bound by how often legs are flown and how long groups of targets are without anybody.
+//! A bound by how often legs are flown and how long groups of targets are without a visit.
 //!
 //! What a plan is to the program: how often each leg is flown (time and flow must come out even), and for each target the gaps
 //! between its observations, `visits + 1` of them, which fill the horizon and its age. While the vehicle is away from a group
@@ -35,17 +35,17 @@ const VISITS_MAX: f64 = 1e5;
 
 /// Steps that a program takes, as far as one can tell before.
 const STEPS_USUAL: f64 = 40.0;
-/// Groups of a target that are looked at, where the budget is too small for the whole chain: as many as fit.
+/// Numbers of groups of a target, if the budget is too small for the whole chain: as many as fit.
 const GROUPS: [usize; 9] = [0, 1, 2, 4, 6, 8, 12, 16, 24];
-/// What an entry of a program takes to be made, in nanoseconds.
+/// Work of making an entry of a program, in nanoseconds.
 const MADE_ENTRY_NS: f64 = 60.0;
 
-/// What proves a bound by absences: the tangents that were added, and a number for each row.
+/// Proof of a bound by absences: the tangents that were added, and a number for each row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Multipliers {
-    /// Groups of each target that were looked at, at most.
+    /// Greatest number of groups of each target.
     groups_max: usize,
-    /// Which level of which target, and at which share of the horizon.
+    /// Level and target of each tangent, and its share of the horizon.
     tangents: Vec<(usize, f64)>,
     of_rows: Vec<f64>,
 }
@@ -62,7 +62,7 @@ pub fn expected_cost(problem: &SurveillanceProblem, meter: &mut Meter<'_>) -> Op
     for round in 0..ROUNDS_MAX {
         let step_ns = model.program.step_ns();
         let steps_max = (meter.left_ns() / step_ns).min(f64::from(STEPS_MAX)) as u32;
-        // A program that is broken off before it has arrived near proves next to nothing.
+        // A program that is interrupted before it has come near to its optimum proves next to nothing.
         if round > 0 && f64::from(steps_max) < STEPS_USUAL {
             meter.cut();
             break;
@@ -86,7 +86,7 @@ pub fn expected_cost(problem: &SurveillanceProblem, meter: &mut Meter<'_>) -> Op
     best
 }
 
-/// The greatest program that the budget is enough for, and how many groups of each target it looks at.
+/// Returns the greatest program that the budget is enough for, and the number of groups of each target in it.
 fn fitting<'a>(problem: &'a SurveillanceProblem, meter: &mut Meter<'_>) -> Option<(Model<'a>, usize)> {
     let mut greatest = None;
     let fewer = GROUPS.into_iter().filter(|groups| groups + 1 < problem.targets.len());
@@ -102,7 +102,7 @@ fn fitting<'a>(problem: &'a SurveillanceProblem, meter: &mut Meter<'_>) -> Optio
     greatest
 }
 
-/// What the multipliers prove, computed from the problem and them alone.
+/// Returns what the multipliers prove, computed from the problem and them alone.
 pub fn verified(problem: &SurveillanceProblem, multipliers: &Multipliers) -> f64 {
     let Some(mut model) = Model::new(problem, multipliers.groups_max) else { return 0.0 };
     multipliers.tangents.iter().for_each(|(level, at)| model.tangent(*level, *at));
@@ -254,7 +254,7 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// The gaps that hold absences of the group: there are so many of them at most, and they last so long at the least.
+    /// Bounds the gaps that hold absences of the group: their greatest number and their least total duration.
     fn absences(&mut self, target: usize, group: &[usize], counts: &[usize], lengths: &[usize]) {
         let inside = |place: usize| group.binary_search(&place).is_ok();
         let way = |from: usize, to: usize| {
@@ -318,12 +318,12 @@ impl<'a> Model<'a> {
     }
 }
 
-/// More than any plan has of what takes so long each time.
+/// Returns more visits than any plan has, if each takes `each_s`.
 fn visits_max(problem: &SurveillanceProblem, each_s: f64) -> f64 {
     (problem.horizon_s / each_s.max(problem.horizon_s / VISITS_MAX)).min(VISITS_MAX) + 1.0
 }
 
-/// What is gathered by a gap of that length, at the least.
+/// Returns the least cost that a gap of that length accumulates.
 fn gathered(target: &SurveillanceTarget, gap_s: f64) -> f64 {
     events_per_s(target) * eci::cost_integral(&target.cost, gap_s)
 }

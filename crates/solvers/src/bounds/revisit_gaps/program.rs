@@ -10,8 +10,9 @@ use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, S
 const ROUNDING: f64 = 1e-12;
 /// Steps of the solver.
 pub(super) const STEPS_MAX: u32 = 100;
-/// What a step takes, in nanoseconds: for each entry of the matrix so much, and so much more with the root of their number, since
-/// factors fill up. Measured at 1,100 entries 0.15 ms, 20,000 5 ms, 75,000 38 ms, 397,000 430 ms a step; this is within a sixth of all.
+/// Work of a step, in nanoseconds: a constant for each entry of the matrix, which grows with the root of their number,
+/// since factors fill up. Measured at 1,100 entries 0.15 ms, 20,000 5 ms, 75,000 38 ms, 397,000 430 ms a step; this is
+/// within a sixth of all.
 const ENTRY_NS: f64 = 80.0;
 const ENTRY_FILLED_NS: f64 = 1.4;
 
@@ -35,7 +36,7 @@ struct Row {
     limit: f64,
 }
 
-/// Where the least value is, and the multipliers of the rows: those of equations first.
+/// Least value, and the multipliers of the rows: those of equations first.
 pub(super) struct Answer {
     /// Steps that were taken.
     pub(super) steps: u32,
@@ -44,7 +45,7 @@ pub(super) struct Answer {
 }
 
 impl Program {
-    /// A further column, which costs so much a piece, with the most that it can be in anything the program stands for.
+    /// Adds a column with a cost per unit, and the most that it can be in anything the program represents.
     pub(super) fn column(&mut self, cost: f64, most: f64) -> usize {
         self.columns.push(Column { cost, most });
         self.columns.len() - 1
@@ -69,7 +70,7 @@ impl Program {
         (self.rows().map(|row| row.terms.len()).sum::<usize>() + self.columns.len()) as f64
     }
 
-    /// What a step of the solver takes, in nanoseconds.
+    /// Returns the work of a step of the solver, in nanoseconds.
     pub(super) fn step_ns(&self) -> f64 {
         let entries = self.entries();
         entries * (ENTRY_NS + ENTRY_FILLED_NS * libm::sqrt(entries))

@@ -31,7 +31,7 @@ fn gaps_of(target: usize, age_s: f64, flown: &[Stop], horizon_s: f64) -> Vec<(f6
     bounds.windows(2).map(|pair| (pair[0], pair[1])).collect()
 }
 
-/// The columns that stand for a flown word.
+/// Returns the columns that represent a flown tour.
 fn columns(model: &Model<'_>, flown: &[Stop], count: usize) -> Vec<f64> {
     let (problem, horizon_s) = (model.problem, model.problem.horizon_s);
     let mut columns = vec![0.0; count];
@@ -99,7 +99,7 @@ proptest! {
         }
         prop_assume!(Scenario::new(&problem).is_ok());
         let scenario = Scenario::new(&problem).unwrap();
-        // Whoever is in a group stays there for some visits, as good plans do.
+        // A vehicle in a group stays there for some visits, as good plans do.
         let word = word.iter().enumerate().map(|(index, place)| (place - (place + index / stays) % 2.min(*place + 1)) % count);
         let mut flown = Vec::new();
         scenario.fly(word, |stop| flown.push(stop));

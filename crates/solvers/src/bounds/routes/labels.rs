@@ -4,7 +4,7 @@
 //! all later targets of the route remember (Baldacci, Mingozzi and Roberti 2011); the route must not revisit them. A label
 //! is pruned if
 //!
-//! - another label at its node is no later, has at least its profit, and may visit every target that it may visit; or
+//! - another label at its node is not later, has at least its profit, and may visit every target that it may visit; or
 //! - its profit plus its completion bound is below the cutoff.
 //!
 //! Bound: at most [`LABELS_MAX`] labels; every step charges the work budget.
@@ -201,7 +201,8 @@ impl Labelling<'_> {
         may.then_some(Label { value, memory, time, node, from: own })
     }
 
-    /// Returns true if the cache holds a label with equal node and memory that is no later and has at least this profit.
+    /// Returns true if the cache holds a label with equal node and memory that is at least as early and has at least
+    /// this profit.
     #[inline]
     fn is_known(&self, recent: &mut [Option<Label>], next: &Label) -> bool {
         let halves = next.memory as u64 ^ ((next.memory >> 64) as u64).wrapping_mul(0xD6E8_FEB8_6659_FD93);

@@ -338,7 +338,7 @@ impl<'n> Proof<'n> {
         rest
     }
 
-    /// Updates the bound by the result of a run. Returns true if it is no greater than the incumbent.
+    /// Updates the bound by the result of a run. Returns true if it does not exceed the incumbent.
     fn settles(&mut self, found: &LabellingResult) -> bool {
         let bound = if found.is_nothing() { self.incumbent } else { found.value };
         self.known.bound = self.known.bound.min(bound);

@@ -59,7 +59,7 @@ fn parts_apart(seed: u64, apart: u32) -> (Vec<Node>, Vec<i32>, usize) {
     (nodes, legs, (targets - 1) * apart as usize + 1)
 }
 
-/// Is the route in time?
+/// Returns true if the route is in time.
 fn flies(network: &Network, visits: &[u32]) -> bool {
     let (mut here, mut time) = (START, 0);
     visits.iter().copied().chain([END]).all(|next| {
@@ -88,7 +88,7 @@ fn routes(network: &Network) -> Vec<(f64, Vec<u32>)> {
     all
 }
 
-/// Is every visit in time, the end aside?
+/// Returns true if every visit is in time, the end aside.
 fn in_time(network: &Network, visits: &[u32]) -> bool {
     let (mut here, mut time) = (START, 0);
     visits.iter().copied().all(|next| {

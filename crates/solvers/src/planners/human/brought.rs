@@ -1,8 +1,9 @@
-//! Plans that somebody brings: drawn, or edited after a planner made them (paper, section V.C: a person is one of the planners).
+//! Plans from outside: drawn, or edited after a planner made them (paper, section V.C: an operator is one of the
+//! planners).
 //!
-//! What a person decides is taken from them, what follows is worked out here: [`scored`] takes visits with their times and
-//! computes worth, cost and what is left out anew; [`retimed`] takes the order alone (of single visits the manoeuvres too) and makes
-//! the times. Neither says that the plan may be flown: that is the checker's word.
+//! An operator's choices are taken as they are, what follows is computed here: [`scored`] takes visits with their times
+//! and computes worth, cost and left-out targets anew; [`retimed`] takes the order alone (of single visits the
+//! manoeuvres too) and makes the times. Neither states that the plan may be flown: that is the task of the checker.
 //! Bound: O(visits x targets), and what [`Human`] takes.
 
 use super::{Human, NAME};
@@ -15,10 +16,10 @@ use apex_model::problem::{
 use apex_planning::solver::{Environment, Solver};
 use apex_planning::surveillance::scenario::Scenario;
 
-/// Why targets are left out where their bringer gives no reason.
+/// Reason for left-out targets if the plan states none.
 const NOT_WANTED: &str = "the plan that was brought does not visit it";
 
-/// The plan with its visits and times as they are, by planner `human`, and everything that follows from them computed anew.
+/// Returns the plan with its visits and times as they are, by planner `human`, and computes all that follows from them.
 ///
 /// # Errors
 /// The plan answers another kind of problem, or a visit names what does not exist.
@@ -34,8 +35,8 @@ pub fn scored(problem: &Problem, plan: &Plan) -> Result<Plan, String> {
     }
 }
 
-/// The order of the plan's visits with times made anew, by planner `human`. Where the visits are laps of the plan's cycle, or there
-/// are none, the cycle is flown again and again; visits that were edited are what is wanted, and their cycle is not.
+/// Returns the order of the plan's visits with new times, by planner `human`. If the visits are laps of the plan's
+/// cycle, or there are none, the cycle is flown repeatedly; edited visits are kept, and their cycle is not.
 ///
 /// # Errors
 /// As [`scored`]; or a visit cannot be made, and why.
@@ -89,7 +90,7 @@ fn unknown<'a>(number: usize, name: &str, known: impl Iterator<Item = &'a str>) 
     format!("visit {number} is of `{name}`, and there is no such target; there are {}", known.join(", "))
 }
 
-/// Do the visits name targets that there are?
+/// Checks that the visits name known targets.
 fn known<'a>(problem: &SurveillanceProblem, visits: impl Iterator<Item = &'a String>) -> Result<(), String> {
     let names = || problem.targets.iter().map(|target| target.name.as_str());
     let strange = |name: &&String| !names().any(|known| known == name.as_str());
@@ -167,7 +168,7 @@ fn visited(problem: &SingleVisitProblem, mut plan: SingleVisitPlan) -> Result<Si
     Ok(single_visit::scored(problem, plan))
 }
 
-/// What all targets are worth at their best: no plan gathers more.
+/// Returns the worth of all targets at their best: no plan gathers more.
 fn most(problem: &SingleVisitProblem) -> f64 {
     let of = |target: &SingleVisitTarget| {
         let quality = target.manoeuvres.iter().map(|manoeuvre| manoeuvre.quality.product()).fold(0.0, f64::max);

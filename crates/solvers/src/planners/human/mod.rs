@@ -1,5 +1,5 @@
-//! Plans of people: somebody says which targets are visited in which order; what is left to say is worked out, and the plan is
-//! checked and scored like any other (paper, section V.C: a person is one of the planners that are compared).
+//! Operators' plans: the operator states which targets are visited in which order; the rest is computed, and the plan
+//! is checked and scored like any other (paper, section V.C: an operator is one of the planners that are compared).
 //!
 //! Of surveillance the order is flown once, or again and again until the mission ends. Of single visits each is made in the way
 //! (manoeuvre, waiting for a better time) that is worth most next to the others.
@@ -12,10 +12,10 @@ use apex_model::problem::{Plan, Problem, SurveillanceProblem};
 use apex_planning::solver::{Environment, Solver};
 use apex_planning::surveillance::scenario::Scenario;
 
-/// The planner's name, also of plans that people bring.
+/// The planner's name, also of imported plans.
 const NAME: &str = "human";
 
-/// What a person wants to be flown.
+/// Order of visits that an operator wants flown.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Human {
     /// Names of targets in the order of visits.

@@ -1,10 +1,10 @@
-//! Which targets can be visited only with others, and what must come before a target.
+//! Targets that can be visited only with others, and targets that must precede a target.
 
 use super::explain::Troubles;
 use crate::routing::schedule::{Choice, Schedule};
 
-/// Targets that are reached only after others: those in trouble alone, and those that must follow what is worth nothing, at once
-/// or through others.
+/// Returns the targets that are reached only after others: those that cannot be visited alone, and those that must
+/// follow a worthless target, directly or through others.
 pub(super) fn companions(schedule: &Schedule<'_>, troubles: &Troubles) -> Vec<usize> {
     let mut led = troubles.with_others();
     let worthless = |target: usize| {
@@ -22,7 +22,7 @@ pub(super) fn companions(schedule: &Schedule<'_>, troubles: &Troubles) -> Vec<us
     led
 }
 
-/// What must come before `target` and is not among `visited`, in an order that is allowed.
+/// Returns the targets that must precede `target` and are not among `visited`, in an allowed order.
 pub(super) fn before(schedule: &Schedule<'_>, target: usize, visited: &[Choice]) -> Vec<usize> {
     let mut found: Vec<usize> = Vec::new();
     let mut open = vec![(target, false)];

@@ -1,4 +1,4 @@
-//! Why a target is not visited, as text for operators.
+//! Reasons for which a target is not visited, as text for operators.
 
 use crate::routing::reach;
 use crate::routing::schedule::{Choice, Infeasibility, Judged, Schedule};
@@ -9,7 +9,7 @@ use apex_planning::solver::{Budget, WorkBudget};
 /// Places in the order that are tried to say why a target does not fit: those with the shortest detours.
 const GAPS_EXPLAINED: usize = 6;
 
-/// What prevents visits of single targets.
+/// Obstacles of visits of single targets.
 pub(super) struct Troubles {
     /// For each target why it cannot be visited as the only one; none where it can.
     alone: Vec<Option<String>>,
@@ -68,13 +68,13 @@ impl Troubles {
         self.possible().into_iter().filter(is_in_trouble).collect()
     }
 
-    /// Why the target cannot be visited as the only one; none where it can.
+    /// Returns the reason for which the target cannot be visited as the only one; `None` if it can.
     pub(super) fn alone(&self, target: usize) -> Option<&String> {
         self.alone.get(target).and_then(Option::as_ref)
     }
 }
 
-/// Why a visit of the target earns nothing; none where it does.
+/// Returns the reason for which a visit of the target earns nothing; `None` if it earns something.
 fn worthless(problem: &SingleVisitProblem, target: usize) -> Option<&'static str> {
     let data = problem.targets.get(target)?;
     let best_quality = data.manoeuvres.iter().map(|manoeuvre| manoeuvre.quality.product()).fold(0.0, f64::max);
@@ -204,7 +204,7 @@ pub(super) fn left_out_quickly(
         .collect()
 }
 
-/// Why a target that could be visited alone does not fit next to the others.
+/// Returns the reason for which a target that could be visited alone does not fit next to the others.
 fn reason_beside(schedule: &mut Schedule<'_>, order: &[Choice], judged: &Judged, target: usize) -> String {
     let earlier =
         schedule.earlier(target).iter().find(|earlier| !order.iter().any(|choice| choice.target == **earlier));
@@ -259,7 +259,7 @@ fn nearest_gaps(schedule: &Schedule<'_>, order: &[Choice], target: usize, manoeu
     gaps.into_iter().take(GAPS_EXPLAINED).map(|(_, at)| at).collect()
 }
 
-/// A span of time as people say it: `41 min`, `3 h 5 min`, `20 s`.
+/// Formats a span of time as in speech: `41 min`, `3 h 5 min`, `20 s`.
 pub(super) fn spoken(seconds: f64) -> String {
     let minutes = libm::ceil(seconds / 60.0);
     if seconds < 60.0 {

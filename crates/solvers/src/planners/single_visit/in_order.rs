@@ -1,4 +1,5 @@
-//! Visits in an order that is given: each first in the way that ends first, then in the way that is worth most beside the others.
+//! Visits in a given order: each first in the way that ends first, then in the way that is worth most next to the
+//! others.
 
 use super::explain::{self, Troubles};
 use super::plan;
@@ -7,7 +8,7 @@ use crate::routing::schedule::{Choice, Infeasibility, Schedule};
 use apex_model::problem::{SingleVisitPlan, SingleVisitProblem};
 use apex_planning::solver::{Budget, Environment};
 
-/// Passes over all visits in which better ways are sought.
+/// Passes over all visits in which better choices are sought.
 const PASSES_MAX: usize = 8;
 
 /// The plan of visiting these targets, by index, in this order; it is by `solver`. Whose manoeuvre is given is observed in that one at

@@ -1,9 +1,10 @@
 //! The single-visit planner: a subset of targets in the best order and way, for the highest mission score (paper, II.B).
 //!
-//! A first plan by estimated times (`construct`), greedy insertion by gain per time, then local search (insert, replace, relocate,
-//! exchange, turn round, other manoeuvre, wait for a better time, drop), then ruin and re-insertion from the best plan until nothing
-//! new has come for a while or the budget is exhausted. Where a plan is flown already, what is left of it is where the search begins.
-//! Everything is judged by [`schedule`], which knows wind, airspace, light, windows, order, fuel and endurance.
+//! A first plan by estimated times (`construct`), greedy insertion by gain per time, then local search (insert,
+//! replace, relocate, exchange, reverse, other manoeuvre, wait for a better time, drop), then ruin and re-insertion
+//! from the best plan until no improvement was found for a while or the budget is exhausted. The search begins from the
+//! remainder of a plan in execution. [`schedule`] judges everything: it knows wind, airspace, light, windows, order,
+//! fuel and endurance.
 //! Bound: none but the budget. A leg evaluated is two units of work, preparing a way some hundreds.
 
 mod companions;
@@ -51,10 +52,10 @@ impl Solver for SingleVisit {
     }
 }
 
-/// How many ways a plan has, and what turns make them take beyond straight legs.
+/// Returns the number of paths of a plan, and the time that turns add to their straight legs.
 ///
 /// # Errors
-/// As planning: a zone makes no sense.
+/// As planning: a zone is invalid.
 pub fn turns_s(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> Result<(usize, f64), String> {
     let mut travel = travel::Travel::new(problem)?;
     let (mut here, mut ready_s) = (travel::PointKey::Start, problem.start_s);
@@ -99,7 +100,8 @@ fn solve(
     };
     let best = search::longest_flown(&mut schedule, found.order);
     let best = search::or_idle(&mut schedule, best)?;
-    // A thousand targets with given times are explained by the search itself; of a flight people want to know the limit.
+    // For a thousand targets with given times the search itself finds the reasons; for a flight the operator needs the
+    // limit.
     let given = problem.travel.is_some();
     let reasons = if given { explain::left_out_quickly } else { explain::left_out };
     let mut plan = plan::plan_of(&mut schedule, NAME, &best, &troubles, reasons)?;

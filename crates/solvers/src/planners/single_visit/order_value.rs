@@ -1,5 +1,5 @@
-//! What visits in a given order are worth, and which of them are left out where not all can be made: the price of a delay is the
-//! difference of two such values.
+//! Worth of visits in a given order, and the visits that are left out if not all can be made: the price of a delay is
+//! the difference of two such values.
 
 use crate::routing::schedule::{Choice, Schedule};
 use apex_model::problem::SingleVisitProblem;
@@ -29,8 +29,8 @@ pub struct OrderValue {
 /// that is not enough, the least valuable ones before it.
 ///
 /// # Errors
-/// A sentence if the problem makes no sense, or if the vehicle cannot be back at the base in time even without a visit: then nothing
-/// has a price.
+/// An error message if the problem is invalid, or if the vehicle cannot be back at the base in time even without a
+/// visit: then nothing has a price.
 pub fn order_value(problem: &SingleVisitProblem, visits: &[OrderedVisit]) -> Result<OrderValue, String> {
     let mut schedule = Schedule::new(problem)?;
     let mut free = WorkBudget::new(u64::MAX);

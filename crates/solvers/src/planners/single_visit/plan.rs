@@ -7,13 +7,13 @@ use crate::routing::travel::{PointKey, TimedPath};
 use apex_metrics::mission_score;
 use apex_model::problem::{LeftOut, PlannedVisit, SingleVisitPlan, SingleVisitProblem};
 
-/// Finds the reasons of what is left out.
+/// Finds the reasons of left-out targets.
 type Reasons = fn(&mut Schedule<'_>, &[Choice], &Judged, &Troubles) -> Vec<LeftOut>;
 
-/// The whole plan, with the reasons for what is left out.
+/// Returns the whole plan, with the reasons of left-out targets.
 ///
 /// # Errors
-/// A sentence where a way that was found before is found no more.
+/// An error message if a path that was found before is not found again.
 pub(super) fn plan_of(
     schedule: &mut Schedule<'_>,
     solver: &str,

@@ -7,14 +7,14 @@ use apex_model::problem::{Plan, PlannedVisit, SingleVisitPlan};
 use apex_planning::random::Generator;
 use apex_planning::solver::{Budget, Environment, WorkBudget};
 
-/// Ruins in a row without a better plan after which the search ends by itself.
+/// Ruins in a row without a better plan after which the search ends.
 pub(super) const STALE_ROUNDS_MAX: usize = 3_000;
 
-/// The search goes on from plans that are worse than the best by a random part of this share.
+/// The search continues from plans that are worse than the best by a random part of this share.
 const DETOUR_SHARE: f64 = 0.08;
 /// Rounds without a better plan after which it returns to the best, again and again.
 const RETURN_ROUNDS: usize = 60;
-/// How far chance may lower the merit of an insertion after a ruin, as a share of it.
+/// Share by which a random number may lower the merit of an insertion after a ruin.
 const REFILL_NOISE: f64 = 0.3;
 
 /// Missions of up to this many targets are searched exactly, if [`EXACT_NODES_MAX`] allows.
@@ -84,7 +84,7 @@ pub(super) fn run(
             stale = 0;
             tell(&mut search, &best, report);
         }
-        // Go on from plans a little worse than the best, so that the search does not circle around one summit.
+        // Continues from plans a little worse than the best, so that the search does not circle around one summit.
         let detour = DETOUR_SHARE * search.random.unit() * best.judged.score.abs();
         if stale % RETURN_ROUNDS == 0 {
             current = best.clone();
@@ -209,7 +209,8 @@ impl LocalSearch<'_, '_, '_> {
         }
     }
 
-    /// What is left of a plan: its visits in their order, without those that are gone or cannot be made any more.
+    /// Returns the remainder of a plan: its visits in their order, without those that are gone or cannot be made any
+    /// longer.
     fn left_of(&mut self, plan: &SingleVisitPlan) -> Option<Candidate> {
         let mut left: Option<Candidate> = None;
         for visit in &plan.visits {
@@ -224,7 +225,7 @@ impl LocalSearch<'_, '_, '_> {
         left
     }
 
-    /// The choice that a visit of a plan stands for, if its target and its manoeuvre are still there.
+    /// Returns the choice that a visit of a plan represents, if its target and its manoeuvre still exist.
     fn choice_of(&self, visit: &PlannedVisit) -> Option<Choice> {
         let targets = &self.schedule.problem.targets;
         let target =

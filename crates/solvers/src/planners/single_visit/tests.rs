@@ -1,4 +1,4 @@
-//! What the single-visit planner must do.
+//! Tests of the single-visit planner.
 
 use super::*;
 use apex_model::problem::{CrewMember, LandingPlace, Light, Position, SingleVisitPlan, SingleVisitProblem, TimeWindow};
@@ -186,7 +186,7 @@ fn where_even_the_way_home_is_too_late_there_is_no_plan_and_no_price() {
     let mut report = |_: &Plan| reported += 1;
     let mut environment = Environment { seed: 7, budget: &mut budget, report: &mut report, previous: None };
     assert!(SingleVisit.solve(&Problem::SingleVisit(problem.clone()), &mut environment).is_err());
-    assert_eq!(reported, 0, "what is no plan is not offered for the case that the time runs out");
+    assert_eq!(reported, 0, "an infeasible order is not offered for the case that the time runs out");
     let visit = OrderedVisit { target: 0, manoeuvre: 0, not_before_s: f64::NEG_INFINITY };
     assert_eq!(order_value(&problem, &[visit]), Err(refused));
     // With the time for it, the flight home is a plan.

@@ -6,14 +6,14 @@ use apex_planning::random::Generator;
 use apex_planning::solver::Budget;
 use apex_planning::surveillance::scenario::Scenario;
 
-/// Letters beyond those that are flown: they come into play when the tour gets quicker.
+/// Letters beyond those that are flown: they come into play when the tour gets faster.
 const SPARE_LETTERS: usize = 12;
 /// Targets that count as near to one.
 const NEAR_MAX: usize = 6;
-/// Moves between two looks at the budget and two steps of temperature.
+/// Moves between two checks of the budget and two steps of temperature.
 const STRIDE: u64 = 64;
 
-/// What a look at another target takes when the near ones are sought, in nanoseconds, and proposing a change.
+/// Work of examining another target when the near ones are sought, and of proposing a change, in nanoseconds.
 const NEAR_NS: u64 = 12;
 const PROPOSAL_NS: u64 = 80;
 
@@ -45,7 +45,7 @@ pub(super) fn passes(increase: f64, temperature: f64, chance: f64) -> bool {
 /// A tour that was found, with its cost.
 pub(super) type Found = (f64, Vec<usize>);
 
-/// What all rounds share.
+/// State that all rounds share.
 pub(super) struct Annealing<'s, 'p> {
     pub(super) scenario: &'s Scenario<'p>,
     pub(super) near: Vec<Vec<usize>>,

@@ -34,7 +34,7 @@ impl Change {
         letters.into_iter().fold(self, Change::with)
     }
 
-    /// What is put in.
+    /// Returns the inserted visits.
     pub(super) fn letters(&self) -> impl Iterator<Item = usize> + '_ {
         self.letters.iter().take(self.count).map(|letter| *letter as usize)
     }

@@ -1,4 +1,4 @@
-//! The cost of one interval of ignorance, quick enough for millions of moves.
+//! The cost of one interval of ignorance, fast enough for millions of moves.
 //!
 //! Linear and saturating costs at a constant rate are one formula, `a d + b d^2 + c (exp(-r d) - 1)` for an interval of
 //! length `d`; its exponential is a polynomial that the compiler turns into vector code. Plans are priced by the exact
@@ -38,7 +38,7 @@ pub(super) struct Intervals {
     by_target: Vec<[f64; 4]>,
 }
 
-/// Intervals that close one after the other: targets and lengths in seconds.
+/// Intervals that close in sequence: targets and lengths in seconds.
 pub(super) type Closing = SmallVec<[(usize, f64); LETTERS_MAX]>;
 
 impl Intervals {

@@ -4,7 +4,7 @@
 //! other lap, and bend the end of the mission to its horizon. Annealing runs follow each other, each longer than the one
 //! before and from the best tour so far, until the budget is exhausted or rounds bring nothing more; in between tours that
 //! begin elsewhere are tried ([starts]). A change of a tour is priced from its [timetable](timetable) without flying it.
-//! Bound: none but the budget; after [`STALE_ROUNDS_MAX`] rounds without gain it ends by itself.
+//! Bound: none but the budget; after [`STALE_ROUNDS_MAX`] rounds without gain it ends early.
 
 mod annealing;
 mod change;

@@ -1,5 +1,5 @@
-//! Where the search begins: a quick look at the other planners at first, and while it goes on what they find with more work,
-//! and the best cycles of groups of near targets.
+//! Starts of the search: first the other planners with little work, later their results with more work, and the best
+//! cycles of groups of near targets.
 //!
 //! Annealing does not leave the group of targets that its first tour stays in where the next group is far, so tours that
 //! begin elsewhere are tried, each as soon as it takes a small share of the work done so far.
@@ -14,24 +14,24 @@ use apex_planning::surveillance::previous;
 use apex_planning::surveillance::scenario::Scenario;
 use std::collections::VecDeque;
 
-/// Work of each of the planners for the first tour: a quick look at both.
+/// Work of each of the planners for the first tour: little for both.
 const QUICK_UNITS: u64 = 2_000;
 /// Starts may take one part in so many of the work after the first.
 const START_SHARE: u64 = 4;
 /// Work of the search from the first tour before there are others.
 const ALONE_UNITS: u64 = 20_000;
-/// A start waits until so much work is allowed.
+/// Least allowed work before a start.
 const START_UNITS_MIN: u64 = 4_000;
 /// Moves of the first round from a start.
 const TRIAL_MOVES: u64 = 8_000;
-/// What counts as near: a longer round is made.
+/// Greatest ratio at which a longer round counts as near.
 const NEAR: f64 = 1.01;
-/// Groups with fewer targets are not halved any more.
+/// Groups with fewer targets are not halved.
 const GROUP_MIN: usize = 3;
-/// How often groups are halved.
+/// Number of halvings of groups.
 const HALVINGS: usize = 2;
 
-/// The best of the plan before, the best cycle and WAM's tour after a quick look at both.
+/// Returns the best of the plan before, the best cycle and WAM's tour with little work for both.
 pub(super) fn first(scenario: &Scenario<'_>, previous: Option<&Plan>, budget: &mut dyn Budget) -> Vec<usize> {
     let cycle = best_cycle(scenario, QUICK_UNITS, budget);
     let until = budget.used().saturating_add(QUICK_UNITS);
@@ -42,7 +42,7 @@ pub(super) fn first(scenario: &Scenario<'_>, previous: Option<&Plan>, budget: &m
     previous::better(scenario, previous, quick_cost, budget).map_or(quick, |(_, tour)| tour)
 }
 
-/// The best cycle of all targets, flown, within so much work.
+/// Returns the best cycle of all targets, flown, within that much work.
 fn best_cycle(scenario: &Scenario<'_>, units: u64, budget: &mut dyn Budget) -> Vec<usize> {
     let until = budget.used().saturating_add(units);
     let cycle = two_opt::best_cycle(scenario, None, &mut Share { whole: budget, until }, &mut |_, _| {}).1;
@@ -66,7 +66,7 @@ pub(super) struct Starts {
     ways: VecDeque<StartHeuristic>,
     /// Work that any start takes at least.
     least_units: u64,
-    /// What a pass of WAM takes for one of its weight, as far as is known; nothing before the first.
+    /// Work of a pass of WAM per unit of its weight, as far as is known; zero before the first.
     wam_units: f64,
     /// Work that starts have taken.
     taken: u64,
@@ -197,7 +197,7 @@ mod tests {
 
     #[test]
     fn what_other_planners_find_with_time_is_not_missed() {
-        // Here a quick look at 2-Opt begins in the cluster that is worse, and annealing never leaves it.
+        // Here 2-Opt with little work begins in the cluster that is worse, and annealing never leaves it.
         let cell: Cell = "large-fixed-fixed-16-two-cluster".parse().unwrap();
         let problem = cell.mission(0);
         let scenario = Scenario::new(&problem).unwrap();
@@ -230,8 +230,8 @@ mod tests {
         let mut budget = WorkBudget::new(u64::MAX);
         budget.charge(ALONE_UNITS + START_SHARE * 50_000);
         assert!(starts.try_next(&mut annealing, 2_000, f64::INFINITY, &mut budget).is_none());
-        assert_eq!(starts.ways.len(), 1, "not given up");
-        // A pass looks at the budget once a visit.
+        assert_eq!(starts.ways.len(), 1, "not abandoned");
+        // A pass checks the budget once a visit.
         assert!((50_000..60_000).contains(&starts.taken), "{}", starts.taken);
         let before = budget.used();
         assert!(starts.try_next(&mut annealing, 2_000, f64::INFINITY, &mut budget).is_none());

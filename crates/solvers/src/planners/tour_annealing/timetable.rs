@@ -15,8 +15,8 @@ use wide::f64x4;
 /// Numbers that the rows of one tour may have: 64 MB in all.
 pub(super) const NUMBERS_MAX: usize = 2_000_000;
 
-/// What takes how long, in nanoseconds: pricing a change, each letter and each four targets of it; carrying one out, each row
-/// and each four targets of it.
+/// Work in nanoseconds: of pricing a change, each letter and each four targets of it; of carrying one out, each row and
+/// each four targets of it.
 const PRICE_NS: u64 = 170;
 const LETTER_NS: u64 = 25;
 const LANE_NS: u64 = 25;
@@ -98,17 +98,17 @@ impl<'s, 'p> Timetable<'s, 'p> {
         self.cost
     }
 
-    /// What is flown.
+    /// Returns the problem that is flown.
     pub(super) fn scenario(&self) -> &'s Scenario<'p> {
         self.scenario
     }
 
-    /// What pricing a change takes, in nanoseconds.
+    /// Returns the work of pricing a change, in nanoseconds.
     pub(super) fn price_ns(&self, change: &Change) -> u64 {
         PRICE_NS + change.letters().count() as u64 * LETTER_NS + self.intervals.lanes().len() as u64 * LANE_NS
     }
 
-    /// What carrying out the last change took, in nanoseconds.
+    /// Returns the work of carrying out the last change, in nanoseconds.
     pub(super) fn change_ns(&self) -> u64 {
         let (rows, lanes) = (self.rows_written as u64, self.intervals.lanes().len() as u64);
         CHANGE_NS + rows * (ROW_NS + lanes * ROW_LANE_NS) + self.tour.len() as u64 * LETTER_NS / 8
@@ -185,8 +185,9 @@ impl<'s, 'p> Timetable<'s, 'p> {
         }
     }
 
-    /// What was seen before each place after `from`, as far as it is other than before a change whose letters end before
-    /// `until`: until every target has been visited again. Returns the first place that is as before.
+    /// Updates the visits seen before each position after `from`, as far as they differ from those before a change
+    /// whose letters end before `until`: until every target has been visited again. Returns the first position that is
+    /// unchanged.
     fn look_back(&mut self, from: usize, until: usize) -> usize {
         self.sweep += 1;
         let (mut missing, mut before_s) = (self.marks.len(), self.end_before(from));
@@ -228,8 +229,8 @@ impl<'s, 'p> Timetable<'s, 'p> {
         self.marks.get_mut(target).is_some_and(|mark| std::mem::replace(mark, sweep) != sweep)
     }
 
-    /// What comes from each place before `settled` on, down to where every target is visited between the place and a
-    /// change at `from`. Returns that place.
+    /// Updates the visits that follow each position before `settled`, down to where every target is visited between the
+    /// position and a change at `from`. Returns that position.
     fn look_ahead(&mut self, from: usize, settled: usize) -> usize {
         self.sweep += 1;
         let mut missing = self.marks.len();
@@ -257,8 +258,7 @@ impl<'s, 'p> Timetable<'s, 'p> {
         0
     }
 
-    /// What the tour would cost with `change`, which begins among the visits that are flown; infinite where there is no
-    /// way.
+    /// Returns the cost of the tour with `change`, which begins among the flown visits; infinite if no path exists.
     pub(super) fn cost_with(&mut self, change: &Change) -> f64 {
         let mut scratch = std::mem::take(&mut self.scratch);
         scratch.clear();
@@ -316,7 +316,7 @@ impl<'s, 'p> Timetable<'s, 'p> {
         cost + closed(flown) - closed(change.until) + self.across(since_s, &after)
     }
 
-    /// How many visits are flown when those from `place` on are shifted.
+    /// Returns the number of flown visits when those from `place` on are shifted.
     fn flown_with(&self, place: usize, shift_s: f64) -> usize {
         let limit_s = self.scenario.limit_s();
         let in_time = |index: usize| {
@@ -379,7 +379,7 @@ struct Ahead {
 }
 
 impl Ahead {
-    /// No visit any more.
+    /// No further visit.
     const NEVER: Ahead =
         Ahead { until_s: f64x4::splat(f64::INFINITY), visits: f64x4::splat(f64::INFINITY), cost: f64x4::ZERO };
 }
@@ -392,7 +392,7 @@ fn set(lanes: &mut f64x4, target: usize, number: f64) {
     }
 }
 
-/// What follows a change.
+/// Sequel of a change.
 struct After {
     /// The first visit that stays.
     place: usize,

@@ -1,4 +1,4 @@
-//! A tour under search: priced by its timetable where costs have the quick formula, else by flying it.
+//! A tour under search: priced by its timetable where costs have the fast formula, else by flying it.
 
 use super::change::Change;
 use super::interval::Intervals;

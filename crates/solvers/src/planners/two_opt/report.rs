@@ -1,4 +1,4 @@
-//! How the search says what it has found.
+//! Reports of the search.
 
 /// Hears the cost of each better cycle, and the cycle.
 pub(super) type Report<'r> = &'r mut dyn FnMut(f64, &[usize]);

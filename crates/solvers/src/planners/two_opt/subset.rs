@@ -1,11 +1,11 @@
-//! Which targets the cycle should hold: drop, add and exchange around shortest tours, judged by expected cost.
+//! Choice of targets for the cycle: drop, add and exchange around shortest tours, judged by expected cost.
 
 use super::report::Report;
 use apex_planning::solver::Budget;
 use apex_planning::surveillance::scenario::Scenario;
 use apex_planning::tour;
 
-/// What a place for another target takes to be looked at, in nanoseconds.
+/// Work per examined position for another target, in nanoseconds.
 const DETOUR_NS: u64 = 20;
 
 /// The best cycle so far.
@@ -68,7 +68,7 @@ impl<'s, 'p> SubsetSearch<'s, 'p> {
         false
     }
 
-    /// Begins anew with the single best target and adds as long as it helps: reaches small cycles that dropping from
+    /// Starts again with the single best target and adds as long as it helps: reaches small cycles that dropping from
     /// the full set cannot.
     pub(super) fn grow_from_one(&mut self, budget: &mut dyn Budget, report: Report<'_>) {
         let mut grown = SubsetSearch::new(self.scenario);

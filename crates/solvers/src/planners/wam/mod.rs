@@ -18,7 +18,7 @@ const PASSES: &[(f64, usize, usize)] =
     &[(2.0, 1, 4), (4.0, 8, 4), (8.0, 8, 4), (16.0, 8, 4), (8.0, 32, 6), (16.0, 32, 6), (32.0, 32, 6), (24.0, 128, 8)];
 /// Visits that one window may hold.
 const DEPTH_MAX: usize = 64;
-/// What the priority of a visit takes in nanoseconds, and a node of the search in addition its copy.
+/// Work of the priority of a visit in nanoseconds, and in addition of the copy for a node of the search.
 const PRIORITY_NS: u64 = 30;
 const CHILD_NS: u64 = 230;
 
@@ -62,12 +62,12 @@ pub fn best_word(scenario: &Scenario<'_>, budget: &mut dyn Budget, report: &mut 
     best_of_passes(scenario, budget, &mut |_, tour| report(tour)).1
 }
 
-/// How many passes there are.
+/// Returns the number of passes.
 pub fn passes() -> usize {
     PASSES.len()
 }
 
-/// How much work the pass of this number takes in comparison with others.
+/// Returns the work of the pass of this number in comparison with others.
 pub fn weight(number: usize) -> f64 {
     PASSES.get(number).map_or(0.0, |(window, open, children)| window * (open * children) as f64)
 }
@@ -95,7 +95,7 @@ fn best_of_passes(
     best
 }
 
-/// Where the vehicle is and how old its knowledge: the state between two visits.
+/// State between two visits: position of the vehicle and age of its knowledge.
 #[derive(Clone, Debug)]
 struct State {
     place: Option<usize>,
@@ -141,7 +141,7 @@ fn visit(state: &mut State, stop: Stop) {
     (state.place, state.time_s) = (Some(stop.target), stop.end_s);
 }
 
-/// The first visit of the tour with the least expected cost over the window; none where no visit is possible any more.
+/// Returns the first visit of the tour with the least expected cost over the window; `None` if no visit is possible.
 fn best_first(
     scenario: &Scenario<'_>,
     state: &State,
@@ -178,7 +178,7 @@ fn best_first(
     best.map(|(_, stop)| stop)
 }
 
-/// What a visit changes in the expected cost until `until_s`: nothing or less.
+/// Returns the change of the expected cost until `until_s` by a visit: zero or less.
 fn change(scenario: &Scenario<'_>, state: &State, stop: Stop, until_s: f64) -> f64 {
     let (Some(target), Some(last_s)) = (scenario.problem().targets.get(stop.target), state.last_s.get(stop.target))
     else {

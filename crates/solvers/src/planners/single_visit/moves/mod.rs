@@ -87,8 +87,8 @@ impl LocalSearch<'_, '_, '_> {
         true
     }
 
-    /// How far an estimate of what comes from visit `at` on may be wrong: waiting may become shorter, wind and zones may
-    /// change; where worth changes with time no estimate is trusted.
+    /// Returns the greatest error of an estimate of the visits from `at` on: waiting may become shorter, wind and zones
+    /// may change; if worth changes with time no estimate is trusted.
     fn slack_s(&self, current: &Candidate, at: usize) -> f64 {
         let targets = &self.schedule.problem.targets;
         let visits = current.judged.visits.iter().zip(&current.order).skip(at);
@@ -100,13 +100,13 @@ impl LocalSearch<'_, '_, '_> {
         ESTIMATE_SLACK_S + ESTIMATE_SLACK_SHARE * left_s + waits.sum::<f64>()
     }
 
-    /// When the visit before the one at `at` ends.
+    /// Returns the end of the visit before the one at `at`.
     fn end_before(&self, current: &Candidate, at: usize) -> f64 {
         let before = at.checked_sub(1).and_then(|before| current.judged.visits.get(before));
         before.map_or(self.schedule.problem.start_s, |timed| timed.end_s)
     }
 
-    /// Where the visit at `at` begins; the base after the last; none where the flight may end anywhere.
+    /// Returns the begin of the visit at `at`; the base after the last; `None` if the flight may end anywhere.
     pub(super) fn entry_at(&self, current: &Candidate, at: usize) -> Option<PointKey> {
         match current.order.get(at) {
             Some(choice) => Some(PointKey::Entry(choice.target, choice.manoeuvre)),
@@ -115,13 +115,13 @@ impl LocalSearch<'_, '_, '_> {
     }
 }
 
-/// Where the visit before the one at `at` ends.
+/// Returns the exit of the visit before the one at `at`.
 pub(super) fn exit_before(current: &Candidate, at: usize) -> PointKey {
     let before = at.checked_sub(1).and_then(|before| current.order.get(before));
     before.map_or(PointKey::Start, |choice| PointKey::Exit(choice.target, choice.manoeuvre))
 }
 
-/// When the vehicle is at the visit at `at`; after the last, when the flight ends.
+/// Returns the arrival at the visit at `at`; after the last, the end of the flight.
 fn arrival(current: &Candidate, at: usize) -> f64 {
     current.judged.visits.get(at).map_or(current.judged.end_s, |timed| timed.arrive_s)
 }

@@ -1,4 +1,4 @@
-//! A visit or a short run of visits to another place, also turned round.
+//! Relocation of a visit or a short run of visits, also reversed.
 
 use super::super::search::{Candidate, LocalSearch};
 use crate::routing::schedule::Choice;
@@ -7,7 +7,7 @@ use crate::routing::schedule::Choice;
 const RUN_MAX: usize = 3;
 
 impl LocalSearch<'_, '_, '_> {
-    /// Moves one visit or a short run of visits to another place, also turned round. Says whether anything got better.
+    /// Moves one visit or a short run of visits to another position, also reversed. Returns true if the plan improved.
     pub(super) fn relocate(&mut self, current: &mut Candidate) -> bool {
         let mut better = false;
         for length in 1..=RUN_MAX {

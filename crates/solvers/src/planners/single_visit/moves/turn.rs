@@ -1,4 +1,4 @@
-//! A part of the order turned round.
+//! Reversal of a part of the order.
 
 use super::super::search::{Candidate, LocalSearch};
 

@@ -8,7 +8,7 @@ use crate::routing::network::Network;
 use apex_planning::random::Generator;
 use apex_planning::solver::Budget;
 
-/// Places looked at for one unit of work, which is about a microsecond.
+/// Examined positions per unit of work, which is about a microsecond.
 const LOOKS_PER_UNIT: u64 = 230;
 /// Work of an iteration whatever it finds, in looks: its chance, and copies and timetables of so many stops.
 const LOOKS_PER_ITERATION: u64 = 60;
@@ -21,7 +21,7 @@ const SAME_SHARE: f64 = 1e-10;
 const STEP: u64 = 32;
 /// In problems of more nodes only what is near to what was taken out is put back.
 pub(super) const ALL_MISSING_MAX: usize = 160;
-/// Runs that are turned round for each ruin, with few targets and with many.
+/// Runs that are reversed for each ruin, with few targets and with many.
 const TURNS: u32 = 1;
 const TURNS_OF_MANY: u32 = 6;
 /// Neighbours of each visit taken out that are tried.
@@ -36,15 +36,15 @@ pub(super) struct Annealing<'n> {
     looked: u64,
     gone: Vec<u32>,
     missing: Vec<u32>,
-    /// How easily each node is reached: one over the mean way to its nearest neighbours.
+    /// Ease of reaching each node: one over the mean path to its nearest neighbours.
     ease: Vec<f64>,
-    /// What a tick of flight counts next to its cost, so that of equal routes the shorter is kept.
+    /// Weight of a tick of flight next to its cost, so that of equal routes the shorter is kept.
     thrift: f64,
     /// Scores that differ by no more than this are equal: sums are summed in any order.
     same: f64,
 }
 
-/// How long a round is and how it cools.
+/// Length and temperatures of a round.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Round {
     /// Units of work.
@@ -78,7 +78,7 @@ impl<'n> Annealing<'n> {
         route.value - self.network.cost_per_tick * f64::from(route.end())
     }
 
-    /// Is `route` worth more than `other`, or as much and shorter?
+    /// Returns true if `route` is worth more than `other`, or as much and shorter.
     pub(super) fn is_better(&self, route: &Route, other: &Route) -> bool {
         let more = self.score(route) - self.score(other);
         more > self.same || more > -self.same && route.length() < other.length()
@@ -111,7 +111,7 @@ impl<'n> Annealing<'n> {
         self.looked %= LOOKS_PER_UNIT;
     }
 
-    /// What may be put back after some were taken out.
+    /// Chooses the nodes that may be put back after others were taken out.
     fn choose_missing(&mut self, route: &Route) {
         self.missing.clear();
         let visits = self.network.visits();

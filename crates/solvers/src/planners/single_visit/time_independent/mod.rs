@@ -27,7 +27,7 @@ use apex_planning::solver::Environment;
 use route::Route;
 use search::SearchDriver;
 
-/// What the search found.
+/// Result of the search.
 pub(super) struct Found {
     /// The visits in order.
     pub(super) order: Vec<Choice>,
@@ -63,7 +63,7 @@ pub(super) fn run(
     Some(Found { order: choices(&network, &best), bound, reasons: reasons::left_out(&network, &best) })
 }
 
-/// Work units that a proof may take where somebody asks how good a plan is: some seconds.
+/// Work units that a proof may take if the user asks for the quality of a plan: some seconds.
 const PROOF_UNITS: u64 = 4_000_000;
 
 /// No plan over the `usable` targets gathers more than this, nor less than `reached`, which some plan does: of problems that

@@ -1,10 +1,10 @@
-//! Why a target is not in a route: how much is missing at the place where the least is.
+//! Reasons for which a target is not in a route: the least shortage over all positions.
 
 use super::super::explain::spoken;
 use super::route::Route;
 use crate::routing::network::Network;
 
-/// What is said of the targets that have nodes and are not visited: their numbers with the reasons.
+/// Returns the numbers of the targets that have nodes and are not visited, with the reasons.
 pub(super) fn left_out(network: &Network, route: &Route) -> Vec<(usize, String)> {
     let mut found: Vec<(usize, Option<i32>)> = Vec::new();
     for node in network.visits().filter(|node| !route.sees(network, *node)) {
@@ -25,7 +25,8 @@ pub(super) fn left_out(network: &Network, route: &Route) -> Vec<(usize, String)>
     found.into_iter().map(|(target, over)| (target, told(over))).collect()
 }
 
-/// How much later what follows would be than it may, at the best place; none where the window is over everywhere.
+/// Returns the least delay beyond what the following stops allow, over all positions; `None` if the window is over
+/// everywhere.
 fn over(network: &Network, route: &Route, node: u32) -> Option<i32> {
     let data = network.node(node);
     let pairs = route.stops.iter().zip(route.stops.iter().skip(1));

@@ -4,20 +4,20 @@ use super::route::{InsertionPoint, Route};
 use crate::routing::network::{Network, Node};
 use apex_planning::random::Generator;
 
-/// In routes of more stops only places next to a node's neighbours are looked at.
+/// In routes of more stops only positions next to a node's neighbours are examined.
 const SCANNED_MAX: usize = 60;
 
-/// Of so many chances as many let two places be skipped as are below: one of them and another so much farther on.
+/// Denominator of the chances that two positions are skipped: one of them and another that many positions farther on.
 const SKIPPED_OF: usize = 100;
 const SKIPPED_BELOW: usize = 33;
 
 /// Of so many chances to visit what is worth nothing one is taken.
 const WORTHLESS_ONE_OF: usize = 3;
 
-/// What a delay of the next stop counts against longer legs.
+/// Weights of a delay of the next stop against longer legs.
 const SHIFT_WEIGHTS: [i64; 4] = [0, 1, 2, 8];
 
-/// How missing nodes are ordered for insertion.
+/// Order of insertion of missing nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Order {
     /// Any.
@@ -37,7 +37,7 @@ pub(super) struct Recreation {
 }
 
 impl Recreation {
-    /// Inserts of `missing` what fits and, if we may not be generous, pays; returns places looked at.
+    /// Inserts of `missing` what fits and, unless `generous`, pays; returns the number of examined positions.
     pub(super) fn run(
         &mut self,
         network: &Network,
@@ -89,8 +89,8 @@ impl Recreation {
     }
 }
 
-/// The place where `node` takes least, none where it fits nowhere, or costs more than it is worth if we are
-/// not `generous`; and places looked at.
+/// Returns the position at which `node` takes least, `None` if it fits nowhere, or costs more than it is worth unless
+/// `generous`; and the number of examined positions.
 pub(super) fn best_place(
     network: &Network,
     route: &Route,

@@ -9,13 +9,13 @@ use crate::routing::network::{END, NO_WAY, Network, START};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Stop {
     pub(super) node: u32,
-    /// When it begins.
+    /// Begin of the observation.
     pub(super) begin: i32,
     /// Beginning later, something that follows would be too late.
     pub(super) latest: i32,
     /// Time from its beginning to the end of the route without waiting.
     pub(super) rest: i32,
-    /// When the route ends at the earliest, because of waiting after this stop.
+    /// Earliest end of the route, because of waiting after this stop.
     pub(super) waits: i32,
 }
 
@@ -23,7 +23,7 @@ pub(super) struct Stop {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Route {
     pub(super) stops: Vec<Stop>,
-    /// For each target: is it visited?
+    /// For each target: true if it is visited.
     pub(super) seen: Vec<bool>,
     /// For each node where it stands, while it is in the route.
     places: Vec<u32>,
@@ -39,7 +39,7 @@ pub(super) struct InsertionPoint {
     pub(super) shift: i32,
     /// By how much the legs get longer, the visit included.
     pub(super) longer: i32,
-    /// When the route ends.
+    /// End of the route.
     pub(super) end: i32,
 }
 
@@ -78,7 +78,7 @@ impl Route {
         self.stops.len().saturating_sub(2)
     }
 
-    /// When it ends.
+    /// Returns the end of the route.
     pub(super) fn end(&self) -> i32 {
         self.stops.last().map_or(0, |stop| stop.begin)
     }
@@ -88,7 +88,7 @@ impl Route {
         self.stops.first().map_or(0, |stop| stop.rest)
     }
 
-    /// Is every visit in time?
+    /// Returns true if every visit is in time.
     pub(super) fn is_feasible(&self) -> bool {
         self.stops.iter().all(|stop| stop.begin <= stop.latest)
     }
@@ -101,21 +101,21 @@ impl Route {
         self.value += if seen { node.value } else { -node.value };
     }
 
-    /// Is the target of `node` visited?
+    /// Returns true if the target of `node` is visited.
     #[inline(always)]
     pub(super) fn sees(&self, network: &Network, node: u32) -> bool {
         self.seen.get(network.node(node).target as usize).copied().unwrap_or(true)
     }
 
-    /// Where `node` stands; none where it is not in the route.
+    /// Returns the position of `node`; `None` if it is not in the route.
     #[inline(always)]
     pub(super) fn index(&self, node: u32) -> Option<usize> {
         let index = self.places.get(node as usize).copied()? as usize;
         self.stops.get(index).filter(|stop| stop.node == node).map(|_| index)
     }
 
-    /// When the route would end with the stops `from..until` turned round, and how much longer its legs would be; none
-    /// where something would be too late.
+    /// Returns the end of the route with the stops `from..until` reversed, and the growth of its legs; `None` if a stop
+    /// would be too late.
     pub(super) fn turned(&self, network: &Network, from: usize, until: usize) -> Option<(i32, i32)> {
         let (before, next) = (self.stops.get(from.checked_sub(1)?)?, self.stops.get(until)?);
         let (mut here, mut begin, mut legs) = (before.node, before.begin, 0);
@@ -145,7 +145,7 @@ impl Route {
         self.backward(network, until.saturating_sub(1));
     }
 
-    /// What `node` would take between stop `after` and the next; none where it does not fit.
+    /// Returns the effort of `node` between stop `after` and the next; `None` if it does not fit.
     #[inline(always)]
     pub(super) fn place(
         &self,
@@ -202,7 +202,7 @@ impl Route {
         self.backward(network, from - 1);
     }
 
-    /// Keeps the stops for which `keep` says so; the ends stay.
+    /// Keeps the stops for which `keep` returns true; the ends stay.
     pub(super) fn retain(&mut self, network: &Network, keep: impl Fn(u32) -> bool) {
         let mut kept = std::mem::take(&mut self.stops);
         kept.retain(|stop| {

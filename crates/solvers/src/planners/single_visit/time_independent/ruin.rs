@@ -1,4 +1,4 @@
-//! Taking visits out: a run of them, those around a place, or some by chance.
+//! Removal of visits: a run of them, those around a place, or some at random.
 
 use super::route::Route;
 use crate::routing::network::Network;

@@ -103,7 +103,7 @@ impl<'n> SearchDriver<'n> {
 
     /// Returns the best route within the budget, and an upper bound on the benefits, if one was found.
     pub(super) fn run(mut self, budget: &mut dyn Budget) -> (Route, Option<f64>) {
-        // An unlimited search would never cool: it ends by itself, as one limited by a clock.
+        // An unlimited search would never cool: it ends like one limited by a clock.
         match budget.left().filter(|left| *left < u64::MAX >> 8) {
             Some(left) if self.network.targets <= FEW => self.stages_of_few(budget.used().saturating_add(left), budget),
             Some(_) => self.stages(u64::MAX >> 8, budget),

@@ -38,7 +38,7 @@ fn network(problem: &SingleVisitProblem) -> Network {
     Network::new(&mut Schedule::new(problem).unwrap(), &usable, &mut WorkBudget::new(u64::MAX)).unwrap()
 }
 
-/// When a route ends, by going along it; none where something is too late.
+/// Returns the end of a route, by going along it; `None` if a visit is too late.
 fn naive_end(network: &Network, visits: &[u32]) -> Option<i32> {
     let (mut here, mut time) = (START, 0);
     for next in visits.iter().copied().chain([END]) {
@@ -307,7 +307,7 @@ fn a_plan_is_mended_after_a_change_and_told_before_it_is_improved() {
     let problem = formats::read("op", &text).unwrap().problem;
     let before = solved(&problem, 30_000, 1);
     let mut changed = problem.clone();
-    // A target gives nothing any more, and the flight must end sooner.
+    // A target does not gain any longer, and the flight must end sooner.
     let gone = changed.targets.iter().position(|target| target.name == before.visits[3].target).unwrap();
     changed.targets[gone].value = 0.0;
     changed.end_s = Some(0.9 * changed.end_s.unwrap());

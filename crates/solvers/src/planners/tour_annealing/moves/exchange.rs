@@ -3,7 +3,7 @@
 use super::Draw;
 use crate::planners::tour_annealing::change::Change;
 
-/// How far they may be apart.
+/// Greatest distance between the exchanged visits.
 const REACH: usize = 12;
 
 pub(super) fn propose(draw: &mut Draw<'_>) -> Option<Change> {

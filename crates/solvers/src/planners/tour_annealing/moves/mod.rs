@@ -1,4 +1,4 @@
-//! The moves of the search, one per file. Each looks at a tour and proposes one change, or none where it finds no place.
+//! The moves of the search, one per file. Each proposes one change of a tour, or none if it finds no position.
 
 mod exchange;
 mod graft;
@@ -12,7 +12,7 @@ mod turn;
 use super::change::Change;
 use apex_planning::random::Generator;
 
-/// What a move may look at.
+/// Inputs of a move.
 pub(super) struct Draw<'a> {
     /// The tour, with visits beyond those that are flown.
     pub(super) tour: &'a [usize],

@@ -3,7 +3,7 @@
 use super::Draw;
 use crate::planners::tour_annealing::change::Change;
 
-/// How far they may go.
+/// Greatest distance of a relocation.
 const REACH: usize = 12;
 
 pub(super) fn propose(draw: &mut Draw<'_>) -> Option<Change> {

@@ -1,6 +1,6 @@
-//! A part of the cycle turned round.
+//! A reversed part of the cycle.
 
-/// The cycle with the part from `from` to `to` turned round.
+/// Returns the cycle with the part from `from` to `to` reversed.
 pub(super) fn turned(cycle: &[usize], from: usize, to: usize) -> Vec<usize> {
     let mut turned = cycle.to_vec();
     if let Some(part) = turned.get_mut(from..=to) {
