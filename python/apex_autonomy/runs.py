@@ -26,8 +26,8 @@ class Runs:
         ``left_out``, ``reflies``, ``plans``, and positions checked and violating requirements: ``positions``,
         ``inside_zones``, ``outside_permitted``, ``near_ground``, ``beyond_landing_distance``, ``said_broken``.
     summary : dict
-        ``runs``, ``completed``, ``measure``, ``quantiles`` (0, 5, 25, 50, 75, 95 and 100 %), ``mean``, ``violations`` by
-        kind and ``lost`` by reason.
+        ``runs``, ``completed``, ``measure``, ``quantiles`` (0, 5, 25, 50, 75, 95 and 100 %), ``mean``, ``violations``
+        by kind and ``lost`` by reason.
     text : str
         The summary as text.
     """
