@@ -176,7 +176,8 @@ impl SimulatedWorld {
         if let Some(altitude_m) = altitude_m {
             self.claim_altitude(altitude_m, None, inputs);
         }
-        if let Some(speed) = speed {
+        // The speed of a path is its own: it may be too slow for the wind of what comes after it.
+        if let Some(speed) = speed.filter(|_| !matches!(order, Order::FollowPath(_))) {
             self.claim_speed(speed, None, inputs);
         }
         if let Some(old) = self.flight.command.take() {
@@ -235,7 +236,8 @@ impl SimulatedWorld {
                 }
                 let last_m = points.last().and_then(|point| point.altitude_m);
                 let path = FollowedPath::new(points, &speeds, &self.situation());
-                let path = path.ok_or_else(|| arguments.wrong("the path has no length"))?;
+                let mut path = path.ok_or_else(|| arguments.wrong("the path has no length"))?;
+                path.true_airspeed = arguments.speed_keyword()?;
                 (Order::FollowPath(Box::new(path)), last_m)
             }
             "loiter" => {

@@ -239,7 +239,10 @@ impl ActiveOrder {
                 let stated_m = self.way.as_ref().and_then(Way::altitude_m);
                 (stated_m.unwrap_or(here.altitude_m), here.true_airspeed)
             }
-            Stage::Follow(path) => (path.altitude_m(here).unwrap_or(here.altitude_m), here.true_airspeed),
+            Stage::Follow(path) => {
+                let airspeed = path.true_airspeed.unwrap_or(here.true_airspeed);
+                (path.altitude_m(here).unwrap_or(here.altitude_m), airspeed)
+            }
             Stage::Descend(_) => (here.ground_m - 5.0, here.true_airspeed),
             Stage::LeadIn | Stage::OnLine if landing => {
                 let slope = here.model.final_approach_height_m / here.model.final_approach_m;

@@ -36,6 +36,8 @@ pub(crate) struct FollowedPath {
     from_altitude_m: f64,
     turn_rad_per_m: f64,
     is_fixed_wing: bool,
+    /// Airspeed along this path, m/s; `None` is the one that was commanded before and holds after it.
+    pub(crate) true_airspeed: Option<f64>,
 }
 
 impl FollowedPath {
@@ -55,6 +57,7 @@ impl FollowedPath {
             from_altitude_m: here.state.altitude_m,
             turn_rad_per_m: 0.0,
             is_fixed_wing,
+            true_airspeed: None,
         };
         if path.leg.length_m < AT_FIRST_M {
             path.step(here);

@@ -149,7 +149,7 @@ fn an_unknown_library_is_answered_with_the_shipped_ones() {
     said.told(&[
         "mission.pdl:5:15",
         "no library `vehicel`",
-        "aerial-observation, contingencies, lost-link-figures, replanning, requirements, vehicle, vehicle-figures",
+        "aerial-observation, contingencies, lost-link-figures, manoeuvres, replanning, requirements, vehicle, vehicle-figures",
     ]);
 }
 
@@ -159,7 +159,8 @@ fn a_code_is_explained_and_all_are_listed() {
     desk.apex(&["explain", "e0203"]).well().told(&["# E0203: No step of this procedure has this tag.", "```pdl right"]);
     desk.apex(&["explain", "E0701", "W0504"]).well().told(&["# E0701", "# W0504"]);
     desk.apex(&["explain"]).well().told(&["E0001  ", "E0701  Steps wait for each other in a circle.", "N0601  "]);
-    desk.apex(&["explain", "E9999"]).complained(2, &["`E9999` is no code", "lists all codes"]);
+    desk.apex(&["explain", "E9999"])
+        .complained(2, &["`E9999` is neither the code of a message nor a word of PDL", "lists all codes"]);
     desk.write("a.pdl", UNKNOWN_GOAL);
     desk.apex(&["check", "a.pdl"]).complained(2, &[]).told(&["`apex explain E0208` tells more"]);
 }

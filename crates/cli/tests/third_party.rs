@@ -195,13 +195,11 @@ fn misconduct_is_named_in_the_record_and_the_flight_goes_on() {
 }
 
 #[test]
-fn a_paced_flight_does_not_wait_for_a_planner_that_hangs() {
-    // Were it waited for, the timeout would pass, a minute on the wall, an hour in flight.
-    let desk = fly_with("hangs", &["--until", "2min", "--pace", "60", "--solver-timeout", "60s"]);
+fn a_paced_flight_holds_mission_time_until_a_planner_that_hangs_is_abandoned() {
+    // Mission time stands still meanwhile (decision 0120): the pace that an operator chose does not decide what is flown.
+    let desk = fly_with("hangs", &["--until", "2min", "--pace", "60", "--solver-timeout", "3s"]);
     let trace = desk.apex(&["trace", "r.apex"]).well();
     assert!(trace.out.contains("(without-a-plan)"), "{}", trace.out);
-    let timed_out = "no answer within";
-    assert!(trace.out.contains(timed_out), "{}", trace.out);
     let late = desk.apex(&["trace", "r.apex", "--from", "1:50"]).well();
     assert!(late.out.contains("signal-level"), "{}", late.out);
     desk.apex(&["replay", "r.apex"]).well();

@@ -64,7 +64,7 @@ pub fn unreadable(path: &std::path::Path, error: &std::io::Error) -> MissionErro
 }
 
 /// How many names a message lists at most.
-const NEARBY_MAX: usize = 6;
+const NEARBY_MAX: usize = 12;
 
 /// Names files and missions of the same folder that look alike, or says where a relative path was looked for.
 pub fn nearby_help(path: &std::path::Path) -> String {
@@ -83,7 +83,11 @@ pub fn nearby_help(path: &std::path::Path) -> String {
     let wanted = path.file_stem().map(|stem| stem.to_string_lossy().to_lowercase()).unwrap_or_default();
     // Names that begin alike first: most wrong names are misspelt or cut short.
     names.sort_by_key(|name| (usize::MAX - alike(&name.to_lowercase(), &wanted), name.clone()));
+    let more = names.len().saturating_sub(NEARBY_MAX);
     names.truncate(NEARBY_MAX);
+    if more > 0 {
+        names.push(format!("{more} more"));
+    }
     let folder_name =
         if folder == std::path::Path::new(".") { "this folder".into() } else { folder.display().to_string() };
     match (folder.is_dir(), names.is_empty()) {

@@ -38,7 +38,11 @@ const SPECIAL_SHAPES: &[(&str, &str)] = &[
 /// What is known of `word`: functions, forms, clauses, options, indexicals; and what the libraries that ship have by it:
 /// goals, commands, messages, state variables. None for a word that nothing has.
 pub fn explain_word(word: &str) -> Option<String> {
-    let folded = word.trim().trim_matches('+').trim_start_matches(':').to_lowercase();
+    let word = word.trim();
+    // `+now+` is written between signs; `1+` and `+` are functions.
+    let word =
+        word.strip_prefix('+').and_then(|word| word.strip_suffix('+')).filter(|word| !word.is_empty()).unwrap_or(word);
+    let folded = word.trim_start_matches(':').to_lowercase();
     let mut text = String::new();
     if let Some(function) = built_in(&folded) {
         text.push_str(&of_function(&folded, function));

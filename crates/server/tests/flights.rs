@@ -377,7 +377,7 @@ fn plans_ground_seen_and_holders_are_those_of_the_instant_also_for_many_callers(
 
     let pictures = |at: i64| get(server, &format!("/api/footprints?at={at}")).1["pictures"].as_array().unwrap().clone();
     let taken = pictures(600_000_000_000);
-    assert!(taken.len() > 2, "{taken:?}");
+    assert!(taken.len() >= 2, "{taken:?}");
     assert_eq!(pictures(0).len(), 0);
     let first = taken[0]["t_ns"].as_i64().unwrap();
     assert_eq!(pictures(first), taken[..1], "a picture is seen from its exposure");
