@@ -11,7 +11,7 @@ use apex_mission::export::{geojson, json, kml, qgc, table};
 use apex_mission::plan::import::import;
 use apex_mission::plan::input::{PlanInput, survival_cost};
 use apex_mission::plan::problem_file;
-use apex_mission::plan::proof::{self, Proven};
+use apex_mission::plan::proof;
 use apex_mission::plan::turns;
 use apex_model::problem::Problem;
 use apex_model::time::Time;
@@ -59,12 +59,11 @@ pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> CliResult {
     let bound_budget = if is_stated { question.bound_budget } else { question.bound_budget_after(solved.work) };
     let proven = proof::prove(&mut solved, question.is_tour(), bound_budget)?;
     let survival = if options.survival { Some(survival_cost(&solved)?) } else { None };
+    let turns = turns::of(&solved.problem, &solved.plan, question.mission());
+    let facts = PlanFacts { proven: &proven, turns, survival };
     let text = match format {
-        PlanFormat::Table => {
-            let facts = PlanFacts { proven: &proven, turns: turns_of(&question, &solved), survival };
-            table::write(&question.name, question.benchmark.as_ref(), &solved, &facts)
-        }
-        PlanFormat::Json => json(&question, &solved, &proven, survival),
+        PlanFormat::Table => table::write(&question.name, question.benchmark.as_ref(), &solved, &facts),
+        PlanFormat::Json => json::write(&question.name, question.benchmark.as_ref(), &solved, &facts),
         PlanFormat::Pdl => question.procedure_text(&solved),
         PlanFormat::Geojson => geojson::write(&charted(&question, &solved)?),
         PlanFormat::Kml => kml::write(&charted(&question, &solved)?),
@@ -86,7 +85,7 @@ fn read(options: &PlanOptions) -> CliResult<PlanInput> {
         Some(question) => question,
         None => PlanInput::of_mission(sources::load_mission(&options.mission)?)?,
     };
-    refuse_fleets(options.vehicles, &question)?;
+    question.refuse_fleets(options.vehicles)?;
     if let Some(budget) = &options.budget {
         let end = parse_time(budget, "--budget")?;
         if end <= Time::ZERO {
@@ -102,23 +101,6 @@ fn read(options: &PlanOptions) -> CliResult<PlanInput> {
     }
     question.seed = options.seed.unwrap_or(question.seed);
     Ok(question)
-}
-
-/// Refuses to plan for more than one vehicle.
-fn refuse_fleets(vehicles: Option<usize>, question: &PlanInput) -> CliResult {
-    match vehicles {
-        None | Some(1) => Ok(()),
-        Some(more) => {
-            let named = question.benchmark.as_ref().and_then(|benchmark| benchmark.vehicles);
-            let reason = match named {
-                Some(named) => format!("a plan is the path of one vehicle, though the file names {named}"),
-                None => "a plan is the path of one vehicle".to_string(),
-            };
-            Err(CliError::user(format!("{more} vehicles cannot be planned for"))
-                .because(reason)
-                .help("leave `--vehicles` out to plan for one"))
-        }
-    }
 }
 
 /// What a solver answers, or what follows from the visits that a person names.
@@ -198,15 +180,6 @@ fn refuse_survival(format: PlanFormat, question: &PlanInput) -> CliResult {
             .because("the other formats hold what is flown")
             .help("leave `--survival` or `--format` out")),
     }
-}
-
-fn json(question: &PlanInput, solved: &Deliberation, proven: &Proven, survival: Option<f64>) -> String {
-    let facts = PlanFacts { proven, turns: turns_of(question, solved), survival };
-    json::write(&question.name, question.benchmark.as_ref(), solved, &facts)
-}
-
-fn turns_of(question: &PlanInput, solved: &Deliberation) -> Option<turns::Turns> {
-    turns::of(&solved.problem, &solved.plan, question.mission())
 }
 
 fn charted(question: &PlanInput, solved: &Deliberation) -> CliResult<Chart> {

@@ -60,6 +60,21 @@ impl PlanInput {
         Duration(left.0.saturating_add(more.0)).min(self.bound_budget)
     }
 
+    /// Refuses to plan for more than one vehicle.
+    ///
+    /// # Errors
+    /// More vehicles are wanted.
+    pub fn refuse_fleets(&self, vehicles: Option<usize>) -> MissionResult<()> {
+        let Some(more) = vehicles.filter(|vehicles| *vehicles != 1) else { return Ok(()) };
+        let reason = match self.benchmark.as_ref().and_then(|benchmark| benchmark.vehicles) {
+            Some(named) => format!("a plan is the path of one vehicle, though the file names {named}"),
+            None => "a plan is the path of one vehicle".to_string(),
+        };
+        Err(MissionError::planning(format!("{more} vehicles cannot be planned for"))
+            .because(reason)
+            .help("leave `--vehicles` out to plan for one"))
+    }
+
     /// The plan as a procedure for the mission's goal, with the libraries that its steps need, so that it can be checked alone;
     /// empty where the problem is not a mission's.
     pub fn procedure_text(&self, solved: &Deliberation) -> String {
