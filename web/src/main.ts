@@ -23,6 +23,7 @@ if (!target) throw new Error('index.html has no element #app');
 const source = new ServedRecord(window.location.origin);
 if (new URLSearchParams(window.location.search).get('print') === '1') {
   applyColours(document.documentElement, 'light');
+  document.documentElement.dataset.paper = '';
   mount(Paper, { target, props: { source, atNs: typeof address.atNs === 'number' ? address.atNs : null } });
 } else {
   start(target);
