@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
-/// What was raised by a cost that was asked.
+/// Exception that a cost function raised.
 type Raised = RefCell<Option<PyErr>>;
 
 /// The callable as a function of Rust.

@@ -18,7 +18,7 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
 
-/// How often a flight asks Python for signals such as Ctrl-C.
+/// Interval at which a flight lets Python handle signals such as Ctrl-C.
 const SIGNALS_EVERY: Duration = Duration::from_millis(50);
 
 /// Flies a mission and records it: the end and the report as JSON. An exception of `on_progress`, or Ctrl-C, stops the flight

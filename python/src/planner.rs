@@ -14,25 +14,25 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How often a planner that asks nothing is looked at, and how long one may take to stop.
+/// Interval at which a planner that sends no request is checked, and the time that one may take to stop.
 const LOOK: Duration = Duration::from_millis(20);
 const GRACE: Duration = Duration::from_millis(500);
 
-/// What a planner asks; `Ended` is its last word.
+/// Request of a planner; `Ended` is its last one.
 enum Asked {
     Charge(u64),
     Report(String),
     Ended(Result<String, String>),
 }
 
-/// What it is told: work left, work used.
+/// Reply to a planner: work left, work used.
 #[derive(Clone, Copy)]
 struct Told {
     exhausted: bool,
     used: u64,
 }
 
-/// What a planner may use.
+/// Resources that a planner may use.
 #[pyclass(module = "apex_autonomy", frozen)]
 pub(crate) struct Surroundings {
     seed: u64,

@@ -43,7 +43,7 @@ pub(crate) fn replay_json(python: Python<'_>, record: PathBuf) -> PyResult<Strin
     replayed.map_err(|failure| failed(python, failure))
 }
 
-/// What shall differ after the instant: factor of the wind, seed, lines of inputs, order of visits.
+/// Changes after the instant: factor of the wind, seed, lines of inputs, order of visits.
 type Differences = (Option<f64>, Option<u64>, Option<String>, Vec<String>);
 
 /// Continues a recorded flight from `at_s` on with changes and records it: both reports as JSON. Ctrl-C stops the flight; the

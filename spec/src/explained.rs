@@ -7,7 +7,7 @@ use serde_json::Value;
 /// Moments that a text shows at most; of longer histories it leaves out the middle.
 const MOMENTS_MAX: usize = 40;
 
-/// What the answer to `why` or `why-not` says in one of its forms only. `data` is its JSON.
+/// Returns the statements that only one form of the answer to `why` or `why-not` has. `data` is its JSON.
 pub fn disagreements(data: &Value, text: &str) -> Vec<String> {
     let mut told = Vec::new();
     let sections = sections(text);

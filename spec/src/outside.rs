@@ -1,4 +1,4 @@
-//! What stands around a page's agent: a vehicle that answers commands, and a planner, both as the page's options say.
+//! Surroundings of a page's agent: a vehicle that answers commands and a planner, configured by the options of the page.
 
 use crate::late::take_due;
 use crate::scenario::read_time;
@@ -11,7 +11,7 @@ use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use apex_runtime::ports::{Deliberator, Input, Posed, SolverAnswer, Vehicle};
 
-/// How the vehicle answers commands.
+/// Response of the vehicle to commands.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum VehicleManner {
     /// Acknowledges each one at once.
@@ -25,7 +25,7 @@ pub enum VehicleManner {
     Silent,
 }
 
-/// How the planner answers requests.
+/// Response of the planner to requests.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum PlannerManner {
     /// No planner is at hand.
@@ -78,7 +78,7 @@ impl PlannerManner {
 pub struct PageVehicle {
     manner: VehicleManner,
     answers: Vec<(CommandId, Input)>,
-    /// What it heard of, and when it will pass it on, in that order.
+    /// Inputs to pass on later, ordered by that instant.
     late: Vec<(Time, Input)>,
 }
 

@@ -49,7 +49,7 @@ pub struct Teller {
     kinds: BTreeSet<String>,
     /// The names of the agents, where there are several: each line begins with one.
     agents: Vec<String>,
-    /// What is known of the tasks of the agent whose turn it is; of the others, in `waiting`.
+    /// Knowledge of the tasks of the present agent; that of others is in `waiting`.
     known: Known,
     turn: usize,
     waiting: BTreeMap<usize, Known>,
@@ -57,7 +57,7 @@ pub struct Teller {
     lines: Vec<String>,
 }
 
-/// What is known of one agent's tasks.
+/// Knowledge of one agent's tasks.
 #[derive(Debug, Default)]
 struct Known {
     names: BTreeMap<TaskId, String>,

@@ -21,7 +21,7 @@ pub struct Asker {
 }
 
 impl Asker {
-    /// What was missing, one line a task and instant.
+    /// Returns the missing reasons, one line per task and instant.
     pub fn missing(&self) -> &[String] {
         &self.missing
     }

@@ -8,7 +8,7 @@ use crate::scenario::{self, Scenario};
 use apex_model::task::TaskState;
 use std::collections::BTreeSet;
 
-/// What came of a page.
+/// Result of a page.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// Everything is as the page says.

@@ -26,7 +26,7 @@ const SUBJECTS: [&str; 2] = ["holder", "challenger"];
 const ARRIVALS: [(&str, Ordering); 3] =
     [("before", Ordering::Less), ("with", Ordering::Equal), ("after", Ordering::Greater)];
 
-/// When the tasks of the two steps became enabled, and what came true of whose clauses.
+/// Instants at which the tasks of the two steps became enabled, and the conditions that became true with their owners.
 #[derive(Default)]
 struct Log {
     tags: BTreeMap<u64, String>,
@@ -100,7 +100,7 @@ fn serving<'l>(library: &'l Library, step: &Step) -> Option<&'l Procedure> {
     library.procedures.iter().find(serves).map(AsRef::as_ref)
 }
 
-/// Does the program make the subject behave so?
+/// Returns true if the program makes the subject behave so.
 fn behaves(library: &Library, subject: &str, behaviour: &str) -> bool {
     let (holder, step) = steps(library, subject);
     let own = serving(library, step);
@@ -121,7 +121,7 @@ fn behaves(library: &Library, subject: &str, behaviour: &str) -> bool {
     }
 }
 
-/// Was the subject interrupted in this run, and did its behaviour meet that?
+/// Returns true if the subject was interrupted in this run and its behaviour matches.
 fn meets(log: &Log, subject: &str, behaviour: &str) -> bool {
     let states: Vec<TaskState> = log.states.iter().filter(|(tag, _)| tag == subject).map(|(_, state)| *state).collect();
     let after_interruption = |wanted: TaskState| states.windows(2).any(|pair| pair == [TaskState::Interrupted, wanted]);

@@ -266,7 +266,7 @@ impl SimulatedWorld {
         })
     }
 
-    /// Where the vehicle is; for a rotorcraft where it can stop.
+    /// Returns the position of the vehicle; for a rotorcraft the place at which it can stop.
     fn spot_here(&self) -> Spot {
         let fixed = self.model.airframe == Airframe::FixedWing;
         let position = if fixed { self.state.position } else { self.situation().stopping_place() };

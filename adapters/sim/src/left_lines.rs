@@ -31,7 +31,7 @@ impl LeftLines {
         }
     }
 
-    /// Where to take up the line, zero for one that was not broken off. Each is taken up once.
+    /// Returns the distance at which to resume the line, zero for one that was not interrupted. Each is resumed once.
     pub(crate) fn take(&mut self, from: Position, to: Position) -> f64 {
         let found = self.0.iter().position(|line| (line.from, line.to) == (from, to));
         found.map_or(0.0, |index| self.0.remove(index).along_m)

@@ -7,7 +7,7 @@ use apex_model::problem::Position;
 use libm::{asin, atan, atan2, cos, sin, sqrt};
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
-/// What to follow.
+/// Path to follow.
 #[derive(Clone, Debug)]
 pub(crate) enum Path {
     /// Keep the heading, wings level.
@@ -42,7 +42,7 @@ pub(crate) struct Circle {
     pub(crate) clockwise: bool,
 }
 
-/// How to join a line: straight to `tangent`, round `turn`, then along the line.
+/// Path onto a line: straight to `tangent`, around `turn`, then along the line.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Join {
     pub(crate) tangent: Position,

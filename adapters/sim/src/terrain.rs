@@ -15,7 +15,7 @@ const NEAR_M: f64 = 16_000.0;
 pub(crate) struct Terrain {
     all: Ground,
     near: Ground,
-    /// Where `near` was chosen.
+    /// Position for which `near` was chosen.
     middle: Option<Position>,
 }
 

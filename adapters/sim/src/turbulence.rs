@@ -113,7 +113,7 @@ mod tests {
         AttitudeHold { roll_deg_per_edr, natural_frequency_rad_s: 1.0, damping_ratio }
     }
 
-    /// What a long flight in one turbulence shows.
+    /// Statistics of a long flight in constant turbulence.
     struct Seen {
         sigma_deg: f64,
         rate_deg_s: f64,

@@ -5,7 +5,7 @@
 pub enum Bug {
     /// A newcomer of equal priority takes the resource from who has it.
     EqualNewcomerWins,
-    /// What a primitive worked before its interruption is forgotten.
+    /// The work of a primitive before its interruption is forgotten.
     ClockStartsOver,
     /// An interrupted task does not end when its `end-when` says so.
     DeafWhileInterrupted,
@@ -65,7 +65,7 @@ pub fn plant(bug: Option<Bug>) {
     PLANTED.store(number, std::sync::atomic::Ordering::SeqCst);
 }
 
-/// Is `bug` planted?
+/// Returns true if `bug` is planted.
 #[cfg(feature = "planted-bugs")]
 pub(crate) fn is(bug: Bug) -> bool {
     PLANTED.load(std::sync::atomic::Ordering::Relaxed) == bug as u8 + 1

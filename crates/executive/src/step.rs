@@ -50,7 +50,7 @@ pub fn step(agent: &mut Agent, batch: &Batch) -> Vec<Effect> {
     effects
 }
 
-/// When an event takes effect: when it happened, but never in the past, nor after the batch.
+/// Returns the instant at which an event takes effect: the instant of the event, but never in the past, nor after the batch.
 fn instant_of(event: &Event, cycle: &Cycle<'_>, now: Time) -> Time {
     event.at.max(cycle.agent.now).min(now)
 }

@@ -21,7 +21,7 @@ pub struct Comparison<'a> {
     pub headings: [&'a str; 2],
     /// Their reports.
     pub reports: [&'a Report; 2],
-    /// When the second flight begins to differ: its notes after that are printed.
+    /// Instant from which on the second flight differs: its notes after that are printed.
     pub from: Time,
 }
 

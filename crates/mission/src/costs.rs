@@ -14,7 +14,7 @@ use apex_model::time::Duration;
 use apex_model::value::Value;
 use std::sync::Arc;
 
-/// How closely tables meet their functions, as a share of the cost.
+/// Permitted error of tables, as a share of the cost.
 const RELATIVE_ERROR: f64 = 1e-3;
 const EXAMPLE: &str =
     "write for example `:costs ((barn hay-cost))` and `(defun hay-cost (age) (* 60 (- 1 (exp (- (/ age 10min))))))`";

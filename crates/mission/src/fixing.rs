@@ -16,7 +16,7 @@ pub struct Text {
     pub now: String,
 }
 
-/// What was done, for the report.
+/// Applied fix, for the report.
 pub struct Made {
     /// Place in the program.
     pub place: String,

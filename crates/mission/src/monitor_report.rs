@@ -10,7 +10,7 @@ use serde_json::{Value as Json, json};
 use std::fmt::Write;
 use time::format_description::well_known::Rfc3339;
 
-/// How results are told.
+/// Style of reports about results.
 #[derive(Clone, Copy)]
 pub struct Style {
     /// As JSON.
@@ -97,7 +97,7 @@ impl Style {
         time::OffsetDateTime::from_unix_timestamp_nanos(nanoseconds).ok()?.format(&Rfc3339).ok()
     }
 
-    /// What can be said about a condition at the end.
+    /// Returns the status of a condition at the end.
     pub fn verdict(self, number: u64, judgement: &Judgement, now: Time) -> String {
         let word = verdict_word(&judgement.verdict);
         if self.json {
@@ -123,7 +123,7 @@ impl Style {
     }
 }
 
-/// Does the gap get a line for operators: more than twice as long as the samples of its run are apart on average?
+/// Returns true if the gap gets a line for operators: more than twice the mean spacing of the samples of its run.
 fn is_long(gap: &SamplingGap, evidence: &[Evidence]) -> bool {
     evidence.iter().any(|fact| match fact {
         Evidence::Run { variable, start, end, samples } if *variable == gap.variable && *end >= gap.end => {

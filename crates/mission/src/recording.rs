@@ -113,7 +113,7 @@ fn remove_beginning(path: &Path) {
     }
 }
 
-/// Can a record be made here at all?
+/// Checks that a record can be made here.
 fn check_place(path: &Path) -> MissionResult {
     // To SQLite these names are not files: the record would be lost with the program, or options would be read out of it.
     let name = path.to_string_lossy();

@@ -1,4 +1,4 @@
-//! What surrounds a mission: airspace, airfields, wind, people (docs/reference/mission-data.md).
+//! Surroundings of a mission: airspace, airfields, wind, crew (docs/reference/mission-data.md).
 
 use super::{features, tables};
 use crate::error::MissionResult;
@@ -14,7 +14,7 @@ use apex_model::problem::{
 pub struct Airfield {
     /// Its name in PDL.
     pub id: String,
-    /// Where.
+    /// Position.
     pub position: Position,
     /// Above mean sea level.
     pub elevation_m: f64,
@@ -71,7 +71,7 @@ pub(crate) fn airspace(file: &DataFile) -> MissionResult<Vec<AirspaceZone>> {
     Ok(zones)
 }
 
-/// Are all points within a centimetre of one straight line?
+/// Returns true if all points are within a centimetre of one straight line.
 fn in_one_line(points: &[Point]) -> bool {
     let first = points.first().copied().unwrap_or_default();
     let distance = |point: &Point| point.minus(first).length();

@@ -23,7 +23,7 @@ pub fn plain_duration(duration: Duration) -> String {
     words.join(" ")
 }
 
-/// How wide a column must be for its heading and all of its names.
+/// Returns the width of a column that fits its heading and all of its names.
 pub fn name_width<'a>(heading: &str, names: impl IntoIterator<Item = &'a str>) -> usize {
     let longest = names.into_iter().map(|name| name.chars().count()).max().unwrap_or(0);
     longest.max(heading.chars().count()).max(NAME_WIDTH_MIN)

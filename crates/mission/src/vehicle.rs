@@ -19,7 +19,7 @@ pub const FIGURES_LIBRARY: &str = "vehicle-figures";
 const FIGURES_NAME: &str = "generated/vehicle-figures.pdl";
 const SHIPPED_FIGURES_NAME: &str = "library/vehicle-figures.pdl";
 
-/// Where a mission's vehicle model comes from.
+/// Source of a mission's vehicle model.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ModelSource {
     /// A model that ships with Apex, by name.

@@ -4,12 +4,12 @@ use crate::fix::{Fix, TextEdit};
 use apex_model::source::SourceFile;
 use std::collections::BTreeMap;
 
-/// What became of the texts.
+/// Result of applying fixes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Applied {
     /// The new texts by index into the sources; texts that no fix changes are not listed.
     pub texts: BTreeMap<u32, String>,
-    /// Which of the given fixes were made, by their number. One that stands in the way of an earlier one is left for
+    /// Applied fixes, by their number. A fix that overlaps an earlier one is left for
     /// the next pass.
     pub made: Vec<usize>,
 }

@@ -2,7 +2,7 @@
 
 use crate::diagnostic::Span;
 
-/// How sure it is that a fix does what the author meant.
+/// Certainty that a fix does what the author meant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Applicability {
     /// Nothing else can have been meant: may be applied without asking.
@@ -30,16 +30,16 @@ pub struct TextEdit {
     pub start: u32,
     /// Byte offset after the last character that is replaced; equal to `start` where text is only inserted.
     pub end: u32,
-    /// What stands there afterwards.
+    /// Text after the edit.
     pub replacement: String,
 }
 
 /// A titled list of edits that belong together: all are made or none.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fix {
-    /// What the edits do, in a few words: "replace `foo` by `bar`".
+    /// Effect of the edits, in a few words: "replace `foo` by `bar`".
     pub title: String,
-    /// How sure it is.
+    /// Certainty.
     pub applicability: Applicability,
     /// The edits; they do not overlap.
     pub edits: Vec<TextEdit>,

@@ -51,7 +51,7 @@ impl<'l> Locator<'l> {
         clause.map_or_else(|| self.span(place), |clause| clause.span)
     }
 
-    /// What to remove so that the step at `place` does not wait for the condition at `condition`: the condition, or the
+    /// Returns the text to remove so that the step at `place` does not wait for the condition at `condition`: the condition, or the
     /// whole clause if it has no other. None for a part of another condition.
     pub(crate) fn wait(&mut self, place: Place, condition: Span) -> Option<Span> {
         let datum = self.datum(place)?;

@@ -1,4 +1,4 @@
-//! What can be said about patterns and goals before anything runs: may a goal match, must it, does one pattern match all
+//! Static comparison of patterns and goals: whether a goal may or must match, whether one pattern matches all
 //! that another one does, and which of two is the more specific.
 
 use apex_model::expression::Template;
@@ -254,7 +254,7 @@ fn list_cover(general: &[Pattern], special: &[&Pattern]) -> bool {
     }
 }
 
-/// How specific a pattern is, as selection orders procedures: the greatest is chosen.
+/// Specificity of a pattern, as selection orders procedures: the greatest is chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Specificity {
     variables: Reverse<usize>,

@@ -13,7 +13,7 @@ const NAME_CHARACTERS_MAX: usize = 64;
 const NAMES_MAX: usize = 5_000;
 /// Names suggested for one misspelt name.
 const SUGGESTIONS_MAX: usize = 3;
-/// What one ordinary edit costs.
+/// Cost of one ordinary edit.
 const EDIT: u32 = 10;
 /// A suggestion is certain only if the next one is farther by more than this.
 const MARGIN: u32 = 4;
@@ -127,7 +127,7 @@ fn distance_by_words(a: &[char], b: &[char]) -> Option<u32> {
     (words_a.len() > 1 && words_a == words_b).then_some(EDIT)
 }
 
-/// What it costs to turn `a` into `b` by inserting, deleting and replacing letters and swapping neighbours.
+/// Returns the cost to turn `a` into `b` by inserting, deleting and replacing letters and swapping neighbours.
 fn distance(a: &[char], b: &[char]) -> u32 {
     let mut before: Vec<u32> = Vec::new();
     let mut above: Vec<u32> = vec![0];
@@ -155,7 +155,7 @@ fn distance(a: &[char], b: &[char]) -> u32 {
     above.last().copied().unwrap_or(0)
 }
 
-/// What a letter too many or too few costs; `previous` is the letter before it in the name that has it.
+/// Returns the cost of a letter too many or too few; `previous` is the letter before it in the name that has it.
 fn lone(letter: char, previous: Option<&char>) -> u32 {
     if previous == Some(&letter) || matches!(letter, '-' | '_') { EDIT - 3 } else { EDIT }
 }
@@ -169,7 +169,7 @@ fn replaced(x: char, y: char) -> u32 {
     }
 }
 
-/// Do the keys lie beside each other on a keyboard?
+/// Returns true if the keys are neighbours on a keyboard.
 fn are_neighbours(x: char, y: char) -> bool {
     const ROWS: [&str; 4] = ["1234567890-", "qwertyuiop", "asdfghjkl", "zxcvbnm"];
     let place = |key: char| {

@@ -1,4 +1,4 @@
-//! What must hold for every text: reading never panics, formatting keeps comments and data, printing loads again.
+//! Properties of every text: reading never panics, formatting keeps comments and data, printing loads again.
 #![allow(
     clippy::indexing_slicing,
     clippy::unwrap_used,

@@ -23,7 +23,7 @@ pub struct Accepted {
     condition: Condition,
 }
 
-/// Why the checker has refused it.
+/// Reason of a refusal by the checker.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Refusal {
     /// The executive cannot do this yet.
@@ -34,7 +34,7 @@ pub enum Refusal {
     Wrong(String),
 }
 
-/// What was said at an instant.
+/// Report at an instant.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Said {
     /// It is true, and was so first in this way.
@@ -115,7 +115,7 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// Everything up to `now` has arrived: what is said then?
+    /// Evaluates the condition at `now`, after every earlier input.
     pub fn say(&mut self, now: Time) -> Said {
         self.hand(now);
         self.session.advance(time::Time(now));

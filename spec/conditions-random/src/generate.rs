@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 /// A second.
 pub const SECOND: Span = 1_000_000_000;
-/// Where every comparison ends.
+/// End of every comparison.
 pub const UNTIL: Time = 16 * SECOND;
 /// The grid of instants and spans: what coincides is interesting.
 const STEP: Span = SECOND / 2;

@@ -12,7 +12,7 @@ pub type Span = i64;
 pub struct Condition {
     /// The name, without `?`.
     pub tag: Option<String>,
-    /// What it is.
+    /// Kind.
     pub kind: Kind,
 }
 
@@ -37,7 +37,7 @@ pub enum Kind {
     InOrder(Vec<Condition>, Vec<Test>),
     /// A relation between neighbours.
     Allen {
-        /// Which.
+        /// Relation.
         relation: Allen,
         /// The parts.
         parts: Vec<Condition>,
@@ -60,16 +60,16 @@ pub enum Kind {
     TaskState(String, String),
 }
 
-/// What is asked of one sample.
+/// Constraints on one sample.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
-    /// Whose samples.
+    /// The watched variable.
     pub variable: Variable,
     /// Tests of the value.
     pub value: Vec<Constraint>,
     /// Tests of the instant; with none the window begins at the creation.
     pub timestamp: Vec<(Relation, Time)>,
-    /// What is assumed between samples.
+    /// Values assumed between samples.
     pub estimation: Option<Estimation>,
 }
 
@@ -84,10 +84,10 @@ pub struct Variable {
     pub tests: Vec<Constraint>,
 }
 
-/// What is asked of cycles.
+/// Constraints on cycles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cyclic {
-    /// Whose samples.
+    /// The watched variable.
     pub variable: Variable,
     /// Tests of the length of each cycle.
     pub period: Vec<(Relation, Span)>,
@@ -99,10 +99,10 @@ pub struct Cyclic {
     pub hysteresis: Option<f64>,
 }
 
-/// What is asked of a run.
+/// Constraints on a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Episode {
-    /// Whose samples.
+    /// The watched variable.
     pub variable: Variable,
     /// Any two samples of a run bound an episode.
     pub any: bool,
@@ -126,7 +126,7 @@ pub struct Episode {
     pub trend: Vec<(Trend, Relation, f64)>,
 }
 
-/// What is assumed between and beyond samples.
+/// Values assumed between and beyond samples.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Estimation {
     /// The last value, at most for so long.
@@ -135,7 +135,7 @@ pub enum Estimation {
     Regression(Regression),
 }
 
-/// How the line is fitted, and when it is not believed.
+/// Fit of the line, and the criteria by which it is rejected.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Regression {
     /// At least so many samples.
@@ -188,7 +188,7 @@ pub enum Term {
     Any,
 }
 
-/// Where an interval begins or ends.
+/// The beginning or end of an interval.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(missing_docs)]
 pub enum Edge {
@@ -223,7 +223,7 @@ pub enum Statistic {
     TimeWeightedDeviation,
 }
 
-/// How values move.
+/// Movement of values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Trend {
     /// The slope of the line through all, per second.

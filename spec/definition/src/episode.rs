@@ -155,7 +155,7 @@ pub(crate) fn held(episode: &Episode, last: &Sample, next: Option<Time>, view: V
     episode.gap.map_or(last.at, |gap| (last.at + gap).min(until)).max(last.at)
 }
 
-/// Do the first value and the last one fit?
+/// Returns true if the first and the last value satisfy their constraints.
 pub(crate) fn ends_fit(episode: &Episode, samples: &[Sample]) -> bool {
     let fit = |sample: Option<&Sample>, constraints| {
         sample.is_some_and(|sample| fits(&sample.value, constraints, &mut Bindings::new()))

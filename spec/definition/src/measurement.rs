@@ -39,7 +39,7 @@ fn counting(measurement: &Measurement, series: &Series, view: View<'_>) -> Time 
     }
 }
 
-/// Was anything measured that the variable may mean and that `counts`, whatever is asked of its object?
+/// Returns true if a sample exists that the variable may mean and that `counts`, regardless of constraints on its object.
 pub(crate) fn heard_of(variable: &Variable, view: View<'_>, counts: impl Fn(&Series) -> bool) -> bool {
     let mut series = view.past.variables.iter().filter(|series| series.attribute == variable.attribute);
     series

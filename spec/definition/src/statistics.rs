@@ -13,7 +13,7 @@ pub(crate) fn hold(episode: &Episode, inside: &Inside) -> bool {
     })
 }
 
-/// Does any test of a statistic that has a value fail?
+/// Returns true if a test of a statistic that has a value fails.
 pub(crate) fn fail(episode: &Episode, inside: &Inside) -> bool {
     episode.stats.iter().any(|(statistic, relation, bound)| {
         value_of(*statistic, episode, inside).is_some_and(|value| !numbers(*relation, value, *bound))
@@ -48,7 +48,7 @@ fn counted(episode: &Episode, samples: &[Sample]) -> Vec<f64> {
     samples.iter().filter_map(|sample| if infinite(sample) { None } else { Some(0.0) }).collect()
 }
 
-/// Are samples only counted?
+/// Returns true if samples are only counted.
 pub(crate) fn only_counts(episode: &Episode) -> bool {
     episode.stats.iter().all(|(statistic, ..)| *statistic == Statistic::Count)
         && episode.trend.iter().all(|(trend, ..)| *trend == Trend::Frequency)

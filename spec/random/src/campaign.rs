@@ -8,7 +8,7 @@ use std::ops::Range;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// What came of many programs.
+/// Totals of many programs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outcome {
     /// Programs that both ran alike.
@@ -23,7 +23,7 @@ pub struct Outcome {
     pub slowest: (Duration, u64),
     /// Seeds of programs that they ran differently.
     pub different: Vec<u64>,
-    /// What was in them.
+    /// Coverage of the programs.
     pub coverage: Coverage,
 }
 
@@ -52,7 +52,7 @@ impl Outcome {
         self.coverage.join(&other.coverage);
     }
 
-    /// How many programs that is.
+    /// Returns the number of programs.
     pub fn count(&self) -> u64 {
         self.same + self.refused + self.restless + self.long + self.different.len() as u64
     }

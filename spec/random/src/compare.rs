@@ -10,7 +10,7 @@ use apex_reference::{Cut, Line, Run, What};
 /// instant is left out.
 const MADE_MAX: usize = 10;
 
-/// What came of a case.
+/// Result of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
     /// Both did the same.

@@ -1,4 +1,4 @@
-//! What tasks do that became ongoing, and what their clocks do: the act phase.
+//! The act phase: actions of tasks that became ongoing, and their timers.
 
 use crate::agent::{Agent, Said};
 use crate::program::{Activity, Form, Primitive};
@@ -272,7 +272,7 @@ impl Agent<'_> {
         }
     }
 
-    /// What was granted to a hold step belongs to its procedure from now on.
+    /// Passes the resources granted to a hold step to its procedure.
     fn hand_to_parent(&mut self, id: usize) {
         let needs = self.tasks[id].needs();
         let Some(parent) = self.tasks[id].parent else { return };

@@ -16,7 +16,7 @@ const TASKS_MAX: usize = 300;
 /// Tasks made at one instant before it is not followed any more: all compete with all in every round.
 const TASKS_PER_INSTANT_MAX: usize = 100;
 
-/// What can be heard or measured.
+/// An input: a message or a measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Said {
     /// A message.
@@ -28,11 +28,11 @@ pub enum Said {
 /// Something that comes from outside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Input {
-    /// When it arrives.
+    /// Arrival.
     pub arrives: Time,
-    /// When it happened: then or before.
+    /// Instant of the event: the arrival or before.
     pub at: Time,
-    /// What.
+    /// Content.
     pub said: Said,
 }
 
@@ -62,7 +62,7 @@ pub(crate) struct Move {
 
 /// A remembered change of a variable that had a value.
 pub(crate) struct Change {
-    /// Whose variable.
+    /// Owner of the variable.
     pub(crate) task: usize,
     pub(crate) name: String,
     pub(crate) before: Value,
@@ -75,7 +75,7 @@ pub(crate) struct Change {
 pub(crate) struct Agent<'p> {
     pub(crate) program: &'p Program,
     pub(crate) now: Time,
-    /// When the newest input arrived: what happens because of a late one is told then.
+    /// Arrival of the newest input: events caused by a late input are reported then.
     arrived: Time,
     pub(crate) tasks: Vec<Task>,
     pub(crate) messages: Vec<Message>,
@@ -86,9 +86,9 @@ pub(crate) struct Agent<'p> {
     pub(crate) noticed: u64,
     /// The number of the next message or sample.
     pub(crate) arrivals: u64,
-    /// What the agent said to itself: recorded in the next round.
+    /// Messages of the agent to itself, recorded in the next round.
     pub(crate) said: Vec<Said>,
-    /// What there is of each resource.
+    /// Total of each resource.
     pub(crate) totals: BTreeMap<String, f64>,
     /// Tasks that became ongoing in this round, in order.
     pub(crate) starting: Vec<usize>,
@@ -96,9 +96,9 @@ pub(crate) struct Agent<'p> {
     pub(crate) resuming: BTreeSet<usize>,
     /// Tasks that ended and whose parents have not taken note.
     pub(crate) ended: VecDeque<usize>,
-    /// Why suspended tasks go on, if they do in this round.
+    /// Reasons for which suspended tasks resume in this round.
     pub(crate) resumed: BTreeMap<usize, String>,
-    /// What competed when the arbiter decided last.
+    /// Competition at the last decision of the arbiter.
     pub(crate) competed: Option<crate::competition::Competition>,
     /// Numbers alarms and watches.
     pub(crate) serial: u64,
@@ -282,7 +282,7 @@ impl Agent<'_> {
         }
     }
 
-    /// When something can happen by itself.
+    /// Returns the instant of the next event that needs no input.
     fn next_alarm(&self) -> Option<Time> {
         let clocks = self.alarms().into_iter().map(|(alarm, _)| alarm.0);
         let delays = self.delays_end();

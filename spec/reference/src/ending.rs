@@ -49,7 +49,7 @@ impl Agent<'_> {
         self.ended.push_back(id);
     }
 
-    /// What an ongoing task holds of a resource that is used up is gone, if its work has begun.
+    /// Removes the ongoing task's share of a resource that is used up, if its work has begun.
     pub(crate) fn consume(&mut self, id: usize) {
         if self.tasks[id].state != State::Ongoing || self.tasks[id].work.is_none() {
             return;

@@ -1,4 +1,4 @@
-//! What conditions mean: all the ways in which one is true, from everything that was ever heard, measured and done.
+//! Meaning of conditions: all ways in which one is true, from everything that was ever received, measured and done.
 
 use crate::agent::{Agent, Change};
 use crate::expression::compare;
@@ -42,7 +42,7 @@ impl Proof {
     }
 }
 
-/// Whose clause is judged.
+/// Context in which a clause is judged.
 #[derive(Clone, Copy)]
 struct Place<'a> {
     task: usize,
@@ -166,8 +166,8 @@ impl Agent<'_> {
         proofs
     }
 
-    /// When the task of the step ended: it has, or it did since the clause is watched. An instance that was repeated is
-    /// not the end.
+    /// Returns the instant at which the task of the step ended: it is over, or it ended since the clause is watched. The end of an
+    /// instance that was repeated does not count.
     fn end_of(&self, tag: &str, place: Place<'_>) -> Option<Time> {
         let Some(Value::Task(other)) = self.sees(place, tag) else { return None };
         let again = self.moves.iter().rposition(|each| each.task == other && each.from == State::Terminated);
@@ -237,7 +237,7 @@ impl Agent<'_> {
         proofs
     }
 
-    /// Does a variable without a value occur in more than one part?
+    /// Returns true if a variable without a value occurs in several parts.
     fn share_variables(&self, parts: &[Condition], place: Place<'_>) -> bool {
         let mut seen: Vec<String> = Vec::new();
         parts.iter().any(|part| {

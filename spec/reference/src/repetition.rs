@@ -7,7 +7,7 @@ use crate::task::{Clause, Level, Origin, Outcome, State, Window};
 use crate::value::{Bindings, Value};
 
 impl Agent<'_> {
-    /// Do `:while` and `:until` allow another instance?
+    /// Returns true if `:while` and `:until` allow another instance.
     fn is_allowed(&self, id: usize) -> bool {
         let Some(clause) = self.step_of(id).and_then(|step| step.repetition.as_ref()) else { return false };
         let says = |expr| self.evaluate(expr, id, Level::Step).map(|value| value.is_true());
@@ -108,7 +108,7 @@ impl Agent<'_> {
     }
 }
 
-/// Does the condition combine messages?
+/// Returns true if the condition combines messages.
 fn hears(condition: &Condition) -> bool {
     match condition {
         Condition::Event(_) => true,

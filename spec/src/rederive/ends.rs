@@ -1,4 +1,4 @@
-//! Why tasks end, and why there is trouble: each cause derived again.
+//! Second derivation of the causes for which tasks end and faults are reported.
 
 use super::Step;
 use super::causes::Scene;

@@ -117,7 +117,7 @@ fn in_time(world: &World<'_>, at: Time) -> Result<(), String> {
     require(at <= world.now, "it is told of the future")
 }
 
-/// Does the task end in this step, after the effect that is looked at?
+/// Returns true if the task ends in this step, after the present effect.
 pub(super) fn ends_in(step: &Step, task: TaskId) -> bool {
     step.effects.iter().any(|effect| moves(effect, task) == Some(TaskState::Terminated))
 }
@@ -146,7 +146,7 @@ fn was_measured(world: &World<'_>, variable: &str, value: &Value, at: Time) -> R
     require(known.iter().any(|(when, other)| *when == at && close(other)), "no such sample then")
 }
 
-/// Is the condition about this variable?
+/// Returns true if the condition is about this variable.
 fn is_of(variable: &str, leaf: &ConditionKind) -> bool {
     match leaf {
         ConditionKind::Measurement(measurement) => {

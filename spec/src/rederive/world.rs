@@ -1,4 +1,4 @@
-//! What happened so far, kept as plainly as it can be.
+//! History of a run in the simplest form.
 
 use super::Step;
 use apex_model::because::Cause;
@@ -221,7 +221,7 @@ impl<'a> World<'a> {
         }
     }
 
-    /// How much there is of a resource when all of it is there.
+    /// Returns the total of a resource when no task holds a share.
     pub(super) fn total(&self, name: &str) -> f64 {
         let declared = self.library.resources.iter().find(|(known, _)| known.printed().eq_ignore_ascii_case(name));
         match declared.map(|(_, resource)| &resource.kind) {
@@ -231,7 +231,7 @@ impl<'a> World<'a> {
         }
     }
 
-    /// Is `above` an ancestor of `below`, or the same?
+    /// Returns true if `above` is an ancestor of `below`, or the same task.
     pub(super) fn is_above(&self, above: TaskId, below: TaskId) -> bool {
         let mut next = Some(below);
         while let Some(id) = next {

@@ -1,4 +1,4 @@
-//! What a task is, in plain data.
+//! View of a task as plain data.
 
 use crate::control::conflicts::priority::priority;
 use crate::state::agent::Agent;
@@ -16,7 +16,7 @@ use serde::Serialize;
 pub struct TaskView {
     /// Its number.
     pub id: TaskId,
-    /// Whose step it is; none for the root.
+    /// Task whose step it is; `None` for the root.
     pub parent: Option<TaskId>,
     /// Its step's tag, printed.
     pub tag: String,
@@ -26,9 +26,9 @@ pub struct TaskView {
     pub state: TaskState,
     /// Since when.
     pub since: Time,
-    /// When this instance was created.
+    /// Creation of this instance.
     pub created_at: Time,
-    /// When it first became ongoing.
+    /// Instant at which it first became ongoing.
     pub started_at: Option<Time>,
     /// Suspended by a clause or an activity: claims nothing until resumed.
     pub suspended: bool,
@@ -40,9 +40,9 @@ pub struct TaskView {
     pub resources: Vec<Value>,
     /// Names of the resources that it needs to be ongoing.
     pub needs: Vec<Value>,
-    /// How its goal is pursued; none while pending or terminated.
+    /// Method for its goal; `None` while pending or terminated.
     pub method: Option<Method>,
-    /// How it ended.
+    /// Outcome.
     pub outcome: Option<Outcome>,
     /// Its step in PDL.
     pub place: Option<Place>,

@@ -13,7 +13,7 @@ use apex_model::source::Place;
 use apex_model::time::Time;
 use apex_model::value::Value;
 
-/// Which result of which part: what it shares with itself at a later time, when its interval has grown.
+/// Identity of a result of a part, which stays the same when its interval grows.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Key {
     part: Place,
@@ -54,14 +54,14 @@ impl Used {
         self.keys.push(Key::of(part, result));
     }
 
-    /// Is the result among them?
+    /// Returns true if the result was reported.
     pub(crate) fn contains(&self, part: Place, result: &Satisfaction) -> bool {
         self.horizon.is_some_and(|horizon| result.recognised_at < horizon)
             || (!self.keys.is_empty() && self.keys.contains(&Key::of(part, result)))
     }
 }
 
-/// What was told of one monitor: for each alternative of its outermost `:or`, or for the whole.
+/// Reported results of one monitor: for each alternative of its outermost `:or`, or for the whole.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ReportedResults(pub(crate) Vec<Branch>);
 
@@ -81,7 +81,7 @@ impl ReportedResults {
     }
 }
 
-/// What was reported of one alternative.
+/// Reported results of one alternative.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Branch {
     /// Results that are part of what was reported.

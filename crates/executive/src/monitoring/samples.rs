@@ -54,7 +54,7 @@ fn ground(pattern: &Pattern, context: &dyn EvalContext) -> Option<Value> {
     }
 }
 
-/// Could samples of `variable` concern a part that watches `attribute`, or just `known`?
+/// Returns true if samples of `variable` may concern a part that watches `attribute`, or only `known`.
 pub(crate) fn concerns(known: Option<&StateVariable>, attribute: &Symbol, variable: &StateVariable) -> bool {
     match known {
         Some(known) => known == variable,
@@ -62,7 +62,7 @@ pub(crate) fn concerns(known: Option<&StateVariable>, attribute: &Symbol, variab
     }
 }
 
-/// What a sample is to a part that keeps the newest sample of each object apart.
+/// Relation of a sample to the newest sample of its object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Arrival {
     /// Too early, too late, or answered before: nothing.
@@ -73,7 +73,7 @@ pub(crate) enum Arrival {
     Next,
 }
 
-/// What `sample` is to a part with this window, whose newest sample of the object is at `newest`.
+/// Returns the relation of `sample` to a part with this window, whose newest sample of the object is at `newest`.
 pub(crate) fn arrival(
     window: Window,
     sample: SampleView<'_>,

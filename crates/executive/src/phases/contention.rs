@@ -166,7 +166,7 @@ pub(crate) fn commit(cycle: &mut Cycle<'_>, arbitration: Arbitration) {
     }
 }
 
-/// Who begins by being granted what it needs, while others are refused; only who may go before others by rank.
+/// Returns the tasks that begin by this grant while others are refused; only tasks that may precede others by rank.
 fn begun_by(cycle: &Cycle<'_>, arbitration: &Arbitration) -> Vec<TaskId> {
     if arbitration.refused.is_empty() {
         return Vec::new();
@@ -203,7 +203,7 @@ fn resource_name(cycle: &Cycle<'_>, id: ResourceId) -> Value {
     cycle.agent.resources.get(id).map_or_else(Value::nil, |resource| resource.name.clone())
 }
 
-/// What is granted; all of a resource needs no amount.
+/// Returns the granted share; all of a resource needs no amount.
 fn share(cycle: &Cycle<'_>, need: &Need) -> Share {
     let Some(resource) = cycle.agent.resources.get(need.resource) else {
         return Share { resource: Value::nil(), amount: None };
@@ -261,7 +261,7 @@ fn refuse(cycle: &mut Cycle<'_>, loss: &Loss) {
     cycle.decide(Some(loss.loser), kind, because);
 }
 
-/// When one of those who count for the refused task may come to be above one in its way.
+/// Returns the instant at which the priority of a task that counts for the refused one may exceed that of a blocking task.
 fn next_crossing(
     agent: &Agent,
     stands_for: &[TaskId],

@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, VecDeque};
 /// The longest time without a sample between the first and the last one of a run that a result rests on.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SamplingGap {
-    /// Whose samples.
+    /// Variable of the samples.
     pub variable: StateVariable,
     /// The sample before the gap.
     pub start: Time,
@@ -33,7 +33,7 @@ pub(super) struct Spacings {
     variables: BTreeMap<StateVariable, OfVariable>,
 }
 
-/// What is needed to name the largest spacing up to the newest sample, or up to the one before it, which ends a run that the
+/// Data to name the largest spacing up to the newest sample, or up to the one before it, which ends a run that the
 /// newest does not belong to.
 #[derive(Clone, Debug)]
 struct OfVariable {

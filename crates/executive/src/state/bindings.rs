@@ -38,7 +38,7 @@ impl Bindings {
         self.0.iter().map(|(name, value)| (name, value))
     }
 
-    /// How many variables are bound.
+    /// Returns the number of bound variables.
     pub fn len(&self) -> usize {
         self.0.len()
     }

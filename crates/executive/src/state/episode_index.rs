@@ -28,7 +28,7 @@ pub struct EpisodeIndex {
     leaves: Vec<LeafId>,
     bands: Vec<Band>,
     holds: Vec<bool>,
-    /// When the run is long enough; the end of time while there is none.
+    /// Instants at which runs are long enough; the end of time without a run.
     deadlines: Vec<Time>,
     gaps: Vec<Duration>,
     states: Vec<State>,
@@ -42,13 +42,13 @@ pub struct EpisodeIndex {
     gap_least: Duration,
     gap_most: Duration,
     window_latest: Time,
-    /// When time alone decides an episode unless another sample comes before, and whose.
+    /// First instant at which time alone decides an episode unless a sample comes before, with the episode.
     due: Option<(Time, LeafId)>,
     /// The wake that was asked for, and for whom; kept by whoever feeds the bank.
     pub wake: Option<(WakeKey, LeafId)>,
 }
 
-/// What changes seldom in a row.
+/// The part of the state that seldom changes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct State {
     duration_min: Duration,
@@ -63,7 +63,7 @@ struct State {
     gap: Option<Duration>,
     open: Option<OpenResult>,
     negated: bool,
-    /// What was before the newest sample, if that one changed anything.
+    /// State before the newest sample, if that one changed anything.
     before: Before,
 }
 
@@ -76,7 +76,7 @@ struct Before {
     first: i64,
     contradicted: bool,
     gap: Option<Duration>,
-    /// When the run's result was recognised, if it had one.
+    /// Instant at which the run's result was recognised, if it had one.
     found_at: Option<Time>,
 }
 
@@ -93,13 +93,13 @@ impl State {
         (self.start, self.first) = (at, sample);
     }
 
-    /// Has it seen one of the first `samples` samples of the bank, or one before it came in?
+    /// Returns true if it has seen one of the first `samples` samples of the bank, or one before it joined.
     fn has_seen_any(&self, samples: i64) -> bool {
         self.seen || samples > self.came_at
     }
 }
 
-/// How many samples there are from number `first` to number `last`.
+/// Returns the number of samples from number `first` to number `last`.
 fn length(first: i64, last: i64) -> u64 {
     u64::try_from(last.saturating_sub(first).saturating_add(1)).unwrap_or_default()
 }
@@ -139,7 +139,7 @@ impl EpisodeIndex {
         }
     }
 
-    /// How many episodes are here.
+    /// Returns the number of episodes.
     pub fn len(&self) -> usize {
         self.leaves.len()
     }
@@ -149,12 +149,12 @@ impl EpisodeIndex {
         self.leaves.is_empty()
     }
 
-    /// Is the episode here?
+    /// Returns true if the index holds the episode.
     pub fn contains(&self, leaf: LeafId) -> bool {
         self.rows.contains_key(&leaf)
     }
 
-    /// When time alone decides an episode, if no sample comes before.
+    /// Returns the first instant at which time alone decides an episode if no sample comes before.
     pub fn due(&self) -> Option<(Time, LeafId)> {
         self.due
     }
@@ -326,8 +326,8 @@ impl EpisodeIndex {
         }
     }
 
-    /// What the episode has seen, as its monitor would have it: none when it has seen nothing. None at all
-    /// when it is not here.
+    /// Returns the run of the episode in the form of its monitor: `Some(None)` if it has no sample yet, `None`
+    /// if the index does not hold it.
     pub fn run_of(&self, leaf: LeafId) -> Option<Option<IndexedRun>> {
         let row = *self.rows.get(&leaf)?;
         let (state, holds) = (self.states.get(row)?, *self.holds.get(row)?);

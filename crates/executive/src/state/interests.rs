@@ -45,7 +45,7 @@ struct HeadInterests {
     by_second: BTreeMap<Value, MonitorSet>,
 }
 
-/// What is known about a monitor beyond its interest, so that fewer stimuli touch it.
+/// Facts about a monitor beyond its interest, so that fewer stimuli reach it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Narrowed<'a> {
     /// The second word of the messages it waits for.
@@ -164,7 +164,7 @@ impl Interests {
         }
     }
 
-    /// Who must be told of a sample of `variable`. One that is not the newest of its variable, or takes the place of
+    /// Finds the monitors that must receive a sample of `variable`. One that is not the newest of its variable, or takes the place of
     /// another one, can undo what its forerunner did: all who watch the variable must see it.
     pub fn of_sample(&self, variable: &StateVariable, value: &Value, newest: bool, found: &mut Found) {
         if let Some(watchers) = self.variables.get(variable) {
@@ -182,7 +182,7 @@ impl Interests {
         }
     }
 
-    /// Who must be told of a message.
+    /// Finds the monitors that must receive a message.
     pub fn of_event(&self, form: &Value, found: &mut Found) {
         self.any_event.collect_into(found);
         let head = match form {
@@ -206,7 +206,7 @@ impl Interests {
         }
     }
 
-    /// Who must be told of a transition of `task`.
+    /// Finds the monitors that must receive a transition of `task`.
     pub fn of_task(&self, task: TaskId, found: &mut Found) {
         if let Some(set) = self.tasks.get(&task) {
             set.collect_into(found);
@@ -250,7 +250,7 @@ impl Interests {
         self.variables.get_mut(variable)?.episodes.as_deref_mut()
     }
 
-    /// Who need not be told of every sample of a variable; none when somebody must be.
+    /// Returns the watchers that need not receive every sample of a variable; `None` if one of them must.
     pub fn quiet_watchers(
         &mut self,
         variable: &StateVariable,
@@ -277,7 +277,7 @@ impl Interests {
         self.every_step.is_empty()
     }
 
-    /// Who is judged at every instant at which anything happens.
+    /// Finds the monitors that are judged at every instant at which anything happens.
     pub fn of_every_step(&self, found: &mut Found) {
         self.every_step.collect_into(found);
     }

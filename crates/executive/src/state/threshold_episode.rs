@@ -6,12 +6,12 @@ use apex_model::quantity::Dimension;
 use apex_model::time::{Duration, Time};
 use serde::{Deserialize, Serialize};
 
-/// Which episode of which monitor.
+/// Identity of an episode: monitor and leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct LeafId {
     /// The monitor.
     pub monitor: MonitorId,
-    /// Which of its episodes in written order; 0 where the episode is all that it watches.
+    /// Number of the episode in written order; 0 for the only one.
     pub leaf: u32,
 }
 
@@ -53,13 +53,13 @@ pub struct ThresholdEpisode {
 /// A result whose run goes on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OpenResult {
-    /// When it was recognised.
+    /// Instant of its recognition.
     pub recognised_at: Time,
     /// The newest sample at that time.
     pub newest: Time,
 }
 
-/// What an episode has seen in a bank.
+/// Run of an episode in a bank.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IndexedRun {
     /// As its monitor would have it, except for the result.
@@ -70,7 +70,7 @@ pub struct IndexedRun {
     pub open_at: Option<Time>,
 }
 
-/// What has become of an episode.
+/// Kinds of changes of an episode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum What {
     /// It has a result from now on.
@@ -81,20 +81,20 @@ pub enum What {
     Contradicted,
 }
 
-/// What a sample, or time, made of an episode.
+/// Change of an episode by a sample or by time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EpisodeUpdate {
-    /// Whose episode.
+    /// The episode.
     pub leaf: LeafId,
-    /// What has become of it.
+    /// Kind of change.
     pub what: What,
     /// The run's first sample.
     pub start: Time,
     /// Its last sample so far, or at all.
     pub last: Time,
-    /// How many samples it has.
+    /// Number of samples.
     pub samples: u64,
-    /// When its result was recognised.
+    /// Instant at which its result was recognised.
     pub recognised_at: Time,
 }
 

@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 /// A comparison with a number that never changes: without it a sample cannot satisfy the condition.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Threshold {
-    /// Which side of the bound a sample must be on.
+    /// The side of the bound on which a sample must be.
     pub side: Side,
     /// The bound in SI; not a not-a-number.
     pub bound: f64,

@@ -13,26 +13,26 @@ use apex_runtime::ports::CancelToken;
 use apex_vehicle::EnergyModel;
 use std::sync::Arc;
 
-/// What one deliberation came to.
+/// Result of one deliberation.
 #[derive(Debug, Clone)]
 pub struct Deliberation {
     /// The problem.
     pub problem: Problem,
     /// The plan, checked.
     pub plan: Plan,
-    /// Why this solver.
+    /// Reason for the choice of the solver.
     pub reason: String,
     /// Work units used.
     pub work: u64,
     /// Processor seconds; none where the system does not tell.
     pub cpu_s: Option<f64>,
-    /// Where and when the plan begins; none for the mission's start.
+    /// Position and instant at which the plan begins; `None`: the mission's start.
     pub from: Option<(Position, Time)>,
     /// People plan such missions better, says the profile table.
     pub people_plan_better: bool,
 }
 
-/// Who may plan, and what they may take of the machine.
+/// Planners, and their share of the machine.
 #[derive(Clone)]
 pub struct PlanningResources {
     /// The planners that there are.
@@ -57,13 +57,13 @@ impl PlanningResources {
     }
 }
 
-/// How a problem shall be solved.
+/// Options of a solution.
 pub struct SolveOptions<'a> {
     /// By whom, and by what means.
     pub means: &'a PlanningResources,
     /// One of them; none lets the profile table choose.
     pub solver: Option<&'a str>,
-    /// How long it may take.
+    /// Time limit.
     pub budget: Duration,
     /// Seed of its chance.
     pub seed: u64,

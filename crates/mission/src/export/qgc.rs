@@ -85,7 +85,7 @@ struct Items {
 }
 
 impl Items {
-    /// How QGroundControl counts altitudes: 1 above home, 2 above mean sea level.
+    /// Returns the altitude reference of QGroundControl: 1 above home, 2 above mean sea level.
     fn mode(&self) -> u8 {
         if self.relative_m.is_some() { 1 } else { 2 }
     }

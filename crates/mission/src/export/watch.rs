@@ -1,4 +1,4 @@
-//! Where surveillance flies: from place to place, or from circle to circle.
+//! Path of a surveillance plan: from place to place, or from circle to circle.
 
 use super::chart::{ChartPoint, Circle, Visit, bends};
 use apex_geo::travel::Circling;
@@ -8,10 +8,10 @@ use apex_planning::surveillance::travel::SurveillanceTravel;
 /// A plan of surveillance followed visit by visit.
 pub(super) struct Watch {
     ways: Option<SurveillanceTravel>,
-    /// Where the vehicle is, and which target that is.
+    /// Last position of the vehicle, with its target.
     before: Option<ChartPoint>,
     from: Option<usize>,
-    /// Where on its circle.
+    /// Position on its circle.
     on: Option<Circling>,
     depart_s: f64,
 }

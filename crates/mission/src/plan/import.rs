@@ -67,7 +67,7 @@ fn breaks(place: &str, broken: &[String]) -> MissionError {
         .help("mend the times of these visits, or add `--retime` to keep their order and have the times made anew")
 }
 
-/// What `apex plan --json` prints; more than the plan is not asked for.
+/// The plan in the output of `apex plan --json`; other members are ignored.
 #[derive(Deserialize)]
 struct Answer {
     plan: Plan,

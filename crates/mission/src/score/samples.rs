@@ -41,7 +41,7 @@ struct Measured {
 }
 
 impl Latest {
-    /// Takes one measurement; is it a new position?
+    /// Takes one measurement. Returns true for a new position.
     pub(super) fn take(&mut self, variable: &StateVariable, value: &Value, at: Time) -> bool {
         let (attribute, object) = (variable.attribute.folded(), &variable.object);
         let angle_deg = || match value {

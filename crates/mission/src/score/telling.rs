@@ -96,7 +96,7 @@ fn causes(look: &LookResult, of: &[LossCause]) -> Vec<String> {
     losses.map(|loss| format!("{} {:.1}", loss.cause.words(), loss.points)).collect()
 }
 
-/// What is not known of the look, as text.
+/// Returns the unknown properties of the look as text.
 fn not_known(look: &LookResult) -> Vec<String> {
     let words = |remark: &Remark| match remark {
         Remark::AttitudeNotRecorded => Some("not known: attitude, which the record does not hold"),

@@ -171,7 +171,7 @@ fn needs_plain_number(program: &Program<'_>, expr: &Expr, report: &mut Report<'_
     report.add(diagnostic);
 }
 
-/// What a procedure or primitive needs a word of its goals to be.
+/// Requirement of a procedure or primitive for a word of its goals.
 #[derive(Clone, Copy)]
 struct Requirement {
     dimension: Dimension,

@@ -46,7 +46,7 @@ pub(super) fn check(program: &Program<'_>, caught: &BTreeSet<usize>, report: &mu
     }
 }
 
-/// Does the step pursue one of these procedures?
+/// Returns true if the step pursues one of these procedures.
 fn leads_to(program: &Program<'_>, step: &Step, caught: &BTreeSet<usize>) -> bool {
     let Activity::Goal(goal) = &step.activity else { return false };
     let methods = program.methods.serving(goal).unwrap_or_default();
@@ -61,7 +61,7 @@ fn target(premise: &Premise) -> usize {
     }
 }
 
-/// Where a step says that it waits.
+/// Returns the position at which a step states its wait.
 fn place_of(procedure: &Procedure, step: usize, premise: &Premise, report: &mut Report<'_>) -> Span {
     let own = procedure.steps.get(step).map_or(procedure.place, |step| step.place);
     match premise {
@@ -188,7 +188,7 @@ fn report_endless(
     report.add(diagnostic);
 }
 
-/// What serves the goal and does not end.
+/// Returns the method that serves the goal and does not end.
 fn why_endless(program: &Program<'_>, activity: &Activity, report: &mut Report<'_>) -> Option<(Span, String)> {
     let Activity::Goal(goal) = activity else { return None };
     let methods = program.methods.serving(goal)?;

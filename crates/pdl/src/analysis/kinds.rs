@@ -1,4 +1,4 @@
-//! What kind of value an expression has: a number of a dimension, an instant, or neither, as far as the program tells.
+//! Kinds of values of expressions: a number of a dimension, an instant, or neither, as far as the program determines them.
 //! Follows `let`, functions, indexicals and queries of declared state variables.
 
 use super::Program;

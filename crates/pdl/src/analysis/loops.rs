@@ -293,7 +293,7 @@ fn report_answers(
     report.add(diagnostic.help("let the answer be another message, or add `:for-new ?x` or `:while TEST`"));
 }
 
-/// What a step says as it is carried out.
+/// Messages that a step sends as it is carried out.
 #[derive(Default)]
 struct Said {
     /// Messages that it surely sends.

@@ -1,4 +1,4 @@
-//! Who may serve a goal: procedures, primitives and solvers by the first two words of their indexes.
+//! Methods that may serve a goal: procedures, primitives and solvers by the first two words of their indexes.
 
 use crate::matching::{
     Second, Specificity, View, may_match, must_match, pattern_head, second_of_goal, second_of_pattern, specificity,
@@ -37,7 +37,7 @@ pub(crate) struct Methods<'l> {
     library: &'l Library,
     by_head: BTreeMap<&'l Symbol, Group>,
     open: Vec<Method>,
-    /// What may serve the goals of steps, by procedure and step: every check asks for it.
+    /// Methods that may serve the goals of steps, by procedure and step: every check needs them.
     of_steps: Vec<Vec<Option<Vec<Method>>>>,
 }
 
@@ -81,7 +81,7 @@ impl<'l> Methods<'l> {
         }
     }
 
-    /// What may serve `goal`, in the order of choice; none when that cannot be told.
+    /// Returns the methods that may serve `goal`, in the order of choice; `None` if that is undecided.
     pub(crate) fn serving(&self, goal: &Template) -> Option<Vec<Method>> {
         let view = View::Template(goal);
         let head = view.head()?;
@@ -108,7 +108,7 @@ impl<'l> Methods<'l> {
         Some(found)
     }
 
-    /// What may serve the goal of a step, in the order of choice; none when that cannot be told.
+    /// Returns the methods that may serve the goal of a step, in the order of choice; `None` if that is undecided.
     pub(crate) fn serving_step(&self, procedure: usize, step: usize) -> Option<&[Method]> {
         self.of_steps.get(procedure)?.get(step)?.as_deref()
     }
@@ -140,7 +140,7 @@ impl<'l> Methods<'l> {
         listed.into_iter().flatten().chain(&self.open).copied()
     }
 
-    /// Does `method` serve `goal`, whatever its holes get?
+    /// Returns true if `method` serves `goal`, whatever values its variables get.
     pub(crate) fn surely(&self, goal: &Template, method: Method) -> bool {
         self.index(method).is_some_and(|index| must_match(View::Template(goal), index))
     }

@@ -92,7 +92,7 @@ pub(crate) fn analyse(library: &Library, names: &Names, fragment: bool, foreign:
     report.diagnostics
 }
 
-/// What there is to say about `conditions` that stand alone, in terms of `library`.
+/// Returns the diagnostics of `conditions` without a program, in terms of `library`.
 pub(crate) fn analyse_conditions(library: &Library, conditions: &[Condition], names: &Names) -> Vec<Diagnostic> {
     // The checks look at procedures: each condition becomes what the step of one waits for.
     let mut whole = library.clone();

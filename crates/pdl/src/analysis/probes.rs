@@ -103,8 +103,8 @@ fn needs_itself(procedure: &Procedure, step: &Step, report: &mut Report<'_>) {
     }
 }
 
-/// What has a value while a step waits: variables of the index, tags, results, which the step waits for, and what a form
-/// assigns.
+/// Returns the variables that have a value while a step waits: those of the index, tags, results that the step waits for, and those that
+/// a form assigns.
 fn known_before(procedure: &Procedure) -> BTreeSet<Symbol> {
     let mut known: BTreeSet<Symbol> = procedure.steps.iter().map(|step| step.tag.clone()).collect();
     let results = procedure.steps.iter().filter_map(|step| step.binds.as_deref());

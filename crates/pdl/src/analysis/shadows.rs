@@ -65,7 +65,7 @@ fn entries<'l>(program: &Program<'l>) -> impl Iterator<Item = Entry<'l>> {
     procedures.chain(primitives).chain(solvers)
 }
 
-/// Is `other` always chosen where `entry` could be?
+/// Returns true if `other` is always chosen where `entry` could be.
 fn hides(program: &Program<'_>, other: &Entry<'_>, entry: &Entry<'_>) -> bool {
     if other.method == entry.method || matches!(other.method, Method::Solver(_)) {
         return false;

@@ -11,7 +11,7 @@ pub(super) struct Entry {
     pub(super) own_line: bool,
 }
 
-/// What an entry is.
+/// Kind of an entry.
 pub(super) enum Piece {
     Datum(Node),
     /// A `;` comment: the line ends after it.

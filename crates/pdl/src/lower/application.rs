@@ -100,7 +100,7 @@ impl Lowering {
         Some(())
     }
 
-    /// What is said to an outside simulator has no meaning without one. A text as `:start` is a mission's civil time.
+    /// Checks that options for an outside simulator are given only with one. A text as `:start` is a mission's civil time.
     fn check_cues(&mut self, options: &[Group<'_>], kind: &Symbol) -> Option<()> {
         if kind.is("foreign-sim") {
             return Some(());

@@ -78,7 +78,7 @@ pub(crate) struct Lowering {
     pub(crate) served: Vec<Served>,
     /// The procedure, primitive or function at hand.
     pub(crate) scope: Scope,
-    /// Where effects are forbidden, as words for the message; none allows them.
+    /// Context in which effects are forbidden, as words for the message; `None` allows them.
     pub(crate) pure_in: Option<&'static str>,
     /// Functions called since the last reset, to find out which functions have effects.
     pub(crate) called: BTreeSet<Symbol>,

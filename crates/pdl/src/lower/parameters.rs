@@ -9,7 +9,7 @@ use crate::read::Datum;
 use apex_model::expression::{Expr, Parameters};
 use apex_model::symbol::Symbol;
 
-/// Which parameters follow in a list of them.
+/// Part of a parameter list.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Part {
     Required,

@@ -62,8 +62,8 @@ impl Lowering {
     }
 }
 
-/// How many of the items after a step belong to it: those that only steps have, and after them what is indented as they
-/// are.
+/// Returns the number of items after a step that belong to it: those that only steps have, and after them those with the same
+/// indentation.
 fn left_the_step(step: &Datum, rest: &[Datum]) -> usize {
     let certain = rest.iter().take_while(|next| OF_STEPS_ONLY.contains(&next.head_name())).count();
     let column = rest.first().map_or(0, |first| first.span.column);

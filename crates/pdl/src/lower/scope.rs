@@ -22,7 +22,7 @@ pub(crate) struct Scope {
     pub(crate) unknown_tags: BTreeSet<Symbol>,
     /// The steps' tags in written order.
     pub(crate) tag_order: Vec<Symbol>,
-    /// How often each variable stands in the procedure.
+    /// Number of occurrences of each variable in the procedure.
     pub(crate) times_named: Lookup<Symbol, usize>,
     /// Words of the index.
     pub(crate) index_words: BTreeMap<Symbol, Span>,
@@ -38,13 +38,13 @@ pub(crate) struct Scope {
     pub(crate) in_condition: bool,
     /// Words of goals, which may be variables without their question mark.
     pub(crate) words: Vec<(Symbol, Option<usize>, Span)>,
-    /// How often each variable is written, and where first.
+    /// Number of occurrences of each variable in the text, with the first place.
     written: Lookup<Symbol, (usize, Span)>,
     binders: Lookup<Symbol, Binders>,
     uses: Vec<(Symbol, Option<usize>, Span)>,
 }
 
-/// Where a variable is bound.
+/// Binders of a variable.
 #[derive(Default)]
 struct Binders {
     /// For the whole procedure, where first.
@@ -81,7 +81,7 @@ impl Scope {
         Scope { has_variables: true, ..Scope::default() }
     }
 
-    /// Is `name` a parameter or `let` variable here?
+    /// Returns true if `name` is a parameter or `let` variable here.
     pub(crate) fn is_local(&self, name: &Symbol) -> bool {
         self.locals.iter().rev().any(|local| local == name)
     }
@@ -102,7 +102,7 @@ impl Scope {
         self.binders.or_insert(name, Binders::default()).add(step, span);
     }
 
-    /// Is `name` bound for the whole procedure by what has been lowered so far?
+    /// Returns true if the forms lowered so far bind `name` for the whole procedure.
     pub(crate) fn is_bound_everywhere(&self, name: &Symbol) -> bool {
         self.is_visible(name, None)
     }
@@ -144,7 +144,7 @@ impl Scope {
         odd
     }
 
-    /// Where `name` was bound first.
+    /// Returns the place of the first binder of `name`.
     pub(crate) fn first_binder(&self, name: &Symbol) -> Option<Span> {
         self.binders.get(name).and_then(Binders::first)
     }

@@ -60,7 +60,7 @@ const RELATION_SIGNS: &[(&str, &str)] = &[
     (">", ">"),
     ("=", "="),
 ];
-/// What is said of a task in a condition.
+/// Words that conditions use about tasks.
 const OF_TASKS: &[&str] = &["end", "start", "terminated", "end-of"];
 
 impl Lowering {

@@ -33,7 +33,7 @@ impl<'d> StepSource<'d> {
     }
 }
 
-/// Does the word stand for a clause with another name?
+/// Returns true if the word is another name of a clause.
 pub(crate) fn is_meant_clause(name: &str) -> bool {
     name == "terminate-when" || MEANT.iter().any(|(word, _)| *word == name)
 }

@@ -1,4 +1,4 @@
-//! Which index was forgotten: the one of the only goal that nothing serves.
+//! Forgotten indexes: the index of the only goal that no method serves.
 
 use super::Lowering;
 use super::goals::{Goal, GoalIndex};
@@ -13,9 +13,9 @@ use apex_model::symbol::Symbol;
 
 /// A procedure or primitive that does not say what it serves.
 pub(crate) struct Unindexed {
-    /// Where that is reported.
+    /// Place of the report.
     reported: Span,
-    /// What the index has to stand behind.
+    /// Place before the index.
     before: Span,
     /// Every variable inside.
     variables: Vec<Symbol>,
@@ -66,7 +66,7 @@ fn given_to_steps(items: &[Datum]) -> Vec<Symbol> {
 }
 
 impl Lowering {
-    /// Where one form lacks its index and one kind of goal lacks what serves it, they belong together.
+    /// Joins the two reports if one form lacks its index and no method serves one kind of goal.
     pub(crate) fn suggest_index(&mut self, library: &Library) {
         let [form] = self.unindexed.as_slice() else { return };
         let index = GoalIndex::new(&self.served);

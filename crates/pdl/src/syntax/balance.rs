@@ -1,4 +1,4 @@
-//! Where the author meant a missing `)`, or which `)` is too many: by the indentation and the known shapes of forms.
+//! Repair of unbalanced parentheses: the place of a missing or surplus `)`, by the indentation and the known shapes of forms.
 //!
 //! Each form that begins in the first column is looked at by itself. Every place where one parenthesis could be added or
 //! taken away is tried, and the one that leaves the least doubt is taken.
@@ -225,7 +225,7 @@ impl Candidate {
     }
 }
 
-/// Where the innermost list begins that is open after these pieces.
+/// Returns the beginning of the innermost list that is open after these pieces.
 fn innermost(pieces: &[Piece<'_>]) -> Option<usize> {
     let mut open: Vec<usize> = Vec::new();
     for piece in pieces {

@@ -91,7 +91,7 @@ impl rowan::Language for Pdl {
 pub(crate) type SyntaxNode = rowan::SyntaxNode<Pdl>;
 pub(crate) type SyntaxElement = rowan::SyntaxElement<Pdl>;
 
-/// Where a token begins.
+/// Beginning of a token.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Position {
     /// In bytes.
@@ -112,16 +112,16 @@ pub(crate) trait Sink<'t> {
     fn close(&mut self);
 }
 
-/// What is wrong with a text as text.
+/// Defect of a text as text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum FlawKind {
     /// `)` closes nothing.
     UnmatchedClose,
     /// `(` is never closed.
     UnclosedList {
-        /// Where an inner list probably lacks its `)`.
+        /// Place at which an inner list probably lacks its `)`.
         suspect: Option<usize>,
-        /// Where the next form begins, if the text was cut there.
+        /// Beginning of the next form, if the text was cut there.
         next: Option<usize>,
     },
     /// A string is never closed.

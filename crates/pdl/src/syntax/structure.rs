@@ -1,4 +1,4 @@
-//! Which token opens and closes what. No recursion: nesting costs no stack here.
+//! Matching of opening and closing tokens. No recursion: nesting costs no stack here.
 
 use super::lexer::{Token, tokens};
 use super::{Flaw, FlawKind, Position, Sink, SyntaxKind};

@@ -1,4 +1,4 @@
-//! Which mistakes are made how often.
+//! Kinds of mistakes with their frequencies.
 //!
 //! The mix is meant to be that of a day of writing PDL, and is fixed here so that nothing can be chosen by its result:
 //! half of it misspelt words, more of those that are written more often; a fifth parentheses and quotation marks, the

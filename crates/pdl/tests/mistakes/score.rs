@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 /// Rounds of fixing one mistake: a fix may uncover what it hid.
 const ROUNDS_MAX: usize = 3;
 
-/// What became of some mistakes.
+/// Results of some mistakes.
 #[derive(Clone, Copy, Default)]
 pub struct Tally {
     pub made: usize,
@@ -32,7 +32,7 @@ pub struct Tally {
 pub struct Score {
     pub all: Tally,
     pub kinds: BTreeMap<&'static str, Tally>,
-    /// What went wrong, for who improves the checker.
+    /// Failures, for authors of the checker.
     pub failures: String,
 }
 
@@ -69,7 +69,7 @@ fn attempt(
     })
 }
 
-/// What each message says and the lines that it is about, to tell new ones from those that the shipped text has anyhow:
+/// Returns the text of each message with the lines that it concerns, to distinguish new ones from those of the shipped text:
 /// lines move, their text does not.
 fn messages(checked: &Checked) -> impl Iterator<Item = String> {
     checked.diagnostics.iter().map(|each| {

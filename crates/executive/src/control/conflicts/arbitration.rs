@@ -9,7 +9,7 @@ use apex_model::because::{ConflictRule, Strength};
 use apex_model::task::TaskId;
 use std::rc::Rc;
 
-/// What arbitration decides.
+/// Decisions of an arbitration.
 #[derive(Default)]
 pub(crate) struct Arbitration {
     /// Claimants that get all they need.
@@ -63,7 +63,7 @@ pub(crate) struct Loss {
 pub(crate) struct Refusal {
     /// The conflict that is told.
     pub(crate) loss: Loss,
-    /// Whose priorities count for the loser: its own, and those of whom it goes before.
+    /// Tasks whose priorities count for the loser: itself, and those that it precedes.
     pub(crate) stands_for: Rc<[TaskId]>,
     /// All who stand in its way: at least one of them would have to yield.
     pub(crate) rivals: Vec<Rival>,
@@ -76,7 +76,7 @@ pub(crate) struct Rival {
     pub(crate) task: TaskId,
     /// It has the resource, and does not only claim it.
     pub(crate) holds: bool,
-    /// Whose priorities count for it.
+    /// Tasks whose priorities count for it.
     pub(crate) stands_for: Rc<[TaskId]>,
 }
 
@@ -85,7 +85,7 @@ pub(crate) struct Rival {
 pub(crate) struct Watch {
     /// The claimant.
     pub(crate) task: TaskId,
-    /// Whose priorities count for it.
+    /// Tasks whose priorities count for it.
     pub(crate) stands_for: Rc<[TaskId]>,
     /// All tasks that block it.
     pub(crate) rivals: Vec<Rival>,

@@ -26,13 +26,13 @@ use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
-/// Who would begin although the task that it is a step of stops working, in the order in which they come before the arbiter.
+/// Returns the tasks that would begin although their parents stop working, in the order of arbitration.
 pub(crate) fn orphans<'a>(cycle: &'a Cycle<'_>, result: &'a Arbitration) -> impl Iterator<Item = TaskId> + 'a {
     let granted = result.granted.iter().copied().filter(|_| !result.displaced.is_empty());
     granted.filter(move |id| !has_begun(cycle.agent, *id) && parent_stops(cycle, result, *id))
 }
 
-/// Does the task that it is a step of stop working?
+/// Returns true if the parent of the task stops working.
 fn parent_stops(cycle: &Cycle<'_>, result: &Arbitration, id: TaskId) -> bool {
     let stops =
         |task: TaskId| result.displaced.iter().any(|loss| loss.loser == task) && !result.granted.contains(&task);
@@ -68,8 +68,8 @@ pub(crate) fn arbitrate_all(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> 
     }
 }
 
-/// What displaced tasks have in addition to what they lost, and what is held above who displaced them without having begun: whoever
-/// waits for that may stop them in turn. Only where somebody waits.
+/// Returns the resources that displaced tasks hold in addition to those that they lost, and those held above their winners by tasks
+/// that have not begun: a task that waits for them may stop the winners in turn. Only if a task waits.
 pub(crate) fn left_behind<'a>(cycle: &'a Cycle<'_>, result: &'a Arbitration) -> impl Iterator<Item = ResourceId> + 'a {
     let awaited = |id: &ResourceId| cycle.agent.resources.get(*id).is_some_and(|each| !each.waiting.is_empty());
     let needs = |id: TaskId| needs_of(cycle, id).into_iter().map(|need| need.resource);
@@ -102,7 +102,7 @@ fn arbitrate_without(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, orphans: &
     result
 }
 
-/// What becomes of one claimant.
+/// Result for one claimant.
 pub(crate) enum Placement {
     Granted(Vec<Loss>),
     Refused(Refusal),
@@ -113,14 +113,14 @@ pub(crate) enum Placement {
 pub(crate) struct Field<'a, 'c> {
     cycle: &'a Cycle<'c>,
     uses: BTreeMap<ResourceId, Vec<Use>>,
-    /// Who has lost all it held, also of resources that are not looked at yet.
+    /// Tasks that have lost everything they held, also resources that are not arbitrated yet.
     displaced: BTreeSet<TaskId>,
     /// None where nobody has a rank.
     precedence: Option<Precedence>,
     notes: Notes,
 }
 
-/// How the claims of those that are refused are noted.
+/// Kind of notes about refused claims.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Notes {
     /// Each one.
@@ -161,7 +161,7 @@ impl<'a, 'c> Field<'a, 'c> {
         Strength { priority: self.precedence.as_ref().map_or(own.priority, lifted), ..own }
     }
 
-    /// What a holder defends its resources with.
+    /// Returns the strength with which a holder defends its resources.
     pub(crate) fn defence(&self, id: TaskId) -> Strength {
         self.lifted(id, priority::defence(self.cycle.agent, id, self.cycle.now))
     }
@@ -265,7 +265,7 @@ impl<'a, 'c> Field<'a, 'c> {
         }
     }
 
-    /// What there is of a resource.
+    /// Returns the total of a resource.
     pub(crate) fn total(&self, id: ResourceId) -> f64 {
         self.cycle.agent.resources.get(id).map_or(0.0, |resource| resource.total)
     }
@@ -370,7 +370,7 @@ impl<'a, 'c> Field<'a, 'c> {
         refusal
     }
 
-    /// When a rival is expected to be done with the resource, if somebody said; one that only claims it cannot be done
+    /// Returns the expected end of a rival's use of the resource, if stated; a rival that only claims it cannot end
     /// before it begins.
     pub(crate) fn expected_end(&self, rival: &Use) -> Option<Time> {
         if let UseKind::Awaited(earliest) = rival.kind {

@@ -22,7 +22,7 @@ use std::cell::Cell;
 const FINEST: Duration = Duration(1_000);
 /// As far as anybody looks ahead: some 34 years.
 const FARTHEST: Duration = Duration(1 << 60);
-/// Where nothing is known of a span of this length, dividing it further is of no use.
+/// Shortest unknown span that is divided further.
 const COARSEST_UNKNOWN: Duration = Duration(100_000_000);
 const FIRST_LOOK: Duration = Duration(1_000_000_000);
 
@@ -36,7 +36,7 @@ pub(crate) struct Defender<'a> {
 }
 
 impl<'a> Defender<'a> {
-    /// Whose priority counts for the task in the way, and that task if it has what both want.
+    /// Creates the defender whose priority counts for the task in the way; `holder` is that task if it has the contested resource.
     pub(crate) fn new(agent: &'a Agent, rival: TaskId, holder: Option<TaskId>, now: Time) -> Defender<'a> {
         Defender {
             curve: Curve::new(agent, rival, now),
@@ -58,7 +58,7 @@ impl<'a> Defender<'a> {
 /// One whose priority counts for the task that waits, and one in its way.
 type Contest<'s, 'a> = (&'s Curve<'a>, &'s Defender<'a>);
 
-/// When the priorities are to be compared again because time has passed; none when time alone changes nothing.
+/// Returns the instant at which the passing of time requires a new comparison of priorities; `None` if it changes nothing.
 pub(crate) fn next_look(
     agent: &Agent,
     challengers: &[Curve<'_>],
@@ -94,7 +94,7 @@ struct CrossingSearch<'a> {
     agent: &'a Agent,
     now: Time,
     looks: Cell<u32>,
-    /// When to compare again what could not be searched.
+    /// Instant of the new comparison if a span could not be searched.
     given_up: Cell<Option<Time>>,
 }
 
@@ -105,12 +105,12 @@ impl CrossingSearch<'_> {
         self.given_up.set(Some(self.given_up.get().map_or(at, |before| before.min(at))));
     }
 
-    /// Is everything compared again before `at` anyway?
+    /// Returns true if everything is compared again before `at` anyway.
     fn is_over(&self, at: Time) -> bool {
         self.given_up.get().is_some_and(|again| again <= at)
     }
 
-    /// Does the challenger beat the defender at `at`?
+    /// Returns true if the challenger beats the defender at `at`.
     fn ahead(&self, (own, other): &Contest<'_, '_>, at: Time) -> bool {
         let cost = match other.holder {
             Some(holder) if other.cost_moves => priority::interrupt_cost_at(self.agent, holder, at),

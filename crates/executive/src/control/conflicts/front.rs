@@ -61,7 +61,7 @@ struct Front<'a, 'c> {
 /// A queue, as far as it was gone through.
 struct Queue<'a> {
     rest: Peekable<Box<dyn Iterator<Item = QueueKey> + 'a>>,
-    /// What all need together that were passed.
+    /// Joint needs of the claimants that were passed.
     claimed: f64,
     /// The last one that was passed.
     last: Option<QueueKey>,

@@ -20,7 +20,7 @@ pub(crate) struct Precedence {
     places: BTreeMap<TaskId, OrderKey>,
     /// Priorities of some of them can change without anybody claiming or giving up.
     varies: bool,
-    /// What was found for who was asked about: each one stands in the way of many.
+    /// Results for the tasks that were queried: each one blocks many.
     stand_for: RefCell<BTreeMap<TaskId, Rc<[TaskId]>>>,
 }
 
@@ -107,7 +107,7 @@ impl Precedence {
         self.places.get(&id).map_or(own, |place| own.max(place.priority))
     }
 
-    /// Whose priority counts for the task, if it is not its own.
+    /// Returns the task whose priority counts for the task, if it is not the task itself.
     pub(crate) fn instead_of_own(&self, id: TaskId) -> Option<TaskId> {
         let own = self.competitors.iter().find(|each| each.claimant.id == id)?.claimant.priority;
         self.places.get(&id).filter(|place| place.priority > own).map(|place| place.whom)
@@ -149,8 +149,8 @@ impl Competitor {
     }
 }
 
-/// Which of them go first among equals because they have begun: not those that one goes before which has not begun. It would
-/// come before its own equals with them: who fills a gap would make space for who had to leave it.
+/// For each competitor: true if it precedes equals because it has begun. Not true for those that a task precedes which has not begun: that
+/// task would precede its own equals with them, and a task that fills a gap would displace the one that had to leave it.
 fn begun_first(competitors: &[Competitor]) -> Vec<bool> {
     let mut counts: Vec<bool> = competitors.iter().map(|each| each.claimant.begun).collect();
     let mut changed = true;

@@ -117,7 +117,7 @@ pub(crate) fn result(cycle: &mut Cycle<'_>, id: TaskId, value: &Value) -> Result
     Ok(())
 }
 
-/// What the pattern after the step's `=>` binds of `value`, and where the step stands; none without such a pattern.
+/// Returns the bindings of `value` by the pattern after the step's `=>`, with the step's position; `None` without a pattern.
 ///
 /// # Errors
 /// The cause when the value does not match.

@@ -21,7 +21,7 @@ use apex_model::symbol::Symbol;
 use apex_model::task::{TaskId, TaskState};
 use smallvec::SmallVec;
 
-/// What a new task is made from.
+/// Input for a new task.
 pub(crate) struct Seed {
     /// Its parent; none for the root.
     pub(crate) parent: Option<TaskId>,
@@ -33,7 +33,7 @@ pub(crate) struct Seed {
     pub(crate) by_predecessor: bool,
     /// Arrivals that it must not take for an answer.
     pub(crate) after_sequence: Option<u64>,
-    /// Why.
+    /// Cause.
     pub(crate) cause: Cause,
 }
 

@@ -226,7 +226,7 @@ pub(crate) fn watch_step_suspension(cycle: &mut Cycle<'_>, id: TaskId) -> Result
     Ok(())
 }
 
-/// Has every variable of the clauses about suspension a value?
+/// Returns true if every variable of the suspension clauses has a value.
 fn all_known(cycle: &Cycle<'_>, id: TaskId, clauses: &Transitions) -> bool {
     let view = cycle.view(id, Level::Step);
     let mut known = true;
@@ -236,7 +236,7 @@ fn all_known(cycle: &Cycle<'_>, id: TaskId, clauses: &Transitions) -> bool {
     known
 }
 
-/// Does the task watch, or wait out, its step's suspension?
+/// Returns true if the task watches for its step's suspension or for the end of it.
 fn has_suspension(cycle: &Cycle<'_>, id: TaskId) -> bool {
     let monitors = cycle.task(id).map(|task| task.monitors.as_slice()).unwrap_or_default();
     monitors.iter().filter_map(|id| cycle.agent.watches.get(id.0)).any(|watch| {
@@ -255,7 +255,7 @@ pub(crate) fn watch_step_restart(cycle: &mut Cycle<'_>, id: TaskId) -> Result<()
     Ok(())
 }
 
-/// Does the task watch for a reason to start over?
+/// Returns true if the task watches for a reason to start over.
 pub(crate) fn may_start_over(cycle: &Cycle<'_>, id: TaskId) -> bool {
     let monitors = cycle.task(id).map(|task| task.monitors.as_slice()).unwrap_or_default();
     let mut watches = monitors.iter().filter_map(|id| cycle.agent.watches.get(id.0));
@@ -314,17 +314,17 @@ fn clauses(cycle: &Cycle<'_>, id: TaskId, level: Level) -> Option<Transitions> {
     }
 }
 
-/// Is the task's work that of the way that was chosen, and not what handles its failure?
+/// Returns true if the task executes its chosen method, and not the handler of its failure.
 fn works_itself(task: &Task) -> bool {
     task.controller.as_deref().is_some_and(|controller| !matches!(controller, Controller::Handling(_)))
 }
 
-/// What counts for a clause that begins to watch in the middle of a task's life: everything after this moment.
+/// Returns the window of a clause that begins to watch in the middle of a task's life: everything after this moment.
 pub(crate) fn window_from_here(cycle: &Cycle<'_>) -> Window {
     window_after(cycle, cycle.now, None)
 }
 
-/// What counts for a clause that begins to watch when another came true at `at`, with `answered` as its newest arrival:
+/// Returns the window of a clause that begins to watch when another one was satisfied at `at`, with `answered` as its newest arrival:
 /// everything after that, also where it was found by looking back.
 pub(crate) fn window_after(cycle: &Cycle<'_>, at: Time, answered: Option<u64>) -> Window {
     let newest = cycle.agent.next.arrival.checked_sub(1).filter(|_| at >= cycle.now);

@@ -63,7 +63,7 @@ pub(crate) fn watch(
     Ok(id)
 }
 
-/// What must be written down to find the monitor again in the table of interests.
+/// Returns the entry by which the monitor is found again in the table of interests.
 fn filing(monitor: &Monitor, second: Option<Value>) -> Option<Box<Filing>> {
     let lasts = second.is_none() && interest::lasting_interest(monitor).is_some();
     (!lasts).then(|| Box::new(Filing { interests: interest::interests(monitor), second }))
@@ -92,7 +92,7 @@ fn take_out(interests: &mut Interests, watch: &Watch, id: MonitorId) {
     for_each_interest(watch, |interest, narrowed| interests.remove(interest, narrowed, id));
 }
 
-/// Can the variable of the clause get another value than it has?
+/// Returns true if the variable of the clause can get another value.
 fn may_change(view: &View<'_>, name: &Symbol) -> bool {
     let Some(task) = view.agent.task(view.task) else { return false };
     let procedure = match view.level {

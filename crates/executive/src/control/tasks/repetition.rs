@@ -77,7 +77,7 @@ fn condition(cycle: &Cycle<'_>, id: TaskId, expr: Option<&Expr>, default: bool) 
     }
 }
 
-/// Do `:while` and `:until` allow another instance?
+/// Returns true if `:while` and `:until` allow another instance.
 fn is_allowed(cycle: &Cycle<'_>, id: TaskId, clause: &Repetition) -> Result<bool, Because> {
     Ok(condition(cycle, id, clause.while_true.as_ref(), true)? && !condition(cycle, id, clause.until.as_ref(), false)?)
 }
@@ -119,7 +119,7 @@ pub(crate) fn repeat(cycle: &mut Cycle<'_>, id: TaskId, outcome: &Outcome) -> bo
     true
 }
 
-/// How a repetition begins.
+/// Beginning of a repetition.
 struct Again {
     /// It does not wait for its conditions.
     skip: bool,
@@ -237,7 +237,7 @@ pub(crate) fn listen(cycle: &mut Cycle<'_>, id: TaskId, evidence: &EvidenceList)
     agent.listening.begin(id, interests, answered, of_now);
 }
 
-/// What satisfied a clause of the task is answered for the tasks above it, too: the message that ended an instance does
+/// Marks the evidence of a clause as answered for the ancestors of the task, too: the message that ended an instance does
 /// not begin the next one.
 pub(crate) fn answer(cycle: &mut Cycle<'_>, id: TaskId, evidence: &EvidenceList) {
     let agent = &mut *cycle.agent;

@@ -1,5 +1,5 @@
 //! Event detection (M&I)
-//! What: has a message arrived whose form matches?
+//! What: detects a message whose form matches.
 //! Runs: on every message that may match; once over the remembered messages.
 //! Reads: histories, evaluation context.
 //! Writes: the event part of a monitor.
@@ -116,7 +116,7 @@ pub(crate) fn hear(
     }
 }
 
-/// Which messages may match.
+/// Returns the messages that may match.
 pub(crate) fn interest(pattern: &Pattern) -> Interest {
     let head = match pattern {
         Pattern::Literal(value) => Some(value),

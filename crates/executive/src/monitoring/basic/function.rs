@@ -1,5 +1,5 @@
 //! Function conditions (M&I)
-//! What: is a pure expression true?
+//! What: detects that a pure expression is true.
 //! Runs: at every instant at which anything happens to the agent: what an expression reads (histories, tasks, time,
 //! host functions) cannot be told from its text in all cases, and a missed change would be worse than an evaluation.
 //! Reads: evaluation context.

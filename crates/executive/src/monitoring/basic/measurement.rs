@@ -1,5 +1,5 @@
 //! Measurement (M&I)
-//! What: is there one sample whose value, object and time satisfy the constraints?
+//! What: detects one sample whose value, object and time satisfy the constraints.
 //! Runs: on every sample of the watched variable; once over the remembered samples.
 //! Reads: histories, evaluation context.
 //! Writes: the measurement part of a monitor.
@@ -234,7 +234,7 @@ pub(crate) fn ordered(part: &MeasurementPart) -> Vec<&Satisfaction> {
     all
 }
 
-/// Whose sample the result is.
+/// Returns the variable of the result's sample.
 fn variable_of(result: &Satisfaction) -> Option<&StateVariable> {
     match result.evidence.iter().next() {
         Some(Evidence::Sample { variable, .. }) => Some(variable),
@@ -251,7 +251,7 @@ pub(crate) fn first_result(part: &MeasurementPart) -> Option<Satisfaction> {
     }
 }
 
-/// Is there any result?
+/// Returns true if a result exists.
 pub(crate) fn any(part: &MeasurementPart) -> bool {
     let found =
         |seen: &SeenSamples| !seen.settled.is_empty() || seen.newest.samples().any(|newest| newest.result.is_some());

@@ -1,5 +1,5 @@
 //! Task conditions (M&I)
-//! What: has a task ended, or entered a state?
+//! What: detects that a task has ended or entered a state.
 //! Runs: on transitions of the task; once on the task as it is when the monitor is made.
 //! Reads: evaluation context.
 //! Writes: the task parts of a monitor.
@@ -120,7 +120,7 @@ pub(crate) fn sole_interest(monitor: &Monitor) -> Option<Interest> {
     }
 }
 
-/// Whose transitions matter.
+/// Returns the tasks whose transitions matter.
 pub(crate) fn interest(task: Option<TaskId>) -> Interest {
     task.map_or(Interest::AnyTask, Interest::Task)
 }

@@ -1,5 +1,5 @@
 //! Absence (M&I)
-//! What: did a whole window of this length pass without the part?
+//! What: detects that a whole window of this length passed without the part.
 //! Runs: whenever the verdict is asked, and at the instant at which the window is over.
 //! Reads: what the part has found, evaluation context.
 //! Writes: the absent part of a monitor.
@@ -62,7 +62,7 @@ pub(crate) fn forget(part: &mut AbsentPart, site: PartContext) {
     part.decides_at = Some(part.since + part.length);
 }
 
-/// What was so from `known` on is judged again, because a sample came late: one of `at`, if it lies in the window. Then windows
+/// Judges again what was absent from `known` on, because a late sample came: one of `at`, if it lies in the window. Then windows
 /// that reached it, and those that were found since `known`, have not passed yet.
 pub(crate) fn take_back(part: &mut AbsentPart, at: Option<Time>, known: Time) {
     if part.broken.is_some_and(|since| since >= known) {
@@ -187,7 +187,7 @@ fn expires(result: &Satisfaction) -> Option<Time> {
     persisted.min()
 }
 
-/// Does the part hold at instants, so that a result may be gone at the next look?
+/// Returns true if the part holds at instants, so that the next evaluation may end its result.
 pub(crate) fn holds_at_instants(part: &Part) -> bool {
     match &part.kind {
         PartKind::Not(_) | PartKind::Function(_) | PartKind::Regression(_) => true,
@@ -199,7 +199,7 @@ pub(crate) fn holds_at_instants(part: &Part) -> bool {
     }
 }
 
-/// Was the result made of something that holds at this instant, and may not at the next?
+/// Returns true if the result contains something that holds at this instant and may not hold at the next.
 fn rests_on_now(part: &Part, result: &Satisfaction, now: Time) -> bool {
     result.evidence.iter().any(|evidence| match evidence {
         Evidence::Absence { what, at } => *at == now && !is_window_without(part, what),
@@ -209,14 +209,14 @@ fn rests_on_now(part: &Part, result: &Satisfaction, now: Time) -> bool {
     })
 }
 
-/// Is `what` the part of an `:absent` within, which stays absent?
+/// Returns true if `what` is the part of an inner `:absent`, which stays absent.
 fn is_window_without(part: &Part, what: &str) -> bool {
     let mut is = matches!(&part.kind, PartKind::Absent(inner) if unmet::text(&inner.part) == what);
     part_results::for_each_inner(part, &mut |inner| is |= is_window_without(inner, what));
     is
 }
 
-/// Is there less remembered than the part's window asks for?
+/// Returns true if less is remembered than the part's window requires.
 fn is_blind(part: &Part) -> bool {
     match &part.kind {
         PartKind::Measurement(leaf) => leaf.blind,
@@ -247,7 +247,7 @@ pub(crate) fn truth(part: &AbsentPart) -> Truth {
     Truth::of(!part.found.is_empty(), part.unknown)
 }
 
-/// How long the part has been absent at `now`, and when that is long enough.
+/// Returns the time for which the part has been absent at `now`, and the instant at which that is long enough.
 pub(crate) fn state(part: &AbsentPart, now: Time) -> (Duration, Time) {
     (now - part.since, part.since + part.length)
 }

@@ -1,5 +1,5 @@
 //! Allen relations (M&I)
-//! What: do results of adjacent parts stand in the relation, each to the next?
+//! What: relates results of adjacent parts, each to the next.
 //! Runs: whenever the verdict is asked, and at the instant at which a gap ends a run that matters.
 //! Reads: what the parts have found, evaluation context.
 //! Writes: the Allen part of a monitor.
@@ -258,7 +258,7 @@ impl<'a> Join<'a> {
         decision == Decision::Holds
     }
 
-    /// Do both bind shared variables alike?
+    /// Returns true if both bind shared variables to equal values.
     fn agree(&self, left: &Item<'_>, right: &Item<'_>) -> bool {
         let bound = |name: &Symbol| right.result.bindings.get(name);
         !self.part.shares

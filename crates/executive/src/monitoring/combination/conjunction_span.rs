@@ -20,13 +20,13 @@ use crate::state::monitors::monitor::{AbsentPart, Part, PartKind, Satisfaction};
 use apex_model::evidence_list::EvidenceList;
 use apex_model::time::Time;
 
-/// Are these parts whose results all go together, each an interval that stays?
+/// Returns true if the results of these parts all fit together, each an interval that stays.
 pub(crate) fn is_together(part: &Part) -> bool {
     let stays = |part: &Part| matches!(part.kind, PartKind::Measurement(_) | PartKind::Episode(_) | PartKind::Event(_));
     matches!(&part.kind, PartKind::And(composite) if !composite.combines && composite.parts.iter().all(stays))
 }
 
-/// What the parts have found together: one result, as far as it reaches.
+/// Returns the common result of the parts: one result that grows.
 pub(crate) fn take(absent: &mut AbsentPart, query: &mut VerdictQuery<'_>) -> PartResults {
     let mut together = PartResults::default();
     let PartKind::And(composite) = &mut absent.part.kind else { return together };
@@ -64,8 +64,8 @@ pub(crate) fn take(absent: &mut AbsentPart, query: &mut VerdictQuery<'_>) -> Par
     together
 }
 
-/// What a part has found up to this instant. Messages stay with it: no history need remember them, so who looks at the past again
-/// asks the part.
+/// Returns the results of a part up to this instant. The part keeps its messages: no history need remember them, so a later
+/// evaluation of the past asks the part.
 fn found(part: &mut Part, query: &mut VerdictQuery<'_>) -> PartResults {
     let now = query.now;
     let mut found = match &part.kind {

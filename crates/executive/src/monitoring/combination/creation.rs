@@ -31,7 +31,7 @@ use apex_model::time::{Duration, Time};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// How a part stands within the whole.
+/// Role of a part within the whole.
 #[derive(Clone, Copy)]
 struct Role {
     window: Window,

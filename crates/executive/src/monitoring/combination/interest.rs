@@ -13,7 +13,7 @@ use crate::state::thresholds::Threshold;
 use apex_model::event::StateVariable;
 use apex_model::symbol::Symbol;
 
-/// What `monitor` must be told of, sorted, each once. Changes only when a task becomes known by a verdict.
+/// Returns the stimuli that `monitor` must receive, sorted and without repetitions. Changes only when a verdict makes a task known.
 pub(crate) fn interests(monitor: &Monitor) -> Vec<Interest> {
     let mut interests = Vec::new();
     collect_interests(&monitor.root, &mut |interest| interests.push(interest));

@@ -169,7 +169,7 @@ fn alternatives(part: &Part, composite: &Composite, query: &mut VerdictQuery<'_>
     all
 }
 
-/// Do the constraints of an `:or` with this tag hold of the result of one of its parts?
+/// Returns true if the constraints of an `:or` with this tag hold of the result of one of its parts.
 pub(crate) fn alternative_holds(
     tag: Option<&Symbol>,
     constraints: &[Expr],

@@ -131,7 +131,7 @@ pub(crate) fn verdict(monitor: &mut Monitor, context: &dyn EvalContext) -> Verdi
     }
 }
 
-/// When the verdict can change by time alone, strictly after the last `verdict`, and why.
+/// Returns the first instant after the last `verdict` at which time alone can change the verdict, with the reason.
 pub(crate) fn next_wake(monitor: &Monitor) -> Option<(Time, WakeReason)> {
     let after = monitor.asked_at;
     let delay = monitor.notes.as_ref().and_then(|notes| notes.delay_over_at).filter(|at| *at > after);

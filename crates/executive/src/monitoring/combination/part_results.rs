@@ -24,13 +24,13 @@ use apex_model::value::Value;
 
 /// A result that may still change.
 pub(crate) struct TentativeResult {
-    /// What is known of it now, with the part's tag bound.
+    /// Present knowledge, with the part's tag bound.
     pub(crate) result: Satisfaction,
     /// A run in it goes on: its end is not known.
     pub(crate) open: bool,
 }
 
-/// What a part has found since the last look.
+/// Results of a part since the last evaluation.
 #[derive(Default)]
 pub(crate) struct PartResults {
     /// New results that nothing can change any longer.
@@ -48,11 +48,11 @@ pub(crate) struct PartResults {
     /// Nobody knows whether an episode in it goes on: nothing was measured, no sample shows where its run began, or
     /// samples fail to come.
     pub(crate) doubt: bool,
-    /// When time alone can change what is listed here.
+    /// Instant at which time alone can change these results.
     pub(crate) changes_at: Option<Time>,
 }
 
-/// What `part` has found; of measurements, only what no sample of the same instant can replace any longer is settled.
+/// Returns the results of `part`; of measurements, only those that no sample of the same instant can replace any longer are settled.
 pub(crate) fn take_final(part: &mut Part, query: &mut VerdictQuery<'_>) -> PartResults {
     let PartKind::Measurement(leaf) = &mut part.kind else { return take(part, query) };
     let mut extents = PartResults::default();
@@ -64,7 +64,7 @@ pub(crate) fn take_final(part: &mut Part, query: &mut VerdictQuery<'_>) -> PartR
     extents
 }
 
-/// What `part` has found.
+/// Returns the results of `part`.
 pub(crate) fn take(part: &mut Part, query: &mut VerdictQuery<'_>) -> PartResults {
     let site = site(part);
     let mut extents = PartResults { from: query.now, ..PartResults::default() };
@@ -172,7 +172,7 @@ fn certainly_not(part: &Part, query: &mut VerdictQuery<'_>) -> bool {
     combines && logic::truth(part, query) == Truth::False
 }
 
-/// Is any episode within the part in doubt?
+/// Returns true if an episode within the part is undecided.
 fn is_in_doubt(part: &Part, query: &mut VerdictQuery<'_>) -> bool {
     let mut doubt = match &part.kind {
         PartKind::Episode(leaf) => {
@@ -275,7 +275,7 @@ impl Runs {
         for_each_inner(part, &mut |inner| self.collect(inner, query, changes_at));
     }
 
-    /// What `part` would have found without the runs that go on, where it can be doubtful which run a result rests on.
+    /// Returns the results of `part` without the open runs, if it is undecided which run a result rests on.
     fn results_without_open(&self, part: &Part, query: &mut VerdictQuery<'_>) -> Vec<Satisfaction> {
         let alike = |run: &PartRun| {
             self.silent.iter().any(|other| other.variable == run.variable && other.interval.1 == run.interval.1)
@@ -292,7 +292,7 @@ impl Runs {
     }
 }
 
-/// Are results of parts within remembered as they were found, and not made again at every look?
+/// Returns true if results of inner parts are kept as found, and not computed again at every evaluation.
 fn keeps_results(part: &Part) -> bool {
     let mut keeps = matches!(part.kind, PartKind::Allen(_) | PartKind::Absent(_));
     for_each_inner(part, &mut |inner| keeps |= keeps_results(inner));

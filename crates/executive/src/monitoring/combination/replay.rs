@@ -210,7 +210,7 @@ pub(crate) fn look_then(part: &mut Part, at: Time, context: &dyn EvalContext, tr
     advance(part, &Then { below: context, now: at }, troubles);
 }
 
-/// Does `part` watch `variable`?
+/// Returns true if `part` watches `variable`.
 fn watches(part: &Part, variable: &StateVariable) -> bool {
     let mut watched = false;
     collect_interests(part, &mut |interest| {
@@ -223,7 +223,7 @@ fn watches(part: &Part, variable: &StateVariable) -> bool {
     watched
 }
 
-/// Are all samples that the part watches still there, since its window began, and those that persist into it?
+/// Returns true if no sample that the part watches was dropped, from the start of its window on and of those that persist into it.
 fn covers(part: &Part, context: &dyn EvalContext) -> bool {
     let (start, histories) = (part.window.start, context.histories());
     let mut covers = true;

@@ -1,5 +1,5 @@
 //! Episode detection (M&I)
-//! What: is there a run of samples that satisfies value, timing and sampling constraints?
+//! What: detects runs of samples that satisfy constraints on value, time and sampling.
 //! Runs: on every sample of the watched variable, and at the instant at which a duration is reached.
 //! Reads: histories, evaluation context.
 //! Writes: the episode part of a monitor.
@@ -215,7 +215,7 @@ fn settle(
     ObjectRun { run, found, contradicted, gap, ..object_run }
 }
 
-/// Does the sample satisfy the value constraints, together with what the run before it binds or on its own?
+/// Returns true if the sample satisfies the value constraints, with the bindings of the run before it or on its own.
 fn judge(
     part: &EpisodePart,
     site: PartContext,

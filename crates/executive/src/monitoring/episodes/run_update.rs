@@ -71,7 +71,7 @@ pub(crate) fn advance_run(
     }
 }
 
-/// Of pairs of samples: is the first sample of the run forgotten, because there are too many to begin with?
+/// Of pairs of samples: returns true if the first sample of the run is forgotten, because there are too many to begin with.
 fn forgets_a_start(part: &EpisodePart, state: &ObjectRun, run: Option<&Run>) -> bool {
     let full = |old: &Run| part.any_pair && old.instants.len() >= MONITOR_RESULTS_MAX;
     state.run.as_ref().is_some_and(|old| full(old) && run.is_some_and(|new| new.samples > old.samples))

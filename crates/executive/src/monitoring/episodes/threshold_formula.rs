@@ -37,7 +37,7 @@ struct Leaf {
 }
 
 impl Leaves {
-    /// Whose samples decide each leaf.
+    /// Returns the variables whose samples decide the leaves.
     pub(crate) fn variables(&self) -> impl ExactSizeIterator<Item = &StateVariable> {
         self.0.iter().map(|leaf| &leaf.variable)
     }
@@ -80,7 +80,7 @@ fn for_each_leaf<'a>(part: &'a Part, place: LeafRole, act: &mut dyn FnMut(&'a Pa
     }
 }
 
-/// Is there a `:not` in it?
+/// Returns true if the part contains a `:not`.
 fn denies(part: &Part) -> bool {
     match &part.kind {
         PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {
@@ -190,7 +190,7 @@ pub(crate) fn harvested(monitor: &Monitor, leaves: &mut Leaves, told: bool) {
     });
 }
 
-/// A bank has told of leaf number `leaf`. Must the combination be harvested at this instant?
+/// Takes the report of a bank about leaf number `leaf`. Returns true if the formula must be evaluated at this instant.
 pub(crate) fn told(
     monitor: &mut Monitor,
     leaves: &mut Leaves,
@@ -225,7 +225,7 @@ pub(crate) fn told(
     may_be_true(&monitor.root, &mut each)
 }
 
-/// Could a result be new, as far as the leaves' results go?
+/// Returns true if the results of the leaves permit a new result.
 fn may_be_true<'a>(part: &Part, leaves: &mut impl Iterator<Item = &'a Leaf>) -> bool {
     match &part.kind {
         // Each part takes its own leaves, also where the answer is known before.

@@ -1,5 +1,5 @@
 //! Cyclic patterns (M&I)
-//! What: does a value go up and down in cycles of the wanted period and amplitude, often enough one after the other?
+//! What: detects that a value rises and falls in cycles of the required period and amplitude, often enough in sequence.
 //! Runs: on every sample of the watched variable.
 //! Reads: histories, evaluation context.
 //! Writes: the cyclic part of a monitor.
@@ -171,7 +171,7 @@ pub(crate) fn results(part: &CyclicPart, site: PartContext, query: &mut VerdictQ
     results
 }
 
-/// Does nobody know whether cycles go on as is asked for?
+/// Returns true if it is undecided whether the required cycles continue.
 pub(crate) fn in_doubt(part: &CyclicPart, site: PartContext, query: &mut VerdictQuery<'_>) -> bool {
     let judge = Judge { part, site, context: query.context };
     let mut open = part.blind || part.objects.is_empty();
@@ -199,7 +199,7 @@ pub(crate) fn truth(part: &CyclicPart, site: PartContext, query: &mut VerdictQue
     if open { Truth::Unknown } else { Truth::False }
 }
 
-/// What is known, for `apex why`: turning points, the last cycle, how many in a row.
+/// Returns the known facts for `apex why`: turning points, the last cycle, the number in sequence.
 pub(crate) fn words(part: &CyclicPart, site: PartContext, query: &mut VerdictQuery<'_>) -> String {
     let judge = Judge { part, site, context: query.context };
     let wanted = part.objects.iter().filter(|(_, state)| state.bindings.is_some());
@@ -232,7 +232,7 @@ struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    /// What the samples have done with the newest one among them, and the result that it completes.
+    /// Returns the state of the samples including the newest one, and the result that it completes.
     fn with_newest(
         &self,
         object: &Value,

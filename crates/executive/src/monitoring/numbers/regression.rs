@@ -1,5 +1,5 @@
 //! Linear regression (M&I)
-//! What: does the line of least squares through the samples satisfy the constraints at some instant of the window?
+//! What: detects that the line of least squares through the samples satisfies the constraints at some instant of the window.
 //! Runs: on every sample of the watched variable, and at the instant at which the line meets the constraint.
 //! Reads: histories, evaluation context.
 //! Writes: the regression part of a monitor.
@@ -38,7 +38,7 @@ use std::sync::Arc;
 /// A line needs two points.
 const POINTS_MIN: u64 = 2;
 
-/// Why there is no line to trust.
+/// Reason for which there is no reliable line.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum FitFailure {
     /// No sample of the variable is in the fit interval.
@@ -261,7 +261,7 @@ fn line(part: &RegressionPart, fit: &Fit, context: &dyn EvalContext) -> Result<L
     }
 }
 
-/// What one object's line says at `now`.
+/// Statement of one object's line at `now`.
 pub(crate) enum Saying {
     /// It meets the constraints in the window.
     Met(Satisfaction),
@@ -273,7 +273,7 @@ pub(crate) enum Saying {
     Unknown(FitFailure),
 }
 
-/// What the line of `object` says at `now`.
+/// Returns the statement of the line of `object` at `now`.
 ///
 /// # Errors
 /// When a bound cannot be evaluated.
@@ -347,7 +347,7 @@ fn unmet(part: &RegressionPart, line: Line, now: Time) -> Saying {
     }
 }
 
-/// What the lines of all wanted objects say, in order of first appearance.
+/// Returns the statements of the lines of all wanted objects, in order of first appearance.
 pub(crate) fn all(part: &RegressionPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Vec<Saying> {
     let wanted = |fit: &Fit| fit.bindings.is_some() && fit.last().is_some();
     let mut objects: Vec<(&Value, &Fit)> = part.objects.iter().filter(|(_, fit)| wanted(fit)).collect();
@@ -362,7 +362,7 @@ pub(crate) fn all(part: &RegressionPart, site: PartContext, query: &mut VerdictQ
     sayings
 }
 
-/// What the lines say now, earliest recognised first.
+/// Returns the present results of the lines, earliest recognised first.
 pub(crate) fn results(part: &RegressionPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Vec<Satisfaction> {
     let met = |saying| match saying {
         Saying::Met(result) => Some(result),
@@ -373,7 +373,7 @@ pub(crate) fn results(part: &RegressionPart, site: PartContext, query: &mut Verd
     results
 }
 
-/// Is there no line to trust for some object?
+/// Returns true if an object has no reliable line.
 pub(crate) fn in_doubt(part: &RegressionPart, site: PartContext, query: &mut VerdictQuery<'_>) -> bool {
     let silent = part.objects.values().all(|fit| fit.last().is_none());
     silent || all(part, site, query).iter().any(|saying| matches!(saying, Saying::Unknown(_)))

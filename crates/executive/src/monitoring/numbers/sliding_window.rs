@@ -11,7 +11,7 @@ use crate::state::monitors::moments::{HeldMoments, Moments};
 use crate::state::monitors::numbers::{Point, SlidingWindow};
 use apex_model::time::{Duration, Time};
 
-/// What a window holds.
+/// Content of a window.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Contents {
     pub(crate) moments: Moments,
@@ -73,7 +73,7 @@ fn turn_over(window: &mut SlidingWindow, holds: bool) {
     window.back_held = HeldMoments::default();
 }
 
-/// What the window holds from `start` on. Changes nothing, so that it does not matter how often it is asked.
+/// Returns the content of the window from `start` on. Changes nothing, so that the number of calls does not matter.
 pub(crate) fn contents(window: &SlidingWindow, start: Time) -> Contents {
     let mut contents = Contents::default();
     let mut edge = window.edge;
@@ -121,7 +121,7 @@ pub(crate) fn contents(window: &SlidingWindow, start: Time) -> Contents {
     contents
 }
 
-/// When numbers leave a window of this length, after one instant and up to another, at most `count`.
+/// Returns the instants at which numbers leave a window of this length, after one instant and up to another, at most `count`.
 pub(crate) fn leaving(
     window: &SlidingWindow,
     length: Duration,

@@ -1,4 +1,4 @@
-//! What a condition forgets at its limits is told, once.
+//! A condition reports once that it forgets data at its limits.
 
 use super::*;
 use apex_model::condition::AllenRelation;

@@ -223,7 +223,7 @@ impl World {
         verdict
     }
 
-    /// When time alone decides, as monitor or bank say.
+    /// Returns the instant at which time alone decides, as monitor or bank states it.
     fn wake(&self) -> Option<Time> {
         match &self.bank {
             Some(bank) => bank.due().map(|(at, _)| at),

@@ -46,7 +46,7 @@ fn stands(relation: AllenRelation, a: Interval, b: Interval, near: i64) -> bool 
     }
 }
 
-/// What one part asks of its variable.
+/// Constraint of one part on its variable.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Side {
     /// Each sample of at least 5 is a point.
@@ -130,7 +130,7 @@ pub(super) fn decided(
     pairs.into_iter().map(|(a, b)| (a.0.min(b.0), a.1.max(b.1))).collect()
 }
 
-/// What arrives: the variable, the instant, the value. Both variables often have samples at the same instant.
+/// Samples: the variable, the instant, the value. Both variables often have samples at the same instant.
 pub(super) fn traces() -> impl Strategy<Value = Vec<(bool, i64, i64)>> {
     proptest::collection::vec((0..4_i64, 0..3_u8, 3..7_i64, 3..7_i64), 1..16).prop_map(|steps| {
         let mut at = 0;
@@ -381,7 +381,7 @@ proptest! {
     }
 }
 
-/// How many results an Allen relation keeps of its parts.
+/// Returns the number of results of its parts that an Allen relation keeps.
 fn kept(world: &World) -> usize {
     let PartKind::Allen(leaf) = &world.monitor.root.kind else { return 0 };
     leaf.sides.iter().map(|side| side.settled.len()).sum()

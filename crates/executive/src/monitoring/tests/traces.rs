@@ -3,7 +3,7 @@
 use super::*;
 use proptest::prelude::*;
 
-/// What arrives: instants may repeat (a later value replaces), and a value may be missing.
+/// Arrivals: instants may repeat (a later value replaces), and a value may be missing.
 pub(super) type Trace = Vec<(i64, Option<i64>)>;
 
 /// The samples that count: the last valid arrival of each instant.

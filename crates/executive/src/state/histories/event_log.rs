@@ -30,7 +30,7 @@ struct Log {
     overflowed: bool,
 }
 
-/// What all open policies and queries together want of one first word: the least restrictive of them counts.
+/// Demand of all open policies and queries for one first word: the least restrictive of them counts.
 #[derive(Clone, Copy, Debug, Default)]
 struct Wanted {
     lookback: Option<Duration>,
@@ -167,7 +167,7 @@ mod tests {
         OpenEventLog { head: Symbol::new("seen"), spacing: Duration(spacing), time: Duration(time), count }
     }
 
-    /// What a log with `policies` keeps of messages at `instants`, and up to when it is incomplete.
+    /// Returns the messages at `instants` that a log with `policies` keeps, and the instant up to which it is incomplete.
     fn kept(policies: &[OpenEventLog], instants: &[i64]) -> (Vec<i64>, Option<Time>) {
         let mut logs = EventLogs::default();
         for (number, policy) in (0..).zip(policies) {

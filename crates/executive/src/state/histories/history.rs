@@ -19,7 +19,7 @@ use std::collections::{BTreeMap, VecDeque};
 /// One measurement.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
-    /// When it was measured.
+    /// Instant of the measurement.
     pub at: Time,
     /// Arrival number of its event.
     pub sequence: u64,
@@ -30,7 +30,7 @@ pub struct Sample {
 /// One message.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Occurrence {
-    /// When it happened.
+    /// Instant of the message.
     pub at: Time,
     /// Arrival number of its event.
     pub sequence: u64,
@@ -71,7 +71,7 @@ pub struct History {
     retention: Retention,
 }
 
-/// How much of a history is kept.
+/// Amount of history that is kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Retention {
     lookback: Duration,
@@ -85,7 +85,7 @@ struct Retention {
 /// Limits of one open `(log ..)` policy.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OpenLog {
-    /// Whose samples are logged.
+    /// Variable whose samples are logged.
     pub variable: StateVariable,
     /// Not more often than this; zero keeps all.
     pub spacing: Duration,
@@ -95,7 +95,7 @@ pub struct OpenLog {
     pub count: u64,
 }
 
-/// How much is kept whatever is asked for; by default the limits of the executive.
+/// Upper limits of what is kept; by default the limits of the executive.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Most {
     samples: usize,
@@ -170,7 +170,7 @@ impl History {
         self.samples.range(first..last)
     }
 
-    /// Has a sample been dropped that somebody may still ask for, because there were more than the limit?
+    /// Returns true if the limit forced out a sample that a condition may still need.
     pub fn has_overflowed(&self) -> bool {
         self.overflowed
     }
@@ -180,7 +180,7 @@ impl History {
         self.forgotten_until.is_none_or(|forgotten| forgotten < instant)
     }
 
-    /// When the variable was first heard of at the instant of `sample`: the arrival number of the first sample of its
+    /// Returns the arrival at which the variable was first known at the instant of `sample`: the arrival number of the first sample of its
     /// instant, which is its own unless it replaced another.
     pub fn first_arrival(&self, sample: &Sample) -> u64 {
         if self.first_arrivals.is_empty() {

@@ -55,7 +55,7 @@ impl<T> VariableMap<T> {
         self.0.remove(variable)
     }
 
-    /// How many entries there are.
+    /// Returns the number of entries.
     pub fn len(&self) -> usize {
         self.0.len()
     }

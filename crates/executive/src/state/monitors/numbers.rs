@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// What is computed over the samples of an episode.
+/// Measure over the samples of an episode.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Measure {
     /// Arithmetic mean.
@@ -57,20 +57,20 @@ pub enum Measure {
 /// A measure and what must hold of it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Criterion {
-    /// What is computed.
+    /// Measure.
     pub measure: Measure,
     /// All must hold of it.
     pub constraints: Vec<Constraint>,
     /// The constraints, prepared.
     pub tests: Tests,
-    /// What a bare number on a right side means: its factor to SI and its dimension.
+    /// Meaning of a bare number on a right side: its factor to SI and its dimension.
     pub bare: Option<(f64, Dimension)>,
 }
 
 /// State of an episode condition with statistics or trends.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StatisticalPart {
-    /// What is wanted.
+    /// The condition.
     pub condition: Arc<EpisodeCondition>,
     /// The value tests, prepared.
     pub tests: Tests,
@@ -123,7 +123,7 @@ pub struct NumberSample {
     pub at: Time,
     /// Its value in SI; none when it is no finite number.
     pub number: Option<f64>,
-    /// What it binds, if it satisfies the value constraints.
+    /// Bindings, if it satisfies the value constraints.
     pub holds: Option<Bindings>,
     /// It continues the run before it.
     pub joins: bool,
@@ -135,14 +135,14 @@ pub struct NumberSample {
     pub bad_step: bool,
 }
 
-/// What is known of a run.
+/// Known facts of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Totals {
     /// First sample's instant.
     pub start: Time,
     /// Last sample's instant.
     pub last: Time,
-    /// What its samples bind.
+    /// Bindings of its samples.
     pub bindings: Bindings,
     /// Its first sample satisfies the constraints on first values.
     pub first_holds: bool,
@@ -202,7 +202,7 @@ pub struct SlidingWindow {
 /// State of a measurement condition under persistence.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PersistedPart {
-    /// What is wanted.
+    /// The condition.
     pub condition: Arc<MeasurementCondition>,
     /// The value tests, prepared.
     pub tests: Tests,
@@ -228,14 +228,14 @@ pub struct PersistedSample {
     pub at: Time,
     /// Its value.
     pub value: Value,
-    /// What it binds, if value and object satisfy the constraints.
+    /// Bindings, if value and object satisfy the constraints.
     pub holds: Option<Bindings>,
 }
 
 /// State of a measurement condition under linear regression.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RegressionPart {
-    /// What is wanted.
+    /// The condition.
     pub condition: Arc<MeasurementCondition>,
     /// The state variable when its object is known, else none.
     pub variable: Option<StateVariable>,
@@ -272,7 +272,7 @@ pub struct Fit {
     pub before: f64,
     /// The newest sample; none where what is no number has taken its place.
     pub newest: Option<(Time, f64)>,
-    /// What the object binds; none when it is not wanted.
+    /// Bindings of the object; `None` if it is not wanted.
     pub bindings: Option<Bindings>,
     /// The greatest gap between the samples of `moments`.
     pub gap: Duration,
@@ -292,7 +292,7 @@ impl Fit {
         self.newest = Some((at, number));
     }
 
-    /// What is no number has arrived at this instant: if the newest sample is of it, the fit is without that again.
+    /// Notes that a value that is not a number arrived at this instant: if the newest sample is of it, the fit is without that again.
     pub fn miss(&mut self, at: Time) {
         self.newest = self.newest.filter(|(newest_at, _)| *newest_at != at);
     }

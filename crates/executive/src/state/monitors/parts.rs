@@ -20,7 +20,7 @@ pub struct AllenPart {
     pub tolerance: Duration,
     /// The parts in written order.
     pub parts: Vec<Part>,
-    /// What each part has found, in the same order.
+    /// Results of each part, in the same order.
     pub sides: Vec<Side>,
     /// All must be true of the related results.
     pub constraints: Vec<Expr>,
@@ -32,7 +32,7 @@ pub struct AllenPart {
     pub passing: Vec<Chain>,
     /// Results of parts stand so that only the end of a run that goes on can decide.
     pub undecided: bool,
-    /// When time alone can decide next: a run without samples is over, or a delay within a part.
+    /// Next instant at which time alone can decide: a run without samples is over, or a delay within a part.
     pub decides_at: Option<Time>,
 }
 
@@ -45,12 +45,12 @@ pub struct Chain {
     pub result: Satisfaction,
 }
 
-/// What a part of a relation has found.
+/// Results of a part of a relation.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Side {
     /// Final results that a later result of a neighbour could still be related to.
     pub settled: Vec<Satisfaction>,
-    /// How many results were ever final.
+    /// Number of results that were ever final.
     pub count: u64,
     /// The newest result, for explanations, and whether its run goes on.
     pub newest: Option<((Time, Time), bool)>,
@@ -61,7 +61,7 @@ pub struct Side {
 /// State of `(:absent C :for D)`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AbsentPart {
-    /// What must not be.
+    /// The part that must be absent.
     pub part: Part,
     /// For how long.
     pub length: Duration,
@@ -76,7 +76,7 @@ pub struct AbsentPart {
     /// Since when the part, which holds at instants (`:not`, `:function`, a line), has done so or was in doubt at every look:
     /// absence begins with the look at which it does not.
     pub broken: Option<Time>,
-    /// How far the parts of an `:and` reach whose results all go together: instead of their final results.
+    /// Spans of the parts of an `:and` whose results all fit together: instead of their final results.
     pub reached: Vec<Option<(Time, Time)>>,
     /// Evidence of the part that came while it went on or was in doubt: windows between are judged when that is over.
     pub seen: Vec<(Time, Time)>,
@@ -86,7 +86,7 @@ pub struct AbsentPart {
     pub taken_back: Option<Time>,
     /// The windows that passed without it; the first where one is enough.
     pub found: Vec<Satisfaction>,
-    /// When time alone can decide next.
+    /// Next instant at which time alone can decide.
     pub decides_at: Option<Time>,
 }
 
@@ -110,7 +110,7 @@ pub struct EventPart {
     pub timing: Arc<Timing>,
     /// The window reaches before the oldest message that was remembered when the monitor was made.
     pub blind: bool,
-    /// What was found.
+    /// Results.
     pub settled: Vec<Satisfaction>,
 }
 
@@ -123,7 +123,7 @@ pub struct TaskEndedPart {
     pub standing: bool,
     /// The task, as soon as it is known.
     pub task: Option<TaskId>,
-    /// When it ended.
+    /// Instant of the end.
     pub ended: Option<Time>,
 }
 
@@ -138,7 +138,7 @@ pub struct TaskStatePart {
     pub standing: bool,
     /// The task, as soon as it is known.
     pub task: Option<TaskId>,
-    /// What was found.
+    /// Results.
     pub settled: Vec<Satisfaction>,
 }
 
