@@ -26,7 +26,7 @@ pub fn demands(library: &Library) -> Vec<Demand> {
 pub struct Kept {
     /// Of what.
     pub subject: Subject,
-    /// For how long, at the most; none is without a bound of its own.
+    /// Maximum age; `None` without a stated bound.
     pub span: Option<Duration>,
     /// Maximum number of samples (or messages), if a rate is declared or a limit applies.
     pub count: Option<u64>,

@@ -20,7 +20,7 @@ use support::*;
 
 type Axes = [[f64; 3]; 3];
 
-/// Rotation by `degrees` about axis 0 (x), 1 (y) or 2 (z), as it stands in textbooks.
+/// Rotation by `degrees` about axis 0 (x), 1 (y) or 2 (z), as in textbooks.
 fn turn(axis: usize, degrees: f64) -> Axes {
     let (sine, cosine) = degrees.to_radians().sin_cos();
     match axis {

@@ -48,10 +48,10 @@ pub(crate) struct Cycle<'a> {
     pub(crate) work: Work,
 }
 
-/// Room for what a small step decides, so that its list does not grow bit by bit; not more than an allocator has at hand.
+/// Room for what a small step decides, so that its list does not grow bit by bit; not more than an allocator keeps free.
 const EFFECTS_EXPECTED: usize = 1_024 / size_of::<Effect>();
 
-/// Tasks to be looked at: mostly a few.
+/// Tasks to be checked: mostly a few.
 pub(crate) type TaskList = SmallVec<[TaskId; 4]>;
 
 /// Pending work at this instant, by phase. Most instants affect few tasks, so that the lists are short.
@@ -73,17 +73,17 @@ pub(crate) struct Work {
     pub(crate) ready: TaskList,
     /// Choose: tasks that were enabled.
     pub(crate) enabled: TaskList,
-    /// Contend: enabled and interrupted tasks that want to go on.
+    /// Contend: enabled and interrupted tasks that claim to continue.
     pub(crate) claims: TaskList,
-    /// Contend: why tasks that were suspended go on, unless they have to wait for resources.
+    /// Contend: why suspended tasks continue, unless they have to wait for resources.
     pub(crate) resumed: BTreeMap<TaskId, Because>,
     /// At rest: claims that were refused, which may have closed a circle of waits.
     pub(crate) refused: TaskList,
     /// Contend: resources whose users may change.
     pub(crate) dirty: BTreeSet<ResourceId>,
-    /// Contend: an input of priorities changed; every contested resource is looked at.
+    /// Contend: an input of priorities changed; every contested resource is arbitrated.
     pub(crate) priorities_changed: bool,
-    /// Contend: tasks inherit from others than before; every contested resource is looked at, every turn again.
+    /// Contend: tasks inherit from others than before; every contested resource is arbitrated, every turn again.
     pub(crate) inheritance_changed: bool,
     /// Act: tasks that became ongoing.
     pub(crate) starting: TaskList,

@@ -246,7 +246,7 @@ fn resources(agent: &Agent, task: &Task) -> Vec<Reason> {
     profile.chain(held).flat_map(|need| rivals(agent, task, need)).collect()
 }
 
-/// Everybody who keeps the task from this resource: its holders, or the claimant it was refused to.
+/// All tasks that keep the task from this resource: its holders, or the claimant it was refused to.
 fn rivals(agent: &Agent, task: &Task, need: &Need) -> Vec<Reason> {
     let Some(resource) = agent.resources.get(need.resource) else { return Vec::new() };
     let (claimants, precedence) = in_order(agent, agent.now, &BTreeSet::from([need.resource]), &BTreeSet::new());

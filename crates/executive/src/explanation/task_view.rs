@@ -11,7 +11,7 @@ use apex_model::time::Time;
 use apex_model::value::Value;
 use serde::Serialize;
 
-/// A task as people look at it.
+/// A task as it is displayed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TaskView {
     /// Its number.
@@ -48,11 +48,11 @@ pub struct TaskView {
     pub place: Option<Place>,
     /// Nesting: the root has 0.
     pub depth: u32,
-    /// Subtasks that somebody may still refer to, in order of creation.
+    /// Subtasks that a clause may still refer to, in order of creation.
     pub children: Vec<TaskId>,
 }
 
-/// The task with this number, while somebody may still refer to it.
+/// The task with this number, while a clause may still refer to it.
 pub fn describe_task(agent: &Agent, task: TaskId) -> Option<TaskView> {
     agent.task(task).map(|found| view(agent, found))
 }

@@ -2,7 +2,7 @@
 //! What: judges one value, object, instant or duration against constraints.
 //! Runs: on every sample that is watched, and when results are formed.
 //! Reads: evaluation context.
-//! Writes: bindings, troubles.
+//! Writes: bindings, faults.
 //! Bound: O(1) per constraint for fixed comparisons; else one bounded evaluation.
 //! PDL: `REL expr +/- e`, `(:range a b)`, predicates.
 //! Paper: Appendix B, constraints on individual measurements.

@@ -19,7 +19,7 @@ use std::rc::Rc;
 
 /// Does `value` match `pattern`? Variables already bound, in `bindings` or in `context`, must match what they
 /// are bound to; others are added to `bindings`. Without a match, or on an error, `bindings` is as before. Segments
-/// take as few elements as possible; `place` is where messages point that have no place of their own.
+/// take as few elements as possible; `place` is where messages point without a place.
 ///
 /// # Errors
 /// When a computed part, guard or predicate fails, a `<?x>` is unbound, or the match takes too many steps.

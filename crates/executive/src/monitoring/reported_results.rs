@@ -67,7 +67,7 @@ pub(crate) struct ReportedResults(pub(crate) Vec<Branch>);
 
 impl ReportedResults {
     /// As it is when a bank has reported of the monitor's run: the result of the run before the newest sample, and of the one
-    /// that goes on.
+    /// that is open.
     pub(crate) fn by_bank(part: &Part, before: Option<&Satisfaction>, open: Option<&Satisfaction>) -> ReportedResults {
         let key = |result: &Satisfaction| Key::of(part.place, result);
         let open: Vec<Key> = open.map(key).into_iter().collect();
@@ -75,7 +75,7 @@ impl ReportedResults {
         ReportedResults(vec![Branch { used: Used { keys, horizon: None }, open, absence: false }])
     }
 
-    /// Will the end of a result be reported that goes on now? Not when it was reported already, and a sample has taken that back.
+    /// Returns true if the end of an open result will be reported: not if it was reported already and a sample has taken that back.
     pub(crate) fn awaits_end(&self) -> bool {
         self.0.iter().any(|branch| !branch.open.is_empty())
     }
@@ -86,7 +86,7 @@ impl ReportedResults {
 pub(crate) struct Branch {
     /// Results that are part of what was reported.
     pub(crate) used: Used,
-    /// Told results whose interval still grows.
+    /// Reported results whose interval still grows.
     pub(crate) open: Vec<Key>,
     /// That something did not happen was reported.
     pub(crate) absence: bool,

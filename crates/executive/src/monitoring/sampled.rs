@@ -3,7 +3,7 @@
 //! Runs: when a monitor is created or notices a sample.
 //! Reads: histories, evaluation context.
 //! Writes: the part.
-//! Bound: O(1) besides what the part does; looking back O(samples in the window).
+//! Bound: O(1) plus the part's own bound; looking back O(samples in the window).
 //! PDL: `(ATTR OBJ)`.
 //! Paper: section III, histories.
 

@@ -69,7 +69,7 @@ pub(crate) enum Arrival {
     Nothing,
     /// Not the newest, but all since the window began is remembered: the part looks back again.
     Late,
-    /// It goes on with it.
+    /// It continues with it.
     Next,
 }
 
@@ -107,7 +107,7 @@ pub(crate) fn object_holds(
     all(constraints, &variable.object, Reading::Value(None), bindings, context, site.place)
 }
 
-/// A remembered sample, heard of when its instant was: one that replaced another has its place.
+/// A remembered sample, known when its instant was: one that replaced another has its place.
 pub(crate) fn seen_of<'a>(variable: &'a StateVariable, history: &History, sample: &'a Sample) -> SampleView<'a> {
     SampleView { variable, value: &sample.value, at: sample.at, sequence: history.first_arrival(sample) }
 }

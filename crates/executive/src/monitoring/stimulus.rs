@@ -44,7 +44,7 @@ pub(crate) enum Stimulus {
         task: TaskId,
         /// Instant.
         at: Time,
-        /// The number of the first monitor that was made later: who begins to watch later does not hear of it.
+        /// The number of the first monitor that was made later: a monitor that begins later does not receive it.
         before: MonitorId,
     },
     /// A task changed state (`TaskEnded` comes separately when it ended).

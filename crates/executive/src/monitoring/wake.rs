@@ -1,5 +1,5 @@
 //! Reasons of wakes (M&I)
-//! What: why time alone may change a verdict, in words.
+//! What: states why time alone may change a verdict.
 //! Runs: with every wake.
 //! Reads: nothing.
 //! Writes: nothing.
@@ -15,7 +15,7 @@ use std::fmt;
 pub(crate) enum WakeReason {
     /// A run without samples for longer than this is over.
     GapEnds(Duration),
-    /// A run has lasted so long.
+    /// A run has reached its duration.
     DurationReached(Duration),
     /// An instant that the last verdict foresaw: a `:delay` at the end of an order is over, or an estimate, a run or a window
     /// comes to satisfy its constraints.

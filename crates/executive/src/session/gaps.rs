@@ -1,5 +1,5 @@
 //! The largest sampling gaps within results (rules 8 and 22), for sessions that ask for them. Samples cost O(1) each on
-//! average, and nothing where nobody asked.
+//! average, and nothing without a query.
 
 use crate::state::monitors::monitor::Satisfaction;
 use crate::state::recorded::Recorded;
@@ -56,7 +56,7 @@ impl Spacings {
                     self.variables.insert(variable.clone(), OfVariable::from(at));
                 }
             },
-            // It divides a spacing that is no longer at hand: what is known begins again.
+            // It divides a spacing that is no longer known: what is known begins again.
             Some(Recorded::Inserted) => {
                 if let Some(known) = self.variables.get_mut(variable) {
                     *known = OfVariable::from(known.newest);

@@ -52,7 +52,7 @@ pub struct SessionError {
     pub watch: Option<MonitorId>,
     /// Instant.
     pub at: Time,
-    /// A sentence for operators.
+    /// A message for operators.
     pub message: String,
     /// Position in the text of the condition or library.
     pub place: Option<Place>,

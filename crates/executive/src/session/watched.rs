@@ -101,7 +101,7 @@ impl Watched {
         }
     }
 
-    /// The combination was harvested while banks went on watching; it has told `any` result.
+    /// The combination was harvested while banks continued to watch; it has reported `any` result.
     pub(super) fn lie_down_again(&mut self, any: bool) {
         if let Watched { monitor: Some(monitor), leaves: Some(leaves), .. } = self {
             threshold_formula::harvested(monitor, leaves, any);
@@ -117,7 +117,7 @@ impl Watched {
         }
     }
 
-    /// Results whose intervals still grew, as they stand at the end of everything.
+    /// Results whose intervals still grew, as they are at the end.
     pub(super) fn finish(&mut self, world: &SessionState) -> Vec<ResultReport> {
         match &self.monitor {
             Some(monitor) => result_report::finish(monitor, &mut self.told, world),

@@ -59,7 +59,7 @@ pub struct Agent {
     pub started: bool,
     /// Reason for the end of the application, if it has ended.
     pub finished: Option<String>,
-    /// Tasks that live or that somebody may still refer to.
+    /// Tasks that live or that a clause may still refer to.
     pub tasks: Table<Task>,
     /// Monitors of living tasks.
     pub watches: Table<Watch>,
@@ -243,7 +243,7 @@ impl Agent {
         self.finished.is_some()
     }
 
-    /// The task with this number, while somebody may still refer to it.
+    /// The task with this number, while a clause may still refer to it.
     #[inline]
     pub fn task(&self, id: TaskId) -> Option<&Task> {
         self.tasks.get(id.0)

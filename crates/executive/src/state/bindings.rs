@@ -1,4 +1,4 @@
-//! Variable bindings of a context: small, ordered by first binding, searched linearly. One takes no space of its own.
+//! Variable bindings of a context: small, ordered by first binding, searched linearly. One takes no extra space.
 
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;

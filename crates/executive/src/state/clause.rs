@@ -1,4 +1,4 @@
-//! Monitors in their tasks: which clause of which task each monitor stands for.
+//! Monitors in their tasks: the clause and task of each monitor.
 
 use crate::state::monitors::monitor::{Interest, Monitor};
 use crate::state::wake::WakeKey;

@@ -74,7 +74,7 @@ pub struct ProcedureController {
     pub procedure: ProcedureRef,
     /// Its variables: index bindings, `=>` results. Tags are read from `current`.
     pub context: Bindings,
-    /// The task that each step's tag stands for now.
+    /// The task that each step's tag names now.
     pub current: SmallVec<[Option<TaskId>; 1]>,
     /// All children that still exist, ended ones included.
     pub children: Children,

@@ -44,7 +44,7 @@ pub struct EpisodeIndex {
     window_latest: Time,
     /// First instant at which time alone decides an episode unless a sample comes before, with the episode.
     due: Option<(Time, LeafId)>,
-    /// The wake that was asked for, and for whom; kept by whoever feeds the bank.
+    /// The wake that was asked for, with its monitor; kept by the caller that feeds the bank.
     pub wake: Option<(WakeKey, LeafId)>,
 }
 
@@ -241,14 +241,14 @@ impl EpisodeIndex {
 
     /// May a sample be taken in by [`EpisodeIndex::sample`]? All episodes must be taken out for any other one.
     pub fn takes(&self, at: Time, value: &Value) -> Option<f64> {
-        // What time alone has decided before the sample must be taken out before the sample is told.
+        // What time alone has decided before the sample must be taken out before the sample is shown.
         let in_time = self.due.is_none_or(|(due, _)| due >= at);
         let ordinary = at > self.newest && at >= self.window_latest && in_time;
         let (number, dimension) = plain_number(value).filter(|_| ordinary)?;
         (dimension == self.dimension).then_some(number)
     }
 
-    /// Takes in a sample that [`EpisodeIndex::takes`], and says what comes of it: runs with a result that are over, runs that
+    /// Takes in a sample that [`EpisodeIndex::takes`], and returns its effects: runs with a result that are over, runs that
     /// have one from now on. These stay in the bank, as open ones.
     pub fn sample(&mut self, at: Time, value: f64, told: &mut Vec<EpisodeUpdate>) {
         let gap = if self.samples == 0 { Duration::ZERO } else { at - self.newest };
@@ -313,7 +313,7 @@ impl EpisodeIndex {
         taken.extend(leaves.into_iter().filter_map(|leaf| Some((leaf, self.take(leaf)?))));
     }
 
-    /// Takes out the episodes that have a result now, for whoever wants one result only.
+    /// Takes out the episodes that have a result now, for callers that need one result only.
     pub fn take_decided(&mut self, told: &[EpisodeUpdate], taken: &mut Taken) {
         let decided = told.iter().filter(|each| each.what == What::Found).map(|each| each.leaf);
         self.take_each(decided.collect(), taken);

@@ -16,7 +16,7 @@ use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
 /// Something with an index that may serve a goal. Of equally specific ones the first in this order is taken: a plan that was
-/// made in flight goes before what is stored for the same goal, since whoever asked for it wants it used.
+/// made in flight goes before what is stored for the same goal, since it was requested for use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Candidate {
     /// A generated procedure.
@@ -184,7 +184,7 @@ fn changing(procedure: &Procedure, results: impl Iterator<Item = Symbol>) -> BTr
     names
 }
 
-/// A step that repeats without bound, or responds again and again, never ends by itself.
+/// A step that repeats without bound, or responds again and again, never ends without a clause.
 fn ends_by_itself(step: &Step) -> bool {
     let bounded = |repetition: &Repetition| repetition.while_true.is_some() || repetition.until.is_some();
     step.responding.is_none() && step.repeating.as_deref().is_none_or(bounded)

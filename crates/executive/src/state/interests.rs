@@ -1,4 +1,4 @@
-//! The table of interests: which monitors must be told of what, so that an event touches only those that wait for it.
+//! The table of interests: the monitors that must receive each stimulus, so that an event touches only those that wait for it.
 
 use crate::state::clause::MonitorId;
 use crate::state::episode_index::{EpisodeIndex, LeafId, ThresholdEpisode};
@@ -30,11 +30,11 @@ pub struct Interests {
 /// Monitors of samples of one variable.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Watchers {
-    /// Must be told of every sample. A monitor that is alone is here whatever it compares.
+    /// Must receive every sample. A monitor that is alone is here whatever it compares.
     every: MonitorSet,
-    /// Must be told of samples on their side of a bound.
+    /// Must receive samples on their side of a bound.
     thresholds: Option<Box<Thresholds>>,
-    /// Need be told of nothing that leaves their episodes as undecided as they are.
+    /// Need receive nothing that leaves their episodes as undecided as they are.
     episodes: Option<Box<EpisodeIndex>>,
 }
 
@@ -214,8 +214,8 @@ impl Interests {
         self.any_task.collect_into(found);
     }
 
-    /// Puts the undecided episode `leaf` into its variable's bank, from then on told of nothing that the bank can
-    /// see by itself. False, and nothing changes, when the bank cannot take it.
+    /// Puts the undecided episode `leaf` into its variable's bank, from then on without stimuli that the bank can
+    /// handle. False, and nothing changes, when the bank cannot take it.
     pub fn bank(
         &mut self,
         variable: &StateVariable,
@@ -240,7 +240,7 @@ impl Interests {
         self.variables.get(variable)?.episodes.as_deref()
     }
 
-    /// True when nobody watches the variable.
+    /// True if no monitor watches the variable.
     pub fn ignore_variable(&self, variable: &StateVariable) -> bool {
         self.attributes.is_empty() && self.ignore_steps() && self.variables.get(variable).is_none()
     }
@@ -272,7 +272,7 @@ impl Interests {
         }
     }
 
-    /// True when nobody is judged at every instant at which anything happens.
+    /// True if no monitor is judged at every instant at which anything happens.
     pub fn ignore_steps(&self) -> bool {
         self.every_step.is_empty()
     }
@@ -282,7 +282,7 @@ impl Interests {
         self.every_step.collect_into(found);
     }
 
-    /// True when nobody must be told of transitions of `task`.
+    /// True if no monitor must receive transitions of `task`.
     pub fn ignore_task(&self, task: TaskId) -> bool {
         self.any_task.is_empty() && !self.tasks.contains_key(&task)
     }

@@ -1,4 +1,4 @@
-//! Resources: who holds what, who waits for it, and how much is left (`pdl.md`, Procedures, Conflicts).
+//! Resources: holders, waiting tasks, and remaining amounts (`pdl.md`, Procedures, Conflicts).
 
 use crate::state::resource_id::ResourceId;
 use crate::state::waiting::Waiting;

@@ -59,7 +59,7 @@ impl StepClauses {
     }
 }
 
-/// Of whom nothing is known.
+/// A task of unknown origin.
 impl Default for StepClauses {
     fn default() -> StepClauses {
         StepClauses::UNKNOWN

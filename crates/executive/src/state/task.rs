@@ -146,9 +146,9 @@ pub struct Extras {
     pub repeats_no_more: bool,
     /// The least interval's wake.
     pub wake: Option<WakeKey>,
-    /// The resource that it was refused at the last look at all claimants, and to whom it went.
+    /// The resource that it was refused at the last arbitration of all claimants, and the winner.
     pub refused: Option<(ResourceId, TaskId)>,
-    /// That it waits has been told: once for each claim, not at every look.
+    /// That it waits has been reported: once for each claim, not at every arbitration.
     pub refusal_told: bool,
     /// The wake at which its rising priority may win.
     pub crossing: Option<WakeKey>,

@@ -1,4 +1,4 @@
-//! Plain episodes as banks know them: what they want, what was seen of them, and what is told.
+//! Plain episodes as banks know them: their bounds, their runs, and their updates.
 
 use crate::state::clause::MonitorId;
 use crate::state::monitors::monitor::ObjectRun;
@@ -40,17 +40,17 @@ pub struct ThresholdEpisode {
     pub dimension: Dimension,
     /// The greatest gap between samples; the greatest duration is none.
     pub gap_max: Duration,
-    /// The run lasts at least so long.
+    /// Minimum duration of the run.
     pub duration_min: Duration,
     /// Samples before this do not count.
     pub window_start: Time,
-    /// The run has a result already, told while it goes on: only its end is watched for.
+    /// The run has a result already, reported while it is open: only its end is watched for.
     pub open: Option<OpenResult>,
-    /// It stands under a `:not`: samples that contradict it are to be told.
+    /// It is below a `:not`: samples that contradict it must be reported.
     pub negated: bool,
 }
 
-/// A result whose run goes on.
+/// A result whose run is open.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OpenResult {
     /// Instant of its recognition.
@@ -77,7 +77,7 @@ pub enum What {
     Found,
     /// Its run, which had a result, is over.
     Over,
-    /// The newest sample contradicts it, and the one before did not; told only where it stands under a `:not`.
+    /// The newest sample contradicts it, and the one before did not; reported only below a `:not`.
     Contradicted,
 }
 

@@ -1,4 +1,4 @@
-//! Wakes: the instants at which something happens by itself, so that nobody has to look all the time.
+//! Wakes: the instants of scheduled events, so that nothing has to poll.
 
 use crate::state::clause::MonitorId;
 use apex_model::effect::{CommandId, QuestionId, SolveRequestId};

@@ -1,5 +1,5 @@
 //! Competition (TC)
-//! What: says who claims what, who is related to whom, and in which order claimants come before the arbiter.
+//! What: states the claims, the relations between claimants, and the order of arbitration.
 //! Runs: contend phase.  Reads: Task, priorities, ranks.  Writes: nothing.
 //! Bound: O(depth) per claimant.
 //! PDL: `rank`, `priority`, section 9.  Paper: section III, highest priority competitor.
@@ -25,12 +25,12 @@ pub(crate) struct Claimant {
     pub(crate) id: TaskId,
     /// Required resources.
     pub(crate) needs: Vec<Need>,
-    /// Its priority now; where ranks count, not less than that of anybody it goes before.
+    /// Its priority now; where ranks count, not less than that of any task that it precedes.
     pub(crate) priority: f64,
     /// It has begun, and goes before its equals that have not.
     pub(crate) begun: bool,
     order: FamilyOrder,
-    /// Its place among all competitors where ranks count too; the same for all where nobody has one.
+    /// Its place among all competitors where ranks count too; the same for all where no task has one.
     pub(crate) turn: usize,
 }
 
@@ -94,7 +94,7 @@ pub(crate) fn in_order(
     let mut precedence = None;
     let mut everybody = found.claimants.iter().map(|each| each.id).chain(found.holders.iter().copied());
     if everybody.any(|id| priority::is_ranked(agent, id)) {
-        // Whom a holder goes before, or went before until now, may not claim what others wait for that the holder has.
+        // A task that a holder precedes, or preceded until now, may not claim what others wait for that the holder has.
         found = competitors(agent, now, dirty, orphans, true);
         let holders = found.holders.iter().map(|id| claimant_in(agent, *id, now));
         precedence = Some(Precedence::of(agent, now, found.claimants.iter().cloned().chain(holders).collect()));
@@ -116,7 +116,7 @@ struct Competitors {
     holders: BTreeSet<TaskId>,
 }
 
-/// Everybody who competes for the resources in `dirty` and for all that claimants need in addition, and holders too if
+/// All tasks that compete for the resources in `dirty` and for all that claimants need in addition, and holders too if
 /// `through_holders`; without `orphans`.
 fn competitors(
     agent: &Agent,

@@ -1,5 +1,5 @@
 //! Resource conflict resolution (TC)
-//! What: decides which claimants get their resources, who loses them, and by which rule.
+//! What: decides which claimants get their resources, which holders lose them, and by which rule.
 //! Runs: contend phase, over the whole batch.  Reads: ResourceTable, priorities, ranks, ancestors.  Writes: nothing.
 //! Bound: O(c log c) for c claimants of the resources concerned, O(c^2) where ranks are stated; plus O(h^2) for a
 //! claimant that has to displace some of h holders.
@@ -109,13 +109,13 @@ pub(crate) enum Placement {
     Impossible(Need, f64),
 }
 
-/// Uses of resources while an arbitration goes on.
+/// Uses of resources during an arbitration.
 pub(crate) struct Field<'a, 'c> {
     cycle: &'a Cycle<'c>,
     uses: BTreeMap<ResourceId, Vec<Use>>,
     /// Tasks that have lost everything they held, also resources that are not arbitrated yet.
     displaced: BTreeSet<TaskId>,
-    /// None where nobody has a rank.
+    /// `None` if no task has a rank.
     precedence: Option<Precedence>,
     notes: Notes,
 }
@@ -132,7 +132,7 @@ enum Notes {
 }
 
 impl<'a, 'c> Field<'a, 'c> {
-    /// Nothing has been looked at.
+    /// Nothing has been arbitrated.
     pub(crate) fn empty(cycle: &'a Cycle<'c>) -> Field<'a, 'c> {
         Field { cycle, uses: BTreeMap::new(), displaced: BTreeSet::new(), precedence: None, notes: Notes::Each }
     }
@@ -186,8 +186,8 @@ impl<'a, 'c> Field<'a, 'c> {
         });
     }
 
-    /// Gives the claimant all it needs, or notes what it waits for. As few as possible lose something for it: nobody
-    /// who beats it, and nobody where weaker ones suffice.
+    /// Gives the claimant all it needs, or notes what it waits for. As few as possible lose something for it: no task
+    /// that beats it, and no task where weaker ones suffice.
     pub(crate) fn place(&mut self, claimant: &Claimant) -> Placement {
         for need in &claimant.needs {
             self.load(need.resource);
@@ -277,7 +277,7 @@ impl<'a, 'c> Field<'a, 'c> {
         let counts = |each: &&Use| match each.kind {
             UseKind::Held => losses.iter().all(|loss| loss.loser != each.task),
             UseKind::Granted => true,
-            // Nobody is displaced for the sake of a gap.
+            // No task is displaced for the sake of a gap.
             UseKind::Awaited(_) => {
                 !(related(agent, each.task, claimant.id) || losses.is_empty() && self.leaves_a_gap(claimant, each))
             }
@@ -330,7 +330,7 @@ impl<'a, 'c> Field<'a, 'c> {
         ordered
     }
 
-    /// The conflict that the claimant loses over `need`, and all who stand in its way. It claims on.
+    /// The conflict that the claimant loses over `need`, and all tasks that block it. It claims on.
     fn refuse(&mut self, claimant: &Claimant, need: Need, losses: &[Loss]) -> Refusal {
         let agent = &*self.cycle.agent;
         let present = self.present(claimant, need.resource, losses);
@@ -346,7 +346,7 @@ impl<'a, 'c> Field<'a, 'c> {
         };
         let all = rivals.iter().map(rival).collect();
         let conflicts = rivals.iter().filter_map(|each| self.confront(claimant, need.resource, each).err());
-        // Told is who would have to yield first: the weakest who has it, or else the best who claims it.
+        // The cause names the task that would have to yield first: the weakest who has it, or else the best who claims it.
         let told = conflicts.reduce(|a, b| match (a.winner_holds, b.winner_holds) {
             (true, true) if b.winner_strength.total() < a.winner_strength.total() => b,
             (false, true) => b,

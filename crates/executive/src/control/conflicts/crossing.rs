@@ -1,12 +1,12 @@
 //! Crossings of priorities (TC)
 //! What: finds the instant at which a waiting task would beat one in its way by nothing but the passing of time.
 //! Runs: contend phase, for claimants that were refused.  Reads: priorities, interrupt costs.  Writes: nothing.
-//! Bound: at most `PRIORITY_SEARCH_MAX` looks at all contests of one refusal together.
+//! Bound: at most `PRIORITY_SEARCH_MAX` evaluations of all contests of one refusal together.
 //! PDL: `priority`, `interrupt-cost`, section 9.  Paper: section III, priority of competitors.
 //!
 //! Priorities are enclosed between bounds over spans of time. A contest in which the challenger's greatest is not above the
 //! defender's least is left out of that span; a span that keeps a contest is halved, the earlier half first, down to a
-//! microsecond. So the first crossing of all contests is found, however often the priorities cross. Where nothing is known
+//! microsecond. So the first crossing of all contests is found, however often the priorities cross. If nothing is known
 //! of an expression, or the looks are used up, the next look is taken when they were last known apart.
 
 use crate::control::conflicts::curve::Curve;
@@ -20,7 +20,7 @@ use std::cell::Cell;
 
 /// Spans are not divided further than this: a shorter advantage may be missed.
 const FINEST: Duration = Duration(1_000);
-/// As far as anybody looks ahead: some 34 years.
+/// Horizon of the search: some 34 years.
 const FARTHEST: Duration = Duration(1 << 60);
 /// Shortest unknown span that is divided further.
 const COARSEST_UNKNOWN: Duration = Duration(100_000_000);

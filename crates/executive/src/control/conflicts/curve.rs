@@ -24,7 +24,7 @@ pub(crate) struct Curve<'a> {
     steady: Option<f64>,
     rises: Vec<RisingTerm>,
     others: Vec<(&'a Task, &'a PriorityClause)>,
-    /// The bounds of the span that was looked at last: each span is looked at for many contests.
+    /// The bounds of the last evaluated span: each span is evaluated for many contests.
     last: Cell<Option<(Time, Time, Bounds)>>,
 }
 

@@ -18,7 +18,7 @@ use apex_model::value::Value;
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-/// A claim that was refused: each resource that it lacks, with who holds it.
+/// A claim that was refused: each resource that it lacks, with its holders.
 type Lacks = Vec<(ResourceId, Vec<Holding>)>;
 
 /// Waits found from one claim on.
@@ -26,7 +26,7 @@ type Lacks = Vec<(ResourceId, Vec<Holding>)>;
 struct Waits {
     /// Claims that wait for the work of others.
     claims: BTreeMap<TaskId, Lacks>,
-    /// The claims below each holder: it goes on no sooner than they do.
+    /// The claims below each holder: it continues no sooner than they do.
     below: BTreeMap<TaskId, Vec<TaskId>>,
 }
 

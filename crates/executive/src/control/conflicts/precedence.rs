@@ -1,8 +1,8 @@
 //! Precedence (TC)
-//! What: puts competitors into one order that keeps to ranks and to priorities. Who goes before another one by its rank is
+//! What: puts competitors into one order that keeps to ranks and to priorities. A task that precedes another one by rank is
 //! as important as that one, so ranks and priorities never contradict one another in a ring.
 //! Runs: contend phase, where ranks are stated.  Reads: ranks, priorities, needs.  Writes: nothing.
-//! Bound: O(c^2 * depth) for c competitors; as much for each one that is asked whom it stands for, where priorities move.
+//! Bound: O(c^2 * depth) for c competitors; as much for each one for which represented tasks are computed, where priorities move.
 //! PDL: `rank`, `priority`, section 9, conflict; decision 0023.  Paper: section III, detecting and resolving conflicts.
 
 use crate::control::conflicts::competition::{Claimant, by_priority};
@@ -18,7 +18,7 @@ use std::rc::Rc;
 pub(crate) struct Precedence {
     competitors: Vec<Competitor>,
     places: BTreeMap<TaskId, OrderKey>,
-    /// Priorities of some of them can change without anybody claiming or giving up.
+    /// Priorities of some of them can change without a new or withdrawn claim.
     varies: bool,
     /// Results for the tasks that were queried: each one blocks many.
     stand_for: RefCell<BTreeMap<TaskId, Rc<[TaskId]>>>,

@@ -25,7 +25,7 @@ use apex_model::value::Value;
 /// Added to the priority of an ongoing task when it defends a resource, if nothing else is stated.
 pub(crate) const INTERRUPT_COST_DEFAULT: f64 = 0.1;
 
-/// The priority of `id` at `at`: the greatest of its own clauses and of its ancestors that are not interrupted.
+/// The priority of `id` at `at`: the greatest of its clauses and of its ancestors that are not interrupted.
 pub(crate) fn priority(agent: &Agent, id: TaskId, at: Time) -> f64 {
     let mut greatest: Option<f64> = None;
     let mut next = Some(id);
@@ -93,7 +93,7 @@ pub(crate) fn troubles(cycle: &Cycle<'_>, id: TaskId, step: &Step) -> Vec<(Strin
     priorities.chain(step.rank.iter().map(|expr| ("rank", &**expr))).filter_map(trouble).collect()
 }
 
-/// A clause that cannot be evaluated counts as absent; [`troubles`] has said so.
+/// A clause that cannot be evaluated counts as absent; [`troubles`] has reported it.
 fn clause_priority(clause: &PriorityClause, task: &Task, view: &View<'_>, at: Time) -> Option<f64> {
     match clause {
         PriorityClause::Number(expr) => number(expr, view),
@@ -329,7 +329,7 @@ pub(crate) fn is_ranked(agent: &Agent, id: TaskId) -> bool {
 /// The value of an `interrupt-cost` clause.
 ///
 /// # Errors
-/// A message when it is no number.
+/// A message if it is not a number.
 pub(crate) fn interrupt_cost(expr: &Expr, context: &dyn EvalContext) -> Result<f64, String> {
     let value = evaluate(expr, context).map_err(|error| error.message)?;
     let number = value.as_number().map(|(number, _)| number);

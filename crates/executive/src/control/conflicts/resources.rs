@@ -20,7 +20,7 @@ use apex_model::value::Value;
 /// The needs that `profile` states.
 ///
 /// # Errors
-/// Message and place when a name or an amount cannot be evaluated, or an amount makes no sense for its resource.
+/// Message and place when a name or an amount cannot be evaluated, or an amount is invalid for its resource.
 pub(crate) fn needs(
     cycle: &mut Cycle<'_>,
     profile: &[ResourceNeed],
@@ -108,7 +108,7 @@ pub(crate) enum Release {
     Unused,
 }
 
-/// Returns the kind of release if the task's work ends by itself or fails: reservations for work that never began are free again.
+/// Returns the kind of release if the work ends without interruption or fails: reservations for work that never began are free again.
 pub(crate) fn at_the_end(cycle: &Cycle<'_>, id: TaskId) -> Release {
     let begun = cycle.task(id).and_then(|task| task.selection.as_ref()).is_some_and(|selection| selection.begun);
     if begun { Release::Used } else { Release::Unused }
@@ -171,7 +171,7 @@ pub(crate) fn release_one(cycle: &mut Cycle<'_>, id: TaskId, resource_id: Resour
     }
 }
 
-/// Does it matter to anybody that `id` leaves the resource? To who waits for it; and to who has it and has a rank too,
+/// Returns true if a task is affected when `id` leaves the resource: one that waits for it, or one that has it and has a rank too,
 /// because the priority of `id` may have counted for that one, and then no longer does where others wait for what it has.
 fn somebody_cares(cycle: &Cycle<'_>, id: TaskId, resource: ResourceId) -> bool {
     let Some(resource) = cycle.agent.resources.get(resource) else { return false };

@@ -30,7 +30,7 @@ pub(crate) enum UseKind {
     Held,
     /// Granted in this arbitration.
     Granted,
-    /// Claimed by an earlier claimant that is itself refused, which cannot go on before this instant if it is known.
+    /// Claimed by an earlier claimant that is itself refused, which cannot continue before this instant if it is known.
     Awaited(Option<Time>),
 }
 
@@ -47,7 +47,7 @@ pub(crate) fn has_room(agent: &Agent, total: f64, present: &[&Use], task: TaskId
     after <= total + TOLERANCE || after <= before + TOLERANCE
 }
 
-/// Is one of the users an ancestor of another? Where none is, everybody's use counts by itself.
+/// Returns true if one of the users is an ancestor of another. If none is, each use counts separately.
 pub(crate) fn any_related(agent: &Agent, present: &[&Use]) -> bool {
     let users: BTreeSet<TaskId> = present.iter().map(|each| each.task).collect();
     let parent = |id: TaskId| agent.task(id).and_then(|task| task.parent);

@@ -198,7 +198,7 @@ fn procedure_above(cycle: &Cycle<'_>, id: TaskId) -> Option<TaskId> {
     None
 }
 
-/// The task that the tag of a step stands for from now on.
+/// The task that the tag of a step names from now on.
 pub(crate) fn set_current(cycle: &mut Cycle<'_>, parent: TaskId, step: StepRef, task: TaskId) {
     let controller = cycle.agent.task_mut(parent).and_then(|task| task.controller.as_deref_mut());
     if let Some(Controller::Procedure(controller)) = controller

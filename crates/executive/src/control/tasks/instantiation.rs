@@ -75,7 +75,7 @@ pub(crate) fn create(cycle: &mut Cycle<'_>, seed: Seed) -> Result<TaskId, Cause>
 }
 
 /// Is there space for one more task, at this depth? For what handles a failure there is always: it takes the place of the
-/// work that failed, and there is one for each task at the most.
+/// work that failed, and there is one for each task at most.
 fn room(cycle: &Cycle<'_>, origin: Origin, depth: u32) -> Result<(), Cause> {
     let limits = &cycle.agent.limits;
     if matches!(origin, Origin::OnFailure(_)) {

@@ -40,7 +40,7 @@ fn stop(cycle: &mut Cycle<'_>, id: TaskId, trigger: Trigger, because: Because) {
     inheritance_changed(cycle, id);
 }
 
-/// The task stopped or goes on: what it brings to its descendants' priorities counts no longer, or again.
+/// The task stopped or continues: what it brings to its descendants' priorities counts no longer, or again.
 pub(crate) fn inheritance_changed(cycle: &mut Cycle<'_>, id: TaskId) {
     cycle.work.inheritance_changed |= cycle.task(id).is_some_and(Task::has_children);
 }
@@ -185,7 +185,7 @@ pub(crate) fn offer_children(cycle: &mut Cycle<'_>, id: TaskId) {
     }
 }
 
-/// Steps that claimed before the task stopped do not until it goes on: they are offered then.
+/// Steps that claimed before the task stopped do not until it continues: they are offered then.
 pub(crate) fn hold_children(cycle: &mut Cycle<'_>, id: TaskId) {
     let children = cycle.task(id).and_then(|task| task.controller.as_deref()).map(Controller::children);
     for child in children.unwrap_or_default() {
@@ -262,7 +262,7 @@ pub(crate) fn may_start_over(cycle: &Cycle<'_>, id: TaskId) -> bool {
     watches.any(|watch| watch.clause == Clause::RestartWhen)
 }
 
-/// The clauses of the step that the task was made from, if it has any; items and handlers have none of their own.
+/// The clauses of the step that the task was made from, if it has any; items and handlers have none.
 fn step_clauses(cycle: &Cycle<'_>, id: TaskId) -> Option<Transitions> {
     let task = cycle.task(id).filter(|task| task.clauses.has(StepClauses::TRANSITIONS))?;
     let is_step = matches!(task.origin, Origin::Step(_));
@@ -332,7 +332,7 @@ pub(crate) fn window_after(cycle: &Cycle<'_>, at: Time, answered: Option<u64>) -
 }
 
 /// The task's work is over before the task is: what its procedure watched is forgotten, with a suspension that the
-/// procedure brought about. What the step watches about ends, and about a suspension that goes on, stays.
+/// procedure brought about. What the step watches about ends, and about a suspension that continues, stays.
 pub(crate) fn forget_clauses(cycle: &mut Cycle<'_>, id: TaskId) {
     let by_procedure = cycle.task(id).is_some_and(|task| {
         let mut watches = task.monitors.iter().filter_map(|id| cycle.agent.watches.get(id.0));

@@ -4,7 +4,7 @@
 //! Reads: histories, evaluation context.
 //! Writes: the event part of a monitor.
 //! Bound: one bounded match per message.
-//! PDL: any list that is no known form; `(:atomic-episode ..)`.
+//! PDL: any list that is not a known form; `(:atomic-episode ..)`.
 //! Paper: Appendix B, atomic episodes.
 
 use crate::expression::{EvalContext, EvaluationError};
@@ -93,7 +93,7 @@ pub(crate) fn patterns<'a>(condition: &'a Condition, found: &mut Vec<&'a Pattern
     }
 }
 
-/// Puts messages that came before the window, and that nobody has answered, before what was found.
+/// Puts messages that came before the window, and that no step has answered, before what was found.
 pub(crate) fn hear(
     part: &mut EventPart,
     site: PartContext,

@@ -46,7 +46,7 @@ pub(crate) fn ended_result(part: &TaskEndedPart) -> Option<Satisfaction> {
     Some(Satisfaction { interval: (at, at), recognised_at: at, bindings: Bindings::new(), evidence })
 }
 
-/// Learns which task is meant; its present state counts if the part says so, and where a tag stands for another task now.
+/// Learns which task is meant; its present state counts if the part includes it, and if a tag names another task now.
 pub(crate) fn advance_state(
     part: &mut TaskStatePart,
     site: PartContext,

@@ -29,8 +29,8 @@ pub(crate) enum Kind {
     Delay,
 }
 
-/// Evaluates the instants again, until one of them was reached. An instant that cannot be told yet (the end of a task
-/// that goes on) is no error: it is not reached.
+/// Evaluates the instants again, until one of them was reached. An instant that is not known yet (the end of a task
+/// that continues) is not an error: it is not reached.
 pub(crate) fn advance(part: &mut TimePart, kind: Kind, site: PartContext, context: &dyn EvalContext) {
     if part.reached.is_some() {
         return;

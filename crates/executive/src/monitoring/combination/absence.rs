@@ -3,7 +3,7 @@
 //! Runs: whenever the verdict is asked, and at the instant at which the window is over.
 //! Reads: what the part has found, evaluation context.
 //! Writes: the absent part of a monitor.
-//! Bound: O(new results) per look; while it is in doubt, memory for results that a whole window lies between.
+//! Bound: O(new results) per look; while it is undecided, memory for results that a whole window lies between.
 //! PDL: `(:absent C :for D)`.
 //! Paper: Table 1 row 10 (not); `condition-rules.md`, rule 14.
 
@@ -82,7 +82,7 @@ pub(crate) fn is_done(part: &AbsentPart, site: PartContext) -> bool {
     site.keep == Keep::First && !part.found.is_empty()
 }
 
-/// Looks at what the part has found, after it has caught up with the present. The window is open at its start: it
+/// Considers the results of the part, after it has caught up with the present. The window is open at its start: it
 /// begins after the last result; what happens at the very instant at which it would be over prevents it.
 pub(crate) fn advance(
     part: &mut AbsentPart,
@@ -106,7 +106,7 @@ pub(crate) fn advance(
             || at_instants && rests_on_now(&part.part, &extent.result, query.now)
     };
     let goes_on = extents.passing.iter().any(lasts) && !planted::is(Bug::AbsentWhileItGoesOn);
-    // While the part goes on it is certain that nothing is absent; in doubt, nobody knows.
+    // While the part continues it is certainly not absent; while it is undecided, so is its absence.
     part.goes_on = goes_on;
     part.unknown = !goes_on && (extents.doubt || is_blind(&part.part));
     let quiet = !goes_on && !part.unknown;
@@ -125,7 +125,7 @@ pub(crate) fn advance(
     }
     let over = part.since + part.length;
     let waits = extents.passing.iter().filter_map(|extent| expires(&extent.result)).chain([over]);
-    // Doubt breaks absence of what holds at instants: the instant at which it comes is looked at.
+    // Doubt breaks absence of what holds at instants: the instant at which it comes is evaluated.
     let silent = if at_instants { part_results::silent_after(&part.part, query.now) } else { None };
     let waits = waits.chain(silent);
     part.decides_at = waits.chain(extents.changes_at).chain(query.wake).filter(|at| *at > query.now).min();
@@ -153,8 +153,8 @@ fn pass(part: &mut AbsentPart, extents: &part_results::PartResults, site: PartCo
     part.since_final = part.since_final.max(last.unwrap_or(part.since_final));
 }
 
-/// Keeps evidence that is looked at when it is known what else there was. What lies closer together than the length of
-/// the window is one; where there is too much of it, what comes last is taken for one, which is told.
+/// Keeps evidence that is evaluated when it is known what else there was. What lies closer together than the length of
+/// the window is one; where there is too much of it, what comes last is taken for one, which is reported.
 fn see(part: &mut AbsentPart, site: PartContext, found: Vec<(Time, Time)>, troubles: &mut ConditionFaults) {
     let mut seen = std::mem::take(&mut part.seen);
     seen.extend(found);

@@ -34,7 +34,7 @@ pub(crate) fn take(absent: &mut AbsentPart, query: &mut VerdictQuery<'_>) -> Par
     let (mut hull, mut all, mut open, mut doubt) = (None, Truth::True, false, false);
     for (each, reached) in composite.parts.iter_mut().zip(&mut absent.reached) {
         let found = found(each, query);
-        // What is final was known by the newest sample, before which no instant is looked at again.
+        // What is final was known by the newest sample, before which no instant is evaluated again.
         debug_assert!(found.settled.iter().all(|result| result.recognised_at <= query.now), "known before it came");
         *reached = found.settled.iter().fold(*reached, |hull, result| joined(hull, result.interval));
         let own = found.passing.iter().fold(*reached, |hull, extent| joined(hull, extent.result.interval));
@@ -53,7 +53,7 @@ pub(crate) fn take(absent: &mut AbsentPart, query: &mut VerdictQuery<'_>) -> Par
     together.doubt = match all {
         Truth::False => false,
         Truth::Unknown => true,
-        // What was found stays true; whether it goes on, only its episodes can say.
+        // What was found stays true; whether it continues, only its episodes can say.
         Truth::True => doubt,
     };
     if let Some(interval) = hull.filter(|_| all == Truth::True) {

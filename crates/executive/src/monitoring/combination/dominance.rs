@@ -61,8 +61,8 @@ pub(crate) fn keep_best(
     best
 }
 
-/// Of results that one to come could be related to, those that no other one stands for: one that every such result would
-/// be related to as well, that binds the same and that would be told before. Where the one to come begins is not known
+/// Of results that one to come could be related to, those that no other one represents: one that every such result would
+/// be related to as well, that binds the same and that would be reported before. Where the one to come begins is not known
 /// yet, so a result that ends first may fail where a later one holds.
 pub(crate) fn keep_first_choices(
     settled: &[Satisfaction],

@@ -1,5 +1,5 @@
 //! Interests (M&I)
-//! What: what a monitor must be told of, so that everything else costs it nothing.
+//! What: the stimuli that a monitor must receive, so that everything else costs it nothing.
 //! Runs: when a monitor is filed, and when a verdict has found out more.
 //! Reads: the monitor's tree.
 //! Writes: nothing.

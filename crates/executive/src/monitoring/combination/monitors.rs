@@ -99,7 +99,7 @@ fn hear_part(part: &mut Part, heard: &[Occurrence], context: &dyn EvalContext, t
     }
 }
 
-/// Finds out again which tasks the monitor is about: a tag stands for another one now.
+/// Finds out again which tasks the monitor is about: a tag names another one now.
 pub(crate) fn look_for_tasks(monitor: &mut Monitor, context: &dyn EvalContext) {
     let mut troubles = ConditionFaults::none(context);
     advance(&mut monitor.root, context, &mut troubles);

@@ -15,7 +15,7 @@ use apex_model::time::{Duration, Time};
 pub(crate) enum Point {
     /// It is this.
     Known(Time),
-    /// The end of a run that goes on: the first, if no sample continues it, else after the second.
+    /// The end of an open run: the first, if no sample continues it, else after the second.
     Growing(Time, Time),
     /// Of a result that is still to come: this or later.
     Coming(Time),
@@ -34,7 +34,7 @@ impl Span {
         Span { start: Point::Known(start), end: Point::Known(end) }
     }
 
-    /// A run that goes on, by samples that come after `after`.
+    /// An open run, continued by samples that come after `after`.
     pub(crate) fn growing((start, end): (Time, Time), after: Time) -> Span {
         Span { start: Point::Known(start), end: Point::Growing(end, after) }
     }

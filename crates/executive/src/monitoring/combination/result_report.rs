@@ -128,7 +128,7 @@ impl ResultCollector<'_> {
         query.used = Some(std::mem::take(&mut branch.used));
         let mut fresh = logic::results(part, query);
         branch.used = query.used.take().unwrap_or_default();
-        // Each window of an `:absent` is a result of its own.
+        // Each window of an `:absent` is a separate result.
         let once = !matches!(part.kind, PartKind::Absent(_));
         if branch.absence && once {
             fresh.retain(|result| !is_absence(result));
@@ -210,7 +210,7 @@ fn one_for_each_binding(fresh: &mut Vec<Satisfaction>) {
     fresh.retain(|result| seen.insert(bound(&result.bindings)));
 }
 
-/// The results of an episode that goes on.
+/// The results of an open episode.
 fn open_keys(part: &Part, query: &mut VerdictQuery<'_>) -> Vec<Key> {
     let open = match &part.kind {
         PartKind::Episode(leaf) => {

@@ -1,6 +1,6 @@
 //! Explanation of conditions (M&I)
 //! What: the parts of a condition that do not hold, with what is known about each and since when.
-//! Runs: when a person asks (`apex why`).
+//! Runs: on request (`apex why`).
 //! Reads: the monitor, histories, evaluation context.
 //! Writes: nothing.
 //! Bound: linear in the condition and in the objects it follows.

@@ -174,7 +174,7 @@ fn feed(
             troubles.reached(Limit::MonitorObjects, context, site.place);
             return;
         }
-        // Of the one object of a known variable nothing need be told apart.
+        // Of the one object of a known variable nothing need be distinguished.
         None => {
             let rank = if part.variable.is_some() { 0 } else { sample.sequence };
             ObjectRun { rank, ..ObjectRun::default() }
@@ -190,7 +190,7 @@ fn feed(
     }
 }
 
-/// Makes the newest sample part of the past, because one of a later instant, `next`, has come.
+/// Makes the newest sample part of the past, because one of a later instant, `next`, has arrived.
 fn settle(
     part: &mut EpisodePart,
     site: PartContext,
@@ -298,7 +298,7 @@ pub(crate) fn results(
         results.extend(judged.closed_by_time);
         results.extend(judged.found);
     }
-    // Those of one instant in the order in which their objects were heard of.
+    // Those of one instant in the order in which their objects were first known.
     let rank = |result: &Satisfaction| match result.evidence.iter().next() {
         Some(Evidence::Run { variable, .. }) => part.runs.get(&variable.object).map(|run| run.rank),
         _ => None,
@@ -307,7 +307,7 @@ pub(crate) fn results(
     results
 }
 
-/// The results of runs that go on: their intervals may still grow.
+/// The results of open runs: their intervals may still grow.
 pub(crate) fn open_results(
     part: &EpisodePart,
     site: PartContext,

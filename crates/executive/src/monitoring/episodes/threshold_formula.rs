@@ -30,7 +30,7 @@ struct Leaf {
     variable: StateVariable,
     /// It has an unused result; under `:not`, any result.
     counts: bool,
-    /// It is an alternative of its own: the end of its runs is told.
+    /// It is a separate alternative: the end of its runs is reported.
     alternative: bool,
     /// The result of the run that ended last, while the sample that ended it may be the newest.
     over: Option<Satisfaction>,
@@ -43,7 +43,7 @@ impl Leaves {
     }
 }
 
-/// The leaf as its part stands in the tree, and where.
+/// The leaf with its part in the tree and its position.
 #[derive(Clone, Copy, PartialEq)]
 enum LeafRole {
     /// Only `:or`s are above it.
@@ -133,7 +133,7 @@ pub(crate) fn bankable<'a>(monitor: &'a Monitor, context: &dyn EvalContext) -> O
         let PartKind::Episode(leaf) = &part.kind else { return None };
         let mut bankable = threshold_episode::of_part(part, context).filter(|_| part.keep == Keep::Every)?;
         bankable.wanted.negated = place == LeafRole::Negated;
-        // The first sample that contradicts it would not be told.
+        // The first sample that contradicts it would not be reported.
         if bankable.wanted.negated && bankable.run.is_none() {
             return None;
         }
@@ -177,7 +177,7 @@ pub(crate) fn stand_up(
     troubles.tell(monitor);
 }
 
-/// After a harvest in place: what counts from here on. All results are used up if the harvest has `told` any.
+/// After a harvest in place: what counts from here on. All results are used up if the harvest reported any.
 pub(crate) fn harvested(monitor: &Monitor, leaves: &mut Leaves, told: bool) {
     let alternatives = matches!(monitor.root.kind, PartKind::Or(_));
     let mut each = leaves.0.iter_mut();

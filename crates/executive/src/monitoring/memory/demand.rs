@@ -27,7 +27,7 @@ pub enum Subject {
 /// Amount of remembered data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reach {
-    /// So long before the newest.
+    /// A duration before the newest.
     Span(Duration),
     /// Everything, up to the hard limit.
     Unbounded,

@@ -24,11 +24,11 @@ use apex_model::value::Value;
 pub(crate) struct Recording {
     /// To be shown to the monitors interested; none when it changes nothing (repeated, missing, too late, refused).
     pub(crate) stimulus: Option<Stimulus>,
-    /// A sentence for the trace when the sample was refused or kept aside.
+    /// A message for the trace when the sample was refused or kept aside.
     pub(crate) trouble: Option<String>,
     /// Effect on the history; `None` if the measurement was refused.
     pub(crate) recorded: Option<Recorded>,
-    /// A sample that somebody may ask for was dropped for it, the first of its variable.
+    /// A sample that a condition may need was dropped for it, the first of its variable.
     pub(crate) overflows: bool,
 }
 
@@ -89,7 +89,7 @@ pub(crate) fn obey(histories: &mut Histories, demands: Vec<Demand>) {
     }
 }
 
-/// Puts a message into the memory of events. Also true when one that somebody may ask for was dropped for it, the first.
+/// Puts a message into the memory of events. Also true when one that a condition may need was dropped for it, the first.
 pub(crate) fn record_event(histories: &mut Histories, form: Value, at: Time, sequence: u64) -> (Stimulus, bool) {
     let overflows = histories.record_event(Occurrence { at, sequence, form: form.clone() });
     (Stimulus::Event { form, at, sequence }, overflows)

@@ -68,7 +68,7 @@ pub(crate) struct Survey<'a> {
     pub(crate) library: &'a Library,
     /// Index of the procedures, if it exists already.
     index: Option<&'a LibraryIndex>,
-    /// Nobody reads the texts of the demands.
+    /// The texts of the demands are not used.
     wordless: bool,
     demands: Vec<Demand>,
 }

@@ -38,7 +38,7 @@ const CYCLES_DEFAULT: u64 = 2;
 /// The part for a condition, not yet looked back. The hysteresis is evaluated now.
 ///
 /// # Errors
-/// When it cannot be, or is no number of the variable's unit.
+/// When it cannot be, or is not a number of the variable's unit.
 pub(crate) fn create(
     condition: &Arc<CyclicCondition>,
     context: &dyn EvalContext,
@@ -136,7 +136,7 @@ fn feed(
     state.newest = (sample.at, number);
 }
 
-/// Makes the newest sample of an object part of the past, because one of a later instant has come.
+/// Makes the newest sample of an object part of the past, because one of a later instant has arrived.
 fn settle(
     part: &mut CyclicPart,
     site: PartContext,
@@ -243,7 +243,7 @@ impl Judge<'_> {
         let (at, number) = state.newest;
         let Some(bindings) = &state.bindings else { return (swing, None) };
         if !number.is_finite() {
-            // What is no number interrupts every cycle.
+            // A value that is not a number interrupts every cycle.
             let Swing { dimension, contradicted, .. } = swing;
             return (Swing { dimension, contradicted, ..Swing::default() }, None);
         }
@@ -343,8 +343,8 @@ impl Judge<'_> {
     }
 }
 
-/// Takes a value in. The turning point that it reveals: an extreme that it has come back from by the hysteresis. The
-/// first extreme is none, because nobody knows what was before it.
+/// Takes a value in. The turning point that it reveals: an extreme from which it has returned by the hysteresis. The
+/// first extreme is none, because the values before it are unknown.
 fn turn(swing: &mut Swing, sample: Extreme, hysteresis: f64) -> Option<Extreme> {
     let highest = swing.highest.filter(|highest| highest.value >= sample.value).unwrap_or(sample);
     let lowest = swing.lowest.filter(|lowest| lowest.value <= sample.value).unwrap_or(sample);

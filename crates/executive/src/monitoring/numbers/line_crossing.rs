@@ -73,7 +73,7 @@ pub(crate) fn number_of(expr: &Expr, scale: Scale, context: &dyn EvalContext) ->
 /// The values that all `constraints` leave.
 ///
 /// # Errors
-/// When a side cannot be evaluated, or a constraint is no bound (the checker refuses those).
+/// When a side cannot be evaluated, or a constraint is not a bound (the checker refuses those).
 pub(crate) fn band(
     constraints: &[Constraint],
     scale: Scale,

@@ -170,7 +170,7 @@ impl Sampled for RegressionPart {
         fit_window(self, site)
     }
 
-    // It takes the place of one that does not stand apart any longer, since what is no number came after it.
+    // It takes the place of one that does not stand apart any longer, since a value that is not a number came after it.
     fn must_backfill(&self, sample: SampleView<'_>) -> bool {
         let fit = self.objects.get(&sample.variable.object);
         fit.is_some_and(|fit| fit.newest.is_none() && fit.last().map(|(at, _)| at) == Some(sample.at))
@@ -200,7 +200,7 @@ fn feed(
         fit.miss(sample.at);
         return troubles.add(no_number(sample, site));
     };
-    // What is not finite is a missing measurement here: it opens a gap. What is no number at all replaces nothing.
+    // What is not finite is a missing measurement here: it opens a gap. A value that is not a number replaces nothing.
     if number.is_nan() {
         return;
     }
@@ -269,7 +269,7 @@ pub(crate) enum Saying {
     WillBe(Time, f64, Line),
     /// It does not.
     Unmet(Line),
-    /// There is no line, or the window cannot be told.
+    /// There is no line, or the window is not known.
     Unknown(FitFailure),
 }
 
@@ -296,7 +296,7 @@ pub(crate) fn says(
         Time::BEGINNING => stated.from.unwrap_or(first_at),
         start => stated.from.map_or(start, |from| from.max(start)),
     };
-    // What lies after now is predicted only where the window says so.
+    // What lies after now is predicted only if the window includes it.
     let reach = Time(i64::MAX / 2);
     let Some((at, value)) = earliest(&line.moments, &wanted, from, stated.to.unwrap_or(reach.max(from))) else {
         return Ok(unmet(part, line, now));
@@ -338,7 +338,7 @@ pub(crate) fn says(
     Ok(Saying::Met(Satisfaction { interval: (first_at, last_at), recognised_at, bindings, evidence: evidence.into() }))
 }
 
-/// The line does not meet the constraints, or nobody knows since samples stopped coming.
+/// The line does not meet the constraints, or this is unknown since samples stopped coming.
 fn unmet(part: &RegressionPart, line: Line, now: Time) -> Saying {
     let gap = now.min(part.fit.1.unwrap_or(Time::END)) - line.last.0;
     match part.gap_max.filter(|most| gap > *most) {
@@ -383,7 +383,7 @@ pub(crate) fn in_doubt(part: &RegressionPart, site: PartContext, query: &mut Ver
 /// constraint is waited for.
 pub(crate) fn truth(part: &RegressionPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Truth {
     let sayings = all(part, site, query);
-    // An object that is not wanted was heard of, as for other conditions.
+    // An object that is not wanted was known, as for other conditions.
     let mut unknown = part.objects.values().all(|fit| fit.last().is_none());
     let mut met = false;
     for saying in sayings {

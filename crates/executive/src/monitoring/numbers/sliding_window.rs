@@ -1,5 +1,5 @@
 //! Sliding window (M&I)
-//! What: the numbers of the last so long, with their moments, as samples come and leave.
+//! What: holds the numbers of the latest interval of fixed length, with their moments, as samples come and leave.
 //! Runs: from statistics, on every sample.
 //! Reads: nothing.
 //! Writes: the window.
@@ -36,7 +36,7 @@ fn add(moments: &mut Moments, held: &mut HeldMoments, point: Point) {
     held.add(number, point.held);
 }
 
-/// Drops the numbers before `start`; `leaves` is told of each. Weights over time are kept where `holds` says so.
+/// Drops the numbers before `start`; `leaves` receives each. Weights over time are kept if `holds` is true.
 pub(crate) fn drop_before(window: &mut SlidingWindow, start: Time, holds: bool, mut leaves: impl FnMut(f64)) {
     loop {
         if window.front.is_empty() {

@@ -1,6 +1,6 @@
 //! Statistic runs (M&I)
-//! What: evaluates the criteria of an episode over a run, or over the window at its end, as samples and time go on.
-//! Runs: from statistics, for the past (a later sample has come) and for the present (a verdict is asked).
+//! What: evaluates the criteria of an episode over a run, or over the window at its end, as samples arrive and time passes.
+//! Runs: from statistics, for the past (a later sample has arrived) and for the present (a verdict is asked).
 //! Reads: the statistical part, evaluation context.
 //! Writes: the totals of a run, when a sample becomes past.
 //! Bound: amortised O(1) per sample; instants at which samples leave a window O(1) each.
@@ -125,7 +125,7 @@ pub(crate) enum CriteriaVerdict {
 
 /// Result of an evaluation.
 pub(crate) struct Evaluated {
-    /// The result that goes on holding.
+    /// The result that continues to hold.
     pub(crate) found: Option<Satisfaction>,
     /// Results that are over.
     pub(crate) over: Vec<Satisfaction>,
@@ -229,14 +229,14 @@ impl Evaluation<'_> {
         Ok(())
     }
 
-    /// Evaluates at an instant: a result begins, goes on or ends.
+    /// Evaluates at an instant: a result begins, continues or ends.
     fn step(&self, state: &NumberRun, at: Time, evaluated: &mut Evaluated) -> Result<(), EvaluationError> {
         let (outcome, result) = self.at(state, true, at, at)?;
         evaluated.outcome = outcome;
         match (result, &mut evaluated.found) {
             (None, found) => evaluated.over.extend(found.take()),
             (Some(result), None) => evaluated.found = Some(result),
-            // What goes on holding is one result, from the first sample of the run or of the first window on.
+            // A result that continues to hold is one result, from the first sample of the run or of the first window on.
             (Some(result), Some(found)) => {
                 let interval = (found.interval.0, result.interval.1);
                 *found = Satisfaction { interval, recognised_at: found.recognised_at, ..result };

@@ -146,7 +146,7 @@ fn feed(
     }
 }
 
-/// Makes the newest sample part of the past, because one of a later instant, `next`, has come.
+/// Makes the newest sample part of the past, because one of a later instant, `next`, has arrived.
 fn settle(
     part: &mut StatisticalPart,
     site: PartContext,
@@ -286,7 +286,7 @@ pub(crate) fn results(part: &StatisticalPart, site: PartContext, query: &mut Ver
         results.extend(evaluated.closed_by_time);
         results.extend(evaluated.found);
     }
-    // Those of one instant in the order in which their objects were heard of.
+    // Those of one instant in the order in which their objects were first known.
     let rank = |result: &Satisfaction| {
         let object = result.evidence.iter().find_map(|evidence| match evidence {
             Evidence::Run { variable, .. } => Some(&variable.object),
@@ -299,7 +299,7 @@ pub(crate) fn results(part: &StatisticalPart, site: PartContext, query: &mut Ver
     results
 }
 
-/// Results that grow as long as their statistics go on holding.
+/// Results that grow as long as their statistics hold.
 pub(crate) fn open_results(
     part: &StatisticalPart,
     site: PartContext,
@@ -387,7 +387,7 @@ pub(crate) fn standing(
     Evaluation { part, site, object, context: query.context }.standing(state, query.now)
 }
 
-/// One criterion in words: `mean = 3 does not satisfy (> 5)`.
+/// One criterion as text: `mean = 3 does not satisfy (> 5)`.
 pub(crate) fn judgement_words(
     criterion: &crate::state::monitors::numbers::Criterion,
     judgement: &CriterionResult,
@@ -400,7 +400,7 @@ pub(crate) fn judgement_words(
             format!("{name} {wanted} is false")
         }
         CriterionResult::Holds(value) => format!("{name} = {}", computed(value)),
-        // Only the level of significance has no constraints of its own.
+        // Only the level of significance has no constraints.
         CriterionResult::Fails(value) if wanted.is_empty() => {
             format!("such a slope comes by chance with probability {}", computed(value))
         }

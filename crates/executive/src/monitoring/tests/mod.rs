@@ -118,7 +118,7 @@ fn free(name: &str) -> Pattern {
 }
 
 /// A monitor with its world: time, histories, arrival numbers. Wherever a bank can watch the monitor, one does; a twin is
-/// told of everything, and must be in the same state whenever somebody asks.
+/// shown everything, and must be in the same state at every query.
 struct World {
     view: View,
     monitor: Monitor,
@@ -141,7 +141,7 @@ impl World {
         world
     }
 
-    /// Goes on with another monitor.
+    /// Continues with another monitor.
     fn watch(&mut self, condition: &Condition, window: Window) {
         self.monitor = create(condition, window, &self.view).unwrap();
         (self.told, self.bank) = (self.monitor.clone(), None);

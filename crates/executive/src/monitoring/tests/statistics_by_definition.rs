@@ -195,7 +195,7 @@ impl Wanted {
         if self.gap.is_none_or(|gap| end - newest > gap) {
             return false;
         }
-        // Weights over time change at every tick: only where samples come and leave are they looked at.
+        // Weights over time change at every tick: they are evaluated only where samples come and leave.
         let known: Vec<(i64, i64)> = samples.iter().copied().filter(|(at, _)| *at <= newest).collect();
         let run = self.run(&known);
         let Some(start) = run.first().map(|sample| sample.0) else { return false };

@@ -1,4 +1,4 @@
-//! Monitors that are told only of samples on their side of a bound say the same as monitors that are told of all.
+//! Monitors that receive only samples on their side of a bound give the verdicts of monitors that receive all.
 
 use super::*;
 use crate::state::clause::MonitorId;
@@ -73,7 +73,7 @@ fn samples() -> impl Strategy<Value = Vec<(i64, usize, Value, bool)>> {
     proptest::collection::vec((late, 0..2_usize, values(), proptest::bool::weighted(0.7)), 1..14)
 }
 
-/// The same monitor twice: `routed` is told what the table of interests says, `told` of everything.
+/// The same monitor twice: `routed` receives the stimuli of the table of interests, the other one everything.
 struct Pair {
     routed: Monitor,
     told: Monitor,

@@ -34,7 +34,7 @@ pub(super) fn traces(most: i64, present: u32) -> impl Strategy<Value = Trace> {
     })
 }
 
-/// They arrive, one after the other.
+/// They arrive in sequence.
 pub(super) fn tell(world: &mut World, trace: &[(i64, Option<i64>)]) {
     for (at, value) in trace {
         let value = value.map_or(Value::Real(f64::NAN), Value::Integer);

@@ -49,7 +49,7 @@ pub(crate) struct EventLogs {
 }
 
 impl EventLogs {
-    /// Somebody may ask for messages that begin with `head`, up to `lookback` before the newest of them.
+    /// A clause may need messages that begin with `head`, up to `lookback` before the newest of them.
     pub(crate) fn require(&mut self, head: &Symbol, lookback: Duration) {
         let slot = self.asked.entry(head.clone()).or_default();
         *slot = (*slot).max(lookback);
@@ -85,7 +85,7 @@ impl EventLogs {
         }
     }
 
-    /// Takes in a message, if somebody wants it; at most `most` of one first word are kept. True when one that is wanted
+    /// Takes in a message, if a clause needs it; at most `most` of one first word are kept. True when one that is wanted
     /// was dropped for it, and none was before.
     pub(crate) fn record(&mut self, event: &Occurrence, most: usize) -> bool {
         let Some(head) = event.head().filter(|head| self.logs.contains_key(*head)) else { return false };
@@ -108,7 +108,7 @@ impl EventLogs {
         wanted
     }
 
-    /// Messages that begin with `head`, oldest first, and whether all of them since `start` are there; none where nobody asked
+    /// Messages that begin with `head`, oldest first, and whether all of them since `start` are there; `None` without a demand
     /// for them before.
     pub(crate) fn of<'a>(
         &'a self,

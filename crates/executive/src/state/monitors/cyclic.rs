@@ -88,7 +88,7 @@ pub struct Swing {
     pub last: Option<(Time, Time, f64)>,
 }
 
-/// Cycles one after the other that all satisfy the constraints.
+/// Successive cycles that all satisfy the constraints.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CycleRun {
     /// The first turning point.
@@ -99,6 +99,6 @@ pub struct CycleRun {
     pub halves: u64,
     /// Sum of the amplitudes of all cycles that begin at one of its turning points, SI.
     pub amplitudes: f64,
-    /// It has been told.
+    /// It has been reported.
     pub told: bool,
 }

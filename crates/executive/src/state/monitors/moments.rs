@@ -215,7 +215,7 @@ pub struct HeldMoments {
 }
 
 impl HeldMoments {
-    /// Adds a value that held for so long.
+    /// Adds a value that held for this duration.
     pub fn add(&mut self, number: f64, held: Duration) {
         if held > Duration::ZERO {
             self.merge(&HeldMoments { weight_ns: held.0 as f64, anchor: number, mean: 0.0, spread: 0.0 });

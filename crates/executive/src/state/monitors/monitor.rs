@@ -25,7 +25,7 @@ pub use crate::state::monitors::parts::{
     AbsentPart, AllenPart, Chain, EventPart, FunctionPart, Side, TaskEndedPart, TaskStatePart, TimePart,
 };
 
-/// From when on evidence counts.
+/// Instant from which evidence counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Window {
     /// The first instant that counts; closed.
@@ -93,7 +93,7 @@ pub enum Interest {
 pub struct Monitor {
     /// Instant of its creation.
     pub created_at: Time,
-    /// From when on evidence counts.
+    /// Instant from which evidence counts.
     pub window: Window,
     /// The condition's tree.
     pub root: Part,
@@ -110,7 +110,7 @@ pub struct Notes {
     pub delay_over_at: Option<Time>,
     /// Errors met while judging, not yet reported.
     pub troubles: Vec<ConditionFault>,
-    /// Errors already reported: each is told once.
+    /// Errors already reported: each is reported once.
     pub told: Vec<ConditionFault>,
 }
 
@@ -139,7 +139,7 @@ pub struct Part {
     pub tag: Option<Symbol>,
     /// Position in the PDL text.
     pub place: Place,
-    /// From when on evidence counts.
+    /// Instant from which evidence counts.
     pub window: Window,
     /// Remembered results.
     pub keep: Keep,
@@ -180,7 +180,7 @@ pub enum PartKind {
     Not(Box<Part>),
     /// An instant, or a span of instants, has arrived.
     Timestamp(Box<TimePart>),
-    /// So long after the window's start.
+    /// A duration after the window's start.
     Delay(Box<TimePart>),
     /// Each part has an Allen relation to the next.
     Allen(Box<AllenPart>),
@@ -197,7 +197,7 @@ pub struct Composite {
     pub parts: Vec<Part>,
     /// All must be true of a combination of results.
     pub constraints: Vec<Expr>,
-    /// Results of the parts must be combined: they share variables, or stand under constraints or an order.
+    /// Results of the parts must be combined: they share variables, or have constraints or an order.
     pub combines: bool,
     /// The variables that occur in more than one part.
     pub shared: Vec<Symbol>,
@@ -248,7 +248,7 @@ pub struct MeasurementPart {
     pub seen: Option<Box<SeenSamples>>,
 }
 
-/// Samples that a measurement condition was told of.
+/// Samples that a measurement condition has received.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SeenSamples {
     /// Results that no later arrival of the same instant can take back.
@@ -258,7 +258,7 @@ pub struct SeenSamples {
 }
 
 /// The newest samples of the objects that a measurement condition follows. One that follows a known variable is not
-/// told of samples that cannot satisfy it; what it missed stands in the variable's history.
+/// shown samples that cannot satisfy it; the samples that it missed are in the variable's history.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Newest {
     /// No sample yet.
@@ -360,11 +360,11 @@ pub struct EpisodePart {
     pub tests: Tests,
     /// The state variable when its object is known, else none.
     pub variable: Option<StateVariable>,
-    /// The greatest gap between samples; none is no constraint.
+    /// The greatest gap between samples; `None` does not constrain.
     pub gap_max: Option<Duration>,
-    /// The run lasts at least so long; one tick more than D for `(> D)`.
+    /// Minimum duration of the run; one tick more than D for `(> D)`.
     pub duration_min: Duration,
-    /// Some constraint on end or duration is no lower bound: it is decided when the run is over.
+    /// True if a constraint on end or duration is not a lower bound: it is decided when the run is over.
     pub at_close: bool,
     /// Any two samples of a run bound an episode, not only the whole run.
     pub any_pair: bool,

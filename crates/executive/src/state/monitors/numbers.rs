@@ -80,13 +80,13 @@ pub struct StatisticalPart {
     pub variable: Option<StateVariable>,
     /// The dimension of the values, as soon as it is known.
     pub dimension: Option<Dimension>,
-    /// The greatest gap between samples; none is no constraint.
+    /// The greatest gap between samples; `None` does not constrain.
     pub gap_max: Option<Duration>,
     /// The least duration; of a sliding window the duration.
     pub duration_min: Duration,
     /// Evaluated over a window of `duration_min`, not over the whole run.
     pub slides: bool,
-    /// Some constraint on end or duration is no lower bound: the run is evaluated when it is over.
+    /// True if a constraint on end or duration is not a lower bound: the run is evaluated when it is over.
     pub at_close: bool,
     /// The window reaches before the oldest sample that was kept when the monitor was made.
     pub blind: bool,
@@ -121,7 +121,7 @@ pub struct NumberRun {
 pub struct NumberSample {
     /// Its instant.
     pub at: Time,
-    /// Its value in SI; none when it is no finite number.
+    /// Its value in SI; `None` if it is not a finite number.
     pub number: Option<f64>,
     /// Bindings, if it satisfies the value constraints.
     pub holds: Option<Bindings>,
@@ -172,7 +172,7 @@ pub struct Totals {
 pub struct Point {
     /// Its instant.
     pub at: Time,
-    /// Its value; none where it is no finite number, which is in the window and in no statistic.
+    /// Its value; `None` if it is not a finite number, which is in the window and in no statistic.
     pub number: Option<f64>,
     /// Until the next sample.
     pub held: Duration,
@@ -259,7 +259,7 @@ pub struct RegressionPart {
 }
 
 /// Samples of one object within the fit interval. The newest stands apart, because a later arrival of its instant may
-/// still replace it, also by what is no number.
+/// still replace it, also by a value that is not a number.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Fit {
     /// Order of the object's first appearance.
@@ -270,7 +270,7 @@ pub struct Fit {
     pub first: f64,
     /// The last value of `moments`.
     pub before: f64,
-    /// The newest sample; none where what is no number has taken its place.
+    /// The newest sample; `None` if a value that is not a number has taken its place.
     pub newest: Option<(Time, f64)>,
     /// Bindings of the object; `None` if it is not wanted.
     pub bindings: Option<Bindings>,

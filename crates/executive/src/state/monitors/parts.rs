@@ -16,7 +16,7 @@ use std::sync::Arc;
 pub struct AllenPart {
     /// The relation that each part has to the next.
     pub relation: AllenRelation,
-    /// End points that are no further apart than this are equal; `less` means earlier by more than this.
+    /// End points that are at most this far apart are equal; `less` means earlier by more than this.
     pub tolerance: Duration,
     /// The parts in written order.
     pub parts: Vec<Part>,
@@ -28,9 +28,9 @@ pub struct AllenPart {
     pub shares: bool,
     /// Results that nothing can change any longer; the first where one is enough.
     pub found: Vec<Chain>,
-    /// Results in which a run goes on, as last looked at.
+    /// Results with an open run, as last evaluated.
     pub passing: Vec<Chain>,
-    /// Results of parts stand so that only the end of a run that goes on can decide.
+    /// Results of parts stand so that only the end of an open run can decide.
     pub undecided: bool,
     /// Next instant at which time alone can decide: a run without samples is over, or a delay within a part.
     pub decides_at: Option<Time>,
@@ -52,7 +52,7 @@ pub struct Side {
     pub settled: Vec<Satisfaction>,
     /// Number of results that were ever final.
     pub count: u64,
-    /// The newest result, for explanations, and whether its run goes on.
+    /// The newest result, for explanations, and whether its run is open.
     pub newest: Option<((Time, Time), bool)>,
     /// The number of kept results at which those of no more use are looked for.
     pub sweep_at: usize,
@@ -73,12 +73,12 @@ pub struct AbsentPart {
     pub goes_on: bool,
     /// The data do not say whether the part holds.
     pub unknown: bool,
-    /// Since when the part, which holds at instants (`:not`, `:function`, a line), has done so or was in doubt at every look:
-    /// absence begins with the look at which it does not.
+    /// Since when the part, which holds at instants (`:not`, `:function`, a line), has held or was undecided at every evaluation:
+    /// absence begins with the evaluation at which it does not.
     pub broken: Option<Time>,
     /// Spans of the parts of an `:and` whose results all fit together: instead of their final results.
     pub reached: Vec<Option<(Time, Time)>>,
-    /// Evidence of the part that came while it went on or was in doubt: windows between are judged when that is over.
+    /// Evidence of the part that came while it held or was undecided: windows between are judged when that is over.
     pub seen: Vec<(Time, Time)>,
     /// The start of the newest window that passed without it.
     pub told: Option<Time>,
