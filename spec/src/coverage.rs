@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// A row: a construct as it is written, and a page on which it stands so.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Row {
-    /// The text to be found in a program of the page; `..` stands for anything.
+    /// The text to be found in a program of the page; `..` matches anything.
     pub construct: String,
     /// The page below `spec/`, without `.md`.
     pub page: String,

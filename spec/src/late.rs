@@ -1,11 +1,11 @@
-//! Inputs that come late. A line with `"came": 16` is heard of at 16 s, whatever its `"t"`: the vehicle's link held it back.
+//! Inputs that come late. A line with `"came": 16` arrives at 16 s, whatever its `"t"`: the vehicle's link held it back.
 
 use apex_model::time::Time;
 use apex_runtime::input_lines::{InputErrors, read_inputs};
 use apex_runtime::ports::Input;
 use serde_json::Value as Json;
 
-/// A page's inputs, told apart by who brings them.
+/// A page's inputs, separated by their source.
 #[derive(Debug, Default, PartialEq)]
 pub struct Inputs {
     /// Inputs that arrive at their time.

@@ -17,7 +17,7 @@ pub enum VehicleManner {
     /// Acknowledges each one at once.
     #[default]
     Prompt,
-    /// Acknowledges each one after so long.
+    /// Acknowledges each one after this time.
     Slow(Duration),
     /// Refuses each one, with this reason.
     Refuses(String),
@@ -28,12 +28,12 @@ pub enum VehicleManner {
 /// Response of the planner to requests.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum PlannerManner {
-    /// No planner is at hand.
+    /// No planner is available.
     #[default]
     Absent,
-    /// Answers each request after so long with these activities.
+    /// Answers each request after this time with these activities.
     Plans(Duration, Vec<Value>),
-    /// Gives up after so long, with this reason.
+    /// Finds no plan after this time, with this reason.
     Fails(Duration, String),
 }
 
@@ -73,7 +73,7 @@ impl PlannerManner {
     }
 }
 
-/// Stands in for a vehicle.
+/// Test double of a vehicle.
 #[derive(Debug, Default)]
 pub struct PageVehicle {
     manner: VehicleManner,
@@ -119,7 +119,7 @@ impl Vehicle for PageVehicle {
     }
 }
 
-/// Stands in for planners.
+/// Test double of planners.
 #[derive(Debug, Default)]
 pub struct PagePlanner(pub PlannerManner);
 

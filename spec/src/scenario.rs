@@ -33,7 +33,7 @@ pub struct Scenario {
     pub options: String,
 }
 
-/// The run of the scenario with everything it told.
+/// Runs the scenario and returns everything that it reported.
 ///
 /// # Errors
 /// The checker's messages, a bad input line or a bad option; a task that could not say what it waited for. A run that

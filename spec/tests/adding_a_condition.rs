@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The form, and files of its own, have this in their names.
+/// Names of the form and of its files contain this.
 const FORM: &str = "cyclic";
 /// The lines that a form may need elsewhere.
 const LINES_MAX: usize = 60;

@@ -1,5 +1,5 @@
 //! The interruption matrix: every cell of {holder, challenger} x {higher, equal, lower} x {arrives before, with, after} x
-//! {behaviour} stands on a page of `interruption/`, and the program there is what the cell says.
+//! {behaviour} is on a page of `interruption/`, and the program there is what the cell says.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops where it is surprised")]
 
@@ -59,7 +59,7 @@ impl Observer for Log {
     }
 }
 
-/// The scenario that stands under `## The {subject}`, `### The challenger arrives {arrival}`.
+/// The scenario below `## The {subject}`, `### The challenger arrives {arrival}`.
 fn cell(text: &str, subject: &str, arrival: &str) -> Option<Scenario> {
     let lines: Vec<&str> = text.lines().collect();
     let find = |heading: String, from: usize| {
@@ -75,7 +75,7 @@ fn cell(text: &str, subject: &str, arrival: &str) -> Option<Scenario> {
     let end =
         lines.iter().skip(start + 1).position(|line| line.starts_with('#')).map_or(lines.len(), |n| n + start + 1);
     let prose = lines.get(start + 1..end)?.iter().find(|line| !line.is_empty())?;
-    assert!(!prose.starts_with("```"), "the cell says nothing in words");
+    assert!(!prose.starts_with("```"), "the cell has no prose");
     let inside = |line: usize| (start + 1..=end).contains(&line);
     let runs = verdict::scenarios(text).into_iter();
     let (_, scenario) = runs.filter(|(block, _)| block.kind == "trace").find(|(block, _)| inside(block.line))?;
@@ -132,7 +132,7 @@ fn meets(log: &Log, subject: &str, behaviour: &str) -> bool {
             let clause = Clause::EndWhen.word().to_string();
             after_interruption(TaskState::Terminated) && log.satisfied.contains(&(subject.to_string(), clause))
         }
-        // The task goes on with what handles the failure.
+        // The task continues with the handler of its failure.
         _ => after_interruption(TaskState::Ongoing) && log.states.iter().any(|(tag, _)| tag == "alarm"),
     }
 }

@@ -49,10 +49,10 @@ impl WorldConfig {
         }
     }
 
-    /// Checks everything that a person may have written.
+    /// Checks everything that a user may have written.
     ///
     /// # Errors
-    /// A sentence that names what is wrong.
+    /// A message that names the invalid value.
     pub(crate) fn check(&self) -> Result<(), String> {
         self.model.validate(&self.model.name).map_err(|error| error.to_string())?;
         if self.vehicle.trim().is_empty() {
@@ -225,7 +225,7 @@ pub struct NamedPlace {
     pub altitude_m: Option<f64>,
 }
 
-/// Something that happens by itself at its time.
+/// A scripted event at its time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ScheduledEvent {
     /// Instant of publication.

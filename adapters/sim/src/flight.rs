@@ -99,7 +99,7 @@ pub(crate) struct ActiveOrder {
     pub(crate) joins: u32,
     /// The vehicle was on the line when it was commanded: no turn leads onto it.
     pub(crate) at_once: bool,
-    /// The join was planned anew after the first turn.
+    /// The join was planned again after the first turn.
     pub(crate) planned_straight: bool,
     /// Number of times that the vehicle missed the place of a fly-to, and whether the place is behind it since.
     pub(crate) misses: u32,

@@ -17,7 +17,7 @@ const JOINS_MAX: u32 = 2;
 /// Accuracy with which a path must end on a line.
 const LINED_UP_ACROSS_M: f64 = 400.0;
 const LINED_UP_RAD: f64 = 0.35;
-/// Closer to the turn than this it is not planned anew.
+/// Closer to the turn than this it is not planned again.
 const REPLAN_M: f64 = 1_000.0;
 /// A fixed wing has reached a place when it passes it no farther away than this.
 const PLACE_M: f64 = 200.0;
@@ -154,7 +154,7 @@ impl ActiveOrder {
         if self.passed(join.tangent, distance_m, here) {
             return Some(Stage::Turn(join));
         }
-        // The first turn moves the vehicle aside; once it flies straight, the join is planned anew from there.
+        // The first turn moves the vehicle aside; once it flies straight, the join is planned again from there.
         let straight = wrap_pi(azimuth_rad - here.state.track_rad()).abs() < 0.05 && here.state.bank_rad.abs() < 0.05;
         if self.planned_straight || !straight || distance_m < REPLAN_M {
             return None;

@@ -178,7 +178,7 @@ pub(crate) fn location(state: &State) -> Value {
     Value::List(numbers.map(Value::Real).into())
 }
 
-/// `number` to the nearest part of `parts` in one; never minus zero, which people do not expect to read.
+/// `number` to the nearest part of `parts` in one; never minus zero, which users do not expect.
 fn rounded(number: f64, parts: f64) -> f64 {
     libm::round(number * parts) / parts + 0.0
 }

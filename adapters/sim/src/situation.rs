@@ -54,7 +54,7 @@ impl Situation<'_> {
         }
     }
 
-    /// The circle it flies when it was told none.
+    /// The circle it flies without a command.
     pub(crate) fn loiter_radius_m(&self) -> f64 {
         self.model.turns.circle_width * self.turn_radius_m()
     }

@@ -1,4 +1,4 @@
-//! The ground under the vehicle: only the patches near it are looked at, chosen anew when it has moved on.
+//! The ground under the vehicle: only the patches near it are read, chosen again when it has moved on.
 
 use crate::config::Ground;
 use crate::geodesic::bearing;

@@ -84,7 +84,7 @@ impl Turbulence {
         (self.random, self.wander) = (random, wander);
     }
 
-    /// The vehicle stands on the ground: nothing moves it.
+    /// The vehicle is on the ground: nothing moves it.
     pub(crate) fn rest(&mut self) {
         (self.roll_rad, self.roll_rate_rad_s, self.bump_m_s2) = (0.0, 0.0, 0.0);
     }

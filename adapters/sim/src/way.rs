@@ -86,7 +86,7 @@ impl Way {
         ahead().zip(ahead().skip(1)).map(|(from, to)| bearing(from.position, to.position).1).sum()
     }
 
-    /// Goes on to the leg on which the vehicle is now. False when the whole way is flown.
+    /// Advances to the leg on which the vehicle is now. False when the whole way is flown.
     pub(crate) fn advance(&mut self, here: &Situation) -> bool {
         while let Some(point) = self.points.get(self.next) {
             let left_m = self.distances_m(here.state.position).0;

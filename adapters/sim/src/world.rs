@@ -86,7 +86,7 @@ pub struct SimulatedWorld {
     pub(crate) reporter: Option<Reporter>,
     /// Nothing changes: the next step may be long.
     pub(crate) settled: bool,
-    /// Something happened in flight that is worth a packet at once.
+    /// Something happened in flight that is sent in a packet at once.
     pub(crate) changed: bool,
     pub(crate) crashed: bool,
     pub(crate) home: Position,
@@ -96,7 +96,7 @@ impl SimulatedWorld {
     /// Sets up the world of `config` at mission time zero.
     ///
     /// # Errors
-    /// A sentence that says what about the configuration is impossible.
+    /// A message that names the impossible part of the configuration.
     pub fn new(config: WorldConfig) -> Result<SimulatedWorld, String> {
         config.check()?;
         let WorldConfig { vehicle, model, start, seed, wind, ground, modems, places, mut events } = config;

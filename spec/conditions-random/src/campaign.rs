@@ -45,7 +45,7 @@ impl Outcome {
         }
     }
 
-    /// Adds what came of others.
+    /// Adds the totals of others.
     pub fn join(&mut self, other: &Outcome) {
         self.same += other.same;
         self.satisfied += other.satisfied;

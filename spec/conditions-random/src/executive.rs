@@ -94,13 +94,13 @@ impl<'a> Watch<'a> {
         Ok(Watch { session, id, question, handed: 0 })
     }
 
-    /// Hands over what arrives up to `now`, without saying that time goes on.
+    /// Hands over what arrives up to `now`, without advancing time.
     pub fn hand(&mut self, now: Time) {
         while let Some(arrival) = self.question.arrivals.get(self.handed).filter(|arrival| arrival.arrives <= now) {
             self.handed += 1;
             let at = time::Time(arrival.at);
             if arrival.at < arrival.arrives {
-                // Something that nobody waits for brings time to where the late one comes.
+                // A message without a receiver brings time to where the late one comes.
                 self.session.event(Value::list([Value::symbol("tick")]), time::Time(arrival.arrives));
             }
             match &arrival.what {

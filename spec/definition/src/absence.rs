@@ -6,8 +6,8 @@ use crate::value::{Bindings, Value};
 use crate::verdict::Question;
 use crate::ways::{Interval, Runs, View, Way, Ways};
 
-/// Rule 14: a whole span passed without the part. What has passed has passed: a span that was quiet when it was looked at
-/// stays so when nobody knows any more what comes after it.
+/// Rule 14: a whole span passed without the part. What has passed has passed: a span that was quiet when it was judged
+/// stays so when it is unknown what comes after it.
 pub(crate) fn ways(part: &Condition, span: Span, view: View<'_>) -> Ways {
     if at_instants(part) {
         return of_instants(part, span, view);
@@ -44,7 +44,7 @@ fn is_judged_again(part: &Condition, view: View<'_>) -> bool {
 /// the first sample from after the instant. Also returns the earliest sample that came since: a span that reached it is not known to
 /// have passed any longer.
 fn known_of(part: &Condition, then: Time, again: bool, view: View<'_>) -> (Past, Option<Time>) {
-    // What a function said at an instant nobody can ask again: the instant is judged by what was known then.
+    // What a function said at an instant cannot be queried again: the instant is judged by what was known then.
     if asks_functions(part) {
         return (known(&view.question.arrivals, &view.question.lateness, then.min(view.past.known_at)), None);
     }
@@ -175,8 +175,8 @@ struct Quiet {
 
 /// The spans without the part up to now. One begins with the creation, or after evidence of the part.
 fn quiet_spans(part: &Condition, span: Span, view: View<'_>) -> Quiet {
-    // The whole run of an episode counts, and a value as long as it persists: while they go on nothing is absent, and
-    // while nobody knows whether they do, nobody knows.
+    // The whole run of an episode counts, and a value as long as it persists: while they continue nothing is absent, and
+    // while it is unknown whether they do, absence is unknown.
     let against = crate::ways::ways(part, View { runs: Runs::Whole, ..view });
     if against.all.iter().any(|way| way.open || way.lasts == Some(view.now)) {
         return Quiet { found: Ways::default(), decided: false };

@@ -1,4 +1,4 @@
-//! Episodes with statistics or trends: not monotone, so every end of a run is looked at (rule 13).
+//! Episodes with statistics or trends: not monotone, so every end of a run is evaluated (rule 13).
 
 use crate::condition::{Episode, Relation, Span, Time};
 use crate::episode::{Run, held};
@@ -64,7 +64,7 @@ fn wanted(episode: &Episode) -> Span {
     least.max().unwrap_or(0)
 }
 
-/// Every sample's instant; and where a gap licenses that time goes on, where the length is reached or a sample leaves.
+/// Every sample's instant; and where a gap licenses the passing of time, where the length is reached or a sample leaves.
 /// What is weighted by time moves between them too, but is judged at these instants only.
 fn ends(episode: &Episode, run: &Run<'_>, view: View<'_>) -> Vec<Time> {
     let wanted = wanted(episode);

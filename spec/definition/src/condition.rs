@@ -31,9 +31,9 @@ pub enum Kind {
     Or(Vec<Condition>),
     /// No result so far.
     Not(Box<Condition>),
-    /// No result for so long.
+    /// No result for this duration.
     Absent(Box<Condition>, Span),
-    /// One after the other.
+    /// In sequence.
     InOrder(Vec<Condition>, Vec<Test>),
     /// A relation between neighbours.
     Allen {
@@ -46,7 +46,7 @@ pub enum Kind {
         /// Tests of tags.
         tests: Vec<Test>,
     },
-    /// At least so long after; not longer than.
+    /// At least this long after; not longer than.
     Delay(Span, Option<Span>),
     /// The instant has arrived; the interval has been reached.
     Timestamp(Time, Option<Time>),
@@ -112,7 +112,7 @@ pub struct Episode {
     pub first_value: Vec<Constraint>,
     /// Holds of the last value.
     pub last_value: Vec<Constraint>,
-    /// The largest gap; none is no constraint.
+    /// The largest gap; `None` does not constrain.
     pub gap: Option<Span>,
     /// Tests of the first instant.
     pub start: Vec<(Relation, Time)>,
@@ -129,7 +129,7 @@ pub struct Episode {
 /// Values assumed between and beyond samples.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Estimation {
-    /// The last value, at most for so long.
+    /// The last value, at most for this duration.
     Persist(Option<Span>),
     /// A line.
     Regression(Regression),

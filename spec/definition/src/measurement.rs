@@ -65,7 +65,7 @@ pub(crate) fn ways(measurement: &Measurement, view: View<'_>) -> Ways {
             }
         }
     }
-    // Where no sample is valid any more nobody knows the value.
+    // If no sample is valid any longer the value is unknown.
     if let Some(Estimation::Persist(timeout)) = &measurement.estimation {
         let valid = |series: &Series| {
             series.samples.last().is_some_and(|newest| timeout.is_none_or(|timeout| view.now - newest.at <= timeout))

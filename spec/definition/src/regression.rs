@@ -77,7 +77,7 @@ fn says(measurement: &Measurement, options: &Regression, series: &Series, bound:
     {
         return Saying::Unknown;
     }
-    // The window: from the creation, or as its bounds say; what lies after now is foretold where they say so.
+    // The window: from the creation, or as its bounds say; what lies after now is predicted where they include it.
     let (least, most) = window(&measurement.timestamp);
     let from = least.unwrap_or(if measurement.timestamp.is_empty() { view.created } else { first.at });
     let reaches = |value: f64| (mean_t + (value - mean_v) / slope) * 1e9 + first.at as f64;
@@ -98,7 +98,7 @@ fn says(measurement: &Measurement, options: &Regression, series: &Series, bound:
     if options.gap_max.is_some_and(|most| known - last.at > most) {
         return unmet();
     }
-    // It is there as long as the line says so.
+    // It is there as long as the line predicts it.
     let way = Way::over((first.at, last.at), known.max(view.created), bound.clone());
     Saying::Meets(Way { instant: true, ..way })
 }

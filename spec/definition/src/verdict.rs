@@ -64,7 +64,7 @@ pub fn judge(question: &Question, now: Time) -> Verdict {
     }
 }
 
-/// The way that is told of several that are known now: of the alternatives of an outermost `:or` the first that is true;
+/// The way that is reported of several that are known now: of the alternatives of an outermost `:or` the first that is true;
 /// else the first to be known had nothing come late.
 fn told_first(condition: &Condition, view: View<'_>) -> Option<Way> {
     let Kind::Or(parts) = &condition.kind else { return ways(condition, view).all.into_iter().next() };

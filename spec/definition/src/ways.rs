@@ -14,7 +14,7 @@ pub type Interval = (Time, Time);
 pub(crate) struct Way {
     /// First and last evidence; none if nothing was needed.
     pub(crate) hull: Option<Interval>,
-    /// The evidence may still go on.
+    /// The evidence may still continue.
     pub(crate) open: bool,
     /// Up to when what it rests on persists beyond its evidence; none if nothing persists.
     pub(crate) lasts: Option<Time>,
@@ -94,7 +94,7 @@ pub(crate) struct Ways {
     pub(crate) all: Vec<Way>,
     /// Reason if the way is unknown.
     pub(crate) unknown: Option<String>,
-    /// Nobody knows whether something of it goes on, or holds, also where there are ways.
+    /// It is unknown whether a part of it continues or holds, also where there are ways.
     pub(crate) doubt: bool,
 }
 
@@ -329,7 +329,7 @@ fn timestamp(from: Time, to: Option<Time>, view: View<'_>) -> Ways {
 
 /// `(:function (REL (current-value 'ATTRIBUTE 'OBJECT) NUMBER))`: holds at this instant.
 fn function((attribute, object): (&str, &str), relation: Relation, number: f64, view: View<'_>) -> Ways {
-    // What it said at an instant it said of what was known then; nobody can ask it again.
+    // What it said at an instant it said of what was known then; it cannot be queried again.
     let past = known(&view.question.arrivals, &view.question.lateness, view.now);
     let series = past.variables.iter().find(|each| each.attribute == attribute && each.object == object);
     let newest = series.and_then(|series| series.samples.last()).map(|sample| &sample.value);

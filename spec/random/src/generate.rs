@@ -272,7 +272,7 @@ impl Maker<'_> {
         Hooks { on_start: some(), on_end: some(), on_suspend: some(), on_resume: some() }
     }
 
-    /// A form that can stand in any hook.
+    /// A form that any hook may contain.
     fn form(&mut self, about: Option<&str>) -> Form {
         match self.dice.below(6) {
             0 => Form::Publish("x".into(), "v".into(), number(self.dice.below(6))),

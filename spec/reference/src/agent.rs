@@ -11,9 +11,9 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 /// Rounds of one instant before it is called restless.
 const ROUNDS_MAX: u32 = 120;
-/// Tasks of one run before it is not followed any more.
+/// Tasks of one run before it is not followed any longer.
 const TASKS_MAX: usize = 300;
-/// Tasks made at one instant before it is not followed any more: all compete with all in every round.
+/// Tasks made at one instant before it is not followed any longer: all compete with all in every round.
 const TASKS_PER_INSTANT_MAX: usize = 100;
 
 /// An input: a message or a measurement.
@@ -82,7 +82,7 @@ pub(crate) struct Agent<'p> {
     pub(crate) samples: Vec<Sample>,
     pub(crate) moves: Vec<Move>,
     pub(crate) changes: Vec<Change>,
-    /// The number of the first message or sample that nobody has noticed.
+    /// The number of the first message or sample that no task has noticed.
     pub(crate) noticed: u64,
     /// The number of the next message or sample.
     pub(crate) arrivals: u64,
@@ -92,7 +92,7 @@ pub(crate) struct Agent<'p> {
     pub(crate) totals: BTreeMap<String, f64>,
     /// Tasks that became ongoing in this round, in order.
     pub(crate) starting: Vec<usize>,
-    /// Tasks that go on in the next round unless they start over.
+    /// Tasks that continue in the next round unless they start over.
     pub(crate) resuming: BTreeSet<usize>,
     /// Tasks that ended and whose parents have not taken note.
     pub(crate) ended: VecDeque<usize>,
@@ -163,7 +163,7 @@ impl Agent<'_> {
         }
     }
 
-    /// Lets every instant pass up to `end`: those of the inputs, and those at which something happens by itself. What
+    /// Lets every instant pass up to `end`: those of the inputs, and those of scheduled events. What
     /// comes late counts at the present instant.
     fn pass(&mut self, batch: &[Input], end: Time, begun: bool) {
         let mut batch = batch;
@@ -289,7 +289,7 @@ impl Agent<'_> {
         clocks.chain(delays).chain(self.priorities_cross()).filter(|at| *at > self.now).min()
     }
 
-    /// Tasks that somebody may still refer to.
+    /// Tasks that a clause may still refer to.
     pub(crate) fn living(&self) -> impl Iterator<Item = (usize, &Task)> {
         self.tasks.iter().enumerate().filter(|(_, task)| !task.forgotten)
     }

@@ -59,8 +59,8 @@ impl Agent<'_> {
         starts && !task.forgotten && !self.line(id).iter().any(|each| self.tasks[*each].suspended)
     }
 
-    /// Arbitrates if the competition is another one than last time. The passing of time alone gives nobody anything: it only lets
-    /// estimates of when somebody can begin differ.
+    /// Arbitrates if the competition is another one than last time. The passing of time alone gives no task a resource: it only lets
+    /// estimates of the earliest beginning differ.
     pub(crate) fn contend_and_commit(&mut self) {
         let competition = self.competition();
         if self.competed.as_ref() != Some(&competition) {
@@ -278,7 +278,7 @@ impl Agent<'_> {
         let counts = |share: &&Share| match share.right {
             Right::Held => losses.iter().all(|loss| loss.loser != share.task),
             Right::Granted => true,
-            // Nobody yields for the sake of a gap.
+            // No task yields for the sake of a gap.
             Right::Awaited(_) => {
                 !(self.are_related(share.task, id) || losses.is_empty() && self.leaves_a_gap(id, share))
             }

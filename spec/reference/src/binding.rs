@@ -75,7 +75,7 @@ impl Agent<'_> {
         }
     }
 
-    /// Gives a variable of the procedure or primitive that `task` runs its value, and lets steps go on that wait for it.
+    /// Gives a variable of the procedure or primitive that `task` runs its value, and lets steps continue that wait for it.
     pub(crate) fn bind_result(&mut self, task: usize, name: &str, value: Value) {
         let before = match &mut self.tasks[task].work {
             Some(Work::Procedure { context, .. } | Work::Primitive { context, .. }) => {

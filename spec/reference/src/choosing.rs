@@ -24,7 +24,7 @@ impl<'p> Agent<'p> {
         }
     }
 
-    /// The activity that a task pursues; the root's is a goal of its own.
+    /// The activity that a task pursues; the root has a separate goal.
     pub(crate) fn activity(&self, id: usize) -> Option<&'p Activity> {
         let step = self.step_of(id)?;
         match self.tasks[id].origin {

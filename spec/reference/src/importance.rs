@@ -84,7 +84,7 @@ impl Agent<'_> {
         Some((self.rank(first)?, self.rank(second)?)).filter(|(a, b)| a != b)
     }
 
-    /// Returns the instant at which one priority overtakes another by itself, also against an interrupt cost. Equality for an
+    /// Returns the instant at which one priority overtakes another with time alone, also against an interrupt cost. Equality for an
     /// high for an instant on the way is not yet ahead. It is looked for at many places between here and a far
     /// instant, and by halving: priorities rise, and stop rising.
     pub(crate) fn priorities_cross(&self) -> Option<Time> {

@@ -47,7 +47,7 @@ pub enum Term {
 pub enum Kind {
     /// All at once.
     Concurrent,
-    /// One after the other.
+    /// In sequence.
     Sequential,
     /// All at once, ranks in written order.
     Ranked,
@@ -115,7 +115,7 @@ pub struct Clauses {
     pub restart_when: Option<Condition>,
     /// It is suspended until the other holds.
     pub suspend_when: Option<(Condition, Condition)>,
-    /// It goes on.
+    /// It continues.
     pub resume_when: Option<Condition>,
 }
 
@@ -287,9 +287,9 @@ pub enum Condition {
     Or(Vec<Condition>),
     /// Nothing of that up to now.
     Not(Box<Condition>),
-    /// One after the other.
+    /// In sequence.
     InOrder(Vec<Condition>),
-    /// So much time since the task's creation, or since the part before.
+    /// A duration since the task's creation, or since the part before.
     Delay(Span, Option<Span>),
 }
 
@@ -314,7 +314,7 @@ pub enum Expr {
     MissionTime,
     /// `(task-state ?tag)`
     StateOf(String),
-    /// `(first e)`, an error where e is no list.
+    /// `(first e)`, an error where e is not a list.
     First(Box<Expr>),
 }
 

@@ -16,7 +16,7 @@ impl Agent<'_> {
         matches!((goes_on, is_over), (Ok(true), Ok(false)))
     }
 
-    /// Makes the ended task pending again when its step says so.
+    /// Makes the ended task pending again when its step repeats.
     pub(crate) fn repeat(&mut self, id: usize) -> bool {
         let Some(clause) = self.own_step(id).and_then(|step| step.repetition.as_ref()) else { return false };
         let succeeded = matches!(self.tasks[id].outcome, Some(Outcome::Success(_)));

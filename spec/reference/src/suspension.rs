@@ -163,7 +163,7 @@ impl<'p> Agent<'p> {
         }
     }
 
-    /// The task's work is over before the task is: its procedure watches nothing any more, and a suspension that the
+    /// The task's work is over before the task is: its procedure watches nothing any longer, and a suspension that the
     /// procedure brought about is over. One by the step's clause or by an activity stays.
     pub(crate) fn forget_clauses(&mut self, id: usize) {
         let task = &mut self.tasks[id];

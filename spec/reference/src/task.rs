@@ -97,7 +97,7 @@ pub(crate) enum Work {
     Procedure {
         procedure: usize,
         context: Bindings,
-        /// The task that each step's tag stands for.
+        /// The task that each step's tag names.
         current: Vec<Option<usize>>,
         children: BTreeSet<usize>,
     },
@@ -149,7 +149,7 @@ impl Clause {
     }
 }
 
-/// From when on evidence counts: from an instant, closed, and after an arrival.
+/// Instant from which evidence counts: from an instant, closed, and after an arrival.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Window {
     pub(crate) start: Time,
@@ -203,13 +203,13 @@ pub(crate) struct Task {
     pub(crate) ended_before: Option<Time>,
     pub(crate) repeats_no_more: bool,
     pub(crate) known: BTreeSet<String>,
-    /// Messages that came while the repeated step was busy and that nobody has answered; none while it keeps none.
+    /// Messages that came while the repeated step was busy and that no task has answered; none while it keeps none.
     pub(crate) missed: Option<BTreeSet<u64>>,
     /// Its parent has taken note of its end.
     pub(crate) over: bool,
     /// Number of state changes before the tag of its step began to name it.
     pub(crate) tagged: usize,
-    /// Nobody can refer to it any more.
+    /// No clause can refer to it any longer.
     pub(crate) forgotten: bool,
 }
 

@@ -235,7 +235,7 @@ impl Scene<'_> {
         }
     }
 
-    /// Nobody who is no relative holds so much that too little is left.
+    /// No task other than relatives holds a share that leaves too little.
     fn has_room(&self, share: &Share) -> Checked {
         let (world, name) = (self.world, share.resource.to_string());
         let total = world.total(&name);
@@ -358,7 +358,7 @@ impl Scene<'_> {
                     matches!(effect, Effect::Decided(decision) if decision.because.cause == Cause::ItemOf { parent: self.id })
                 });
                 let count = made.count() as u64;
-                // Where there was no room for all of them, it failed, and says so.
+                // If the limit did not permit all of them, it failed with that reason.
                 let full = self.step.effects.iter().any(|effect| {
                     matches!(effect, Effect::Decided(decision) if decision.task == Some(self.id)
                         && matches!(&decision.because.cause, Cause::LimitReached { limit, .. } if limit == "TASKS_MAX"))

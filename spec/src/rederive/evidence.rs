@@ -108,7 +108,7 @@ pub(super) fn require(holds: bool, otherwise: &str) -> Result<(), String> {
     if holds { Ok(()) } else { Err(otherwise.to_owned()) }
 }
 
-/// The program says so to itself in a way that leaves no trace in the record.
+/// The program sends it to itself in a way that leaves no trace in the record.
 fn is_outside(world: &World<'_>, word: &str) -> bool {
     !world.library.sources.iter().any(|source| source.text.contains(word))
 }
@@ -237,7 +237,7 @@ fn collect<'a>(condition: &'a Condition, leaves: &mut Vec<&'a ConditionKind>) {
     }
 }
 
-/// The condition that stands at `place`, with those of its waitfor that hold together with it: they are told as one.
+/// The condition at `place`, with those of its waitfor that hold together with it: they are reported as one.
 fn conditions_at<'a>(world: &World<'a>, place: Place) -> Vec<&'a Condition> {
     let library = world.library;
     let at = |condition: &&Condition| condition.place == place;

@@ -48,7 +48,7 @@ pub fn because_of(effect: &Effect) -> Option<&Because> {
     }
 }
 
-/// Derives every cause again. No complaint is a good record.
+/// Derives every cause again. A good record has no discrepancy.
 pub fn complaints(library: &Library, steps: &[Step]) -> Vec<Complaint> {
     let mut world = World::new(library);
     let mut found = Vec::new();

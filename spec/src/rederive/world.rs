@@ -32,11 +32,11 @@ pub(super) struct Known {
     pub(super) chosen: Option<Cause>,
 }
 
-/// Everything up to the effect that is looked at.
+/// Everything up to the effect under examination.
 pub(super) struct World<'a> {
     pub(super) library: &'a Library,
     pub(super) now: Time,
-    /// The effect that is looked at.
+    /// The effect under examination.
     pub(super) index: usize,
     pub(super) tasks: BTreeMap<TaskId, Known>,
     pub(super) samples: BTreeMap<String, Vec<(Time, Value)>>,
@@ -262,7 +262,7 @@ impl<'a> World<'a> {
         self.library.primitives.iter().find(|primitive| primitive.place == place).map(|primitive| primitive.as_ref())
     }
 
-    /// The children that the record tells of.
+    /// The children that the record contains.
     pub(super) fn children(&self, id: TaskId) -> impl Iterator<Item = (TaskId, &Known)> {
         self.tasks.iter().filter(move |(_, task)| task.parent == Some(id)).map(|(id, task)| (*id, task))
     }

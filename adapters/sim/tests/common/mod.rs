@@ -54,7 +54,7 @@ impl Run {
         }
     }
 
-    /// Sends `form` and waits for the answer, at most `seconds`; time stands at the answer.
+    /// Sends `form` and waits for the answer, at most `seconds`; time stops at the answer.
     pub(crate) fn carry_out(&mut self, form: Value, seconds: f64) -> Result<Value, String> {
         let id = self.send(form);
         self.await_answer(id, seconds)
