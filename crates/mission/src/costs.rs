@@ -22,7 +22,7 @@ const EXAMPLE: &str =
 /// Gives structures the costs that the application's `:costs` names.
 ///
 /// # Errors
-/// A name that is no structure or no function of the program, or a function that is no cost.
+/// A name that is not a structure or not a function of the program, or a function that is not a cost.
 pub(super) fn apply(settings: &Settings, library: &Arc<Library>, targets: &mut [Target]) -> MissionResult {
     if settings.costs.is_empty() {
         return Ok(());

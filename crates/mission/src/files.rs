@@ -54,7 +54,7 @@ pub fn read_bytes(path: &std::path::Path) -> MissionResult<Vec<u8>> {
     Ok(bytes)
 }
 
-/// A file that cannot be read: looked for in vain, or not for us.
+/// A file that cannot be read: not found, or not readable.
 pub fn unreadable(path: &std::path::Path, error: &std::io::Error) -> MissionError {
     let help = match error.kind() {
         std::io::ErrorKind::PermissionDenied => "ask its owner for the right to read it".to_string(),

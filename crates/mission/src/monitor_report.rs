@@ -15,11 +15,11 @@ use time::format_description::well_known::Rfc3339;
 pub struct Style {
     /// As JSON.
     pub json: bool,
-    /// Also at once what is not final yet: somebody is watching.
+    /// Also reports results at once that are not final yet, for a live reader.
     pub live: bool,
     /// Several conditions are watched: each line says which.
     pub several: bool,
-    /// Nanoseconds of UTC at mission time 0: instants are told in civil time, too.
+    /// Nanoseconds of UTC at mission time 0: instants are printed in civil time, too.
     pub utc_of_zero: Option<i64>,
 }
 
@@ -157,7 +157,7 @@ fn unmet_json(unmet: &Unmet) -> Json {
     })
 }
 
-/// A sentence with its place in a text, where it has one.
+/// A message with its place in a text, where it has one.
 pub fn placed(message: &str, place: Option<Place>, library: &Library) -> String {
     match place {
         Some(place) => format!("{}: {message}", library.describe_place(place)),

@@ -23,7 +23,7 @@ use apex_planning::surveillance::travel::{SurveillanceTravel, Transit};
 pub enum NoPlan {
     /// Nothing that is left can be visited.
     NothingLeft(String),
-    /// The planning itself went wrong: a refused plan, an unknown solver, data that make no sense.
+    /// The planning itself went wrong: a refused plan, an unknown solver, invalid data.
     Fault(String),
 }
 
@@ -38,7 +38,7 @@ impl std::fmt::Display for NoPlan {
 /// out, and what has been seen in part is worth the rest.
 ///
 /// # Errors
-/// Nothing is left to plan for, or the data make no sense.
+/// Nothing is left to plan for, or the data are invalid.
 pub fn pose(mission: &Mission, situation: &Situation, flown: Option<&FlownScore>, at: Time) -> Result<Problem, NoPlan> {
     if mission.targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_))) {
         single_visits(mission, (situation, flown, at), (&|_| true, true)).map(Problem::SingleVisit)
@@ -222,7 +222,7 @@ fn surveillance(mission: &Mission, situation: &Situation, at: Time) -> Result<Su
 /// The ways between the sites at `positions`, around obstacles, for a plan that begins at `now_s`.
 ///
 /// # Errors
-/// A sentence that names what is wrong with a zone, the start or the base.
+/// A message that names what is wrong with a zone, the start or the base.
 pub fn survey(
     mission: &Mission,
     positions: &[Position],

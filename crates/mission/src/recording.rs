@@ -15,7 +15,7 @@ use std::sync::{Mutex, PoisonError};
 /// before the run begins, so that a record that is cut off can still explain itself.
 ///
 /// # Errors
-/// A path that cannot hold a record is the user's mistake (another file stands there, no such folder); a disk that is
+/// A path that cannot hold a record is the user's mistake (another file is there, no such folder); a disk that is
 /// full or refuses is a failure. Other files are left as they are.
 pub fn create(
     path: &Path,

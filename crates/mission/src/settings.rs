@@ -36,7 +36,7 @@ pub struct Settings {
     pub airspace: Option<String>,
     /// Emergency landing places and bases.
     pub airfields: Option<String>,
-    /// Winds that the planner believes in, one after the other.
+    /// Winds that the planner assumes, in sequence.
     pub forecasts: Vec<String>,
     /// Wind that blows.
     pub weather: Option<String>,

@@ -202,7 +202,7 @@ fn edr(row: &tables::Row<'_>) -> MissionResult<f64> {
     Ok(edr.or(turbulence.map(|number| EDR_PER_TURBULENCE * number)).unwrap_or(0.0))
 }
 
-/// Reads the people who work on the mission; wages are money, of which `money_per_point` makes a point.
+/// Reads the crew of the mission; wages are money, of which `money_per_point` makes a point.
 ///
 /// # Errors
 /// As docs/reference/mission-data.md lists them.

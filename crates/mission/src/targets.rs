@@ -1,4 +1,4 @@
-//! Targets of a mission: fires, structures, places to look at and to start from (docs/reference/mission-data.md).
+//! Targets of a mission: fires, structures, places to observe and to start from (docs/reference/mission-data.md).
 
 mod looks;
 
@@ -46,7 +46,7 @@ pub enum TargetKind {
     Fire(Fire),
     /// Watched again and again.
     Site(Site),
-    /// Something a camera may look at.
+    /// An object for a camera.
     Plain,
     /// A place to start from and land at.
     Base,

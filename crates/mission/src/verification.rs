@@ -150,7 +150,7 @@ impl FlightCheck {
         &self.result
     }
 
-    /// Looks at what the vehicle said in one batch, and at what the agent said of it.
+    /// Checks the reports of the vehicle in one batch, and those of the agent about them.
     pub fn take(&mut self, batch: &Batch, effects: &[Effect]) {
         for effect in effects {
             if let Effect::Inform { form, .. } = effect

@@ -79,7 +79,7 @@ fn fire(id: &str, ground: &str, properties: &str) -> String {
     )
 }
 
-/// The mission `western-states` with these fires instead of its own.
+/// The mission `western-states` with these fires instead.
 fn mission(fires: &[String]) -> Result<Mission, String> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/western-states");
     let mission = Mission::load(&folder).unwrap();

@@ -14,7 +14,7 @@ pub struct Applied {
     pub made: Vec<usize>,
 }
 
-/// Makes those of `fixes` that do not stand in each other's way, the earlier ones first. Edits outside of a text or
+/// Makes those of `fixes` that do not overlap, the earlier ones first. Edits outside of a text or
 /// inside of a character are refused with their fix.
 pub fn apply<'f>(sources: &[SourceFile], fixes: impl IntoIterator<Item = &'f Fix>) -> Applied {
     let mut accepted: BTreeMap<u32, Vec<TextEdit>> = BTreeMap::new();

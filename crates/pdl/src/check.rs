@@ -173,7 +173,7 @@ impl Loader {
         self.files.len()
     }
 
-    /// Takes back what was read from this text on: it is no part of the library.
+    /// Takes back what was read from this text on: it is not a part of the library.
     pub(crate) fn split_off(&mut self, first: usize) -> Vec<Vec<Datum>> {
         self.files.split_off(first)
     }
@@ -354,7 +354,7 @@ fn requirements(forms: &[Datum], from: &str) -> Vec<(Requirement, Span)> {
             "require-apex-file" => found.extend(names_of(form.tail()).map(|(name, span)| (file(name), span))),
             "defapplication" => {
                 let items = form.tail();
-                // A misspelt option is told later; what it names is loaded all the same, so that nothing else is missed.
+                // A misspelt option is reported later; what it names is loaded all the same, so that nothing else is missed.
                 let option = |name: &str| {
                     let is_meant = |word: &str| {
                         word == name

@@ -15,7 +15,7 @@ pub enum Severity {
 }
 
 impl Severity {
-    /// The word shown to people.
+    /// The displayed word.
     pub fn word(self) -> &'static str {
         match self {
             Severity::Error => "error",
@@ -119,7 +119,7 @@ impl Diagnostic {
         self
     }
 
-    /// Adds the fixes; without any, help in words.
+    /// Adds the fixes; without any, help as text.
     pub(crate) fn fixes_or_help(self, fixes: Vec<Fix>, help: impl FnOnce() -> String) -> Diagnostic {
         if fixes.is_empty() { self.help(help()) } else { self.fixes(fixes) }
     }

@@ -1,7 +1,7 @@
 //! Names to what is known of them, found by their hash. A program may have a hundred thousand names in one procedure, and
 //! comparing texts on the way down a tree is then most of the work of checking it.
 //!
-//! Looking up is all that is offered: who wants the names asks for them in order, so that no message depends on a hash.
+//! Looking up is all that is offered: a caller that needs the names gets them in order, so that no message depends on a hash.
 
 use rustc_hash::FxHashMap;
 use std::hash::Hash;

@@ -68,7 +68,7 @@ pub(crate) enum View<'t> {
 }
 
 impl<'t> View<'t> {
-    /// The value, where nothing is left open.
+    /// The value, if nothing is left open.
     pub(crate) fn value(self) -> Option<&'t Value> {
         match self {
             View::Template(Template::Constant(value)) | View::Value(value) => Some(value),
@@ -76,7 +76,7 @@ impl<'t> View<'t> {
         }
     }
 
-    /// The parts of a list; none when this is no list, or when a splice makes its length unknown.
+    /// The parts of a list; `None` if this is not a list, or when a splice makes its length unknown.
     pub(crate) fn items(self) -> Option<Vec<View<'t>>> {
         match (self, self.value()) {
             (_, Some(Value::List(items))) => Some(items.iter().map(View::Value).collect()),

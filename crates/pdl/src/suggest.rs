@@ -1,6 +1,6 @@
 //! "Did you mean": known names near a misspelt one, and the fixes that put them in its place.
 //!
-//! The distance weighs slips by how easily they happen: two letters in the wrong order, a letter doubled, the key beside
+//! The distance weighs slips by how easily they happen: two letters in the wrong order, a letter doubled, the key next to
 //! the right one, a hyphen for an underscore cost less than any other letter.
 
 use crate::diagnostic::Span;
@@ -9,7 +9,7 @@ use apex_model::quantity::{UNITS, Unit};
 
 /// Characters beyond which names are not compared: keeps a message cheap whatever the input.
 const NAME_CHARACTERS_MAX: usize = 64;
-/// Known names that are looked at for one misspelt name.
+/// Known names that are compared with one misspelt name.
 const NAMES_MAX: usize = 5_000;
 /// Names suggested for one misspelt name.
 const SUGGESTIONS_MAX: usize = 3;
@@ -67,7 +67,7 @@ pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) 
     near(name, known).first().map(|near| near.name)
 }
 
-/// Fixes that put the nearest known names in place of `name`, which stands at `span`. The first is safe if it is certain.
+/// Fixes that put the nearest known names in place of `name`, which is at `span`. The first is safe if it is certain.
 pub(crate) fn renames<'a>(span: Span, name: &str, known: impl IntoIterator<Item = &'a str>) -> Vec<Fix> {
     renames_marked(span, name, known, str::to_string)
 }
@@ -104,7 +104,7 @@ pub(crate) fn near_units(name: &str) -> Vec<&'static str> {
     };
     let mut best: Vec<Near<'_>> = UNITS.iter().filter_map(spelling).collect();
     best.sort_by_key(|near| near.cost);
-    // A single letter is near every other one: only the key beside it is meant.
+    // A single letter is near every other one: only the neighbouring key is meant.
     let alone = name.chars().count() == 1;
     let likely =
         best.iter().filter(|near| if alone { near.cost < EDIT } else { near.name.len() >= 2 || near.cost < EDIT });

@@ -120,7 +120,7 @@ pub fn milliseconds(seconds: f64) -> f64 {
 /// Draws `plan` of `problem`. `start` is where a plan of surveillance begins, which its problem does not say.
 ///
 /// # Errors
-/// A sentence when the problem has no places.
+/// A message if the problem has no places.
 pub fn chart(
     name: &str,
     (problem, plan): (&Problem, &Plan),

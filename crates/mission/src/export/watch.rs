@@ -41,7 +41,7 @@ impl Watch {
                 let (path, there) = ways.flown((self.from, Some(to)), self.on, self.depart_s);
                 let look = there.map(|there| ways.look(to, there, (visit.arrive_s, visit.end_s)));
                 let (look, after) = look.unzip();
-                // A piece begins where the one before it ended, except for a metre: each is drawn on a plane of its own.
+                // A piece begins where the one before it ended, except for a metre: each is drawn on a separate plane.
                 let joined = usize::from(self.from.is_some());
                 drawn.way = self.before.into_iter().chain(path.into_iter().skip(joined).map(at)).collect();
                 drawn.lines = look.unwrap_or_default().into_iter().skip(1).map(at).collect();

@@ -99,7 +99,7 @@ fn draft(
     let (mut lines, mut along) = (Vec::new(), false);
     for ground in grounds(&fire.wanted) {
         let swept = sweep_lines(&ground, &settings, entry)?;
-        // Where the outline is all that is wanted, flying along it may be quicker than sweeping what it encloses.
+        // Where the outline is all that is wanted, flying along it may be faster than sweeping what it encloses.
         let around = match (&fire.wanted.area, &ground) {
             (TargetArea::Perimeter { .. }, Ground::Polygon(corners)) => perimeter_lines(corners, swath_m, entry).ok(),
             _ => None,

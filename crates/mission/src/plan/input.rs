@@ -260,7 +260,7 @@ fn places_alone(path: &Path) -> MissionError {
         .help(help)
 }
 
-/// A file that is neither JSON nor, perhaps, PDL: a benchmark's, if its extension or its first lines say so.
+/// A file that is neither JSON nor, perhaps, PDL: a benchmark's, by its extension or its first lines.
 fn of_benchmark(path: &Path) -> MissionResult<Option<PlanInput>> {
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default();
     if extension == "pdl" {

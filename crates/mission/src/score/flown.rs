@@ -65,7 +65,7 @@ impl FlownScore {
     /// Nothing observed yet; none for a mission without targets of single visits.
     ///
     /// # Errors
-    /// The ground of a target makes no sense.
+    /// The ground of a target is invalid.
     pub fn new(mission: &Mission) -> Result<Option<FlownScore>, String> {
         let is_looked_at = looks_with(&mission.model).is_some();
         let wanted = mission.targets.iter().filter_map(|target| match &target.kind {

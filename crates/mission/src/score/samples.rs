@@ -11,7 +11,7 @@ use apex_observation::sensor::GimbalAngles;
 use apex_observation::strip::AngularRates;
 use std::collections::BTreeMap;
 
-/// An angle or speed older than this is not known any more.
+/// An angle or speed older than this is unknown.
 const AGE_S_MAX: f64 = 2.5;
 
 /// The latest measurements.

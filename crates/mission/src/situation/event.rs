@@ -25,7 +25,7 @@ pub enum MissionEvent {
         target: String,
         /// It is flown again.
         is_again: bool,
-        /// Both values, as a sentence.
+        /// Both values as text.
         text: String,
     },
     /// `(replan-wanted REASON)`.

@@ -252,7 +252,7 @@ impl Situation {
             MissionEvent::ContingencyRoute { link, place, why } => {
                 self.note(at, format!("contingency route to {place}: {link} {why}"));
             }
-            // A picture of an observation with a report of its own, or one straight down without a target.
+            // A picture of an observation with a separate report, or one straight down without a target.
             MissionEvent::ImageInMemory(target)
                 if target == "down"
                     || self

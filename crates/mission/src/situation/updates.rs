@@ -196,7 +196,7 @@ impl MissionUpdates {
         targets.chain(likely).chain(forecasts).collect()
     }
 
-    /// The mission as it is assumed after the news: with what is known of its targets and winds now.
+    /// The mission as it is assumed after the updates: with what is known of its targets and winds now.
     pub fn believed(&self, mission: &Mission) -> Mission {
         let mut believed = self.valued(mission);
         believed.targets.retain(|target| {

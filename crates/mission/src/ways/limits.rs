@@ -31,7 +31,7 @@ pub struct Limits {
     /// Height kept over ground away from where one starts and where one goes.
     pub(super) ground_margin_m: f64,
     pub(super) true_airspeed_mps: f64,
-    /// Radius of planned turns through the air; 0 for who turns on the spot.
+    /// Radius of planned turns through the air; 0 for a vehicle that turns on the spot.
     pub(super) turn_radius_m: f64,
     /// Radius of circles as a multiple of it.
     pub(super) circle_width: f64,

@@ -1,7 +1,7 @@
 //! Ways in flight: how to get from where the vehicle is to a place, a circle, a line or a field, by what the mission permits.
 //!
 //! A flight command goes straight. Library `vehicle` asks the functions of this module before each command, and again when a
-//! task goes on after an interruption; the command takes the answer along as `:via`. Where the straight way and the turns at
+//! task continues after an interruption; the command takes the answer along as `:via`. Where the straight way and the turns at
 //! its ends keep out of everything, the answer is nothing. A function depends on its arguments and the mission's data only, so
 //! a replay gets the same answers.
 //! Bound: O(zones) where the straight way is open; else a network of travel for each altitude tried ([`apex_geo::travel`]).
@@ -50,7 +50,7 @@ pub struct Request {
 pub struct Broken {
     /// Violated requirements: names of zones, `permitted area`, `landing distance`, with `; ` between them.
     pub name: String,
-    /// Reason, as a sentence.
+    /// Reason, human-readable.
     pub why: String,
 }
 

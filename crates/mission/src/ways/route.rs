@@ -28,7 +28,7 @@ impl Strictness {
     }
 }
 
-/// Shares of the margins that are tried one after the other.
+/// Shares of the margins that are tried in sequence.
 pub(super) const MARGIN_SHARES: [f64; 4] = [1.0, 0.5, 0.2, 0.0];
 /// Points of a turn are left out while the course changes by less than this.
 const CHORD_DEG: f64 = 15.0;
@@ -40,7 +40,7 @@ const HOLD_S_MIN: f64 = 5.0;
 const EARLY_S: f64 = 120.0;
 
 impl Limits {
-    /// The quickest way at any altitude that is of use.
+    /// The fastest path at any altitude that is of use.
     ///
     /// # Errors
     /// What prevents a way at the altitude of the place.

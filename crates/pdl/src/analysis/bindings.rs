@@ -312,7 +312,7 @@ fn report_own_result(step: &Step, name: &Symbol, report: &mut Report<'_>) {
     report.add(diagnostic);
 }
 
-/// A variable that one way to match binds and another does not, or that stands under a negation only.
+/// A variable that one way to match binds and another does not, or that occurs below a negation only.
 fn report_branch(place: Place, name: &Symbol, waitfor: &Bound<'_>, index: &Bound<'_>, report: &mut Report<'_>) {
     let branch = waitfor.perhaps.get(name).or_else(|| index.perhaps.get(name));
     let negated = waitfor.never.get(name).or_else(|| index.never.get(name));

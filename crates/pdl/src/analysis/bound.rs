@@ -13,7 +13,7 @@ pub(crate) struct Bound<'l> {
     pub(crate) surely: BTreeSet<&'l Symbol>,
     /// Have a value after some matches; the condition that binds them, where it is one.
     pub(crate) perhaps: BTreeMap<&'l Symbol, Option<Place>>,
-    /// Stand only where nothing is bound: under a negation.
+    /// Occurs only where it is not bound: below a negation.
     pub(crate) never: BTreeMap<&'l Symbol, Option<Place>>,
 }
 

@@ -31,7 +31,7 @@ struct Nodes {
 pub(crate) struct Endings {
     ending: (Nodes, Solution),
     instant: (Nodes, Solution),
-    /// Some activity ends a task that is no step of its own procedure: any task may be ended so.
+    /// Some activity ends a task that is not a step of its procedure: any task may be ended so.
     pub(crate) is_wild: bool,
 }
 
@@ -101,7 +101,7 @@ pub(crate) fn ends_procedure(activity: &Activity) -> bool {
     matches!(activity, Activity::Terminate { task: None, .. })
 }
 
-/// Steps that activities of their own procedure end by their tags.
+/// Steps that activities of their procedure end by their tags.
 pub(crate) fn terminated_tags(procedure: &Procedure) -> BTreeSet<&Symbol> {
     let activities = procedure.steps.iter().flat_map(walk::activities);
     let targets = activities.filter_map(|activity| match activity {
@@ -129,7 +129,7 @@ fn ends_strangers(procedure: &Procedure) -> bool {
     !targets.is_subset(&tags) || procedure.steps.iter().flat_map(walk::activities).any(strange)
 }
 
-/// The node of a goal: served by any of its methods; a fact where that cannot be told.
+/// The node of a goal: served by any of its methods; a fact if that is undecided.
 fn goal_node(horn: &mut Horn, methods: Option<&[Method]>, nodes: &Nodes, of_all: bool) -> Node {
     let Some(methods) = methods.filter(|methods| !methods.is_empty()) else {
         return if of_all { horn.any() } else { horn.fact() };

@@ -59,7 +59,7 @@ impl Horn {
         Solution(is_true)
     }
 
-    /// The conclusions of the rules, those of one premise beside each other, and where those of each premise begin: one
+    /// The conclusions of the rules, those of one premise in a row, and where those of each premise begin: one
     /// entry more than there are nodes.
     fn by_premise(&self) -> (Vec<u32>, Vec<u32>) {
         // Counted one place later, so that what is before the place is where the premise begins.

@@ -13,7 +13,7 @@ use apex_model::value::Value;
 pub(crate) struct Impossible {
     /// Place of the fault.
     pub(crate) place: Place,
-    /// In words, to follow "this condition can never hold:".
+    /// Text that follows "this condition can never hold:".
     pub(crate) reason: String,
 }
 

@@ -19,11 +19,11 @@ pub(crate) enum Method {
     Procedure(usize),
     /// A primitive.
     Primitive(usize),
-    /// A solver, asked only where nothing else serves.
+    /// A solver, asked only if no other method serves.
     Solver(usize),
 }
 
-/// More methods that may serve one goal than anybody follows: then anything may come of the goal.
+/// More methods that may serve one goal than are followed: then the goal may have any result.
 const CANDIDATES_MAX: usize = 64;
 
 #[derive(Default)]
@@ -98,7 +98,7 @@ impl<'l> Methods<'l> {
         if found.len() > 1 {
             found.sort_by_cached_key(|method| (matches!(method, Method::Solver(_)), self.rank(*method), *method));
         }
-        // Nobody after one that surely matches is ever chosen, where every agent knows that one.
+        // No method after one that surely matches is ever chosen, where every agent knows that one.
         let is_sure = |method: &Method| self.is_known_to_all(*method) && self.surely(goal, *method);
         if found.len() > 1
             && let Some(sure) = found.iter().position(is_sure)
@@ -175,7 +175,7 @@ mod tests {
             let found = methods.serving(&goal).expect("a head");
             found.into_iter().map(|method| matches!(method, Method::Primitive(number) if number < 9)).count()
         };
-        // The constant one is chosen; nobody else is asked.
+        // The constant one is chosen; no other is asked.
         assert_eq!(serving("(go home)"), 1);
         assert_eq!(serving("(go 2.0)"), 1);
         assert_eq!(serving("(go away)"), 1);

@@ -70,7 +70,7 @@ pub(super) fn without_effect(conditions: &[Condition], report: &mut Report<'_>) 
     }
 }
 
-/// Goals whose variables only the waitfor that they probe for gives a value. What a `select` does is told elsewhere.
+/// Goals whose variables only the waitfor that they probe for gives a value. A `select` is checked elsewhere.
 fn needs_itself(procedure: &Procedure, step: &Step, report: &mut Report<'_>) {
     let mut goals: Vec<(Place, &Template)> = Vec::new();
     for condition in &step.waitfor {

@@ -1,4 +1,4 @@
-//! Resources that nobody can grant: amounts beyond what there is, and holders that never let go.
+//! Resources that can never be granted: amounts beyond the total, and holders that never let go.
 
 use super::endings::{ends_procedure, terminated_tags};
 use super::methods::Method;

@@ -32,7 +32,7 @@ pub(crate) enum Premise {
     Result { name: Symbol, steps: Vec<usize> },
     /// A state that its own task is in only later.
     OwnState { place: Place },
-    /// A condition that can never hold; a message of its own says why.
+    /// A condition that can never hold; a separate message says why.
     Impossible,
 }
 
@@ -190,7 +190,7 @@ impl<'l> Waits<'l> {
     }
 }
 
-/// Does every step begin once those before it have done what they can? So it is in most procedures, and one look at each
+/// Returns true if every step begins once those before it have done what they can. So it is in most procedures, and one check of each
 /// step then settles what takes many rules otherwise.
 fn all_begin_in_order(
     procedure: &Procedure,
@@ -367,7 +367,7 @@ impl Reader<'_> {
     }
 }
 
-/// Tags of steps in a row, for people.
+/// Tags of steps in a row, human-readable.
 pub(crate) fn tags(procedure: &Procedure, steps: impl IntoIterator<Item = usize>) -> Vec<String> {
     let steps = steps.into_iter().filter_map(|step| procedure.steps.get(step));
     steps.map(|step| format!("`{}`", step.tag)).collect()

@@ -25,12 +25,12 @@ pub(super) enum Node {
     Atom(String),
     /// A prefix and its datum.
     Prefixed(String, Box<Node>),
-    /// A list with its width on one line, if it can stand on one.
+    /// A list with its width on one line, if it fits on one.
     List(Vec<Entry>, Option<usize>),
 }
 
 impl Entry {
-    /// Characters on one line; none if it cannot stand on one, or nothing can follow it.
+    /// Characters on one line; `None` if it does not fit on one, or nothing can follow it.
     pub(super) fn flat_width(&self) -> Option<usize> {
         match &self.piece {
             Piece::Datum(node) => node.flat_width(),

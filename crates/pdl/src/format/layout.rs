@@ -192,7 +192,7 @@ impl Page {
 /// Role of an entry in its list.
 #[derive(Clone, Copy)]
 struct Role {
-    /// It may stand on the first line.
+    /// True if it may be on the first line.
     in_header: bool,
     /// It is an option's keyword.
     leads: bool,
@@ -208,7 +208,7 @@ enum Place {
     Here,
     /// After a blank.
     SameLine,
-    /// On a new line below the first value of the option at hand, or as `Below` without an option.
+    /// On a new line below the first value of the present option, or as `Below` without an option.
     Aligned,
     /// On a new line below the head.
     Below,

@@ -116,7 +116,7 @@ impl Lowering {
         self.refuse(diagnostic)
     }
 
-    /// Is the option none that is misspelt or lacks its value? Options that nobody here knows are for the host program.
+    /// Is the option none that is misspelt or lacks its value? Options that the checker does not know are for the host program.
     fn is_application_option(&mut self, group: &super::clauses::Group<'_>) -> bool {
         let mark = |name: &str| format!(":{name}");
         let known = OPTIONS.contains(&group.name);

@@ -26,7 +26,7 @@ pub(crate) struct Served {
     pub(crate) span: Span,
     /// The bundle of the procedure or primitive; none is the default bundle.
     pub(crate) bundle: Option<Symbol>,
-    /// A solver serves it: it is asked only where nothing else does.
+    /// A solver serves it: it is asked only if no other method does.
     pub(crate) by_solver: bool,
 }
 

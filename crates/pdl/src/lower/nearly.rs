@@ -18,7 +18,7 @@ pub(super) enum Difference {
     Extra(usize),
 }
 
-/// Items of a goal or an index beyond which nobody misses just one.
+/// Items of a goal or an index above which a mistake affects more than one.
 const ITEMS_MAX: usize = 24;
 const SWAPPED: u32 = 12;
 const MISSING_WORD: u32 = 14;

@@ -1,4 +1,4 @@
-//! Clauses that left their step and steps that got into another one: the parentheses balance, but one stands in the
+//! Clauses that left their step and steps that got into another one: the parentheses balance, but one is in the
 //! wrong place.
 
 use super::Lowering;

@@ -1,4 +1,4 @@
-//! Variables of one procedure, primitive or function: who binds them, who uses them, who sees whom.
+//! Variables of one procedure, primitive or function: their binders, uses and visibility.
 //!
 //! A procedure's index, `=>` results and step tags are seen by all of its clauses; what a step's waitfor, select or
 //! forall binds is seen by that step only.
@@ -18,7 +18,7 @@ use std::collections::{BTreeMap, BTreeSet};
 pub(crate) struct Scope {
     /// Step tags of the procedure.
     pub(crate) tags: Lookup<Symbol, Span>,
-    /// Tags that no step has, but that some condition names; each is told once.
+    /// Tags that no step has, but that some condition names; each is reported once.
     pub(crate) unknown_tags: BTreeSet<Symbol>,
     /// The steps' tags in written order.
     pub(crate) tag_order: Vec<Symbol>,
@@ -86,7 +86,7 @@ impl Scope {
         self.locals.iter().rev().any(|local| local == name)
     }
 
-    /// Notes that `name` is bound here, visible in the step at hand or, at procedure level, everywhere.
+    /// Notes that `name` is bound here, visible in the present step or, at procedure level, everywhere.
     pub(crate) fn bind(&mut self, name: &Symbol, span: Span) {
         let step = self.step;
         self.bind_in(name, step, span);
@@ -154,7 +154,7 @@ impl Scope {
         self.uses.iter().find(|(used, _, span)| used == name && span.place() == place).map(|(.., span)| *span)
     }
 
-    /// The step other than the one at hand whose result binds `name`.
+    /// The step other than the present one whose result binds `name`.
     pub(crate) fn is_result_of_another_step(&self, name: &Symbol) -> bool {
         self.results.get(name).is_some_and(|step| Some(*step) != self.step)
     }

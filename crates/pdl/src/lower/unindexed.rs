@@ -19,7 +19,7 @@ pub(crate) struct Unindexed {
     before: Span,
     /// Every variable inside.
     variables: Vec<Symbol>,
-    /// Variables that probably get their values from the index: they stand in an activity before anything else.
+    /// Variables that probably get their values from the index: they occur in an activity before anything else.
     given: Vec<Symbol>,
 }
 
@@ -88,7 +88,7 @@ impl Lowering {
     }
 }
 
-/// Unserved goals that are looked at.
+/// Maximum number of unserved goals that are inspected.
 const GOALS_MAX: usize = 100;
 
 /// The pattern that serves all these goals, if they are of one kind, and whether nothing about it is guessed.
@@ -119,7 +119,7 @@ fn pattern_of(form: &Unindexed, goals: &[Datum]) -> Option<(String, bool)> {
             (None, Some(word)) if same => Some(word.printed().to_string()),
             _ => None,
         });
-        // Any word but the first may stand for many.
+        // Any word but the first may match many.
         is_certain &= at == 0 || variable.is_some();
     }
     // Variables that nothing gives a value, and no part of the goal for them: a word of the goal was one of many.

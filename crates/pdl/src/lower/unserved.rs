@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 
 /// Unserved goals reported; each costs a search for what was meant.
 const UNSERVED_MAX: usize = 100;
-/// Indexes that are looked at for what an unserved goal may have meant.
+/// Indexes that are compared for what an unserved goal may have meant.
 const CANDIDATES_MAX: usize = 2_000;
 /// Words that authors write for `terminate`.
 const ENDINGS: &[&str] = &["end", "finish", "stop", "done", "exit", "return", "quit", "complete"];
@@ -252,7 +252,7 @@ impl<'s, 'l> Search<'s, 'l> {
                 let name = written.as_symbol()?.printed();
                 let agreeing = words(source).filter(|word| words(&nearest.index).any(|other| other == *word)).count();
                 let found = near(name, [wanted.printed()]);
-                // A slip in a word of two letters proves nothing by itself; two other words that agree do.
+                // A slip in a word of two letters alone proves nothing; two other words that agree do.
                 let certain = nearest.is_only && (is_certain(name, &found) || (agreeing >= 1 && !found.is_empty()));
                 let title = format!("replace `{name}` by `{wanted}`");
                 let fix = if certain { Fix::safe(title) } else { Fix::look(title) };

@@ -1,5 +1,5 @@
 //! Forgotten quotation marks. Strings seldom continue over several lines, so the line with an odd number of marks
-//! is the one, and what stands directly beside a mark tells which of two is missing.
+//! is the one, and the text directly next to a mark shows which of two is missing.
 
 use crate::syntax::{Position, Sink, SyntaxKind, parse_into};
 
@@ -61,7 +61,7 @@ fn in_line(line: &str) -> Option<Vec<usize>> {
         }
         previous = letter;
     }
-    // Marks beside words are only suspect where the line does not come out even.
+    // Marks next to words are only suspect where the line does not come out even.
     opened.map(|from| odd.unwrap_or_else(|| ends_of(line, from, line.len())))
 }
 

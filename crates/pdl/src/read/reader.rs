@@ -45,7 +45,7 @@ fn read_parenthesised(file: u32, text: &str) -> ReadFile {
     ReadFile { data: reader.data, diagnostics }
 }
 
-/// Builds data as the structure of a text is told.
+/// Builds data from the structure of a text.
 struct Reader<'t> {
     file: u32,
     /// Top-level data, and behind them the parts of open lists, outer ones first: each list is then made in its size.

@@ -1,7 +1,7 @@
-//! Text to structure. Total: every text has one, nothing of the text is lost, flaws are listed beside it.
+//! Text to structure. Total: every text has one, nothing of the text is lost, flaws are listed separately.
 //!
 //! One walk over the text tells a [`Sink`] of its structure: the formatter keeps all of it as a lossless tree, the
-//! checker only its data, which is quicker.
+//! checker only its data, which is faster.
 
 mod balance;
 mod brackets;
@@ -102,7 +102,7 @@ pub(crate) struct Position {
     pub(crate) column: usize,
 }
 
-/// Is told the structure of a text, in text order. Opens and closes are balanced.
+/// Receives the structure of a text, in text order. Opens and closes are balanced.
 pub(crate) trait Sink<'t> {
     /// A list or a prefixed datum begins.
     fn open(&mut self, kind: SyntaxKind, at: Position);

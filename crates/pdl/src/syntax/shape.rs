@@ -33,7 +33,7 @@ const MISALIGNED: usize = 3;
 /// A function with too few or too many arguments; the word may also be one of a goal.
 const ARITY: usize = 1;
 
-/// Is this a form of the top level, which stands nowhere else? An agent stands in applications too.
+/// Returns true for a form of the top level, which occurs nowhere else. An agent occurs in applications too.
 pub(super) fn is_form(word: &str) -> bool {
     FORMS.contains(&word) && word != "agent"
 }
@@ -154,7 +154,7 @@ fn headed(head: &str, parent: Option<(&str, usize)>) -> usize {
     if fits { 0 } else { MISPLACED }
 }
 
-/// An item that is no list and not the first of its list.
+/// An item that is not a list and not the first of its list.
 fn item(text: &str, list: Option<&mut List<'_>>) -> usize {
     let Some(list) = list else { return MISPLACED };
     let after_list = list.lists > 0;

@@ -15,11 +15,11 @@ const ROUNDS_MAX: usize = 3;
 #[derive(Clone, Copy, Default)]
 pub struct Tally {
     pub made: usize,
-    /// A message stands on a right line.
+    /// A message names a right line.
     pub placed: usize,
     /// Following the first fix offered, again and again, leaves a program without errors and warnings.
     pub fixed: usize,
-    /// .. and the text is what it was, but for blanks.
+    /// .. and the text is what it was, except for blanks.
     pub restored: usize,
     /// Safe fixes alone leave a clean program.
     pub fixed_safely: usize,
@@ -162,7 +162,7 @@ fn follow(
     (false, text)
 }
 
-/// Equal but for blanks.
+/// Equal except for blanks.
 fn same(one: &str, other: &str) -> bool {
     one.split_whitespace().eq(other.split_whitespace())
 }
