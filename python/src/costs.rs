@@ -26,7 +26,7 @@ fn asking<'a>(cost: &'a Bound<'_, PyAny>, raised: &'a Raised) -> impl FnMut(f64)
     }
 }
 
-/// An `InputError` with what was raised as its cause; what is no error, as an interrupt by the keyboard, stays what it is.
+/// An `InputError` with what was raised as its cause; an exception that is not an error, as an interrupt by the keyboard, stays what it is.
 fn told(python: Python<'_>, why: String, raised: &Raised) -> PyErr {
     match raised.take() {
         Some(error) if !error.is_instance_of::<PyException>(python) => error,

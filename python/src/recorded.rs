@@ -114,7 +114,7 @@ pub(crate) fn report_json(python: Python<'_>, record: PathBuf) -> PyResult<Strin
     reported.map_err(|failure| failed(python, failure))
 }
 
-/// Opens a record. That it is incomplete is no obstacle: what it holds is used, and its report says so.
+/// Opens a record. An incomplete record is accepted: its content is used, and its report states it.
 fn open(path: &Path) -> MissionResult<RecordReader> {
     recording::open(path).map(|(reader, _)| reader)
 }
