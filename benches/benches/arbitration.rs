@@ -92,12 +92,12 @@ fn interrupt_and_resume(criterion: &mut Criterion) {
                     let effects = driven.step(black_box(&alarm));
                     total += start.elapsed();
                     let command = command_in(&effects).expect("the alarm's task works");
-                    assert!(moved(&effects, TaskState::Ongoing, TaskState::Interrupted), "nobody was interrupted");
+                    assert!(moved(&effects, TaskState::Ongoing, TaskState::Interrupted), "no task was interrupted");
                     let done = driven.batch(acknowledged(command));
                     let start = Instant::now();
                     let effects = driven.step(black_box(&done));
                     total += start.elapsed();
-                    assert!(moved(&effects, TaskState::Interrupted, TaskState::Ongoing), "nobody went on");
+                    assert!(moved(&effects, TaskState::Interrupted, TaskState::Ongoing), "no task continued");
                 }
                 total
             });

@@ -77,7 +77,7 @@ fn event_to_nothing(criterion: &mut Criterion) {
                     let batches: Vec<_> = (0..iterations).map(|number| driven.batch(value(number))).collect();
                     let start = Instant::now();
                     for batch in &batches {
-                        assert!(driven.step(batch).is_empty(), "a sample that touches nobody had an effect");
+                        assert!(driven.step(batch).is_empty(), "a sample without a monitor had an effect");
                     }
                     start.elapsed()
                 });

@@ -59,7 +59,7 @@ fn journeys(say: &SyncSender<Control>, commands: &Receiver<Instant>, count: usiz
     let mut times = Vec::with_capacity(count);
     for number in 0..count {
         let begun = Instant::now();
-        say.send(call(number)).expect("the run goes on");
+        say.send(call(number)).expect("the run continues");
         commands.recv().expect("the run answers");
         times.push(begun.elapsed());
         let rest = Instant::now();
@@ -95,13 +95,13 @@ fn main() {
     let one_way: Vec<Duration> = (0..JOURNEYS)
         .map(|number| {
             let begun = Instant::now();
-            say.send(call(number)).expect("the run goes on");
+            say.send(call(number)).expect("the run continues");
             commands.recv().expect("the run answers").saturating_duration_since(begun)
         })
         .collect();
     let median_ns = report("inbox -> outbox (the command is sent)", one_way);
     rows::keep("across threads", "inbox to outbox", &[(1, median_ns)]).expect("the row is written");
-    say.send(Control::Stop).expect("the run goes on");
+    say.send(Control::Stop).expect("the run continues");
     let end = executive.join().expect("the executive's thread ends well");
     assert!(end.steps > JOURNEYS as u64);
 }

@@ -47,7 +47,7 @@ def check(variable: str, threshold: int) -> CheckBlackboardVariableValue:
 
 
 def watchers(conditions) -> Parallel:
-    """Every watcher waits beside the others for its condition and then acts."""
+    """Every watcher waits, as the others do, for its condition and then acts."""
     root = Parallel(name="all", policy=ParallelPolicy.SuccessOnAll(synchronise=False))
     for condition in conditions:
         root.add_child(Sequence(name="watch", memory=False, children=[condition, Command(name="act")]))
@@ -92,7 +92,7 @@ def event_to_command(count: int) -> float:
 
 
 def shared_variable(count: int) -> float:
-    """A sample of one variable that `count` watchers compare with thresholds of their own; one of them acts."""
+    """A sample of one variable that `count` watchers compare with separate thresholds; one of them acts."""
     client = writer("level")
     root = watchers(check("level", threshold) for threshold in range(count))
     root.tick_once()
@@ -124,7 +124,7 @@ def life(count: int) -> float:
 
 
 def hand_off(count: int) -> float:
-    """Of `count` competitors one of greater priority becomes ready and interrupts the one that runs, which goes on later."""
+    """Of `count` competitors one of greater priority becomes ready and interrupts the one that runs, which continues later."""
     names = [f"wants{number}" for number in range(count)]
     client = writer(*names)
     rivals = [

@@ -1,4 +1,4 @@
-"""Costs of ignorance: the score of any plan, and costs of your own, as functions or as tables that planners can use."""
+"""Costs of ignorance: the score of any plan, and user-defined costs, as functions or as tables that planners can use."""
 
 from __future__ import annotations
 
@@ -84,9 +84,9 @@ def expected_cost(
     costs: Mapping[str, Cost | tuple[Cost, Iterable[float]]] | None = None,
     survival: bool = False,
 ) -> ExpectedCost:
-    """Score any plan of surveillance, whoever made it, by the expected cost of ignorance.
+    """Score any plan of surveillance, from any planner, by the expected cost of ignorance.
 
-    Whether the plan can be flown is not looked at; :func:`plan` and its planners do that.
+    Whether the plan can be flown is not checked; :func:`plan` and its planners do that.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def expected_cost(
     Raises
     ------
     PlanningError
-        The problem cannot be read or makes no sense.
+        The problem cannot be read or is invalid.
     InputError
         A visit or cost of no target, or a cost that raises, returns no number, is negative, not finite, or falls with
         age, as far as it was asked: the text names the target and the age.
@@ -142,7 +142,7 @@ def expected_cost(
 
 
 def cost_table(cost: Cost, *, horizon_s: float, relative_error: float = 1e-4) -> dict[str, Any]:
-    """Put a cost of your own into a table that planners can use, as the ``cost`` of a target in a problem.
+    """Put a user-defined cost into a table that planners can use, as the ``cost`` of a target in a problem.
 
     If the cost never falls with age, the table is within `relative_error` of it at every age up to `horizon_s`, or of a
     thousandth of its cost there where it is less; jumps are found, and met to a part in 10^12 of `horizon_s`. So the

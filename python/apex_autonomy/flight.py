@@ -33,7 +33,7 @@ class Target:
     Attributes
     ----------
     id, name : str
-        As plans and as people call it.
+        Name in plans and in reports.
     kind : str
         ``"fire"``, ``"site"``, ``"base"`` or ``"place"``.
     latitude_deg, longitude_deg, elevation_m : float
@@ -76,7 +76,7 @@ class Report:
     sections : dict
         The report by section, as ``apex fly --json`` prints it.
     text : str
-        The report for people.
+        The report as text.
     """
 
     sections: dict[str, Any]
@@ -96,7 +96,7 @@ class Flight:
     report : dict
         What it achieved, by section.
     text : str
-        The report for people.
+        The report as text.
     record : Path
         The flight record.
     steps, events, effects : int
@@ -237,7 +237,7 @@ class Mission:
         seed : int, optional
             Seed of the planner's random numbers; left out, the mission's.
         planners : iterable of Planner
-            Planners of your own that `planner` or `table` may name.
+            User-defined planners that `planner` or `table` may name.
         table : str, optional
             Text of the profile table that chooses (`Profile.table`); left out, the one that ships.
 
@@ -290,7 +290,7 @@ def fly(
     pace : float, optional
         Simulated seconds per second; left out, as fast as possible, or 1 for missions of type ``realtime``.
     planners : iterable of Planner
-        Planners of your own beside those that ship.
+        User-defined planners in addition to those that ship.
     table : str, optional
         Text of the profile table that chooses (`Profile.table`); left out, the one that ships.
     solver_timeout_s : float, optional
@@ -380,7 +380,7 @@ def fork(
     until_s : float, optional
         Mission time at which the forked flight ends at the latest.
     planners : iterable of Planner
-        Planners of your own beside those that ship.
+        User-defined planners in addition to those that ship.
 
     Returns
     -------

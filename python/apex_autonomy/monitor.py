@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from apex_autonomy._apex import InputError, Judgement, Results, Session, Variable, instant_ns
 
-#: Seconds as a number, or a value with a unit of its own.
+#: Seconds as a number, or a value with a unit.
 Instant = float | int | np.timedelta64 | np.datetime64 | timedelta
 
 
@@ -253,7 +253,7 @@ class Monitor:
         return self._take()
 
     def finish(self) -> Results:
-        """End the input: the newest instant is over, and runs that go on end here.
+        """End the input: the newest instant is over, and open runs end here.
 
         Returns
         -------
@@ -284,7 +284,7 @@ class Monitor:
         return self._session.judgement()
 
     def counts(self, variable: str | Variable | None = None) -> dict[str, int]:
-        """Count what became of the samples of a variable.
+        """Count the uses of the samples of a variable.
 
         Parameters
         ----------
@@ -314,7 +314,7 @@ class Monitor:
         Returns
         -------
         list of str
-            A sentence each.
+            One message each.
         """
         return self._session.take_troubles()
 

@@ -58,7 +58,7 @@ class Environment:
 
 
 class Planner(abc.ABC):
-    """A planner of your own.
+    """A user-defined planner.
 
     Attributes
     ----------
@@ -111,7 +111,7 @@ def means(
     solver_timeout_s: float | None = None,
     solver_memory_mib: int | None = None,
 ) -> Means:
-    """Return planners of your own beside those that ship, with the table that chooses and the limits."""
+    """Return user-defined planners in addition to those that ship, with the table that chooses and the limits."""
     registered = _registered(planners)
     return Means(registered, table=table, solver_timeout_s=solver_timeout_s, solver_memory_mib=solver_memory_mib)
 
@@ -173,7 +173,7 @@ def plan(
     seed : int
         Seed of the planner's random numbers.
     planners : iterable of Planner
-        Planners of your own that `planner` or `table` may name.
+        User-defined planners that `planner` or `table` may name.
     table : str, optional
         Text of the profile table that chooses (`Profile.table`); left out, the one that ships.
 

@@ -12,7 +12,7 @@ __all__ = ["Profile", "profile_cells"]
 
 
 def profile_cells(*names: str) -> list[str]:
-    """Return the names of cells of test missions; ``"all"`` and ``"subset"`` stand for many.
+    """Return the names of cells of test missions; ``"all"`` and ``"subset"`` name many.
 
     Raises
     ------
@@ -63,7 +63,7 @@ class Profile:
         Parameters
         ----------
         cells : iterable of str
-            Names of cells; ``"all"`` and ``"subset"`` stand for many.
+            Names of cells; ``"all"`` and ``"subset"`` name many.
         planners : iterable of Planner or str
             Yours, or names of those that ship.
         missions : int

@@ -1,4 +1,4 @@
-"""A planner of your own in Python: it plans, and it flies."""
+"""A user-defined planner in Python: it plans, and it flies."""
 
 import random
 import sys

@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
-/// What was raised by a cost that was asked.
+/// Exception that a cost function raised.
 type Raised = RefCell<Option<PyErr>>;
 
 /// The callable as a function of Rust.
@@ -26,7 +26,7 @@ fn asking<'a>(cost: &'a Bound<'_, PyAny>, raised: &'a Raised) -> impl FnMut(f64)
     }
 }
 
-/// An `InputError` with what was raised as its cause; what is no error, as an interrupt by the keyboard, stays what it is.
+/// An `InputError` with what was raised as its cause; an exception that is not an error, as an interrupt by the keyboard, stays what it is.
 fn told(python: Python<'_>, why: String, raised: &Raised) -> PyErr {
     match raised.take() {
         Some(error) if !error.is_instance_of::<PyException>(python) => error,

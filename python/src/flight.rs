@@ -18,11 +18,11 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
 
-/// How often a flight asks Python for signals such as Ctrl-C.
+/// Interval at which a flight lets Python handle signals such as Ctrl-C.
 const SIGNALS_EVERY: Duration = Duration::from_millis(50);
 
 /// Flies a mission and records it: the end and the report as JSON. An exception of `on_progress`, or Ctrl-C, stops the flight
-/// in good order, and is raised after the record is closed.
+/// cleanly, and is raised after the record is closed.
 #[pyfunction]
 pub(crate) fn fly_json(
     python: Python<'_>,
@@ -44,7 +44,7 @@ pub(crate) fn fly_json(
         apex_simulation::world(&mission, seed)?;
         let mut recorder = apex_simulation::create_record(&record, &mission, seed)?;
         if pace.is_some() {
-            // Nothing but a stop will be said: the flight does not wait for inputs from people.
+            // Nothing but a stop will be said: the flight does not wait for inputs from operators.
             let _ = watch.stop.send(Control::Quiet);
         }
         let terms = FlyOptions { pace, controls: Some(controls), ..MissionFlight::terms(&mission, until) };
@@ -79,7 +79,7 @@ pub(crate) fn report_value(report: &Report) -> Value {
 pub(crate) struct Watch {
     stop: Sender<Control>,
     on_progress: Option<Py<PyAny>>,
-    /// Whole minutes of mission time that were told.
+    /// Whole minutes of mission time that were reported.
     minutes: u64,
     asked: Instant,
     raised: Option<PyErr>,

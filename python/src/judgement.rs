@@ -1,10 +1,10 @@
-//! What can be said about a condition now, and why.
+//! Status of a condition with its reasons.
 
 use apex_executive::Judgement as Told;
 use apex_executive::state::monitors::monitor::{Unmet, Verdict};
 use pyo3::prelude::*;
 
-/// What can be said about a condition now.
+/// Status of a condition.
 #[pyclass(frozen, module = "apex_autonomy")]
 pub(crate) struct Judgement {
     told: Told,

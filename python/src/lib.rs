@@ -1,5 +1,5 @@
 //! The native half of the Python package `apex_autonomy`: translation only. What is said about arguments and results to
-//! Python's users stands in the package; what a condition means is decided in the executive.
+//! Python's users is in the package; what a condition means is decided in the executive.
 
 mod costs;
 mod errors;

@@ -1,6 +1,6 @@
 //! Planners written in Python: their problem and plan cross the border as the JSON of `docs/reference/planning-problems.md`.
 //!
-//! A planner works on a thread of its own. What it asks of its environment is sent to the thread of the solver, which serves it
+//! A planner works on a separate thread. What it asks of its environment is sent to the thread of the solver, which serves it
 //! under the limits of every solver; so a planner that does not stop is interrupted there.
 
 use crate::errors::input;
@@ -14,25 +14,25 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How often a planner that asks nothing is looked at, and how long one may take to stop.
+/// Interval at which a planner that sends no request is checked, and the time that one may take to stop.
 const LOOK: Duration = Duration::from_millis(20);
 const GRACE: Duration = Duration::from_millis(500);
 
-/// What a planner asks; `Ended` is its last word.
+/// Request of a planner; `Ended` is its last one.
 enum Asked {
     Charge(u64),
     Report(String),
     Ended(Result<String, String>),
 }
 
-/// What it is told: work left, work used.
+/// Reply to a planner: work left, work used.
 #[derive(Clone, Copy)]
 struct Told {
     exhausted: bool,
     used: u64,
 }
 
-/// What a planner may use.
+/// Resources that a planner may use.
 #[pyclass(module = "apex_autonomy", frozen)]
 pub(crate) struct Surroundings {
     seed: u64,
@@ -114,7 +114,7 @@ impl Solver for PythonSolver {
         let (started, identity) = channel();
         let work = move || {
             let answer = Python::attach(|python| {
-                // Nobody listens any more to a planner that has been stopped.
+                // No caller listens any longer to a planner that has been stopped.
                 let _ = started.send(thread_identity(python));
                 let answer = call.bind(python).call1((text, surroundings))?;
                 answer.extract::<String>()
@@ -142,7 +142,7 @@ fn serve(
         match asked.recv_timeout(LOOK) {
             Ok(Asked::Charge(units)) => environment.budget.charge(units),
             Ok(Asked::Report(text)) => {
-                // A report that is no plan is the planner's mistake, told where it made it: it ends there.
+                // A report that is not a plan is the planner's mistake, reported where it made it: it ends there.
                 let plan = read(&solver.name, problem, &text)?;
                 (environment.report)(&plan);
             }
@@ -177,7 +177,7 @@ impl Drop for Interrupt {
             return;
         }
         let Ok(Some(identity)) = self.identity.recv_timeout(GRACE) else { return };
-        // What cannot be interrupted is left behind; there is nobody to tell.
+        // What cannot be interrupted is left behind; no caller can be informed.
         let _ = Python::attach(|python| self.interrupt.bind(python).call1((identity,)).map(|_| ()));
     }
 }

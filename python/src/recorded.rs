@@ -43,7 +43,7 @@ pub(crate) fn replay_json(python: Python<'_>, record: PathBuf) -> PyResult<Strin
     replayed.map_err(|failure| failed(python, failure))
 }
 
-/// What shall differ after the instant: factor of the wind, seed, lines of inputs, order of visits.
+/// Changes after the instant: factor of the wind, seed, lines of inputs, order of visits.
 type Differences = (Option<f64>, Option<u64>, Option<String>, Vec<String>);
 
 /// Continues a recorded flight from `at_s` on with changes and records it: both reports as JSON. Ctrl-C stops the flight; the
@@ -114,7 +114,7 @@ pub(crate) fn report_json(python: Python<'_>, record: PathBuf) -> PyResult<Strin
     reported.map_err(|failure| failed(python, failure))
 }
 
-/// Opens a record. That it is incomplete is no obstacle: what it holds is used, and its report says so.
+/// Opens a record. An incomplete record is accepted: its content is used, and its report states it.
 fn open(path: &Path) -> MissionResult<RecordReader> {
     recording::open(path).map(|(reader, _)| reader)
 }

@@ -1,4 +1,4 @@
-"""Costs of a user's own: any plan is scored by them, and planners plan with their tables."""
+"""User-defined costs: any plan is scored by them, and planners plan with their tables."""
 
 import json
 import math

@@ -30,7 +30,7 @@ def example() -> ModuleType:
 
 
 def mission(folder: Path, solver: str, budget: str) -> Path:
-    """Copy the mission so that it asks `solver`, and goes on without a plan."""
+    """Copy the mission so that it asks `solver`, and continues without a plan."""
     folder.mkdir()
     for file in MISSION.iterdir():
         text = file.read_text()

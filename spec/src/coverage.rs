@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 /// A row: a construct as it is written, and a page on which it stands so.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Row {
-    /// The text to be found in a program of the page; `..` stands for anything.
+    /// The text to be found in a program of the page; `..` matches anything.
     pub construct: String,
     /// The page below `spec/`, without `.md`.
     pub page: String,
 }
 
-/// Where the table is.
+/// Returns the path of the table.
 pub fn table() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/reference/pdl-coverage.md")
 }
@@ -29,7 +29,7 @@ fn row(line: &str) -> Option<Row> {
     Some(Row { construct: construct.to_string(), page: page.to_string() })
 }
 
-/// Why the row's page does not show its construct; none when it does.
+/// Returns the reason if the row's page does not show its construct.
 pub fn fault(row: &Row) -> Option<String> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("{}.md", row.page));
     let Ok(text) = fs::read_to_string(&path) else {

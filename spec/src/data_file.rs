@@ -17,9 +17,9 @@ pub fn text_of(block: &Block) -> Option<Result<String, String>> {
     })
 }
 
-/// What the page shows of the file: the whole program, or what there is of each variable and how often.
+/// Returns the text that the page shows of the file: the whole program, or the number of samples of each variable.
 ///
-/// # Errors
+/// A line of the inputs that is not JSON.
 /// A line of the inputs is no JSON.
 pub fn shown(block: &Block, text: &str) -> Result<String, String> {
     match block.kind.as_str() {

@@ -1,4 +1,4 @@
-//! A difference of two texts by lines, for people.
+//! A difference of two texts by lines, human-readable.
 
 /// Lines of `expected` that are missing (`-`), lines of `actual` that are new (`+`), and common ones around them.
 /// None when the texts are equal.

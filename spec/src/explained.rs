@@ -1,5 +1,5 @@
 //! Do the text and the data of an explanation say the same? Both are taken apart again: every name, instant, cause and
-//! place of the data must stand at its place in the text, and no task or instant may stand in the text alone.
+//! place of the data must be at its place in the text, and no task or instant may be in the text alone.
 
 use apex_model::time::Time;
 use serde_json::Value;
@@ -7,7 +7,7 @@ use serde_json::Value;
 /// Moments that a text shows at most; of longer histories it leaves out the middle.
 const MOMENTS_MAX: usize = 40;
 
-/// What the answer to `why` or `why-not` says in one of its forms only. `data` is its JSON.
+/// Returns the statements that only one form of the answer to `why` or `why-not` has. `data` is its JSON.
 pub fn disagreements(data: &Value, text: &str) -> Vec<String> {
     let mut told = Vec::new();
     let sections = sections(text);
@@ -64,12 +64,12 @@ fn list<'v>(data: &'v Value, member: &str) -> &'v [Value] {
     data.get(member).and_then(Value::as_array).map(Vec::as_slice).unwrap_or_default()
 }
 
-/// The instant that a member holds, as it is written for people.
+/// The instant that a member holds, in human-readable form.
 fn instant(data: &Value, member: &str) -> String {
     data.get(member).and_then(Value::as_f64).map(|t| Time::from_seconds(t).to_string()).unwrap_or_default()
 }
 
-/// Every fact must stand in `line`.
+/// `line` must contain every fact.
 fn needs(told: &mut Vec<String>, line: &str, facts: &[String]) {
     told.extend(facts.iter().filter(|fact| !line.contains(*fact)).map(|fact| format!("`{fact}` is not in `{line}`")));
 }

@@ -1,16 +1,16 @@
-//! Inputs that come late. A line with `"came": 16` is heard of at 16 s, whatever its `"t"`: the vehicle's link held it back.
+//! Inputs that come late. A line with `"came": 16` arrives at 16 s, whatever its `"t"`: the vehicle's link held it back.
 
 use apex_model::time::Time;
 use apex_runtime::input_lines::{InputErrors, read_inputs};
 use apex_runtime::ports::Input;
 use serde_json::Value as Json;
 
-/// A page's inputs, told apart by who brings them.
+/// A page's inputs, separated by their source.
 #[derive(Debug, Default, PartialEq)]
 pub struct Inputs {
-    /// What comes when it happens.
+    /// Inputs that arrive at their time.
     pub prompt: Vec<Input>,
-    /// What comes later, and when.
+    /// Inputs that arrive later, with their arrivals.
     pub late: Vec<(Time, Input)>,
 }
 
@@ -46,7 +46,7 @@ fn lines(text: &str) -> Result<Vec<Input>, String> {
         .map_err(|InputErrors(faults)| faults.join("\n"))
 }
 
-/// When the line says that it came, and the line without that.
+/// Returns the arrival that the line states, and the line without it.
 fn came(line: &str) -> Option<(Time, String)> {
     let Ok(Json::Object(mut fields)) = serde_json::from_str(line) else { return None };
     let came = fields.remove("came")?.as_f64()?;

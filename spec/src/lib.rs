@@ -1,6 +1,6 @@
 //! Specification pages: Markdown that tells what the language means, and runs.
 //!
-//! A page is read into blocks ([`page`]), each `trace` block is one run of the program before it ([`scenario`]), told in a
+//! A page is read into blocks ([`page`]), each `trace` block is one run of the program before it ([`scenario`]), reported in a
 //! few words a line ([`projection`]) and compared with what the page says ([`diff`]); a `why` block asks its record
 //! ([`question`]). See `README.md` for the blocks.
 

@@ -1,4 +1,4 @@
-//! What stands around a page's agent: a vehicle that answers commands, and a planner, both as the page's options say.
+//! Surroundings of a page's agent: a vehicle that answers commands and a planner, configured by the options of the page.
 
 use crate::late::take_due;
 use crate::scenario::read_time;
@@ -11,13 +11,13 @@ use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use apex_runtime::ports::{Deliberator, Input, Posed, SolverAnswer, Vehicle};
 
-/// How the vehicle answers commands.
+/// Response of the vehicle to commands.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum VehicleManner {
     /// Acknowledges each one at once.
     #[default]
     Prompt,
-    /// Acknowledges each one after so long.
+    /// Acknowledges each one after this time.
     Slow(Duration),
     /// Refuses each one, with this reason.
     Refuses(String),
@@ -25,15 +25,15 @@ pub enum VehicleManner {
     Silent,
 }
 
-/// How the planner answers requests.
+/// Response of the planner to requests.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum PlannerManner {
-    /// No planner is at hand.
+    /// No planner is available.
     #[default]
     Absent,
-    /// Answers each request after so long with these activities.
+    /// Answers each request after this time with these activities.
     Plans(Duration, Vec<Value>),
-    /// Gives up after so long, with this reason.
+    /// Finds no plan after this time, with this reason.
     Fails(Duration, String),
 }
 
@@ -73,12 +73,12 @@ impl PlannerManner {
     }
 }
 
-/// Stands in for a vehicle.
+/// Test double of a vehicle.
 #[derive(Debug, Default)]
 pub struct PageVehicle {
     manner: VehicleManner,
     answers: Vec<(CommandId, Input)>,
-    /// What it heard of, and when it will pass it on, in that order.
+    /// Inputs to pass on later, ordered by that instant.
     late: Vec<(Time, Input)>,
 }
 
@@ -119,7 +119,7 @@ impl Vehicle for PageVehicle {
     }
 }
 
-/// Stands in for planners.
+/// Test double of planners.
 #[derive(Debug, Default)]
 pub struct PagePlanner(pub PlannerManner);
 

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 pub fn files() -> Vec<PathBuf> {
     let entries = |folder: &Path| fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let folders = entries(Path::new(env!("CARGO_MANIFEST_DIR"))).filter(|path| path.is_dir());
-    // A README tells about a folder; it is no page.
+    // A README describes a folder; it is not a page.
     let markdown = |path: &PathBuf| {
         path.extension().is_some_and(|extension| extension == "md")
             && path.file_stem().is_none_or(|stem| stem != "README")

@@ -1,7 +1,7 @@
-//! A run told in a few words a line: `2s a ongoing`, `2s print ready`, `5s end`.
+//! A run in a few words per line: `2s a ongoing`, `2s print ready`, `5s end`.
 //!
-//! Tasks go by the tag of their step; a second task of one tag is `a#2`. The end of a task that never started is not told
-//! unless it failed, and built-in activities are told by what they do (`print`), not as tasks.
+//! Tasks go by the tag of their step; a second task of one tag is `a#2`. The end of a task that never started is not reported
+//! unless it failed, and built-in activities are reported by what they do (`print`), not as tasks.
 
 use apex_model::because::Because;
 use apex_model::effect::{Decision, DecisionKind, Effect, Method};
@@ -11,7 +11,7 @@ use apex_model::time::Time;
 use apex_runtime::ports::Observer;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Kinds of lines that are told when a page does not say otherwise.
+/// Kinds of lines that are reported unless a page states others.
 const DEFAULT_KINDS: &[&str] = &[
     "ongoing",
     "interrupted",
@@ -28,7 +28,7 @@ const DEFAULT_KINDS: &[&str] = &[
     "note",
     "end",
 ];
-/// Kinds that a page may ask for besides.
+/// Kinds that a page may request in addition.
 const FURTHER_KINDS: &[&str] = &[
     "created",
     "pending",
@@ -43,13 +43,13 @@ const FURTHER_KINDS: &[&str] = &[
     "publish",
 ];
 
-/// Observes a run and keeps what was told.
+/// Observes a run and keeps the reports.
 #[derive(Debug, Default)]
 pub struct Teller {
     kinds: BTreeSet<String>,
     /// The names of the agents, where there are several: each line begins with one.
     agents: Vec<String>,
-    /// What is known of the tasks of the agent whose turn it is; of the others, in `waiting`.
+    /// Knowledge of the tasks of the present agent; that of others is in `waiting`.
     known: Known,
     turn: usize,
     waiting: BTreeMap<usize, Known>,
@@ -57,7 +57,7 @@ pub struct Teller {
     lines: Vec<String>,
 }
 
-/// What is known of one agent's tasks.
+/// Knowledge of one agent's tasks.
 #[derive(Debug, Default)]
 struct Known {
     names: BTreeMap<TaskId, String>,
@@ -90,17 +90,17 @@ impl Teller {
         self.agents = names;
     }
 
-    /// Everything told so far, one line each.
+    /// Everything reported so far, one line each.
     pub fn text(&self) -> String {
         self.lines.iter().map(|line| format!("{line}\n")).collect()
     }
 
-    /// Every change of state that occurred, told or not.
+    /// Every change of state that occurred, reported or not.
     pub fn transitions(&self) -> &BTreeSet<(TaskState, TaskState)> {
         &self.transitions
     }
 
-    /// Adds a line of its own, for example about the end of the run.
+    /// Adds a separate line, for example about the end of the run.
     pub fn tell(&mut self, line: String) {
         self.lines.push(line);
     }

@@ -5,7 +5,7 @@ use apex_runtime::error::RecordError;
 use apex_runtime::explain::{Explainer, Question};
 use apex_runtime::record::{Program, RecordOptions, RecordReader, Recorder};
 
-/// What `apex why` or `apex why-not`, as `word` says, answers about the scenario's run. `question` is a task, resource or
+/// Returns the answer of `apex why` or `apex why-not`, as `word` says, about the scenario's run. `question` is a task, resource or
 /// command, as the command takes it, and an instant: `take-picture@2s`.
 ///
 /// # Errors
@@ -28,7 +28,7 @@ pub fn answer(scenario: &Scenario, word: &str, question: &str) -> Result<String,
 pub struct Recorded {
     /// Reads the record.
     pub reader: RecordReader,
-    /// What was run.
+    /// The program that was run.
     pub program: Program,
     _folder: tempfile::TempDir,
 }

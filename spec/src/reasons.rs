@@ -1,4 +1,4 @@
-//! Whoever waits must be able to say for what: asked of every task after every step of every run.
+//! A waiting task must state for what it waits: asked of every task after every step of every run.
 //!
 //! The list of reasons is compared with what the agent's own state says holds the task back, so that a list that is
 //! there but not complete is found too.
@@ -21,7 +21,7 @@ pub struct Asker {
 }
 
 impl Asker {
-    /// What was missing, one line a task and instant.
+    /// Returns the missing reasons, one line per task and instant.
     pub fn missing(&self) -> &[String] {
         &self.missing
     }

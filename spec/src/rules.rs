@@ -3,7 +3,7 @@
 use crate::page;
 use std::path::{Path, PathBuf};
 
-/// How many rules the design has.
+/// Number of rules of the design.
 pub const RULES: u32 = 23;
 
 /// A row: a rule, and the files that its links name, by columns.
@@ -19,7 +19,7 @@ pub struct Row {
     pub pages: Vec<String>,
 }
 
-/// Where the table is.
+/// Returns the path of the table.
 pub fn table() -> PathBuf {
     root().join("docs/reference/condition-rules.md")
 }
@@ -47,7 +47,7 @@ fn links(cell: &str) -> Vec<String> {
     targets.map(|(target, _)| target.trim_start_matches("../").to_string()).collect()
 }
 
-/// What is wrong with the row: a column without a file, a file that is not there, a page that is not run.
+/// Returns the defects of the row: a column without a file, a file that does not exist, a page that is not run.
 pub fn faults(row: &Row) -> Vec<String> {
     let Row { number, services, definitions, pages } = row;
     let mut faults = Vec::new();

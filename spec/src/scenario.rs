@@ -17,10 +17,10 @@ use std::sync::Arc;
 
 /// The name of a page's program in messages.
 pub const PROGRAM_NAME: &str = "page.pdl";
-/// Where a run ends when its page does not say.
+/// End of a run if its page states none.
 const UNTIL_DEFAULT: Time = Time(3600 * apex_model::time::NANOSECONDS_PER_SECOND);
 
-/// What a page has said so far.
+/// Content of a page until now.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Scenario {
     /// The program.
@@ -33,7 +33,7 @@ pub struct Scenario {
     pub options: String,
 }
 
-/// The run of the scenario with everything it told.
+/// Runs the scenario and returns everything that it reported.
 ///
 /// # Errors
 /// The checker's messages, a bad input line or a bad option; a task that could not say what it waited for. A run that
@@ -137,7 +137,7 @@ fn resolve(requirement: Requirement, files: &[(String, String)]) -> Result<Sourc
     }
 }
 
-/// What the `options` block says.
+/// Content of the `options` block.
 struct Options {
     until: Time,
     kinds: Vec<String>,

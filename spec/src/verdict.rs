@@ -8,7 +8,7 @@ use crate::scenario::{self, Scenario};
 use apex_model::task::TaskState;
 use std::collections::BTreeSet;
 
-/// What came of a page.
+/// Result of a page.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// Everything is as the page says.
@@ -79,7 +79,7 @@ fn results(text: &str) -> Vec<(Block, Result<String, String>)> {
     files.chain(results).collect()
 }
 
-/// Each block that is no part of a scenario, with the scenario so far. `pdl`, `inputs` and `options` hold until the next
+/// Each block that is not a part of a scenario, with the scenario so far. `pdl`, `inputs` and `options` hold until the next
 /// of their kind; a new program starts without inputs and options, and with the files before it. Programs and inputs may
 /// name a file of this package that holds them.
 pub fn scenarios(text: &str) -> Vec<(Block, Scenario)> {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The form, and files of its own, have this in their names.
+/// Names of the form and of its files contain this.
 const FORM: &str = "cyclic";
 /// The lines that a form may need elsewhere.
 const LINES_MAX: usize = 60;
@@ -42,7 +42,7 @@ fn lines_of_form(text: &str) -> usize {
     lines
 }
 
-/// What the guide's table says: lines by file.
+/// Returns the lines by file in the table of the guide.
 fn told() -> BTreeMap<String, usize> {
     let guide = fs::read_to_string(root().join("docs/guides/adding-a-condition.md")).unwrap_or_default();
     let row = |line: &str| {

@@ -1,4 +1,4 @@
-//! Every construct of the language stands in the table of `docs/reference/pdl-coverage.md`, and on the page that it names.
+//! Every construct of the language is in the table of `docs/reference/pdl-coverage.md`, and on the page that it names.
 
 use apex_model::agent_limits::Limit;
 use apex_model::builtins::{ALIASES, BUILT_INS, INDEXICALS, SPECIAL_FORMS};

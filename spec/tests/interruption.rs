@@ -1,5 +1,5 @@
 //! The interruption matrix: every cell of {holder, challenger} x {higher, equal, lower} x {arrives before, with, after} x
-//! {behaviour} stands on a page of `interruption/`, and the program there is what the cell says.
+//! {behaviour} is on a page of `interruption/`, and the program there is what the cell says.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops where it is surprised")]
 
@@ -26,7 +26,7 @@ const SUBJECTS: [&str; 2] = ["holder", "challenger"];
 const ARRIVALS: [(&str, Ordering); 3] =
     [("before", Ordering::Less), ("with", Ordering::Equal), ("after", Ordering::Greater)];
 
-/// When the tasks of the two steps became enabled, and what came true of whose clauses.
+/// Instants at which the tasks of the two steps became enabled, and the conditions that became true with their owners.
 #[derive(Default)]
 struct Log {
     tags: BTreeMap<u64, String>,
@@ -59,7 +59,7 @@ impl Observer for Log {
     }
 }
 
-/// The scenario that stands under `## The {subject}`, `### The challenger arrives {arrival}`.
+/// The scenario below `## The {subject}`, `### The challenger arrives {arrival}`.
 fn cell(text: &str, subject: &str, arrival: &str) -> Option<Scenario> {
     let lines: Vec<&str> = text.lines().collect();
     let find = |heading: String, from: usize| {
@@ -75,7 +75,7 @@ fn cell(text: &str, subject: &str, arrival: &str) -> Option<Scenario> {
     let end =
         lines.iter().skip(start + 1).position(|line| line.starts_with('#')).map_or(lines.len(), |n| n + start + 1);
     let prose = lines.get(start + 1..end)?.iter().find(|line| !line.is_empty())?;
-    assert!(!prose.starts_with("```"), "the cell says nothing in words");
+    assert!(!prose.starts_with("```"), "the cell has no prose");
     let inside = |line: usize| (start + 1..=end).contains(&line);
     let runs = verdict::scenarios(text).into_iter();
     let (_, scenario) = runs.filter(|(block, _)| block.kind == "trace").find(|(block, _)| inside(block.line))?;
@@ -100,7 +100,7 @@ fn serving<'l>(library: &'l Library, step: &Step) -> Option<&'l Procedure> {
     library.procedures.iter().find(serves).map(AsRef::as_ref)
 }
 
-/// Does the program make the subject behave so?
+/// Returns true if the program makes the subject behave so.
 fn behaves(library: &Library, subject: &str, behaviour: &str) -> bool {
     let (holder, step) = steps(library, subject);
     let own = serving(library, step);
@@ -121,7 +121,7 @@ fn behaves(library: &Library, subject: &str, behaviour: &str) -> bool {
     }
 }
 
-/// Was the subject interrupted in this run, and did its behaviour meet that?
+/// Returns true if the subject was interrupted in this run and its behaviour matches.
 fn meets(log: &Log, subject: &str, behaviour: &str) -> bool {
     let states: Vec<TaskState> = log.states.iter().filter(|(tag, _)| tag == subject).map(|(_, state)| *state).collect();
     let after_interruption = |wanted: TaskState| states.windows(2).any(|pair| pair == [TaskState::Interrupted, wanted]);
@@ -132,7 +132,7 @@ fn meets(log: &Log, subject: &str, behaviour: &str) -> bool {
             let clause = Clause::EndWhen.word().to_string();
             after_interruption(TaskState::Terminated) && log.satisfied.contains(&(subject.to_string(), clause))
         }
-        // The task goes on with what handles the failure.
+        // The task continues with the handler of its failure.
         _ => after_interruption(TaskState::Ongoing) && log.states.iter().any(|(tag, _)| tag == "alarm"),
     }
 }

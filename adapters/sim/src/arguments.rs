@@ -1,4 +1,4 @@
-//! Reading the arguments of commands: numbers with their dimensions, locations, keywords. Every error is a sentence.
+//! Reading the arguments of commands: numbers with their dimensions, locations, keywords. Every error is an error message.
 
 use crate::config::NamedPlace;
 use crate::names::unknown_name;

@@ -27,7 +27,7 @@ const NADIR_CONE_RAD: f64 = 3.0 * RAD_PER_DEG;
 /// A tilt beyond the limits of the mount by less than this counts as inside: digits of the limits.
 const LIMIT_RAD: f64 = 1e-3;
 
-/// What a camera is doing.
+/// The activity of a camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum CameraState {
     Off,
@@ -52,7 +52,7 @@ impl CameraState {
     }
 }
 
-/// What the camera points at.
+/// The object at which a camera points.
 #[derive(Clone, Debug)]
 pub(crate) enum Aim {
     /// Straight down, rows of the picture across the heading.
@@ -62,7 +62,7 @@ pub(crate) enum Aim {
 }
 
 impl Aim {
-    /// What it points at, as the command gave it.
+    /// Returns the aim as the command gave it.
     pub(crate) fn given(&self) -> Value {
         match self {
             Aim::Down => Value::symbol(DOWN),
@@ -81,7 +81,7 @@ pub(crate) struct PictureRun {
     pub(crate) every_m: f64,
     /// Distance flown since the last one.
     pub(crate) flown_m: f64,
-    /// When the last one was taken.
+    /// Instant of the last picture.
     pub(crate) last: Option<Time>,
 }
 
@@ -95,21 +95,21 @@ pub(crate) struct Camera {
     pub(crate) aim: Option<Aim>,
     /// The command it is carrying out.
     pub(crate) command: Option<CommandId>,
-    /// When power-up or exposure is over.
+    /// End of power-up or exposure.
     pub(crate) timer: Option<Time>,
-    /// When the slew in progress counts as failed.
+    /// Instant from which the slew in progress counts as failed.
     pub(crate) slew_until: Option<Time>,
     /// Pictures that it takes by distance.
     pub(crate) run: Option<PictureRun>,
     /// Pictures that the present command still wants after the one in progress.
     pub(crate) pictures_left: u32,
-    /// How long the sight line has been on the target.
+    /// Time for which the sight line has been on the target without a break.
     aligned_s: f64,
     /// Angle between the sight line and the target.
     error_rad: f64,
 }
 
-/// What pointing came to in one step.
+/// Result of one step of pointing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Pointing {
     Same,
@@ -144,7 +144,7 @@ impl Sight {
     }
 }
 
-/// Where the mount goes to look at something, and how far its sight line then is from it.
+/// Mount angles that point at a target, and the angle that then remains between sight line and target.
 #[derive(Clone, Copy, Debug)]
 struct Angles {
     tilt_rad: f64,
@@ -171,7 +171,7 @@ impl Camera {
         }
     }
 
-    /// Is it powered and through with powering up?
+    /// Returns true if the camera is powered and its power-up is over.
     pub(crate) fn is_ready(&self) -> bool {
         !matches!(self.state, CameraState::Off | CameraState::PoweringUp)
     }
@@ -218,7 +218,7 @@ impl Camera {
         if nadir { self.tolerance_rad().max(self.nadir_cone_rad()) } else { self.tolerance_rad() }
     }
 
-    /// Why the mount cannot ever see `aim` from here, however the aircraft turns.
+    /// Returns the reason if no attitude of the aircraft lets the mount see `aim` from here.
     pub(crate) fn refusal(&self, aim: &Aim, state: &State) -> Option<String> {
         let elevation_deg = match aim {
             Aim::Down => -90.0,

@@ -1,4 +1,4 @@
-//! Commands: from form to order, with every refusal a sentence; supersession and withdrawal.
+//! Commands: from form to order, each refusal with a message; supersession and withdrawal.
 
 use crate::arguments::{Arguments, Spot};
 use crate::camera::CameraState;
@@ -266,7 +266,7 @@ impl SimulatedWorld {
         })
     }
 
-    /// Where the vehicle is; for a rotorcraft where it can stop.
+    /// Returns the position of the vehicle; for a rotorcraft the place at which it can stop.
     fn spot_here(&self) -> Spot {
         let fixed = self.model.airframe == Airframe::FixedWing;
         let position = if fixed { self.state.position } else { self.situation().stopping_place() };
@@ -400,7 +400,7 @@ impl SimulatedWorld {
         }
     }
 
-    /// Stops carrying out a command; nobody waits for its answer any more.
+    /// Stops carrying out a command; no task waits for its answer any longer.
     pub(crate) fn give_up(&mut self, command: CommandId) {
         let is = |setpoint: &mut Setpoint| setpoint.command == command;
         if self.flight.command == Some(command) {

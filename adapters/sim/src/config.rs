@@ -1,4 +1,4 @@
-//! What a simulated world is made of: vehicle, start, weather, ground, radios, places and scripted events, as plain data.
+//! Configuration of a simulated world: vehicle, start, weather, ground, radios, places and scripted events, as plain data.
 
 use apex_geo::geodesy;
 use apex_geo::link::{LevelLaw, LevelModel};
@@ -14,21 +14,21 @@ use serde::{Deserialize, Serialize};
 pub struct WorldConfig {
     /// The vehicle's name: the object of its state variables, for example `aircraft-1`.
     pub vehicle: String,
-    /// What it is.
+    /// Model of the vehicle.
     pub model: VehicleModel,
-    /// Where and how it begins, at mission time zero.
+    /// Position and motion of the vehicle at mission time zero.
     pub start: Start,
     /// Seeds turbulence and radio fading.
     pub seed: u64,
     /// The wind that truly blows.
     pub wind: WindField,
-    /// How high the ground is.
+    /// Elevation of the ground.
     pub ground: Ground,
     /// Radios.
     pub modems: Vec<Modem>,
     /// Targets, airfields and other places that commands may name.
     pub places: Vec<NamedPlace>,
-    /// What the world does by itself: fires that appear, grow or are sighted.
+    /// Scripted events of the world: fires that appear, grow or are sighted.
     pub events: Vec<ScheduledEvent>,
 }
 
@@ -49,10 +49,10 @@ impl WorldConfig {
         }
     }
 
-    /// Checks everything that a person may have written.
+    /// Checks everything that a user may have written.
     ///
     /// # Errors
-    /// A sentence that names what is wrong.
+    /// A message that names the invalid value.
     pub(crate) fn check(&self) -> Result<(), String> {
         self.model.validate(&self.model.name).map_err(|error| error.to_string())?;
         if self.vehicle.trim().is_empty() {
@@ -99,14 +99,14 @@ fn check_finite(what: &str, number: f64) -> Result<(), String> {
     if number.is_finite() { Ok(()) } else { Err(format!("{what} is {number}; it must be a finite number")) }
 }
 
-/// Where and how the vehicle begins.
+/// Initial position and motion of the vehicle.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Start {
-    /// Where.
+    /// Position.
     pub position: Position,
     /// Altitude above mean sea level; for a start on the ground the field's elevation.
     pub altitude_m: f64,
-    /// Where the nose points, clockwise from true north.
+    /// Direction of the nose, clockwise from true north.
     pub heading_deg: f64,
     /// True: in flight at cruise speed; false: parked.
     pub airborne: bool,
@@ -219,22 +219,22 @@ impl Modem {
 pub struct NamedPlace {
     /// Its name, in any case.
     pub name: String,
-    /// Where.
+    /// Position of the receiver.
     pub position: Position,
     /// Altitude of the thing itself (to point a camera at); none is the ground.
     pub altitude_m: Option<f64>,
 }
 
-/// Something that happens by itself at its time.
+/// A scripted event at its time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ScheduledEvent {
-    /// When.
+    /// Instant of publication.
     pub at: Time,
-    /// What is then published.
+    /// Published content.
     pub what: Happening,
 }
 
-/// What a [`ScheduledEvent`] publishes.
+/// Content of a [`ScheduledEvent`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Happening {
     /// A message, for example `(fire-sighted site-4)`.

@@ -15,7 +15,7 @@ use apex_model::quantity::Dimension;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
-/// What was commanded, or what the vehicle does by itself.
+/// A command, or a behaviour that the vehicle starts on its own.
 #[derive(Clone, Debug)]
 pub(crate) enum Order {
     TakeOff {
@@ -56,7 +56,7 @@ pub(crate) enum Order {
     Parked,
 }
 
-/// How far the order has arrived.
+/// Progress of an order.
 #[derive(Clone, Debug)]
 pub(crate) enum Stage {
     Parked,
@@ -88,7 +88,7 @@ pub(crate) struct ActiveOrder {
     pub(crate) stage: Stage,
     pub(crate) line: Option<Line>,
     pub(crate) way: Option<Way>,
-    /// Where on the line to begin: not at zero for a line that was interrupted before.
+    /// Distance along the line at which to begin: above zero for a line that was interrupted before.
     pub(crate) begin_m: f64,
     /// End of the time on station.
     until: Option<Time>,
@@ -99,16 +99,16 @@ pub(crate) struct ActiveOrder {
     pub(crate) joins: u32,
     /// The vehicle was on the line when it was commanded: no turn leads onto it.
     pub(crate) at_once: bool,
-    /// The join was planned anew after the first turn.
+    /// The join was planned again after the first turn.
     pub(crate) planned_straight: bool,
-    /// How often the place of a fly-to was missed, and whether it is behind the vehicle since.
+    /// Number of times that the vehicle missed the place of a fly-to, and whether the place is behind it since.
     pub(crate) misses: u32,
     pub(crate) abeam: bool,
     line_s: f64,
     level_s: f64,
 }
 
-/// What became of the flight in one step.
+/// Result of one step of the flight.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Progress {
     Going,
@@ -178,7 +178,7 @@ impl ActiveOrder {
         })
     }
 
-    /// What the order itself begins with.
+    /// Returns the stage with which the order itself begins.
     fn first_stage(&mut self, here: &Situation) -> Stage {
         match self.order.clone() {
             Order::TakeOff { .. } if here.fixed() => Stage::Run,
@@ -213,7 +213,7 @@ impl ActiveOrder {
         Some(self.first_stage(here))
     }
 
-    /// What to follow now.
+    /// Returns the path to follow now.
     pub(crate) fn path(&self, here: &Situation) -> Path {
         match &self.stage {
             Stage::Parked | Stage::Run | Stage::ClimbOut | Stage::RollOut => Path::Straight,
@@ -253,7 +253,7 @@ impl ActiveOrder {
         }
     }
 
-    /// Is it rolling on the ground, and towards which speed?
+    /// Returns the speed to reach while the vehicle rolls on the ground; `None` in the air.
     pub(crate) fn ground_roll(&self) -> Option<f64> {
         match self.stage {
             Stage::Run => Some(f64::INFINITY),
@@ -262,23 +262,23 @@ impl ActiveOrder {
         }
     }
 
-    /// May it touch the ground now?
+    /// Returns true if the vehicle may touch the ground now.
     pub(crate) fn is_touching_down(&self) -> bool {
         let landing = matches!(self.order, Order::Land { .. });
         landing && matches!(self.stage, Stage::OnLine | Stage::Descend(_) | Stage::RollOut)
     }
 
-    /// Is it on a line whose quality counts?
+    /// Returns true on a line whose quality counts.
     pub(crate) fn is_on_line(&self) -> bool {
         matches!((&self.stage, &self.order), (Stage::OnLine, Order::FlyLine { .. } | Order::JoinLine { .. }))
     }
 
-    /// Does it continue along its line after its answer?
+    /// Returns true if the vehicle continues along its line after its answer.
     pub(crate) fn goes_on(&self) -> bool {
         matches!((&self.stage, &self.order), (Stage::OnLine, Order::JoinLine { .. })) && self.stage_m > 0.0
     }
 
-    /// When the time on station ends.
+    /// Returns the end of the time on station.
     pub(crate) fn deadline(&self) -> Option<Time> {
         self.until
     }

@@ -65,7 +65,7 @@ impl FollowedPath {
         Some(path)
     }
 
-    /// What to follow now.
+    /// Returns the path to follow now.
     pub(crate) fn path(&self, here: &Situation) -> Path {
         if self.is_fixed_wing {
             return Path::Leg(self.leg, self.turn_rad_per_m);
@@ -137,7 +137,7 @@ impl FollowedPath {
         self.turn_rad_per_m = self.turn_rad_per_m(here);
     }
 
-    /// How much the course changes per metre of a chord, by the legs before and after it.
+    /// Returns the change of course per metre of a chord, computed from the legs before and after it.
     fn turn_rad_per_m(&self, here: &Situation) -> f64 {
         let (Some(end), Some(after)) = (self.points.get(self.next), self.points.get(self.next + 1)) else { return 0.0 };
         let next = Line::new(end.position, after.position);

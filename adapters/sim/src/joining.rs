@@ -9,15 +9,15 @@ use libm::cos;
 
 /// Lines begin this many seconds after the turn onto them, so that the wings are level.
 const LEAD_IN_S: f64 = 16.0;
-/// How exactly a line must be joined; otherwise it is joined again, so many times at most.
+/// Accuracy with which a line must be joined. After a miss it is joined again, up to the maximum number of attempts.
 const JOIN_ACROSS_M: f64 = 120.0;
 const JOIN_COURSE_RAD: f64 = 0.06;
 const JOIN_BANK_RAD: f64 = 0.05;
 const JOINS_MAX: u32 = 2;
-/// How exactly a way must end on a line.
+/// Accuracy with which a path must end on a line.
 const LINED_UP_ACROSS_M: f64 = 400.0;
 const LINED_UP_RAD: f64 = 0.35;
-/// Closer to the turn than this it is not planned anew.
+/// Closer to the turn than this it is not planned again.
 const REPLAN_M: f64 = 1_000.0;
 /// A fixed wing has reached a place when it passes it no farther away than this.
 const PLACE_M: f64 = 200.0;
@@ -27,7 +27,7 @@ const MISSES_MAX: u32 = 4;
 /// A vehicle already on a line may be this far past its beginning.
 const ON_LINE_M: f64 = 300.0;
 
-/// How far an approach to a place has arrived.
+/// Progress of an approach to a place.
 #[derive(Clone, Debug, PartialEq)]
 enum Approach {
     Coming,
@@ -37,7 +37,7 @@ enum Approach {
 }
 
 impl ActiveOrder {
-    /// How to begin a line: at once where the vehicle is on it already, else by joining it.
+    /// Returns the first stage of a line: at once if the vehicle is on the line already, else a join.
     pub(crate) fn line_stage(&mut self, line: &Line, from: Position, here: &Situation) -> Stage {
         let (along_m, across_m, course_rad) = line.locate(here.state.position);
         let off_rad = wrap_pi(course_rad - here.state.track_rad()).abs();
@@ -62,7 +62,7 @@ impl ActiveOrder {
         }
     }
 
-    /// Did the way of the command end in the direction of the line, before where it is to be begun?
+    /// Returns true if the path of the command ended in the direction of the line, before the point at which it begins.
     pub(crate) fn is_lined_up(&self, line: &Line, here: &Situation) -> bool {
         let (along_m, across_m, course_rad) = line.locate(here.state.position);
         let off_rad = wrap_pi(course_rad - here.state.track_rad()).abs();
@@ -87,7 +87,7 @@ impl ActiveOrder {
         Stage::Tangent(join(line, self.begin_m - lead_m, 1.1 * here.turn_radius_m(), here.state))
     }
 
-    /// Is a fixed wing over a point, or abeam after a near miss?
+    /// Returns true if a fixed wing is over a point, or abeam after a near miss.
     pub(crate) fn passed(&self, point: Position, distance_m: f64, here: &Situation) -> bool {
         let near_m = (0.6 * here.state.ground_speed()).max(40.0);
         let (azimuth_rad, _) = bearing(here.state.position, point);
@@ -154,7 +154,7 @@ impl ActiveOrder {
         if self.passed(join.tangent, distance_m, here) {
             return Some(Stage::Turn(join));
         }
-        // The first turn moves the vehicle aside; once it flies straight, the join is planned anew from there.
+        // The first turn moves the vehicle aside; once it flies straight, the join is planned again from there.
         let straight = wrap_pi(azimuth_rad - here.state.track_rad()).abs() < 0.05 && here.state.bank_rad.abs() < 0.05;
         if self.planned_straight || !straight || distance_m < REPLAN_M {
             return None;

@@ -1,4 +1,4 @@
-//! Lines that were broken off: how far each was flown, so that it can be taken up there.
+//! Lines that were interrupted: how far each was flown, so that it can be taken up there.
 
 use crate::flight::{ActiveOrder, Order, Stage};
 use crate::path::Line;
@@ -10,7 +10,7 @@ const LINES_MAX: usize = 16;
 const ASIDE_M: f64 = 120.0;
 const GAP_M: f64 = 300.0;
 
-/// Lines broken off and not yet taken up.
+/// Interrupted lines that are not resumed yet.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LeftLines(Vec<LeftLine>);
 
@@ -31,14 +31,14 @@ impl LeftLines {
         }
     }
 
-    /// Where to take up the line, zero for one that was not broken off. Each is taken up once.
+    /// Returns the distance at which to resume the line, zero for one that was not interrupted. Each is resumed once.
     pub(crate) fn take(&mut self, from: Position, to: Position) -> f64 {
         let found = self.0.iter().position(|line| (line.from, line.to) == (from, to));
         found.map_or(0.0, |index| self.0.remove(index).along_m)
     }
 
     /// The line between two positions was flown to its end: where it is a part of a broken-off line and leads past the
-    /// break, that line goes on from there.
+    /// break, that line continues from there.
     pub(crate) fn flown(&mut self, from: Position, to: Position) {
         for left in &mut self.0 {
             let line = Line::new(left.from, left.to);
@@ -57,7 +57,7 @@ impl ActiveOrder {
     pub(crate) fn unfinished(&self) -> Option<(Position, Position, f64)> {
         let (from, to) = self.ends_of_line()?;
         let line = self.line?;
-        // Broken off again on the way back to it: it is taken up where it was left the first time.
+        // Interrupted again on the way back to it: it is taken up where it was left the first time.
         let along_m = if matches!(self.stage, Stage::OnLine) { line.length_m - self.to_go_m } else { self.begin_m };
         (along_m > 0.0).then(|| (from, to, along_m.min(line.length_m)))
     }

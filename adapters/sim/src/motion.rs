@@ -7,7 +7,7 @@ use apex_vehicle::VehicleModel;
 use libm::{atan2, cos, exp, fmod, sin, sqrt};
 use std::f64::consts::{PI, TAU};
 
-/// Where the vehicle is and how it moves. Angles in radians, clockwise from north; speeds in m/s.
+/// Position and motion of the vehicle. Angles in radians, clockwise from north; speeds in m/s.
 #[derive(Clone, Debug)]
 pub(crate) struct State {
     pub(crate) position: Position,
@@ -26,7 +26,7 @@ pub(crate) struct State {
     pub(crate) east: f64,
     /// Energy on board: kg of fuel or J of the battery.
     pub(crate) stored: f64,
-    /// What it drains now: kg/s or W.
+    /// Present consumption: kg/s or W.
     pub(crate) drain_per_s: f64,
     pub(crate) engine_running: bool,
     pub(crate) on_ground: bool,
@@ -46,13 +46,13 @@ impl State {
     }
 }
 
-/// What the vehicle should do now.
+/// Demanded motion of the vehicle.
 #[derive(Clone, Debug)]
 pub(crate) struct Demand {
     pub(crate) path: Path,
     pub(crate) altitude_m: f64,
     pub(crate) true_airspeed: f64,
-    /// Where a rotorcraft should point its nose; none: along its track.
+    /// Direction in which a rotorcraft points its nose; `None`: along its track.
     pub(crate) nose_rad: Option<f64>,
 }
 

@@ -20,7 +20,7 @@ use apex_vehicle::{EnergyModel, VehicleModel};
 use libm::{atan2, cos, sqrt};
 use std::collections::BTreeMap;
 
-/// How often a variable is reported.
+/// Rate at which a variable is reported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pace {
     /// In every packet, and every 0.2 s in flight while the scanner is on or a camera points or takes pictures.
@@ -32,7 +32,7 @@ pub enum Pace {
     /// In full packets, and in every packet in which it differs by more than [`CHANGE_SHARE`] from its last report: held
     /// until the next report, it may be summed up over time.
     Flow,
-    /// When it changes, and in full packets.
+    /// On change, and in full packets.
     Discrete,
 }
 
@@ -46,7 +46,7 @@ pub struct Variable {
     pub name: &'static str,
     /// The unit its values print in; none for words, lists, durations and plain numbers.
     pub unit: Option<&'static str>,
-    /// How often.
+    /// Rate of reports.
     pub pace: Pace,
     read: Read,
 }
@@ -153,7 +153,7 @@ pub const VARIABLES: &[Variable] = &[
     }),
 ];
 
-/// How much a packet holds.
+/// Extent of a packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Extent {
     /// Position and attitude, and the angles of cameras in use.
@@ -178,7 +178,7 @@ pub(crate) fn location(state: &State) -> Value {
     Value::List(numbers.map(Value::Real).into())
 }
 
-/// `number` to the nearest part of `parts` in one; never minus zero, which people do not expect to read.
+/// `number` to the nearest part of `parts` in one; never minus zero, which users do not expect.
 fn rounded(number: f64, parts: f64) -> f64 {
     libm::round(number * parts) / parts + 0.0
 }

@@ -7,7 +7,7 @@ use apex_model::problem::Position;
 use libm::{asin, atan, atan2, cos, sin, sqrt};
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
-/// What to follow.
+/// Path to follow.
 #[derive(Clone, Debug)]
 pub(crate) enum Path {
     /// Keep the heading, wings level.
@@ -42,14 +42,14 @@ pub(crate) struct Circle {
     pub(crate) clockwise: bool,
 }
 
-/// How to join a line: straight to `tangent`, round `turn`, then along the line.
+/// Path onto a line: straight to `tangent`, around `turn`, then along the line.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Join {
     pub(crate) tangent: Position,
     pub(crate) turn: Circle,
 }
 
-/// A course over ground with the rate at which it turns by itself.
+/// A course over ground with the rate at which it turns without a command.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Course {
     pub(crate) course_rad: f64,
@@ -131,7 +131,7 @@ fn along(line: &Line, state: &State, rate_rad_s: f64) -> Course {
 }
 
 /// Is a point at `distance_m`, `off_rad` from the track, inside the circle of a turn towards it? Then turning now would
-/// go round it for ever.
+/// circle it forever.
 fn inside_turn(off_rad: f64, distance_m: f64, radius_m: f64) -> bool {
     if off_rad < 0.15 || distance_m > 2.2 * radius_m {
         return false;

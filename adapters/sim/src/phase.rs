@@ -1,6 +1,6 @@
 //! The words of `flight-phase`.
 
-/// What `flight-phase` may say.
+/// Values of `flight-phase`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Phase {
     Parked,

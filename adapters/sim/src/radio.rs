@@ -20,11 +20,11 @@ pub(crate) struct Radio {
     /// 0 nothing .. 1 full.
     pub(crate) level: f64,
     lost: bool,
-    /// How long the level has said the opposite of `lost`.
+    /// Time for which the level has contradicted `lost`.
     contrary_s: f64,
 }
 
-/// What changed about a link.
+/// Change of a link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LinkChange {
     Lost,

@@ -1,4 +1,4 @@
-//! What the world says: packets of state, radio links, cameras and timers.
+//! Reports of the world: packets of state, radio links, cameras and timers.
 
 use crate::atmosphere::Air;
 use crate::camera::{Aim, Camera, CameraState, Pointing};

@@ -1,4 +1,4 @@
-//! What a flight order needs to know of the world, and what follows from it: radii, stopping places, the way to a field.
+//! View of the world for flight orders, with derived radii, stopping places and the path to a field.
 
 use crate::arguments::Spot;
 use crate::fixed_wing;
@@ -16,7 +16,7 @@ use std::f64::consts::PI;
 /// Altitude error at which a fixed wing or a rotorcraft counts as on its altitude.
 const ALTITUDE_M: (f64, f64) = (40.0, 2.0);
 
-/// What a flight needs to know of the world.
+/// Part of the world that a flight order reads.
 pub(crate) struct Situation<'a> {
     pub(crate) model: &'a VehicleModel,
     pub(crate) state: &'a State,
@@ -28,12 +28,12 @@ pub(crate) struct Situation<'a> {
 }
 
 impl Situation<'_> {
-    /// Is it a fixed wing?
+    /// Returns true for a fixed wing.
     pub(crate) fn fixed(&self) -> bool {
         self.model.airframe == Airframe::FixedWing
     }
 
-    /// Is it on the commanded altitude, or beyond all altitudes?
+    /// Returns true on the commanded altitude, or outside the range of altitudes.
     pub(crate) fn at_altitude(&self) -> bool {
         let within = if self.fixed() { ALTITUDE_M.0 } else { ALTITUDE_M.1 };
         (self.altitude_m - self.state.altitude_m).abs() <= within || !self.state.engine_running
@@ -54,7 +54,7 @@ impl Situation<'_> {
         }
     }
 
-    /// The circle it flies when it was told none.
+    /// The circle it flies without a command.
     pub(crate) fn loiter_radius_m(&self) -> f64 {
         self.model.turns.circle_width * self.turn_radius_m()
     }
@@ -65,7 +65,7 @@ impl Situation<'_> {
         Circle { centre, radius_m, clockwise: aside >= 0.0 }
     }
 
-    /// Where a rotorcraft can stop.
+    /// Returns the place at which a rotorcraft can stop.
     pub(crate) fn stopping_place(&self) -> Position {
         let speed = self.state.ground_speed();
         let seconds = 0.5 * speed / (self.model.braking_share * self.model.acceleration_m_s2_max);

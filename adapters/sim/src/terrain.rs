@@ -1,4 +1,4 @@
-//! The ground under the vehicle: only the patches near it are looked at, chosen anew when it has moved on.
+//! The ground under the vehicle: only the patches near it are read, chosen again when it has moved on.
 
 use crate::config::Ground;
 use crate::geodesic::bearing;
@@ -15,7 +15,7 @@ const NEAR_M: f64 = 16_000.0;
 pub(crate) struct Terrain {
     all: Ground,
     near: Ground,
-    /// Where `near` was chosen.
+    /// Position for which `near` was chosen.
     middle: Option<Position>,
 }
 

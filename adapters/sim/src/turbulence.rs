@@ -84,7 +84,7 @@ impl Turbulence {
         (self.random, self.wander) = (random, wander);
     }
 
-    /// The vehicle stands on the ground: nothing moves it.
+    /// The vehicle is on the ground: nothing moves it.
     pub(crate) fn rest(&mut self) {
         (self.roll_rad, self.roll_rate_rad_s, self.bump_m_s2) = (0.0, 0.0, 0.0);
     }
@@ -113,7 +113,7 @@ mod tests {
         AttitudeHold { roll_deg_per_edr, natural_frequency_rad_s: 1.0, damping_ratio }
     }
 
-    /// What a long flight in one turbulence shows.
+    /// Statistics of a long flight in constant turbulence.
     struct Seen {
         sigma_deg: f64,
         rate_deg_s: f64,

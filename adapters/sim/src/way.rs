@@ -16,7 +16,7 @@ pub(crate) struct Way {
     leg: Line,
     /// Length of the legs after it.
     rest_m: f64,
-    /// How much the course changes for each metre of the leg, so that a chain of short legs is flown as an arc.
+    /// Change of course per metre of the leg, so that a chain of short legs is flown as an arc.
     turn_rad_per_m: f64,
     is_fixed_wing: bool,
 }
@@ -59,7 +59,7 @@ impl Way {
         Way::new(self.points, here)
     }
 
-    /// What to follow now.
+    /// Returns the path to follow now.
     pub(crate) fn path(&self) -> Path {
         match self.points.get(self.next) {
             Some(point) if !self.is_fixed_wing => Path::Point(point.position),
@@ -86,7 +86,7 @@ impl Way {
         ahead().zip(ahead().skip(1)).map(|(from, to)| bearing(from.position, to.position).1).sum()
     }
 
-    /// Goes on to the leg on which the vehicle is now. False when the whole way is flown.
+    /// Advances to the leg on which the vehicle is now. False when the whole way is flown.
     pub(crate) fn advance(&mut self, here: &Situation) -> bool {
         while let Some(point) = self.points.get(self.next) {
             let left_m = self.distances_m(here.state.position).0;
@@ -102,7 +102,7 @@ impl Way {
         false
     }
 
-    /// How much the course changes per metre on the present leg: where it is a chord, by what lies between it and the next.
+    /// Returns the change of course per metre on the present leg. On a chord it is the change between this leg and the next.
     fn turn_rad_per_m(&self, here: &Situation) -> f64 {
         let ends = self.points.get(self.next).zip(self.points.get(self.next + 1));
         let Some((here_to, after)) = ends else { return 0.0 };

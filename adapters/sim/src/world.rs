@@ -59,9 +59,9 @@ pub struct SimulatedWorld {
     pub(crate) places: Vec<NamedPlace>,
     pub(crate) now: Time,
     pub(crate) planned_stop: Time,
-    /// When the next packet of more than attitude is due.
+    /// Instant of the next packet of more than attitude.
     pub(crate) packet_due: Time,
-    /// When the next sample of attitude is due, if a sensor is in use.
+    /// Instant of the next sample of attitude, if a sensor is in use.
     pub(crate) attitude_due: Time,
     pub(crate) state: State,
     pub(crate) wind: Wind,
@@ -86,7 +86,7 @@ pub struct SimulatedWorld {
     pub(crate) reporter: Option<Reporter>,
     /// Nothing changes: the next step may be long.
     pub(crate) settled: bool,
-    /// Something happened in flight that is worth a packet at once.
+    /// Something happened in flight that is sent in a packet at once.
     pub(crate) changed: bool,
     pub(crate) crashed: bool,
     pub(crate) home: Position,
@@ -96,7 +96,7 @@ impl SimulatedWorld {
     /// Sets up the world of `config` at mission time zero.
     ///
     /// # Errors
-    /// A sentence that says what about the configuration is impossible.
+    /// A message that names the impossible part of the configuration.
     pub fn new(config: WorldConfig) -> Result<SimulatedWorld, String> {
         config.check()?;
         let WorldConfig { vehicle, model, start, seed, wind, ground, modems, places, mut events } = config;
@@ -168,7 +168,7 @@ impl SimulatedWorld {
         &self.vehicle
     }
 
-    /// Where the vehicle truly is.
+    /// Returns the true position of the vehicle.
     pub fn position(&self) -> Position {
         self.state.position
     }
@@ -183,7 +183,7 @@ impl SimulatedWorld {
         self.state.stored
     }
 
-    /// What a flight order needs to know.
+    /// Returns the part of the world that a flight order reads.
     pub(crate) fn situation(&self) -> Situation<'_> {
         Situation {
             model: &self.model,
@@ -196,12 +196,12 @@ impl SimulatedWorld {
         }
     }
 
-    /// Is it wrecked?
+    /// Returns true for a wrecked vehicle.
     pub(crate) fn is_crashed(&self) -> bool {
         self.crashed
     }
 
-    /// When something is due by the clock, not by flying.
+    /// Returns the instant of the next event that depends on the clock and not on the motion.
     fn next_due(&self) -> Option<Time> {
         let pending = self.pending.front().map(|(at, _)| *at);
         let scheduled = self.scheduled.front().map(|event| event.at);
@@ -349,7 +349,7 @@ impl SimulatedWorld {
         self.fail_everything(inputs);
     }
 
-    /// What is due now by the clock: commands, scheduled events, timers. Then the packet.
+    /// Executes commands, scheduled events and timers that are due by the clock, then sends the packet.
     fn attend(&mut self, inputs: &mut Vec<Input>) {
         let due = self.now >= self.planned_stop;
         let extent = match (self.changed, due, self.now >= self.packet_due) {

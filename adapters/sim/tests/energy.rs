@@ -66,7 +66,7 @@ fn endurances_are_the_stated_ones() {
     }
 }
 
-/// Endurance falls by one second each second, is told right on the ground, and is near what is then flown.
+/// Endurance falls by one second each second, is reported right on the ground, and is near what is then flown.
 #[test]
 fn endurance_remaining_is_what_remains() {
     let model = VehicleModel::named("quadrotor").unwrap();

@@ -72,7 +72,7 @@ fn a_line_is_flown_wings_level_on_the_line() {
         for (_, place) in run.values("location").into_iter().filter(|(at, _)| *at >= began) {
             let items: Vec<f64> = place.as_list().unwrap().iter().map(|item| item.as_number().unwrap().0).collect();
             let (_, across) = geodesy::along_cross_track_m(a, b, Position::new(items[0], items[1]));
-            assert!(across.abs() < 130.0, "{across} m beside the line");
+            assert!(across.abs() < 130.0, "{across} m off the line");
         }
     }
 }

@@ -161,7 +161,7 @@ fn it_lands_off_field_and_below_itself_and_takes_off_from_there() {
     assert!(geodesy::distance_m(run.world.position(), Position::new(36.504, -121.703)) < 3.0);
 }
 
-/// When pictures were taken, and where the aircraft was then, by the samples of the same instants.
+/// Returns the instants of pictures and the positions of the aircraft then, from the samples of the same instants.
 fn pictures(run: &Run) -> Vec<(f64, Position)> {
     let latitudes = run.numbers("latitude");
     let longitudes = run.numbers("longitude");

@@ -2,7 +2,7 @@
 //!
 //! `curves measure FILE.csv` runs every planner with rising budgets of work; `curves draw FILE.csv FILE.svg` draws what was
 //! measured. A loss is against the best plan that any planner found in any run on the problem, so it may be understated.
-#![allow(clippy::print_stdout, reason = "what it is doing is told")]
+#![allow(clippy::print_stdout, reason = "it prints its progress")]
 #![allow(clippy::expect_used, reason = "a figure that cannot be kept must stop the measurement")]
 
 use apex_model::problem::{Plan, Problem};

@@ -392,17 +392,17 @@ fn report(peers: Option<serde_json::Value>) {
             None,
         );
     }
-    table.row("a sample that nobody watches, one call", unwatched(false), Some(100.0), None);
-    table.row("a sample that nobody watches, in a slice", unwatched(true), Some(100.0), None);
+    table.row("a sample without a monitor, one call", unwatched(false), Some(100.0), None);
+    table.row("a sample without a monitor, in a slice", unwatched(true), Some(100.0), None);
     for (what, text) in [("episode", &duration_episodes(1)[0]), ("measurement", &"(x0 uav > 100)".to_string())] {
         let ns = per_sample(std::slice::from_ref(text), &calm);
         table.row(&format!("one sample in a slice, one {what}"), ns, Some(100.0), None);
     }
     for count in [0, 1_000, 10_000] {
-        table.row(&format!("create a monitor beside {count}"), creation(count), Some(20_000.0), None);
+        table.row(&format!("create a monitor next to {count}"), creation(count), Some(20_000.0), None);
     }
     table.row("wings level looks back over 200 samples, each", look_back(200), Some(100.0), None);
-    table.row("wings level beside 200 samples of history, each further one", beside_history(200), Some(100.0), None);
+    table.row("wings level with 200 samples of history, each further one", beside_history(200), Some(100.0), None);
     growth();
 }
 

@@ -2,7 +2,7 @@
 //!
 //! `planners MILLISECONDS MISSIONS LONG_MILLISECONDS [CELL ..]`: 2-Opt, WAM and the anytime planner for the same time, the
 //! anytime planner's gap to its best of runs from other seeds for the longer one (0: not asked), and to the proven bound. MISSIONS are as many, from 0,
-//! or FROM..TO; `all` stands for all cells.
+//! or FROM..TO; `all` means all cells.
 //! `planners cycles MISSIONS POINTS [CELL ..]`: cycles of four targets flown without end against the bound by ages, on a grid of
 //! so many points.
 //! `planners pairs FROM TO OURS_MILLISECONDS THEIRS_MILLISECONDS [CELL ..]`: missions FROM to TO - 1 of all cells, one row of CSV

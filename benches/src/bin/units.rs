@@ -3,7 +3,7 @@
 //!
 //! `units [UNITS]` prints a row for each planner and number of targets. What is counted is processor time of this thread, so that
 //! other work on the machine matters little.
-#![allow(clippy::print_stdout, reason = "what is measured is told")]
+#![allow(clippy::print_stdout, reason = "it prints its measurements")]
 #![allow(clippy::expect_used, reason = "a figure that cannot be had must stop the measurement")]
 
 use apex_model::problem::{Plan, Problem};

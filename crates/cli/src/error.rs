@@ -12,11 +12,11 @@ use std::process::ExitCode;
 pub struct CliError {
     /// True: the user's input is at fault (exit code 2); false: something failed (exit code 1).
     pub of_user: bool,
-    /// What happened and where, one line; empty when diagnostics have been printed already.
+    /// Failure with its place, one line; empty when diagnostics have been printed already.
     pub message: String,
-    /// Why, if known.
+    /// Reason, if known.
     pub reason: Option<String>,
-    /// What to do.
+    /// Remedy.
     pub help: Option<String>,
 }
 

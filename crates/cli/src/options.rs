@@ -21,7 +21,7 @@ pub use vehicle::VehicleOptions;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
-/// What everybody wants to know and no option says.
+/// Help that belongs to no option.
 const AFTER_HELP: &str = "\
 Times: 90 (seconds), 20s, 2h, P1M30S, 1:30:00
 Exit codes: 0 well; 1 something failed (a disk, a port, a difference in replay); 2 the input was wrong";
@@ -30,7 +30,7 @@ Exit codes: 0 well; 1 something failed (a disk, a port, a difference in replay);
 #[derive(Parser)]
 #[command(name = "apex", version, about, propagate_version = true, after_help = AFTER_HELP)]
 pub struct Options {
-    /// What to do.
+    /// The command.
     #[command(subcommand)]
     pub command: Command,
 }
@@ -130,7 +130,7 @@ pub struct RunOptions {
     /// Inputs as JSON lines; `-` is standard input.
     #[arg(long, value_name = "FILE")]
     pub inputs: Option<PathBuf>,
-    /// What the operator answers to `(ask operator ..)`, as JSON lines.
+    /// Answers of the operator to `(ask operator ..)`, as JSON lines.
     #[arg(long, value_name = "FILE")]
     pub answers: Option<PathBuf>,
     /// Run by the clock on the wall, ask questions on the terminal and take answers and events from it.
@@ -148,7 +148,7 @@ pub struct RunOptions {
     /// Exit with 1 unless the application ends without a failed initial task.
     #[arg(long, value_name = "OUTCOME", value_parser = ["success"])]
     pub expect: Option<String>,
-    /// Where the trace goes; `-` is standard output (the default).
+    /// Output of the trace; `-` is standard output (the default).
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
     /// Print the trace as text for operators instead of JSON lines.
@@ -242,7 +242,7 @@ pub struct WhyOptions {
     /// A task by its number (`T12`; `pilot/T12` where several agents run), its tag, or words of its goal; a resource or a diagnosed component by its name; or a command (`command 7`, or words of it).
     #[arg(value_name = "WHAT")]
     pub task: String,
-    /// How it is told.
+    /// Options of the explanation.
     #[command(flatten)]
     pub explanation: ExplanationOptions,
 }
@@ -254,18 +254,18 @@ pub struct WhyNotOptions {
     pub record: PathBuf,
     /// A task, a step's tag, a goal such as `(take picture ?x)`, a procedure (`mission.pdl:36`), a resource, a target.
     pub what: String,
-    /// How it is told.
+    /// Options of the explanation.
     #[command(flatten)]
     pub explanation: ExplanationOptions,
 }
 
-/// When and how an explanation is told.
+/// Instant and format of an explanation.
 #[derive(Args)]
 pub struct ExplanationOptions {
     /// The instant: seconds, `1:30:00`, or a duration; default is the end.
     #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
     pub at: Option<String>,
-    /// How many causes stand below one another, back to what came from outside.
+    /// Number of causes below one another, back to inputs from outside.
     #[arg(long, value_name = "NUMBER", default_value_t = apex_runtime::explain::DEPTH_DEFAULT)]
     pub depth: usize,
     /// Print as JSON.
@@ -310,7 +310,7 @@ pub struct MonitorOptions {
     /// A file of conditions; may be given several times.
     #[arg(long, value_name = "FILE")]
     pub condition_file: Vec<PathBuf>,
-    /// What to watch: JSON lines, a flight record, or a log (.ulg, .bin, .log, .tlog, .mcap, .csv); default is standard input. May be
+    /// Inputs to watch: JSON lines, a flight record, or a log (.ulg, .bin, .log, .tlog, .mcap, .csv); default is standard input. May be
     /// given several times: each is watched separately, and each line names it.
     #[arg(long, value_name = "FILE")]
     pub inputs: Vec<PathBuf>,
@@ -339,7 +339,7 @@ pub struct MonitorOptions {
     /// PDL declarations as text, such as '(state-variable (roll-error ?a) :derived (abs (- (want ?a) (roll ?a))) :join (:hold 1s))'.
     #[arg(long, value_name = "PDL")]
     pub declare: Vec<String>,
-    /// Which fields of a log are which state variables; added to what ships for the log's format.
+    /// Assignment of the fields of a log to state variables; added to the mapping that ships for the log's format.
     #[arg(long, value_name = "FILE")]
     pub mapping: Option<PathBuf>,
     /// Print the mapping in use as PDL, and watch nothing.
@@ -367,13 +367,13 @@ pub struct ExportOptions {
     /// The table's format; default is what the name of the file says, else CSV.
     #[arg(long, value_name = "FORMAT")]
     pub format: Option<ExportFormat>,
-    /// Where the table goes; default is standard output, for CSV.
+    /// Output of the table; default is standard output, for CSV.
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// PDL with declarations of state variables; a record brings its own.
     #[arg(long, value_name = "FILE")]
     pub library: Vec<PathBuf>,
-    /// Which fields of a log are which state variables; default is what ships for the log's format.
+    /// Assignment of the fields of a log to state variables; default is the mapping that ships for the log's format.
     #[arg(long, value_name = "FILE")]
     pub mapping: Option<PathBuf>,
     /// Keep the log's own clock instead of counting from its beginning.

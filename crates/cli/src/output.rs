@@ -78,7 +78,7 @@ fn standard() -> Box<dyn Write> {
     if out.is_terminal() { Box::new(Escaped::new(out)) } else { Box::new(out) }
 }
 
-/// What to say when standard output cannot be written.
+/// Returns the error for a failed write to standard output.
 fn unwritable(error: io::Error) -> CliError {
     CliError::failure("cannot write to standard output")
         .because(error)

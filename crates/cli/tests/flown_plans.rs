@@ -18,7 +18,7 @@ fn watch_again() -> Desk {
     desk
 }
 
-/// What is told of the plans that were taken.
+/// Returns the summaries of the plans that were taken.
 fn summaries(desk: &Desk) -> Vec<String> {
     let lines = desk.apex(&["trace", "r.apex", "--type", "plan", "--json"]).well().json_lines();
     lines.iter().filter_map(|line| line["summary"].as_str()).map(str::to_string).collect()

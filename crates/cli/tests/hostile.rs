@@ -1,5 +1,5 @@
-//! What comes from outside cannot hang a command, write to the terminal, or be lost without a word; signals end flights in good
-//! order.
+//! Hostile input cannot hang a command, write to the terminal, or be lost without a message; signals end flights
+//! cleanly.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot prepare its files has failed")]
 

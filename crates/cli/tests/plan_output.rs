@@ -109,7 +109,7 @@ fn the_fires_on_a_map() {
     assert_eq!(polygons.len(), 7, "the temporary zones are not active yet");
 }
 
-/// What QGroundControl's public description of the format (developer guide, "Plan File Format") requires, by key and type.
+/// Checks the keys and types that QGroundControl's public description of the format (developer guide, "Plan File Format") requires.
 fn is_a_plan_file(plan: &Value) {
     let whole = |value: &Value, key: &str| assert!(value[key].is_u64(), "{key} of {value}");
     let number = |value: &Value| value.as_f64().is_some_and(f64::is_finite);

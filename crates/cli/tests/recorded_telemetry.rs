@@ -9,7 +9,7 @@ fn spec(name: &str) -> String {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../spec/missions").join(name).display().to_string()
 }
 
-/// What the run says and does, and the answer to a question.
+/// Returns the trace and effects of the run, and the answer to a question.
 fn flown(program: &str, telemetry: &str, question: &[&str]) -> (String, String) {
     let desk = Desk::new();
     let program = spec(program);

@@ -43,7 +43,7 @@ impl Bits {
         self.0.iter().all(|word| *word == 0)
     }
 
-    /// How many numbers it holds.
+    /// Returns the number of members.
     pub fn len(&self) -> usize {
         self.0.iter().map(|word| word.count_ones() as usize).sum()
     }
@@ -58,12 +58,12 @@ impl Bits {
         self.0.iter().zip(&other.0).any(|(mine, theirs)| mine & theirs != 0)
     }
 
-    /// How many numbers are in both.
+    /// Returns the number of common members.
     pub fn common(&self, other: &Bits) -> usize {
         self.0.iter().zip(&other.0).map(|(mine, theirs)| (mine & theirs).count_ones() as usize).sum()
     }
 
-    /// How many numbers are in it and not in `other`.
+    /// Returns the number of members that `other` does not have.
     pub fn beyond(&self, other: &Bits) -> usize {
         self.0.iter().zip(&other.0).map(|(mine, theirs)| (mine & !theirs).count_ones() as usize).sum()
     }

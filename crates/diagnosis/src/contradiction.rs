@@ -36,7 +36,7 @@ pub(crate) struct Retraction<'a> {
     is_undecided: bool,
 }
 
-/// What is wrong with a set of outcomes.
+/// Defect of a set of outcomes.
 enum Wrong {
     Nothing,
     /// A failed test whose conflict has no failure mode left.

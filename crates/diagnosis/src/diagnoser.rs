@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::sync::Arc;
 
-/// What is known of a failure mode, or of a component.
+/// Health of a failure mode or of a component.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Health {
@@ -68,7 +68,7 @@ pub struct GroupDiagnosis {
     /// Candidates, the likeliest first; none only where passed tests exclude sets of failures and the limit ended the search
     /// before the first.
     pub candidates: Vec<Candidate>,
-    /// How the search for candidates ended.
+    /// Reason for which the search for candidates ended.
     pub end: SearchEnd,
 }
 
@@ -137,7 +137,7 @@ impl Diagnoser {
         &self.model
     }
 
-    /// What is known of each test.
+    /// Returns the outcome of each test.
     pub fn outcomes(&self) -> &[Outcome] {
         &self.outcomes
     }
@@ -263,7 +263,7 @@ impl Diagnosis {
         whole
     }
 
-    /// How the search ended over all groups.
+    /// Returns the reason for which the search ended, over all groups.
     pub fn end(&self) -> SearchEnd {
         self.groups.iter().fold(SearchEnd::All, |end, group| end.worse(group.end))
     }

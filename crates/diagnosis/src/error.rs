@@ -2,21 +2,21 @@
 
 use std::fmt;
 
-/// Why a text is not a model, or not results of its tests.
+/// A text that is not a model, or not the results of its tests.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DiagnosisError {
     /// Name of the file as the caller gave it.
     pub file: String,
     /// `line:column` of text that cannot be read, or the path of a field, such as `tests[3].needs[0]`; empty for the whole file.
     pub place: String,
-    /// Why.
+    /// Cause.
     pub reason: String,
-    /// What to do, in the imperative.
+    /// Remedy, in the imperative.
     pub help: String,
 }
 
 impl DiagnosisError {
-    /// What failed and where, without the reason.
+    /// Returns the failure with its place, without the reason.
     pub fn headline(&self) -> String {
         match self.place.as_str() {
             "" => format!("{} cannot be used for diagnosis", self.file),

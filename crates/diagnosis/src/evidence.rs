@@ -1,11 +1,11 @@
-//! What outcomes of tests say of failure modes: the good ones, conflicts, and sets that are not present together.
+//! Evidence that test outcomes give about failure modes: healthy modes, conflicts, and sets that are not present together.
 
 use crate::bits::Bits;
 use crate::grouping::Conflict;
 use crate::model::Model;
 use serde::{Deserialize, Serialize};
 
-/// What is known of a test.
+/// Outcome of a test.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Outcome {
@@ -39,7 +39,7 @@ impl Outcome {
     }
 }
 
-/// What passed tests exclude.
+/// Modes or sets that passed tests exclude.
 #[derive(Clone, Debug)]
 pub(crate) struct Exclusion {
     /// Failure modes that are not present.
@@ -48,7 +48,7 @@ pub(crate) struct Exclusion {
     pub(crate) nogoods: Vec<Bits>,
 }
 
-/// What the outcomes say, without the tests that are left out.
+/// Evidence of the outcomes, without the tests that are left out.
 pub(crate) struct Evidence {
     pub(crate) good: Bits,
     pub(crate) conflicts: Vec<Conflict>,

@@ -1,4 +1,4 @@
-//! When a signal is lost or a test fails: a monotone formula of failure modes, in both normal forms.
+//! Condition for the loss of a signal or the failure of a test: a monotone formula of failure modes, in both normal forms.
 //!
 //! Bound: at most [`TERMS_MAX`] sets in each form; a formula beyond is refused.
 

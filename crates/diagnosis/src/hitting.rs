@@ -8,7 +8,7 @@
 
 use crate::bits::Bits;
 
-/// How a search ended.
+/// Reason for which a search ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SearchEnd {
     /// Every minimal set is among those found.
@@ -19,7 +19,7 @@ pub enum SearchEnd {
     NodeLimit,
 }
 
-/// What is searched.
+/// Input of a search.
 pub(crate) struct Problem<'a> {
     /// Number of modes.
     pub(crate) modes: usize,

@@ -23,7 +23,7 @@ pub struct Model {
 pub struct Component {
     /// Its name, a symbol of PDL.
     pub name: String,
-    /// What it is, for reports; its name if the file states nothing else.
+    /// Title for reports; the name if the file states no title.
     pub title: String,
     /// Its failure modes by index.
     pub modes: Vec<usize>,
@@ -36,7 +36,7 @@ pub struct Component {
 pub struct FailureMode {
     /// Its name: that of the component if it has one mode, else `component/mode`.
     pub name: String,
-    /// What it is, for reports.
+    /// Title for reports.
     pub title: String,
     /// The component by index.
     pub component: usize,
@@ -51,14 +51,14 @@ pub struct FailureMode {
 pub struct Test {
     /// Its name, a symbol of PDL.
     pub name: String,
-    /// What it is, for reports.
+    /// Title for reports.
     pub title: String,
-    /// What tells in PDL whether it fails; `None` if its outcome comes from outside.
+    /// PDL condition that holds while the test fails; `None` if its outcome comes from outside.
     pub monitor: Option<Monitor>,
     pub(crate) formula: Formula,
 }
 
-/// How PDL tests.
+/// A test by conditions of PDL.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Monitor {
     /// Condition under which the test has failed.
@@ -127,7 +127,7 @@ impl Model {
         self.tests.get(test).map_or("", |test| test.name.as_str())
     }
 
-    /// What a failure mode adds to the cost of a candidate: the negative logarithm of its prior odds.
+    /// Returns the cost of a failure mode in a candidate: the negative logarithm of its prior odds.
     pub fn cost(&self, mode: usize) -> f64 {
         let probability = self.modes.get(mode).map_or(0.5, |mode| mode.probability_per_hour);
         libm::log1p(-probability) - libm::log(probability)

@@ -63,7 +63,7 @@ pub(crate) struct RawMonitor {
     pub(crate) passes: String,
 }
 
-/// What a signal or test needs: one thing, or any one of several.
+/// A need of a signal or test: one thing, or any one of several.
 pub(crate) enum RawNeed {
     One(String),
     AnyOf(Vec<String>),

@@ -58,7 +58,7 @@ struct Reader<'a> {
     names: BTreeMap<&'a str, Named>,
     components: Vec<Component>,
     modes: Vec<FailureMode>,
-    /// What each failure mode affects; `None` for everything that needs its component.
+    /// Things that each failure mode affects; `None`: everything that needs its component.
     affects: Vec<Option<&'a [String]>>,
     formulas: BTreeMap<usize, Formula>,
     /// Signals that are being followed, outermost first.
@@ -208,7 +208,7 @@ impl<'a> Reader<'a> {
         Err(self.file.error(place, format!("{text:?} is not a form"), help))
     }
 
-    /// What a failure mode affects must exist and need its component.
+    /// Checks that everything that a failure mode affects exists and needs its component.
     fn check_affected(&self) -> Read<()> {
         for (index, component) in self.raw.components.iter().enumerate() {
             for (number, mode) in component.modes.iter().flatten().enumerate() {
@@ -288,7 +288,7 @@ impl<'a> Reader<'a> {
         Ok(formula)
     }
 
-    /// When something that needs all of `needs` is lost.
+    /// Returns the condition under which something that needs all of `needs` is lost.
     fn formula(&mut self, needs: &'a [RawNeed], whose: Named, name: &str) -> Read<Formula> {
         let place = place_of(whose, "needs");
         let modes = self.modes.len();

@@ -44,7 +44,7 @@ pub struct Testability {
     pub hidden: Vec<(usize, usize)>,
     /// Two failures that look like a third one.
     pub masks: Vec<Mask>,
-    /// How many of them there are.
+    /// Number of masks.
     pub masks_count: usize,
     /// A smallest set of tests with the detection and isolation of all.
     pub test_set: TestSet,

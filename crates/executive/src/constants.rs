@@ -39,7 +39,7 @@ pub fn failing_constants(library: &Arc<Library>, host: HostFunctions) -> Vec<(Sy
     // No task: the checker lets nothing into a constant that would ask for one.
     let view = View { agent: &agent, task: TaskId(u64::MAX), level: Level::Procedure, now: agent.now };
     let mut failures = values(library, &view).1;
-    // One that only uses another is not told next to it.
+    // One that only uses another is not reported as well.
     let at = |place: Place| (place.file, place.line, place.column);
     failures.retain(|(name, place, _)| {
         let before = library.constants.iter().filter(|(_, expr)| at(expr.place) <= at(*place));

@@ -13,7 +13,7 @@ use std::fmt::{self, Write as _};
 
 pub use crate::monitoring::memory::demand::{Demand, Reach, Subject, Why};
 
-/// What all clauses of `library` need, in order of what they look at, then as they are written.
+/// Returns the demands of all clauses of `library`, ordered by the data that they read, then as written.
 pub fn demands(library: &Library) -> Vec<Demand> {
     let mut demands = retention::demands(library);
     demands.sort_by(|a, b| (&a.subject, a.place).cmp(&(&b.subject, b.place)));
@@ -21,24 +21,24 @@ pub fn demands(library: &Library) -> Vec<Demand> {
     demands
 }
 
-/// What is kept of one subject.
+/// Remembered data of one subject.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Kept {
     /// Of what.
     pub subject: Subject,
-    /// For how long, at the most; none is without a bound of its own.
+    /// Maximum age; `None` without a stated bound.
     pub span: Option<Duration>,
-    /// How many samples (or messages) at the most, where a rate is declared or a limit applies.
+    /// Maximum number of samples (or messages), if a rate is declared or a limit applies.
     pub count: Option<u64>,
-    /// How many bytes these are, each counted without text or lists in it.
+    /// Size in bytes, without texts or lists in the values.
     pub bytes: Option<u64>,
     /// The declared rate.
     pub rate_per_s: Option<f64>,
-    /// How many samples a log keeps while its procedure is at work.
+    /// Number of samples that a log keeps while its procedure is at work.
     pub logged: u64,
 }
 
-/// What is kept of everything that the library declares or looks back at, for each object of it.
+/// Returns the remembered data of everything that the library declares or looks back at, for each object of it.
 pub fn kept(library: &Library) -> Vec<Kept> {
     let demands = demands(library);
     let everything = demands.iter().filter(|demand| demand.subject == Subject::EveryAttribute);

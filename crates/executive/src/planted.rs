@@ -3,23 +3,23 @@
 /// A bug that can be planted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bug {
-    /// A newcomer of equal priority takes the resource from who has it.
+    /// A newcomer of equal priority takes the resource from its holder.
     EqualNewcomerWins,
-    /// What a primitive worked before its interruption is forgotten.
+    /// The work of a primitive before its interruption is forgotten.
     ClockStartsOver,
-    /// An interrupted task does not end when its `end-when` says so.
+    /// An interrupted task does not end when its `end-when` is satisfied.
     DeafWhileInterrupted,
-    /// The steps of a procedure that goes on do not claim.
+    /// The steps of a procedure that continues do not claim.
     ChildrenStayBehind,
     /// The higher rank wins.
     RanksReversed,
-    /// Ancestors go on before their descendants.
+    /// Ancestors continue before their descendants.
     AncestorsFirst,
     /// A duration that must be longer than a limit need only reach it.
     LongerIsAtLeast,
     /// A value counts as held beyond the gap that is allowed.
     GapToNowForgotten,
-    /// A sample that comes late, but not too late, is not looked at.
+    /// A sample that comes late, but not too late, is not considered.
     LateSampleIgnored,
     /// Of two samples of one instant the first counts.
     FirstDuplicateWins,
@@ -27,7 +27,7 @@ pub enum Bug {
     GapOfLineForgotten,
     /// A value turns as soon as it comes back at all.
     HysteresisForgotten,
-    /// Something counts as absent while it goes on.
+    /// Something counts as absent while it continues.
     AbsentWhileItGoesOn,
     /// A sample just at a bound is not reported to the conditions that wait for it.
     ThresholdMisses,
@@ -44,7 +44,7 @@ pub const IN_MONITORS: [Bug; 7] = [
     Bug::AbsentWhileItGoesOn,
 ];
 
-/// All in the control of tasks, and in how tasks hear of samples.
+/// All in the control of tasks, and in how tasks receive samples.
 pub const IN_CONTROL: [Bug; 7] = [
     Bug::EqualNewcomerWins,
     Bug::ClockStartsOver,
@@ -65,7 +65,7 @@ pub fn plant(bug: Option<Bug>) {
     PLANTED.store(number, std::sync::atomic::Ordering::SeqCst);
 }
 
-/// Is `bug` planted?
+/// Returns true if `bug` is planted.
 #[cfg(feature = "planted-bugs")]
 pub(crate) fn is(bug: Bug) -> bool {
     PLANTED.load(std::sync::atomic::Ordering::Relaxed) == bug as u8 + 1

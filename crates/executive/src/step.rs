@@ -50,7 +50,7 @@ pub fn step(agent: &mut Agent, batch: &Batch) -> Vec<Effect> {
     effects
 }
 
-/// When an event takes effect: when it happened, but never in the past, nor after the batch.
+/// Returns the instant at which an event takes effect: the instant of the event, but never in the past, nor after the batch.
 fn instant_of(event: &Event, cycle: &Cycle<'_>, now: Time) -> Time {
     event.at.max(cycle.agent.now).min(now)
 }
@@ -107,7 +107,7 @@ fn cascade_rounds(cycle: &Cycle<'_>) -> u64 {
     cycle.agent.limits.of(Limit::CascadeRounds).saturating_mul(cycle.agent.outside_messages_at(cycle.now))
 }
 
-/// Did nothing happen at this instant but one sample that touches nobody? Most samples are such.
+/// Returns true if nothing happened at this instant but one sample that affects no monitor. Most samples are such.
 fn is_quiet(cycle: &Cycle<'_>, events: &[Event]) -> bool {
     matches!(events, [_])
         && matches!(cycle.work.stimuli.as_slice(), [only] if monitoring_clauses::is_unheard(cycle, only))
@@ -149,7 +149,7 @@ fn end_restless(cycle: &mut Cycle<'_>, everything: bool) {
     }
 }
 
-/// A task whose monitor is about to be judged or told something.
+/// A task whose monitor is about to be judged or shown a stimulus.
 fn watched(cycle: &Cycle<'_>) -> Option<TaskId> {
     let firing = cycle.work.firings.first().map(|firing| firing.task);
     let touched = || cycle.work.touched.first().and_then(|id| cycle.agent.watches.get(id.0)).map(|watch| watch.task);

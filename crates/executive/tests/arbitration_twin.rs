@@ -88,7 +88,7 @@ fn agree_on(world: &World, states: &[State]) {
     assert_eq!(twin.states, states);
 }
 
-/// Who is displaced for one resource has let go of the others too, also of one that is looked at only later: the fuel of
+/// A task displaced for one resource has let go of the others too, also of one that is judged only later: the fuel of
 /// t0 goes to t2, and t3, which is as weak and was made later, keeps its own.
 #[test]
 fn what_the_displaced_held_besides_is_free_at_once() {
@@ -113,8 +113,8 @@ fn what_the_displaced_held_besides_is_free_at_once() {
     agree_on(&world, &[State::Interrupted, State::Ongoing, State::Ongoing, State::Ongoing]);
 }
 
-/// Who goes before another one counts as much as that one only as long as it is there: with t2 the priority goes that kept
-/// t1 on the path, although nobody waits for what t2 used.
+/// A task that precedes another one has the weight of that one only while it exists: the priority that kept
+/// t1 on the path is lost with t2, although no task waits for the resource of t2.
 #[test]
 fn who_lent_a_priority_takes_it_away_by_leaving() {
     let node = |needs, waits, priority, rank| {

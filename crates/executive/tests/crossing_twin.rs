@@ -74,7 +74,7 @@ fn greatest(clauses: &[Clause], t: f64) -> f64 {
     clauses.iter().map(|clause| clause.value(t)).fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// When the agent looks at rising priorities again.
+/// Returns the instant at which the agent next compares rising priorities.
 fn next_look(agent: &Agent) -> Option<Time> {
     agent.next_wake().filter(|(_, why)| why.contains("rising priority")).map(|(at, _)| at)
 }

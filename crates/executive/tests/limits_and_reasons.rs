@@ -1,4 +1,4 @@
-//! What never comes to rest is stopped and said so; what waits says for what.
+//! A program that never comes to rest is stopped and reported; a waiting task states its reasons.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
 

@@ -1,4 +1,4 @@
-//! What `(log ..)` keeps of a variable that nobody else asks for, and what is told of samples that are odd.
+//! Tests of `(log ..)`: the samples that it keeps of a variable without other demand, and the reports about odd samples.
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
 
 mod support;
@@ -117,8 +117,8 @@ fn odd_samples_are_counted_and_told_and_late_ones_can_be_seen() {
     assert_eq!(aside, [seconds(2.0)], "it is kept aside");
 }
 
-/// What is kept of messages that begin with `seen`, in whole seconds, while a procedure that logs them is at work and after
-/// its end; nobody asks for them.
+/// Returns the kept messages that begin with `seen`, in whole seconds, while a procedure that logs them is at work and after
+/// its end; no other demand exists.
 fn messages_kept(limits: &str) -> [Option<Vec<i64>>; 2] {
     let mut agent = agent(&format!(
         "(procedure (index (do-domain))

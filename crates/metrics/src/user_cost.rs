@@ -227,7 +227,7 @@ mod tests {
             Err("no idea".to_string())
         });
         assert!(raises.unwrap_err().contains("s old cannot be told: no idea"));
-        assert_eq!(calls, 1, "nobody is asked again after trouble");
+        assert_eq!(calls, 1, "the function is not called again after a failure");
     }
 
     #[test]

@@ -6,7 +6,7 @@ use apex_model::time::Time;
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
 
-/// Lines of the table are no wider than this many characters.
+/// Maximum width of the table in characters.
 const LINE_WIDTH: usize = 120;
 /// The widest column of names; longer names are wrapped.
 const NAME_WIDTH_MAX: usize = 40;
@@ -21,7 +21,7 @@ pub struct Comparison<'a> {
     pub headings: [&'a str; 2],
     /// Their reports.
     pub reports: [&'a Report; 2],
-    /// When the second flight begins to differ: its notes after that are printed.
+    /// Instant from which on the second flight differs: its notes after that are printed.
     pub from: Time,
 }
 

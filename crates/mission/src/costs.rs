@@ -14,7 +14,7 @@ use apex_model::time::Duration;
 use apex_model::value::Value;
 use std::sync::Arc;
 
-/// How closely tables meet their functions, as a share of the cost.
+/// Permitted error of tables, as a share of the cost.
 const RELATIVE_ERROR: f64 = 1e-3;
 const EXAMPLE: &str =
     "write for example `:costs ((barn hay-cost))` and `(defun hay-cost (age) (* 60 (- 1 (exp (- (/ age 10min))))))`";
@@ -22,7 +22,7 @@ const EXAMPLE: &str =
 /// Gives structures the costs that the application's `:costs` names.
 ///
 /// # Errors
-/// A name that is no structure or no function of the program, or a function that is no cost.
+/// A name that is not a structure or not a function of the program, or a function that is not a cost.
 pub(super) fn apply(settings: &Settings, library: &Arc<Library>, targets: &mut [Target]) -> MissionResult {
     if settings.costs.is_empty() {
         return Ok(());

@@ -1,9 +1,9 @@
-//! What can go wrong with a mission: what failed, why, and what to do.
+//! Errors of missions: failure, reason and remedy.
 
 use apex_pdl::{Checked, Severity};
 use std::fmt;
 
-/// What a [`MissionError`] concerns.
+/// Subject of a [`MissionError`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ErrorKind {
     /// The PDL program: it cannot be read, or has errors (see [`MissionError::diagnostics`]).
@@ -29,21 +29,21 @@ pub enum ErrorKind {
 /// A failure of a mission.
 #[derive(Debug)]
 pub struct MissionError {
-    /// What it concerns.
+    /// Subject.
     pub kind: ErrorKind,
     /// File, feature, row or option that is at fault, if it is one.
     pub place: Option<String>,
-    /// What failed, one line.
+    /// Failure, one line.
     pub message: String,
-    /// Why, if known.
+    /// Reason, if known.
     pub reason: Option<String>,
-    /// What to do, if known.
+    /// Remedy, if known.
     pub help: Option<String>,
     /// The checked program, where its errors are the failure.
     pub diagnostics: Option<Box<Checked>>,
 }
 
-/// What functions of this crate return.
+/// Result of functions of this crate.
 pub type MissionResult<T = ()> = Result<T, MissionError>;
 
 impl MissionError {
@@ -104,7 +104,7 @@ impl MissionError {
         self
     }
 
-    /// What failed and where, one line.
+    /// Returns the failure with its place, one line.
     pub fn headline(&self) -> String {
         match &self.place {
             Some(place) => format!("{place}: {}", self.message),

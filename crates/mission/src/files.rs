@@ -54,7 +54,7 @@ pub fn read_bytes(path: &std::path::Path) -> MissionResult<Vec<u8>> {
     Ok(bytes)
 }
 
-/// A file that cannot be read: looked for in vain, or not for us.
+/// A file that cannot be read: not found, or not readable.
 pub fn unreadable(path: &std::path::Path, error: &std::io::Error) -> MissionError {
     let help = match error.kind() {
         std::io::ErrorKind::PermissionDenied => "ask its owner for the right to read it".to_string(),
@@ -63,7 +63,7 @@ pub fn unreadable(path: &std::path::Path, error: &std::io::Error) -> MissionErro
     MissionError::data(format!("cannot read {}", path.display())).because(error).help(help)
 }
 
-/// How many names a message lists at most.
+/// Maximum number of names in a message.
 const NEARBY_MAX: usize = 12;
 
 /// Names files and missions of the same folder that look alike, or says where a relative path was looked for.
@@ -97,7 +97,7 @@ pub fn nearby_help(path: &std::path::Path) -> String {
     }
 }
 
-/// How many characters two names have in common at their beginnings.
+/// Returns the number of characters at the beginning that two names share.
 fn alike(a: &str, b: &str) -> usize {
     a.chars().zip(b.chars()).take_while(|(a, b)| a == b).count()
 }

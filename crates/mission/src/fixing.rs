@@ -6,7 +6,7 @@ use apex_pdl::{Applicability, Checked, Diagnostic, Fix, Severity};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Passes over one program: a fix may uncover the next mistake, but not for ever.
+/// Maximum number of passes: a fix may uncover the next mistake, but not forever.
 const PASSES_MAX: usize = 20;
 /// A text that may be changed.
 pub struct Text {
@@ -16,7 +16,7 @@ pub struct Text {
     pub now: String,
 }
 
-/// What was done, for the report.
+/// Applied fix, for the report.
 pub struct Made {
     /// Place in the program.
     pub place: String,
@@ -26,7 +26,7 @@ pub struct Made {
     pub title: String,
 }
 
-/// A program while it is mended.
+/// A program while it is fixed.
 #[derive(Default)]
 pub struct Program {
     /// Texts read from files, by the name that the program knows them by. What ships with the command is not among them.
@@ -42,7 +42,7 @@ pub type Reader<'r> = &'r mut dyn FnMut(&Path) -> MissionResult<String>;
 
 impl Program {
     /// Checks and fixes until nothing safe is left to fix. A pass that leaves more errors than it found is taken back,
-    /// unless it mended the text's structure: what was wrong behind a missing `)` is seen only then.
+    /// unless it fixed the text's structure: what was wrong behind a missing `)` is seen only then.
     ///
     /// # Errors
     /// A file cannot be read.

@@ -19,11 +19,11 @@ pub struct MissionFlight {
     means: PlanningResources,
 }
 
-/// What a flight came to.
+/// Outcome of a flight.
 pub struct FlightOutcome {
-    /// How and when it ended.
+    /// Reason and instant of its end.
     pub end: RunEnd,
-    /// What it achieved.
+    /// Achievements.
     pub report: Report,
     /// Wall time that planners took.
     pub planned_for: std::time::Duration,

@@ -1,4 +1,4 @@
-//! What if: continues a recorded flight from an instant on with other inputs, another plan, or another vehicle's world.
+//! Fork: continues a recorded flight from an instant on with other inputs, another plan, or another vehicle's world.
 
 use crate::Mission;
 use crate::crew;
@@ -16,7 +16,7 @@ use apex_runtime::ports::{Input, Observer, Vehicle};
 use apex_runtime::record::RecordReader;
 use std::sync::Arc;
 
-/// What differs from the recorded flight after the instant, except the vehicle's world.
+/// Changes to the recorded flight after the instant, except the vehicle's world.
 #[derive(Clone, Debug, Default)]
 pub struct Changes {
     /// Inputs after the instant.
@@ -31,7 +31,7 @@ pub struct Fork<'a> {
     pub reader: &'a RecordReader,
     /// Its mission.
     pub mission: Arc<Mission>,
-    /// Who plans after `at`.
+    /// Planners after `at`.
     pub means: PlanningResources,
     /// The instant.
     pub at: Time,

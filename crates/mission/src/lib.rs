@@ -70,7 +70,7 @@ use vehicle::VehicleModel;
 /// A mission with all of its data.
 #[derive(Debug, Clone)]
 pub struct Mission {
-    /// What the application says.
+    /// Settings of the application.
     pub settings: Settings,
     /// The checked program.
     pub library: Arc<Library>,
@@ -78,11 +78,11 @@ pub struct Mission {
     pub agent: AgentDeclaration,
     /// The vehicle.
     pub model: VehicleModel,
-    /// Where it starts and lands.
+    /// Place of start and landing.
     pub start: Position,
     /// Altitude of the start above mean sea level.
     pub start_altitude_m: f64,
-    /// What to observe, and named places among it.
+    /// Targets, and named places among them.
     pub targets: Vec<Target>,
     /// Airspace.
     pub zones: Vec<AirspaceZone>,
@@ -94,13 +94,13 @@ pub struct Mission {
     pub forecasts: Vec<(String, WindField)>,
     /// Wind that blows.
     pub weather: WindField,
-    /// Who works.
+    /// Working times of the crew.
     pub crew: Vec<CrewMember>,
-    /// What failure costs.
+    /// Cost of failure.
     pub failure: FailureTerm,
     /// Scripted inputs.
     pub scenario: Vec<Input>,
-    /// What the flight must keep.
+    /// Requirements of the flight.
     pub requirements: Requirements,
     /// Radios of the world.
     pub modems: Vec<Modem>,
@@ -108,7 +108,7 @@ pub struct Mission {
     pub link_map: Vec<link_map::StatedLink>,
     /// Targets that plans leave out since their link is weak, each with the reason; empty before anything is assumed of links.
     pub weak_targets: Vec<(String, String)>,
-    /// When a link is lost, and what happens then.
+    /// Loss of a link: criterion and response.
     pub lost_link: lost_link::LostLink,
     /// The dependency model by which test outcomes are diagnosed in flight.
     pub diagnosis: Option<Arc<apex_diagnosis::Model>>,
@@ -214,7 +214,7 @@ impl Mission {
         Ok(mission)
     }
 
-    /// What is assumed of radio links, and what happens when one is lost.
+    /// Reads the assumptions about radio links and the response to the loss of one.
     fn read_links(&mut self) -> MissionResult {
         let (place_of, at) = (|value: &Value| self.place(value), self.settings.place.as_str());
         let stations = self.modems.iter().filter_map(|modem| Some((modem.name.clone(), modem.level.station?)));
@@ -267,7 +267,7 @@ impl Mission {
         airfields.chain(self.targets.iter().map(|target| target.id.as_str()))
     }
 
-    /// Where a location value or the name of an airfield or target is, with its altitude above mean sea level.
+    /// Returns the position of a location value, or of the airfield or target of a name, with its altitude above mean sea level.
     pub fn place(&self, value: &apex_model::value::Value) -> Option<(Position, f64)> {
         if let Some(Location { position, altitude_m }) = Location::from_value(value) {
             return possible(position).then_some((position, altitude_m));
@@ -290,7 +290,7 @@ impl Mission {
             .collect()
     }
 
-    /// Why plans leave a target out, if its link is weak.
+    /// Returns the reason for which plans leave a target out, if its link is weak.
     pub fn weak_reason(&self, target: &str) -> Option<&str> {
         self.weak_targets.iter().find(|(known, _)| known == target).map(|(_, reason)| reason.as_str())
     }

@@ -16,7 +16,7 @@ pub(crate) struct LinkForm<'a> {
     pub(crate) option: &'static str,
     /// The form.
     pub(crate) form: &'a Value,
-    /// How such a form is written.
+    /// Usage of such a form.
     pub(crate) usage: &'static str,
     /// The places of the mission.
     pub(crate) place_of: PlaceOf<'a>,

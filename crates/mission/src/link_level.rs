@@ -11,7 +11,7 @@ use apex_model::value::Value;
 
 /// Distance at which a ground radio is still full where the mission does not say.
 const FULL_LEVEL_M: f64 = 1_000.0;
-/// Height of the station's antenna above its ground, m: a mast that a person sets up.
+/// Height of the station's antenna above its ground, m: a mast that is set up by hand.
 const ANTENNA_M: f64 = 3.0;
 /// No radio of an aircraft reaches farther.
 const RANGE_M_MAX: f64 = 2e6;

@@ -15,7 +15,7 @@ const USAGE: &str = "`(NAME :station PLACE :full-level 2km :range 9km :shadows (
 pub struct StatedLink {
     /// Its name, as in `signal-level`.
     pub name: String,
-    /// Where its station is.
+    /// Position of its station.
     pub station: Position,
     /// Its level by place; `None` where the mission states nothing, and the flight finds it out.
     pub level: Option<LevelModel>,

@@ -20,7 +20,7 @@ const LOSSES_MAX: f64 = 100.0;
 const USAGE: &str = "`:lost-link (:nominal 0.2 :good 0.3 :weak-for 20s :good-for 10s :regain-within 10min :instructions-within 2min \
                      :default resume :losses-max 5 :contingency PLACE)`, each optional";
 
-/// What the flight does when no instruction comes.
+/// Response of the flight if no instruction comes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LostDefault {
     /// Plan again around the weak link and continue.
@@ -50,15 +50,15 @@ pub struct LostLink {
     pub weak_for_s: f64,
     /// A link that is good for this time is known to be good there, s.
     pub good_for_s: f64,
-    /// How long the aircraft waits for the link where it was good, s.
+    /// Time for which the aircraft waits for the link at the last good place, s.
     pub regain_within_s: f64,
-    /// How long it waits for instructions then, s.
+    /// Time for which it then waits for instructions, s.
     pub instructions_within_s: f64,
-    /// What it does without one.
+    /// Response without an instruction.
     pub default: LostDefault,
     /// From this number of losses on it flies the contingency route without one.
     pub losses_max: u32,
-    /// Where the contingency route ends; `None` for the nearest landing place whose link is not known to be weak.
+    /// End of the contingency route; `None` for the nearest landing place whose link is not known to be weak.
     pub contingency: Option<Value>,
 }
 

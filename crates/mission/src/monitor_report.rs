@@ -10,16 +10,16 @@ use serde_json::{Value as Json, json};
 use std::fmt::Write;
 use time::format_description::well_known::Rfc3339;
 
-/// How results are told.
+/// Style of reports about results.
 #[derive(Clone, Copy)]
 pub struct Style {
     /// As JSON.
     pub json: bool,
-    /// Also at once what is not final yet: somebody is watching.
+    /// Also reports results at once that are not final yet, for a live reader.
     pub live: bool,
     /// Several conditions are watched: each line says which.
     pub several: bool,
-    /// Nanoseconds of UTC at mission time 0: instants are told in civil time, too.
+    /// Nanoseconds of UTC at mission time 0: instants are printed in civil time, too.
     pub utc_of_zero: Option<i64>,
 }
 
@@ -97,7 +97,7 @@ impl Style {
         time::OffsetDateTime::from_unix_timestamp_nanos(nanoseconds).ok()?.format(&Rfc3339).ok()
     }
 
-    /// What can be said about a condition at the end.
+    /// Returns the status of a condition at the end.
     pub fn verdict(self, number: u64, judgement: &Judgement, now: Time) -> String {
         let word = verdict_word(&judgement.verdict);
         if self.json {
@@ -123,7 +123,7 @@ impl Style {
     }
 }
 
-/// Does the gap get a line for operators: more than twice as long as the samples of its run are apart on average?
+/// Returns true if the gap gets a line for operators: more than twice the mean spacing of the samples of its run.
 fn is_long(gap: &SamplingGap, evidence: &[Evidence]) -> bool {
     evidence.iter().any(|fact| match fact {
         Evidence::Run { variable, start, end, samples } if *variable == gap.variable && *end >= gap.end => {
@@ -157,7 +157,7 @@ fn unmet_json(unmet: &Unmet) -> Json {
     })
 }
 
-/// A sentence with its place in a text, where it has one.
+/// A message with its place in a text, where it has one.
 pub fn placed(message: &str, place: Option<Place>, library: &Library) -> String {
     match place {
         Some(place) => format!("{}: {message}", library.describe_place(place)),

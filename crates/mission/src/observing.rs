@@ -148,7 +148,7 @@ pub(crate) fn looks_with(model: &VehicleModel) -> Option<CameraSetting> {
     cameras.into_iter().find(can)
 }
 
-/// How the vehicle answers to turbulence.
+/// Returns the response of the vehicle to turbulence.
 pub(crate) fn hold_of(model: &VehicleModel) -> AttitudeHold {
     AttitudeHold {
         roll_deg_per_edr: model.attitude_hold.roll_deg_per_edr,

@@ -1,9 +1,9 @@
-//! What a plan predicts of an observation.
+//! Prediction of a plan for an observation.
 
 use apex_model::problem::QualityFactors;
 use serde::{Deserialize, Serialize};
 
-/// What a plan expected of an observation.
+/// Prediction of a plan for an observation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Predicted {
     /// Coverage, resolution and clarity.

@@ -18,12 +18,12 @@ use apex_model::problem::{
 use apex_model::time::Time;
 use apex_planning::surveillance::travel::{SurveillanceTravel, Transit};
 
-/// Why there is no plan. Only the first kind is a reason to end a mission in progress and go home.
+/// Reason for a missing plan. Only the first kind is a reason to end a mission in progress and go home.
 #[derive(Debug, Clone, PartialEq)]
 pub enum NoPlan {
     /// Nothing that is left can be visited.
     NothingLeft(String),
-    /// The planning itself went wrong: a refused plan, an unknown solver, data that make no sense.
+    /// The planning itself went wrong: a refused plan, an unknown solver, invalid data.
     Fault(String),
 }
 
@@ -38,7 +38,7 @@ impl std::fmt::Display for NoPlan {
 /// out, and what has been seen in part is worth the rest.
 ///
 /// # Errors
-/// Nothing is left to plan for, or the data make no sense.
+/// Nothing is left to plan for, or the data are invalid.
 pub fn pose(mission: &Mission, situation: &Situation, flown: Option<&FlownScore>, at: Time) -> Result<Problem, NoPlan> {
     if mission.targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_))) {
         single_visits(mission, (situation, flown, at), (&|_| true, true)).map(Problem::SingleVisit)
@@ -47,15 +47,15 @@ pub fn pose(mission: &Mission, situation: &Situation, flown: Option<&FlownScore>
     }
 }
 
-/// Where the vehicle is, as far as is known.
+/// Returns the position of the vehicle, as far as it is known.
 pub(super) fn here(mission: &Mission, situation: &Situation) -> Position {
     situation.vehicle.position.unwrap_or(mission.start)
 }
 
-/// Which looks are asked for, by their names in plans, and whether the causes of what they lose are.
+/// Selection of looks by their names in plans, and whether the causes of their losses are requested.
 pub(crate) type Asked<'a> = (&'a dyn Fn(&str) -> bool, bool);
 
-/// What is known, what has been observed, and when.
+/// Knowledge, observations until now, and the instant.
 pub(crate) type Known<'a> = (&'a Situation, Option<&'a FlownScore>, Time);
 
 /// The problem of single visits of those looks that are asked for.
@@ -106,8 +106,8 @@ pub(crate) fn single_visits(
     })
 }
 
-/// When the flight of a plan made at `now_s` has to end. The margin at the end of the mission absorbs delays, and the less time is left,
-/// the less can be delayed. Delays of single legs are taken as independent, so their sum grows with the root of the time.
+/// Returns the latest end of the flight for a plan made at `now_s`. The margin at the end of the mission absorbs delays, and the less
+/// time is left, the less can be delayed. Delays of single legs are taken as independent, so their sum grows with the root of the time.
 fn latest_end_s(duration_s: f64, end_margin_s: f64, now_s: f64) -> f64 {
     let left = ((duration_s - now_s) / duration_s).clamp(0.0, 1.0);
     duration_s - end_margin_s * left.sqrt()
@@ -177,7 +177,7 @@ fn wanted(
     Ok((targets, precedence))
 }
 
-/// Why there is no way to observe a look from the mission's start, with what comes nearest; none where there is one.
+/// Returns the reason for which a look cannot be observed from the mission's start, with the nearest possibility; `None` if it can.
 pub(crate) fn trouble(mission: &Mission, target: &super::Target, name: &str) -> Option<String> {
     let TargetKind::Fire(fire) = &target.kind else { return None };
     let (_, look) = fire.looks().find(|(of_look, _)| of_look == name)?;
@@ -222,7 +222,7 @@ fn surveillance(mission: &Mission, situation: &Situation, at: Time) -> Result<Su
 /// The ways between the sites at `positions`, around obstacles, for a plan that begins at `now_s`.
 ///
 /// # Errors
-/// A sentence that names what is wrong with a zone, the start or the base.
+/// A message that names what is wrong with a zone, the start or the base.
 pub fn survey(
     mission: &Mission,
     positions: &[Position],

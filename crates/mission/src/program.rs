@@ -140,7 +140,7 @@ pub fn load_program(path: &Path) -> MissionResult<Checked> {
 /// among the recorded texts only, so a record explains itself wherever it is.
 ///
 /// # Errors
-/// A sentence when the stored sources no longer check, which means that another version wrote the record.
+/// A message if the stored sources no longer check, which means that another version wrote the record.
 pub fn load_recorded(sources: &[SourceFile]) -> Result<(Arc<Library>, AgentDeclaration, HostFunctions), String> {
     let text_of = |source: &SourceFile| SourceText { name: source.name.to_string(), text: source.text.to_string() };
     let Some(program) = sources.first() else { return Err("the record holds no PDL".to_string()) };

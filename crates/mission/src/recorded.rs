@@ -32,7 +32,7 @@ pub fn mission_of(reader: &RecordReader) -> MissionResult<Option<Mission>> {
 /// The program of a record with the functions that it was flown with: those of its mission, where it holds one.
 ///
 /// # Errors
-/// A sentence that says why the record's program or mission cannot be loaded.
+/// A message that states why the record's program or mission cannot be loaded.
 pub fn load_program(reader: &RecordReader, sources: &[SourceFile]) -> Result<Program, String> {
     match mission_of(reader).map_err(|error| error.to_string())? {
         Some(mission) => crew::load_recorded_mission(&mission, sources),

@@ -15,7 +15,7 @@ use std::sync::{Mutex, PoisonError};
 /// before the run begins, so that a record that is cut off can still explain itself.
 ///
 /// # Errors
-/// A path that cannot hold a record is the user's mistake (another file stands there, no such folder); a disk that is
+/// A path that cannot hold a record is the user's mistake (another file is there, no such folder); a disk that is
 /// full or refuses is a failure. Other files are left as they are.
 pub fn create(
     path: &Path,
@@ -113,7 +113,7 @@ fn remove_beginning(path: &Path) {
     }
 }
 
-/// Can a record be made here at all?
+/// Checks that a record can be made here.
 fn check_place(path: &Path) -> MissionResult {
     // To SQLite these names are not files: the record would be lost with the program, or options would be read out of it.
     let name = path.to_string_lossy();

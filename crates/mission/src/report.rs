@@ -1,4 +1,4 @@
-//! What a flight achieved, for people and as JSON: score by factor, visits, what was left out and why, decisions of note.
+//! Report of a flight, as text and as JSON: score by factor, visits, targets left out with reasons, notable decisions.
 
 use super::problem::{pose, trouble};
 use super::score::{FlightScore, FlownScore, flight_score};
@@ -14,7 +14,7 @@ use apex_runtime::target_state::{TargetChange, TargetState};
 pub struct Report {
     /// The mission's title.
     pub mission: String,
-    /// When and why it ended.
+    /// Instant and reason of its end.
     pub end: (Time, String),
     /// Observations in order.
     pub visits: Vec<Visit>,
@@ -30,7 +30,7 @@ pub struct Report {
     pub names: Vec<(String, String)>,
 }
 
-/// What a mission is measured by.
+/// Measure of a mission.
 pub enum MissionValue {
     /// Single visits: the mission score.
     Score(FlightScore),
@@ -40,7 +40,7 @@ pub enum MissionValue {
     None,
 }
 
-/// What the camera saw of a site.
+/// Pictures of a site by the camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SiteLooks {
     /// The site's id.

@@ -1,4 +1,4 @@
-//! What `(defapplication ..)` says about a mission, read into plain settings.
+//! Settings of a mission, read from `(defapplication ..)`.
 
 use crate::error::{MissionError, MissionResult};
 use crate::requirements::Stated;
@@ -14,19 +14,19 @@ use time::format_description::well_known::Rfc3339;
 /// The options of an application that the command understands; all units SI.
 #[derive(Debug, Clone)]
 pub struct Settings {
-    /// Where the application stands, for messages.
+    /// Place of the application, for messages.
     pub place: String,
     /// The mission's title.
     pub name: String,
-    /// Where the vehicle's model comes from.
+    /// Source of the vehicle's model.
     pub model: ModelSource,
-    /// Where the vehicle stands at the start: a location or the name of a place in the data.
+    /// Start of the vehicle: a location or the name of a place in the data.
     pub start: Value,
     /// Civil time of mission time zero: seconds since 1970-01-01T00:00Z.
     pub epoch_unix_s: Option<f64>,
     /// The same as written, for the record.
     pub epoch_text: Option<String>,
-    /// When the flight ends at the latest.
+    /// Latest end of the flight.
     pub duration: Duration,
     /// Seed of the simulated world.
     pub seed: u64,
@@ -36,11 +36,11 @@ pub struct Settings {
     pub airspace: Option<String>,
     /// Emergency landing places and bases.
     pub airfields: Option<String>,
-    /// Winds that the planner believes in, one after the other.
+    /// Winds that the planner assumes, in sequence.
     pub forecasts: Vec<String>,
     /// Wind that blows.
     pub weather: Option<String>,
-    /// Who works.
+    /// Working times of the crew.
     pub people: Option<String>,
     /// Events that happen by the script: JSON lines as for `apex run`.
     pub scenario: Option<String>,
@@ -56,7 +56,7 @@ pub struct Settings {
     pub obstacle_margin_m: f64,
     /// Requirements as written.
     pub requirements: Vec<Value>,
-    /// What failure costs, in points; nothing where the mission does not say.
+    /// Cost of failure, in points; zero if the mission does not state it.
     pub failure: FailureTerm,
     /// Money that one point of value represents: costs in mission data are money.
     pub value_unit: f64,
@@ -64,7 +64,7 @@ pub struct Settings {
     pub modems: Vec<Value>,
     /// Radios as the planner assumes them, as written.
     pub link_map: Vec<Value>,
-    /// What happens when a link is lost, as written.
+    /// Response to the loss of a link, as written.
     pub lost_link: Vec<Value>,
     /// The dependency model of components and tests.
     pub diagnosis: Option<String>,
@@ -116,7 +116,7 @@ const KNOWN: &[&str] = &[
 ];
 
 impl Settings {
-    /// What the application states about requirements.
+    /// Returns the requirements that the application states.
     pub(crate) fn stated_requirements(&self) -> Stated<'_> {
         Stated {
             place: &self.place,

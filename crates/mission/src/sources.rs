@@ -1,4 +1,4 @@
-//! Where the data files of a mission come from: a folder, or files held in memory, such as those stored in a flight record.
+//! Sources of a mission's data files: a folder, or files held in memory, such as those stored in a flight record.
 
 use crate::error::{MissionError, MissionResult};
 use crate::files::{nearby_help, read_bytes, text_of};

@@ -1,4 +1,4 @@
-//! What surrounds a mission: airspace, airfields, wind, people (docs/reference/mission-data.md).
+//! Surroundings of a mission: airspace, airfields, wind, crew (docs/reference/mission-data.md).
 
 use super::{features, tables};
 use crate::error::MissionResult;
@@ -14,7 +14,7 @@ use apex_model::problem::{
 pub struct Airfield {
     /// Its name in PDL.
     pub id: String,
-    /// Where.
+    /// Position.
     pub position: Position,
     /// Above mean sea level.
     pub elevation_m: f64,
@@ -71,7 +71,7 @@ pub(crate) fn airspace(file: &DataFile) -> MissionResult<Vec<AirspaceZone>> {
     Ok(zones)
 }
 
-/// Are all points within a centimetre of one straight line?
+/// Returns true if all points are within a centimetre of one straight line.
 fn in_one_line(points: &[Point]) -> bool {
     let first = points.first().copied().unwrap_or_default();
     let distance = |point: &Point| point.minus(first).length();
@@ -202,7 +202,7 @@ fn edr(row: &tables::Row<'_>) -> MissionResult<f64> {
     Ok(edr.or(turbulence.map(|number| EDR_PER_TURBULENCE * number)).unwrap_or(0.0))
 }
 
-/// Reads the people who work on the mission; wages are money, of which `money_per_point` makes a point.
+/// Reads the crew of the mission; wages are money, of which `money_per_point` makes a point.
 ///
 /// # Errors
 /// As docs/reference/mission-data.md lists them.

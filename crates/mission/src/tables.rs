@@ -1,4 +1,4 @@
-//! CSV files with a header; every complaint names file, line and column.
+//! CSV files with a header; every error names file, line and column.
 
 use crate::error::{MissionError, MissionResult};
 use crate::sources::DataFile;
@@ -77,7 +77,7 @@ impl Table {
 }
 
 impl Row<'_> {
-    /// A complaint about this row.
+    /// An error in this row.
     pub(crate) fn trouble(&self, what: impl std::fmt::Display) -> MissionError {
         MissionError::data(what.to_string()).at(format!("{}:{}", self.table.file, self.line))
     }

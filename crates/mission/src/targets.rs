@@ -1,4 +1,4 @@
-//! Targets of a mission: fires, structures, places to look at and to start from (docs/reference/mission-data.md).
+//! Targets of a mission: fires, structures, places to observe and to start from (docs/reference/mission-data.md).
 
 mod looks;
 
@@ -35,7 +35,7 @@ pub struct Target {
     pub announced_late: bool,
     /// GeoJSON of its geometry.
     pub geometry: String,
-    /// What it is.
+    /// Kind.
     pub kind: TargetKind,
 }
 
@@ -46,7 +46,7 @@ pub enum TargetKind {
     Fire(Fire),
     /// Watched again and again.
     Site(Site),
-    /// Something a camera may look at.
+    /// An object for a camera.
     Plain,
     /// A place to start from and land at.
     Base,
@@ -61,11 +61,11 @@ pub struct Fire {
     pub wanted: ObservedTarget,
     /// Its ground cut into cells: what predictions count.
     pub(crate) grid: Arc<TargetGrid>,
-    /// How pictures of it are taken.
+    /// Terms of its pictures.
     pub(crate) pictures: PictureTerms,
 }
 
-/// What a target says about its pictures.
+/// Terms of a target's pictures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PictureTerms {
     /// The camera that looks; none: what the vehicle carries.
@@ -100,12 +100,12 @@ impl Fire {
     }
 }
 
-/// What makes a structure worth a look.
+/// A structure to observe.
 #[derive(Debug, Clone)]
 pub struct Site {
     /// Cost of an event that is never found, before its family makes a number of it.
     pub importance: f64,
-    /// How long one look takes.
+    /// Duration of one look.
     pub dwell_s: f64,
     /// Likelihood of the event.
     pub rate: EventRate,
@@ -127,7 +127,7 @@ impl Target {
         }
     }
 
-    /// What plans call it, what reports call it, and its worth: once, or for each of several wanted looks.
+    /// Returns its name in plans, its name in reports, and its value: once, or for each of several wanted looks.
     pub fn plan_names(&self) -> Vec<(String, String, f64)> {
         match &self.kind {
             TargetKind::Fire(fire) if fire.wanted.looks.len() > 1 => {
@@ -137,7 +137,7 @@ impl Target {
         }
     }
 
-    /// Is this its name, or the name of one of its wanted looks?
+    /// Returns true if this is its name, or the name of one of its wanted looks.
     pub fn goes_by(&self, name: &str) -> bool {
         let of_look = || match &self.kind {
             TargetKind::Fire(fire) => fire.looks().any(|(look, _)| look == name),
@@ -295,7 +295,7 @@ fn picture_terms(feature: &NamedFeature) -> MissionResult<PictureTerms> {
     })
 }
 
-/// What of a fire must be seen.
+/// Returns the area of a fire to observe.
 fn area(
     feature: &NamedFeature,
     polygons: &[Vec<Position>],

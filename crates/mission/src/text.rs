@@ -2,7 +2,7 @@
 
 use apex_model::time::Duration;
 
-/// Lines for operators are no wider than this.
+/// Maximum width of lines for operators.
 const LINE_WIDTH: usize = 100;
 /// Indent of the text next to the times of a history.
 const TIME_INDENT: &str = "                ";
@@ -23,7 +23,7 @@ pub fn plain_duration(duration: Duration) -> String {
     words.join(" ")
 }
 
-/// How wide a column must be for its heading and all of its names.
+/// Returns the width of a column that fits its heading and all of its names.
 pub fn name_width<'a>(heading: &str, names: impl IntoIterator<Item = &'a str>) -> usize {
     let longest = names.into_iter().map(|name| name.chars().count()).max().unwrap_or(0);
     longest.max(heading.chars().count()).max(NAME_WIDTH_MIN)
@@ -65,7 +65,7 @@ pub fn named(name: &str, width: usize, text: &str) -> String {
     format!("  {name:<width$}  {}", wrapped(&words, " ", width + 4, &" ".repeat(width + 4)))
 }
 
-/// Quotes a word if the shell would interpret it.
+/// Quotes a word that a command line would interpret.
 pub fn shell_word(word: &str) -> String {
     let plain = |character: char| character.is_alphanumeric() || "-_./+,:@".contains(character);
     if !word.is_empty() && word.chars().all(plain) {

@@ -19,7 +19,7 @@ pub const FIGURES_LIBRARY: &str = "vehicle-figures";
 const FIGURES_NAME: &str = "generated/vehicle-figures.pdl";
 const SHIPPED_FIGURES_NAME: &str = "library/vehicle-figures.pdl";
 
-/// Where a mission's vehicle model comes from.
+/// Source of a mission's vehicle model.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ModelSource {
     /// A model that ships with Apex, by name.
@@ -93,7 +93,7 @@ fn with_sensors(file: &str, text: &str, files: &mut Files<'_>) -> MissionResult<
     parsed.map_err(invalid)
 }
 
-/// Name in the record, name in messages, and bytes of the sensor that the vehicle file `vehicle` calls `reference`: a file beside
+/// Name in the record, name in messages, and bytes of the sensor that the vehicle file `vehicle` calls `reference`: a file next to
 /// the mission, or a sensor that ships, of which the copy in a record counts more.
 fn sensor_file(reference: &str, sources: &Sources, vehicle: &str) -> Result<(String, String, Vec<u8>), String> {
     if reference.ends_with(".json") {
@@ -184,7 +184,7 @@ pub fn figures(model: &VehicleModel) -> String {
     text
 }
 
-/// Least radius of the turns that a plan counts on; 0 for who turns on the spot.
+/// Least radius of the turns that a plan counts on; 0 for a vehicle that turns on the spot.
 pub fn turn_radius_m(model: &VehicleModel) -> f64 {
     match model.airframe {
         Airframe::FixedWing => travel::turn_radius_m(

@@ -1,4 +1,4 @@
-//! A second check of a flight: was it ever where its mission forbids it to be?
+//! Second check of a flight: finds positions at which its mission forbids it to be.
 //!
 //! The check reads positions as the vehicle reported them and shares no arithmetic with the travel service that chose the
 //! ways: a place is inside a zone when the bearings of its corners go once around it, on the sphere; distances are those of
@@ -26,14 +26,14 @@ const GROUND_MARGIN_M: (f64, f64) = (300.0, 30.0);
 /// Phases of flight in which the ground may be near.
 const NEAR_GROUND: [&str; 8] =
     ["parked", "taking-off", "climbing", "approaching", "landing", "hovering", "gliding", "crashed"];
-/// Who climbs faster than this is leaving the ground, as after a landing that was interrupted.
+/// Climb rate above which the vehicle is leaving the ground, as after a landing that was interrupted.
 const CLIMB_M_S: f64 = 0.5;
 /// It may take this long to begin.
 const AFTER_GROUND: Duration = Duration(30_000_000_000);
 /// Findings kept with place and time; all are counted.
 const FINDINGS_KEPT: usize = 1_000;
 
-/// What a flight violated.
+/// Violation by a flight.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Violation {
@@ -62,13 +62,13 @@ impl Violation {
 /// One position at which a requirement was violated.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Finding {
-    /// When.
+    /// Instant.
     pub t_s: f64,
-    /// Where.
+    /// Position.
     pub position: Position,
     /// Altitude above mean sea level.
     pub altitude_m: f64,
-    /// What.
+    /// Kind.
     pub violation: Violation,
 }
 
@@ -82,14 +82,14 @@ pub struct FlightCheck {
     phase: String,
     height_m: Option<f64>,
     is_climbing: bool,
-    /// When the ground was last allowed to be near.
+    /// Last instant at which a small height was permitted.
     near_ground_until: Time,
     is_airborne: bool,
     is_flying_agent: bool,
     result: CheckResult,
 }
 
-/// What the check of a flight found.
+/// Findings of the check of a flight.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct CheckResult {
     /// Positions in the air that were checked.
@@ -145,12 +145,12 @@ impl FlightCheck {
         }
     }
 
-    /// What has been found so far.
+    /// Returns the findings until now.
     pub fn result(&self) -> &CheckResult {
         &self.result
     }
 
-    /// Looks at what the vehicle said in one batch, and at what the agent said of it.
+    /// Checks the reports of the vehicle in one batch, and those of the agent about them.
     pub fn take(&mut self, batch: &Batch, effects: &[Effect]) {
         for effect in effects {
             if let Effect::Inform { form, .. } = effect

@@ -8,7 +8,7 @@ pub(crate) fn sites(mission: &Mission) -> impl Iterator<Item = &Target> {
     mission.targets.iter().filter(|target| matches!(target.kind, TargetKind::Site(_)))
 }
 
-/// Altitude above mean sea level from which a site is looked at.
+/// Altitude above mean sea level from which a site is observed.
 pub fn visit_altitude_m(mission: &Mission, site: &Target) -> f64 {
     match mission.model.airframe {
         Airframe::Rotorcraft => site.elevation_m + hover_height_m(mission, site),

@@ -26,7 +26,7 @@ use apex_runtime::ports::{CancelToken, Deliberator};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Where the fires lie: near Zaca.
+/// Latitude of the fires: near Zaca.
 const LATITUDE_DEG: f64 = 34.7;
 const LONGITUDE_DEG: f64 = -119.8;
 const RADIUS_M: f64 = 6_371_008.8;
@@ -79,7 +79,7 @@ fn fire(id: &str, ground: &str, properties: &str) -> String {
     )
 }
 
-/// The mission `western-states` with these fires instead of its own.
+/// The mission `western-states` with these fires instead.
 fn mission(fires: &[String]) -> Result<Mission, String> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/western-states");
     let mission = Mission::load(&folder).unwrap();
@@ -335,7 +335,7 @@ fn calm(batch: &mut Batch) {
     batch.events.push(Event { sequence: 0, at: batch.now, kind });
 }
 
-/// How the mission answers about 1 km that lost its data on the last of the lines, where another fire could be observed until
+/// Returns the decision about 1 km that lost its data on the last of the lines, if another fire can be observed until
 /// `until_h`: whether it is flown again, the gain, the price, and the words.
 fn weighed(lines: &[Line], until_h: f64) -> (bool, f64, f64, String) {
     let here = fire("here", &box_of(GROUND.0, GROUND.1), r#""value": 100, "resolution_m": 10"#);

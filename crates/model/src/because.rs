@@ -114,11 +114,11 @@ pub struct Share {
 /// One wait of a circle of tasks that wait for each other.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CircleLink {
-    /// Who waits.
+    /// The waiting task.
     pub task: TaskId,
     /// For which resource.
     pub resource: Value,
-    /// Who holds it: a task above the one that waits next.
+    /// The holder: a task above the one that waits next.
     pub holder: TaskId,
 }
 

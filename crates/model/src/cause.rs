@@ -341,7 +341,7 @@ pub enum Cause {
     },
     /// Tasks wait for each other's resources in a circle.
     WaitsInCircle {
-        /// Who waits for what, and whose work holds it; the holder has the next link's task below it.
+        /// For each task of the circle, the resource for which it waits and the holder; the next link's task is below the holder.
         links: Vec<CircleLink>,
     },
     /// The executive contradicts itself: a bug of Apex, never of a program.

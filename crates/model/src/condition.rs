@@ -184,7 +184,7 @@ pub struct EpisodeCondition {
     pub trend: Vec<(Symbol, Vec<Constraint>)>,
 }
 
-/// How dense samples must be.
+/// Required density of samples.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Quality {
     /// Whatever arrives counts.

@@ -12,7 +12,7 @@ use apex_geo::geodesy::RAD_PER_DEG;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, SQRT_2};
 
-/// How the attitude of a vehicle answers to turbulence: a damped oscillator driven by gusts.
+/// Response of a vehicle's attitude to turbulence: a damped oscillator driven by gusts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AttitudeHold {
@@ -85,7 +85,7 @@ pub fn expected_rate_weight(shift_sigma_pixels: f64, limits: &RateLimits) -> f64
     expected_ramp(shift_sigma_pixels, limits.full_pixels, limits.zero_pixels)
 }
 
-/// How often and how long the roll angle is outside a limit.
+/// Frequency and duration of roll angles outside a limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Excursions {
     /// Share of time outside.

@@ -35,13 +35,13 @@ const PIECES_MAX: f64 = 20.0;
 pub struct FlownSettings {
     /// Start of the mission, seconds of Unix time.
     pub zero_unix_s: f64,
-    /// How fine the grids are.
+    /// Resolution of the grids.
     pub grid: GridSettings,
     /// Samples farther apart are a gap: the ground between them is not seen.
     pub sample_gap_s_max: f64,
 }
 
-/// Why a flight cannot be accumulated.
+/// A flight that cannot be accumulated.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ObservationError {
     /// A target's area is not usable.
@@ -77,7 +77,7 @@ impl fmt::Display for ObservationError {
 
 impl std::error::Error for ObservationError {}
 
-/// What the sensor does from an instant on.
+/// State of the sensor from an instant on.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum SensorState {
     /// Nothing is recorded.
@@ -244,7 +244,7 @@ impl FlownObservation {
         &self.products
     }
 
-    /// What has been seen of a target so far; none for an unknown name.
+    /// Returns the looks at a target until now; `None` for an unknown name.
     pub fn looks(&self, name: &str) -> Option<&TargetLooks> {
         self.watched.iter().find(|watched| watched.target.name == name).map(|watched| &watched.looks)
     }

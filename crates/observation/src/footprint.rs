@@ -1,4 +1,4 @@
-//! Where lines of sight meet the ground: pixels, edges of scan lines, footprints of pictures, on flat ground and on terrain.
+//! Intersection of sight lines with the ground: pixels, edges of scan lines, footprints of pictures, on flat ground and terrain.
 //!
 //! Flat ground is intersected directly. On terrain the ray is marched from the height of the highest ground in steps of a
 //! terrain cell and the crossing is bisected to less than 1 m. Lines of sight farther off the vertical than a limit are
@@ -91,13 +91,14 @@ pub fn offset_position(from: Position, north_m: f64, east_m: f64) -> Position {
     }
 }
 
-/// Where a ray (north, east, down) from a vehicle meets level ground `height_m` below it. None if the ray does not go down.
+/// Returns the point at which a ray (north, east, down) from a vehicle meets level ground `height_m` below it; `None` if the ray
+/// does not go down.
 pub fn hit_flat(ray: Vector, height_m: f64) -> Option<GroundHit> {
     (ray.z > 0.0 && height_m > 0.0).then(|| GroundHit::along(ray, height_m))
 }
 
-/// Where a ray (north, east, down) from `position` at `altitude_m` first meets the ground. `fallback_m` is the elevation
-/// where the terrain is not known. None if the ray does not come down within the limits of the march.
+/// Returns the point at which a ray (north, east, down) from `position` at `altitude_m` first meets the ground. `fallback_m` is the
+/// elevation where the terrain is not known. None if the ray does not come down within the limits of the march.
 pub fn hit_terrain(
     ray: Vector,
     position: Position,

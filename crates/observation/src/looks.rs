@@ -1,4 +1,4 @@
-//! What has been seen of a target: passes, each with the cells that it saw and how.
+//! Looks at a target: passes, each with the cells that it saw and their geometry.
 //!
 //! Only what is measured is kept: geometry, time and weights of clarity. What a look is worth to a wanted look is computed
 //! later (`assess`), so that the same passes serve every wanted look. Bound: one entry per cell and pass, and one more
@@ -29,7 +29,7 @@ pub struct StripFacts {
     pub on_ground_s: Option<f64>,
 }
 
-/// How one cell was seen.
+/// Look at one cell.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CellLook {
@@ -89,7 +89,7 @@ pub struct SeenGround<'a> {
 }
 
 impl SeenGround<'_> {
-    /// How far between beginning and end a point is seen, 0..1.
+    /// Returns the position of a point between beginning and end of the look, 0..1.
     fn fraction(&self) -> impl Fn(Point) -> f64 {
         let (start, along, scale) = match self.first_line {
             None => (Point::default(), Point::default(), 0.0),
@@ -103,13 +103,13 @@ impl SeenGround<'_> {
     }
 }
 
-/// What has been seen of one target.
+/// Looks at one target.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TargetLooks {
     /// Passes in order of time.
     pub passes: Vec<TargetPass>,
-    /// What is not known about them.
+    /// Assumptions on which the looks rest.
     pub remarks: BTreeSet<Remark>,
     /// Number of cells of the grid that the looks belong to; 0 without passes.
     cells: usize,

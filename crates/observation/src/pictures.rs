@@ -18,7 +18,7 @@ use crate::target::ObservedTarget;
 use crate::timing::sun::solar_position;
 use apex_geo::geodesy::{Position, RAD_PER_DEG};
 
-/// Where a camera is and where it looks at the instant of a picture.
+/// Position and sight line of a camera at the instant of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PictureView {
     /// Instant of the exposure.
@@ -44,7 +44,7 @@ pub struct PictureView {
 /// A planned picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlannedPicture {
-    /// Where the camera is and looks.
+    /// Position and sight line of the camera.
     pub view: PictureView,
     /// Its weights as predicted.
     pub weights: ClarityWeights,

@@ -25,9 +25,9 @@ pub const PIECES_MAX: usize = 500;
 /// A straight line that is planned to be flown level with the sensor on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlannedLine {
-    /// Where the sensor is switched on.
+    /// Point at which the sensor is switched on.
     pub from: Position,
-    /// Where it is switched off.
+    /// Point at which it is switched off.
     pub to: Position,
     /// Altitude above mean sea level.
     pub altitude_m: f64,
@@ -53,7 +53,7 @@ impl PlannedLine {
     }
 }
 
-/// What the air is forecast to do to observations at a place, altitude and time.
+/// Forecast influence of the air on observations at a place, altitude and time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AirConditions {
     /// Turbulence: cube root of the eddy dissipation rate in m^(2/3)/s.
@@ -82,13 +82,13 @@ impl Conditions for AirConditions {
 /// A scanner on a vehicle, for prediction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PredictedScanner {
-    /// How the scanner is operated.
+    /// Operation of the scanner.
     pub setting: ScannerSetting,
-    /// How the vehicle answers to turbulence.
+    /// Response of the vehicle to turbulence.
     pub hold: AttitudeHold,
 }
 
-/// What a prediction depends on in addition to target and lines.
+/// Input of a prediction in addition to target and lines.
 #[derive(Clone, Copy)]
 pub struct PredictionContext<'a> {
     /// Start of the mission, seconds of Unix time.
@@ -97,7 +97,7 @@ pub struct PredictionContext<'a> {
     pub ground: &'a dyn Ground,
     /// Forecast.
     pub conditions: &'a dyn Conditions,
-    /// What has been seen of the target before, on the same grid; none: nothing.
+    /// Earlier looks at the target, on the same grid; `None`: no look.
     pub seen: Option<&'a TargetLooks>,
     /// Images of earlier looks received on the ground.
     pub products: &'a [Product],
@@ -128,7 +128,7 @@ pub fn predict(
     }
 }
 
-/// What flying a segment again gains: the points with the planned lines less the points without them.
+/// Returns the gain of flying a segment again: the points with the planned lines less the points without them.
 ///
 /// Each planned look adds `P(valid) max(0, q_new - q_best)` to its cell. Where the cause of a loss persists, the present
 /// conditions make P(valid) small, and so the gain.

@@ -25,7 +25,7 @@ impl Factors {
     }
 }
 
-/// What points are lost to.
+/// Cause of lost points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LossCause {
@@ -129,7 +129,7 @@ pub struct Loss {
     pub points: f64,
 }
 
-/// What is not known about a look, so that its factors rest on an assumption.
+/// Unknown property of a look, so that its factors rest on an assumption.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Remark {
@@ -185,7 +185,7 @@ pub struct LookResult {
     pub losses: Vec<Loss>,
     /// Figures.
     pub seen: SeenFigures,
-    /// What is not known.
+    /// Unknown properties.
     pub remarks: BTreeSet<Remark>,
 }
 

@@ -12,13 +12,13 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CostRow {
-    /// What it is for.
+    /// Name of the purpose.
     pub name: String,
-    /// How it is computed.
+    /// Computation of the cost.
     pub term: CostTerm,
 }
 
-/// How a cost is computed.
+/// Computation of a cost.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CostTerm {
@@ -54,7 +54,7 @@ impl CostTerm {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ScoredCost {
-    /// What it is for.
+    /// Name of the purpose.
     pub name: String,
     /// Money.
     pub money: f64,

@@ -78,7 +78,7 @@ pub(crate) fn hiding<'a>(grid: &TargetGrid, ground: &'a dyn Ground, half_field_r
     (grid.slope_max() > flattest_ray).then_some(ground)
 }
 
-/// How a scanner is operated.
+/// Operation of a scanner.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScannerSetting {
     /// Mode.

@@ -1,4 +1,4 @@
-//! What is wanted: targets, their areas and their wanted looks.
+//! Targets, their areas and their wanted looks.
 
 use crate::timing::{LatencyNeed, LightNeed, OverpassNeed, ValueSlope, WindowNeed};
 use apex_model::problem::Position;
@@ -124,7 +124,7 @@ pub struct ResolutionNeed {
     pub wanted_m: f64,
     /// The factor falls linearly to 0 at this multiple of the wanted size; 1: no pixel may be larger.
     pub zero_multiple: f64,
-    /// Which pixel size counts.
+    /// Pixel size that counts.
     pub measure: PixelMeasure,
 }
 
@@ -134,7 +134,7 @@ impl Default for ResolutionNeed {
     }
 }
 
-/// Which size of a pixel on the ground counts.
+/// Size of a pixel on the ground that counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PixelMeasure {

@@ -20,7 +20,7 @@ use support::*;
 
 type Axes = [[f64; 3]; 3];
 
-/// Rotation by `degrees` about axis 0 (x), 1 (y) or 2 (z), as it stands in textbooks.
+/// Rotation by `degrees` about axis 0 (x), 1 (y) or 2 (z), as in textbooks.
 fn turn(axis: usize, degrees: f64) -> Axes {
     let (sine, cosine) = degrees.to_radians().sin_cos();
     match axis {
@@ -34,7 +34,8 @@ fn times(a: Axes, b: Axes) -> Axes {
     std::array::from_fn(|row| std::array::from_fn(|column| (0..3).map(|k| a[row][k] * b[k][column]).sum()))
 }
 
-/// How far inside the picture a ground point is: at most 1 on both axes is inside. None behind the camera or too flat.
+/// Returns the offset of a ground point from the centre of the picture: at most 1 on both axes is inside. `None` behind the camera or
+/// if the view is too flat.
 fn inside(view: &PictureView, north_m: f64, east_m: f64) -> Option<f64> {
     let Attitude { heading_deg, pitch_deg, roll_deg } = view.attitude;
     let body = match view.is_stabilised {

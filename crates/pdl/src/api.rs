@@ -27,7 +27,7 @@ pub fn error_code(text: &str) -> Option<&'static ErrorCode> {
 /// Reads one datum, for example `(altitude ac-1)`, `35kt` or `(stop)`. Nothing is evaluated.
 ///
 /// # Errors
-/// A message when the text is no PDL or holds no datum or several.
+/// A message if the text is not PDL or holds no datum or several.
 #[expect(clippy::result_large_err, reason = "the message is made once and shown at once")]
 pub fn read_value(text: &str) -> Result<Value, Diagnostic> {
     let read = read_file(0, text);

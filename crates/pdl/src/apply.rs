@@ -4,17 +4,17 @@ use crate::fix::{Fix, TextEdit};
 use apex_model::source::SourceFile;
 use std::collections::BTreeMap;
 
-/// What became of the texts.
+/// Result of applying fixes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Applied {
     /// The new texts by index into the sources; texts that no fix changes are not listed.
     pub texts: BTreeMap<u32, String>,
-    /// Which of the given fixes were made, by their number. One that stands in the way of an earlier one is left for
+    /// Applied fixes, by their number. A fix that overlaps an earlier one is left for
     /// the next pass.
     pub made: Vec<usize>,
 }
 
-/// Makes those of `fixes` that do not stand in each other's way, the earlier ones first. Edits outside of a text or
+/// Makes those of `fixes` that do not overlap, the earlier ones first. Edits outside of a text or
 /// inside of a character are refused with their fix.
 pub fn apply<'f>(sources: &[SourceFile], fixes: impl IntoIterator<Item = &'f Fix>) -> Applied {
     let mut accepted: BTreeMap<u32, Vec<TextEdit>> = BTreeMap::new();

@@ -47,7 +47,7 @@ pub enum Requirement {
     },
 }
 
-/// How to check.
+/// Options of a check.
 pub struct CheckOptions<'a> {
     /// The text is a piece of something larger: undefined names and missing libraries are notes, the library is
     /// produced all the same.
@@ -58,7 +58,7 @@ pub struct CheckOptions<'a> {
     pub resolve: &'a mut dyn FnMut(Requirement) -> Result<SourceText, String>,
 }
 
-/// What checking yields.
+/// Result of a check.
 #[derive(Clone, Debug)]
 pub struct Checked {
     /// Everything that could be understood. To be flown only if there are no errors.
@@ -168,12 +168,12 @@ impl Loader {
         requirements
     }
 
-    /// How many texts were read.
+    /// Returns the number of texts that were read.
     pub(crate) fn texts_read(&self) -> usize {
         self.files.len()
     }
 
-    /// Takes back what was read from this text on: it is no part of the library.
+    /// Takes back what was read from this text on: it is not a part of the library.
     pub(crate) fn split_off(&mut self, first: usize) -> Vec<Vec<Datum>> {
         self.files.split_off(first)
     }
@@ -343,7 +343,7 @@ fn lacks_libraries(forms: &[Datum]) -> bool {
     forms.iter().any(|form| form.head_name() == "defapplication" && lacks(form.tail()))
 }
 
-/// What a file requires, in order.
+/// Returns the requirements of a file, in order.
 fn requirements(forms: &[Datum], from: &str) -> Vec<(Requirement, Span)> {
     let library = |name: String| Requirement::Library(name);
     let file = |name: String| Requirement::File { name, from: from.to_string() };
@@ -354,7 +354,7 @@ fn requirements(forms: &[Datum], from: &str) -> Vec<(Requirement, Span)> {
             "require-apex-file" => found.extend(names_of(form.tail()).map(|(name, span)| (file(name), span))),
             "defapplication" => {
                 let items = form.tail();
-                // A misspelt option is told later; what it names is loaded all the same, so that nothing else is missed.
+                // A misspelt option is reported later; what it names is loaded all the same, so that nothing else is missed.
                 let option = |name: &str| {
                     let is_meant = |word: &str| {
                         word == name

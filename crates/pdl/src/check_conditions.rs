@@ -4,7 +4,7 @@ use crate::check::{CheckOptions, Checked, Loader, SourceText};
 use crate::host::host_names;
 use apex_model::condition::Condition;
 
-/// What checking conditions yields.
+/// Result of a check of conditions.
 #[derive(Clone, Debug)]
 pub struct CheckedConditions {
     /// The library in whose terms they stand, and the messages about both. To be watched only if there are no errors.

@@ -6,7 +6,7 @@
 pub struct ErrorCode {
     /// `E0201`: E for errors, W for warnings, N for notes. In fragments some errors appear as notes under the same code.
     pub code: &'static str,
-    /// What it means, in one line.
+    /// Meaning, in one line.
     pub explanation: &'static str,
     /// Its page of the documentation, in Markdown.
     pub page: &'static str,

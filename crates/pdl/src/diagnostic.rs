@@ -3,7 +3,7 @@
 use crate::fix::Fix;
 use apex_model::source::Place;
 
-/// How bad it is. Only errors keep a library from being flown.
+/// Severity. Only errors keep a library from being flown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
     /// The text cannot be used.
@@ -15,7 +15,7 @@ pub enum Severity {
 }
 
 impl Severity {
-    /// The word shown to people.
+    /// The displayed word.
     pub fn word(self) -> &'static str {
         match self {
             Severity::Error => "error",
@@ -55,9 +55,9 @@ impl Span {
 /// A second place that matters, with what is to be seen there.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Label {
-    /// Where.
+    /// Place in the text.
     pub span: Span,
-    /// What is to be seen there.
+    /// Note about that place.
     pub text: String,
 }
 
@@ -66,19 +66,19 @@ pub struct Label {
 pub struct Diagnostic {
     /// Stable code, listed in [`crate::error_codes`].
     pub code: &'static str,
-    /// How bad it is.
+    /// Severity.
     pub severity: Severity,
-    /// What is wrong, in one line.
+    /// Defect, in one line.
     pub message: String,
-    /// Where.
+    /// Place in the text.
     pub span: Span,
     /// Other places that matter.
     pub labels: Vec<Label>,
-    /// Why it is wrong, where that is not obvious.
+    /// Reason, if it is not obvious.
     pub reason: Option<String>,
-    /// What to do, in words; one suggestion each.
+    /// Suggestions as text; one sentence each.
     pub help: Vec<String>,
-    /// What to do, as edits; any one of them is enough. The likeliest stands first.
+    /// Suggestions as edits; any one of them is enough. The likeliest is first.
     pub fixes: Vec<Fix>,
 }
 
@@ -119,7 +119,7 @@ impl Diagnostic {
         self
     }
 
-    /// Adds the fixes; without any, help in words.
+    /// Adds the fixes; without any, help as text.
     pub(crate) fn fixes_or_help(self, fixes: Vec<Fix>, help: impl FnOnce() -> String) -> Diagnostic {
         if fixes.is_empty() { self.help(help()) } else { self.fixes(fixes) }
     }

@@ -2,7 +2,7 @@
 
 use crate::diagnostic::Span;
 
-/// How sure it is that a fix does what the author meant.
+/// Certainty that a fix does what the author meant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Applicability {
     /// Nothing else can have been meant: may be applied without asking.
@@ -12,7 +12,7 @@ pub enum Applicability {
 }
 
 impl Applicability {
-    /// The word shown to people and programs.
+    /// The displayed word.
     pub fn word(self) -> &'static str {
         match self {
             Applicability::Safe => "safe",
@@ -30,28 +30,28 @@ pub struct TextEdit {
     pub start: u32,
     /// Byte offset after the last character that is replaced; equal to `start` where text is only inserted.
     pub end: u32,
-    /// What stands there afterwards.
+    /// Text after the edit.
     pub replacement: String,
 }
 
 /// A titled list of edits that belong together: all are made or none.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fix {
-    /// What the edits do, in a few words: "replace `foo` by `bar`".
+    /// Effect of the edits, in a few words: "replace `foo` by `bar`".
     pub title: String,
-    /// How sure it is.
+    /// Certainty.
     pub applicability: Applicability,
     /// The edits; they do not overlap.
     pub edits: Vec<TextEdit>,
 }
 
 impl Fix {
-    /// A fix that nobody needs to look at, still without edits.
+    /// A fix that needs no review, still without edits.
     pub(crate) fn safe(title: impl Into<String>) -> Fix {
         Fix { title: title.into(), applicability: Applicability::Safe, edits: Vec::new() }
     }
 
-    /// A fix that its author must look at, still without edits.
+    /// A fix that its author must review, still without edits.
     pub(crate) fn look(title: impl Into<String>) -> Fix {
         Fix { title: title.into(), applicability: Applicability::NeedsLook, edits: Vec::new() }
     }

@@ -13,7 +13,7 @@ pub struct HostSignature {
     pub parameters_min: usize,
     /// At most so many arguments; none is unlimited.
     pub parameters_max: Option<usize>,
-    /// Has no effect: may stand in conditions.
+    /// Has no effect: may occur in conditions.
     pub pure: bool,
 }
 

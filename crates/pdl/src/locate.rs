@@ -38,7 +38,7 @@ impl<'l> Locator<'l> {
         Some(datum)
     }
 
-    /// The stretch of the datum at `place`; an empty one there if the text is not at hand.
+    /// The stretch of the datum at `place`; an empty one there if the text is not available.
     pub(crate) fn span(&mut self, place: Place) -> Span {
         let nowhere = Span { file: place.file, start: 0, end: 0, line: place.line, column: place.column };
         self.datum(place).map_or(nowhere, |datum| datum.span)
@@ -51,7 +51,7 @@ impl<'l> Locator<'l> {
         clause.map_or_else(|| self.span(place), |clause| clause.span)
     }
 
-    /// What to remove so that the step at `place` does not wait for the condition at `condition`: the condition, or the
+    /// Returns the text to remove so that the step at `place` does not wait for the condition at `condition`: the condition, or the
     /// whole clause if it has no other. None for a part of another condition.
     pub(crate) fn wait(&mut self, place: Place, condition: Span) -> Option<Span> {
         let datum = self.datum(place)?;
@@ -221,7 +221,7 @@ pub(crate) fn find(datum: &Datum, wanted: &dyn Fn(&Datum) -> bool) -> Option<Spa
     }
 }
 
-/// Moves spans that count from the start of the datum to where it stands in its file.
+/// Moves spans that count from the start of the datum to its place in the file.
 fn shift(datum: &mut Datum, offset: u32, place: Place) {
     let span = &mut datum.span;
     span.start = span.start.saturating_add(offset);

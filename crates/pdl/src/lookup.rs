@@ -1,7 +1,7 @@
 //! Names to what is known of them, found by their hash. A program may have a hundred thousand names in one procedure, and
 //! comparing texts on the way down a tree is then most of the work of checking it.
 //!
-//! Looking up is all that is offered: who wants the names asks for them in order, so that no message depends on a hash.
+//! Looking up is all that is offered: a caller that needs the names gets them in order, so that no message depends on a hash.
 
 use rustc_hash::FxHashMap;
 use std::hash::Hash;
@@ -17,7 +17,7 @@ impl<K, V> Default for Lookup<K, V> {
 }
 
 impl<K: Eq + Hash + Ord + Clone, V> Lookup<K, V> {
-    /// What is known of `key`.
+    /// Returns the entry of `key`.
     pub(crate) fn get(&self, key: &K) -> Option<&V> {
         // An empty table is asked often, and hashing is not free.
         if self.0.is_empty() { None } else { self.0.get(key) }
@@ -44,7 +44,7 @@ impl<K: Eq + Hash + Ord + Clone, V> Lookup<K, V> {
         self.0.remove(key);
     }
 
-    /// What is known of `key`, or `new` if nothing was.
+    /// Returns the entry of `key`; inserts `new` if there is none.
     pub(crate) fn or_insert(&mut self, key: &K, new: V) -> &mut V {
         self.0.entry(key.clone()).or_insert(new)
     }

@@ -14,7 +14,7 @@ fn is_clause(word: &str) -> bool {
 /// Relations that make a list `(ATTRIBUTE OBJECT RELATION VALUE ..)` a measurement.
 const RELATIONS: &[&str] = &["=", "<", "<=", ">", ">="];
 
-/// Wraps runs of loose clauses, and each loose condition, into a procedure of its own; other forms stay as they are.
+/// Wraps runs of loose clauses, and each loose condition, into a separate procedure; other forms stay as they are.
 pub(crate) fn gather(forms: Vec<Datum>) -> Vec<Datum> {
     let mut gathered = Vec::new();
     let mut run: Vec<Datum> = Vec::new();
@@ -57,7 +57,7 @@ fn waiting_step(condition: Datum) -> Datum {
     list(span, vec![symbol(span, "step"), list(span, vec![symbol(span, "terminate")]), waitfor])
 }
 
-/// The procedure that the clauses of `run` may have been taken from; none for no clauses. What is added stands in empty
+/// The procedure that the clauses of `run` may have been taken from; none for no clauses. Additions are in empty
 /// spans before and after them: equal spans mean the same clause to the rest of the front end.
 fn procedure(run: Vec<Datum>, number: &mut i64) -> Option<Datum> {
     let (first, last) = (run.first()?.span, run.last()?.span);

@@ -1,4 +1,4 @@
-//! What can be said about patterns and goals before anything runs: may a goal match, must it, does one pattern match all
+//! Static comparison of patterns and goals: whether a goal may or must match, whether one pattern matches all
 //! that another one does, and which of two is the more specific.
 
 use apex_model::expression::Template;
@@ -68,7 +68,7 @@ pub(crate) enum View<'t> {
 }
 
 impl<'t> View<'t> {
-    /// The value, where nothing is left open.
+    /// The value, if nothing is left open.
     pub(crate) fn value(self) -> Option<&'t Value> {
         match self {
             View::Template(Template::Constant(value)) | View::Value(value) => Some(value),
@@ -76,7 +76,7 @@ impl<'t> View<'t> {
         }
     }
 
-    /// The parts of a list; none when this is no list, or when a splice makes its length unknown.
+    /// The parts of a list; `None` if this is not a list, or when a splice makes its length unknown.
     pub(crate) fn items(self) -> Option<Vec<View<'t>>> {
         match (self, self.value()) {
             (_, Some(Value::List(items))) => Some(items.iter().map(View::Value).collect()),
@@ -254,7 +254,7 @@ fn list_cover(general: &[Pattern], special: &[&Pattern]) -> bool {
     }
 }
 
-/// How specific a pattern is, as selection orders procedures: the greatest is chosen.
+/// Specificity of a pattern, as selection orders procedures: the greatest is chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Specificity {
     variables: Reverse<usize>,

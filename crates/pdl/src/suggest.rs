@@ -1,6 +1,6 @@
 //! "Did you mean": known names near a misspelt one, and the fixes that put them in its place.
 //!
-//! The distance weighs slips by how easily they happen: two letters in the wrong order, a letter doubled, the key beside
+//! The distance weighs slips by how easily they happen: two letters in the wrong order, a letter doubled, the key next to
 //! the right one, a hyphen for an underscore cost less than any other letter.
 
 use crate::diagnostic::Span;
@@ -9,11 +9,11 @@ use apex_model::quantity::{UNITS, Unit};
 
 /// Characters beyond which names are not compared: keeps a message cheap whatever the input.
 const NAME_CHARACTERS_MAX: usize = 64;
-/// Known names that are looked at for one misspelt name.
+/// Known names that are compared with one misspelt name.
 const NAMES_MAX: usize = 5_000;
 /// Names suggested for one misspelt name.
 const SUGGESTIONS_MAX: usize = 3;
-/// What one ordinary edit costs.
+/// Cost of one ordinary edit.
 const EDIT: u32 = 10;
 /// A suggestion is certain only if the next one is farther by more than this.
 const MARGIN: u32 = 4;
@@ -67,7 +67,7 @@ pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) 
     near(name, known).first().map(|near| near.name)
 }
 
-/// Fixes that put the nearest known names in place of `name`, which stands at `span`. The first is safe if it is certain.
+/// Fixes that put the nearest known names in place of `name`, which is at `span`. The first is safe if it is certain.
 pub(crate) fn renames<'a>(span: Span, name: &str, known: impl IntoIterator<Item = &'a str>) -> Vec<Fix> {
     renames_marked(span, name, known, str::to_string)
 }
@@ -104,7 +104,7 @@ pub(crate) fn near_units(name: &str) -> Vec<&'static str> {
     };
     let mut best: Vec<Near<'_>> = UNITS.iter().filter_map(spelling).collect();
     best.sort_by_key(|near| near.cost);
-    // A single letter is near every other one: only the key beside it is meant.
+    // A single letter is near every other one: only the neighbouring key is meant.
     let alone = name.chars().count() == 1;
     let likely =
         best.iter().filter(|near| if alone { near.cost < EDIT } else { near.name.len() >= 2 || near.cost < EDIT });
@@ -127,7 +127,7 @@ fn distance_by_words(a: &[char], b: &[char]) -> Option<u32> {
     (words_a.len() > 1 && words_a == words_b).then_some(EDIT)
 }
 
-/// What it costs to turn `a` into `b` by inserting, deleting and replacing letters and swapping neighbours.
+/// Returns the cost to turn `a` into `b` by inserting, deleting and replacing letters and swapping neighbours.
 fn distance(a: &[char], b: &[char]) -> u32 {
     let mut before: Vec<u32> = Vec::new();
     let mut above: Vec<u32> = vec![0];
@@ -155,7 +155,7 @@ fn distance(a: &[char], b: &[char]) -> u32 {
     above.last().copied().unwrap_or(0)
 }
 
-/// What a letter too many or too few costs; `previous` is the letter before it in the name that has it.
+/// Returns the cost of a letter too many or too few; `previous` is the letter before it in the name that has it.
 fn lone(letter: char, previous: Option<&char>) -> u32 {
     if previous == Some(&letter) || matches!(letter, '-' | '_') { EDIT - 3 } else { EDIT }
 }
@@ -169,7 +169,7 @@ fn replaced(x: char, y: char) -> u32 {
     }
 }
 
-/// Do the keys lie beside each other on a keyboard?
+/// Returns true if the keys are neighbours on a keyboard.
 fn are_neighbours(x: char, y: char) -> bool {
     const ROWS: [&str; 4] = ["1234567890-", "qwertyuiop", "asdfghjkl", "zxcvbnm"];
     let place = |key: char| {

@@ -3,7 +3,7 @@
 /// Words of one kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Words {
-    /// What they are: `clause of a step`.
+    /// Kind of word: `clause of a step`.
     pub kind: &'static str,
     /// The words; options without their colon.
     pub words: &'static [&'static str],

@@ -1,4 +1,4 @@
-//! What a word of the language or of the libraries that ship is: for `apex explain`.
+//! Meaning of a word of the language or of the libraries that ship: for `apex explain`.
 
 use crate::read::{Datum, DatumKind, read_file};
 use crate::suggest::nearest;
@@ -35,7 +35,7 @@ const SPECIAL_SHAPES: &[(&str, &str)] = &[
     ("when", "(when TEST FORM..) -> the last value if TEST is true"),
 ];
 
-/// What is known of `word`: functions, forms, clauses, options, indexicals; and what the libraries that ship have by it:
+/// Explains `word`: functions, forms, clauses, options, indexicals; and the definitions of that name in the libraries that ship:
 /// goals, commands, messages, state variables. None for a word that nothing has.
 pub fn explain_word(word: &str) -> Option<String> {
     let word = word.trim();
@@ -158,7 +158,7 @@ fn each_list(datum: &Datum, visit: &mut dyn FnMut(&Datum)) {
     }
 }
 
-/// What is written there, on one line.
+/// Returns the text of the datum on one line.
 fn written(text: &str, datum: &Datum) -> String {
     let range = datum.span.start as usize..datum.span.end as usize;
     text.get(range).unwrap_or_default().split_whitespace().collect::<Vec<_>>().join(" ")

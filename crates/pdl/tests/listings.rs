@@ -40,7 +40,7 @@ fn every_listing_loads_as_a_fragment() {
     }
 }
 
-/// The listings of section IV as they stand on the page: a step and its select, in no procedure.
+/// The listings of section IV as printed on the page: a step and its select, in no procedure.
 const REFLY_ALONE: &str = "(step (refly segment visited from ?loc to +current-location+)
   (waitfor
     (:episode roll-violation (roll-angle +this-aircraft+)

@@ -1,4 +1,4 @@
-//! What authors see: every message in full. A change of wording is a change of these files.
+//! Messages for authors: every message in full. A change of wording is a change of these files.
 
 use apex_pdl::{CheckOptions, HostSignature, Requirement, SourceText, check, error_codes, render};
 

@@ -1,4 +1,4 @@
-//! What must hold for every text: reading never panics, formatting keeps comments and data, printing loads again.
+//! Properties of every text: reading never panics, formatting keeps comments and data, printing loads again.
 #![allow(
     clippy::indexing_slicing,
     clippy::unwrap_used,
@@ -37,7 +37,7 @@ fn primitive_key(primitive: &Primitive) -> String {
     without_places(&format!("{primitive:?}"))
 }
 
-/// Every procedure and primitive, printed and loaded again, is the same but for its places.
+/// Every procedure and primitive, printed and loaded again, is the same except for its places.
 fn round_trip(text: &str) {
     let first = checked(text, true);
     assert!(!first.has_errors(), "{}\n{text}", render(&first.diagnostics, &first.library.sources, false));

@@ -32,7 +32,7 @@ impl Numbering {
         own.saturating_mul(self.agents).saturating_add(self.agent)
     }
 
-    /// Whose number `outer` is, and what that agent calls it.
+    /// Returns the agent that owns number `outer`, and its own number for it.
     fn inner(outer: u64, agents: usize) -> (usize, u64) {
         let agents = (agents as u64).max(1);
         (usize::try_from(outer % agents).unwrap_or(0), outer / agents)
@@ -60,7 +60,7 @@ impl<'a> AgentGroup<'a> {
         }
     }
 
-    /// How many agents there are.
+    /// Returns the number of agents.
     pub(crate) fn len(&self) -> usize {
         self.agents.len()
     }
@@ -80,7 +80,7 @@ impl<'a> AgentGroup<'a> {
         self.inboxes.iter().all(Inbox::is_empty)
     }
 
-    /// Why all are finished, if they are: each agent with its reason.
+    /// Returns the reasons for which all agents are finished, or `None` while one is not.
     pub(crate) fn finish(&self) -> Option<String> {
         let reasons: Option<Vec<(&Symbol, &String)>> =
             self.agents.iter().map(|agent| Some((&agent.name, agent.finished.as_ref()?))).collect();
@@ -167,7 +167,7 @@ impl<'a> AgentGroup<'a> {
         })
     }
 
-    /// Who asked question `question`: the first that has it open, else the first that has ever asked so many.
+    /// Returns the agent that asked question `question`: the first that has it open, else the first that has ever asked so many.
     fn asker(&self, question: QuestionId) -> usize {
         let open = self.agents.iter().position(|agent| agent.questions.contains_key(&question));
         let asked = || self.agents.iter().position(|agent| agent.next.question > question.0);

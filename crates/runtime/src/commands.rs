@@ -13,7 +13,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// The head of the event that records a command.
 const HEAD: &str = "operator-command";
 
-/// What a command asks of the run.
+/// Order of a command to the run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Order {
     /// An input for one agent, or for all: an answer, a message, updates of a target.
@@ -28,7 +28,7 @@ pub enum Order {
     Note,
 }
 
-/// How a command ended.
+/// End of a command.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum CommandEnd {
     /// The run executed it at this instant.
@@ -38,7 +38,7 @@ pub enum CommandEnd {
     },
     /// The run did not execute it.
     Rejected {
-        /// Why, in one clause.
+        /// Reason, in one clause.
         reason: String,
     },
     /// The run did not take it in time.
@@ -73,7 +73,7 @@ pub struct Command {
     pub number: u64,
     /// The command as text, for the record.
     pub words: String,
-    /// What it asks.
+    /// The order.
     pub order: Order,
     /// Its end.
     pub ticket: Ticket,

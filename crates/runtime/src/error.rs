@@ -1,4 +1,4 @@
-//! What can go wrong in the shell, in sentences for operators: what, where, why, what to do.
+//! Errors of the runtime, as sentences for operators: failure, place, reason and remedy.
 
 use apex_model::time::Time;
 use std::path::PathBuf;
@@ -10,7 +10,7 @@ pub enum RunError {
     /// The link to the vehicle is beyond repair.
     #[error("The vehicle failed at {at}: {message}")]
     Vehicle {
-        /// When.
+        /// Instant.
         at: Time,
         /// The vehicle's sentence.
         message: String,
@@ -18,7 +18,7 @@ pub enum RunError {
     /// An observer cannot go on, usually the recorder.
     #[error("The run stopped at {at}: {message}")]
     Observer {
-        /// When.
+        /// Instant.
         at: Time,
         /// The observer's sentence.
         message: String,
@@ -28,7 +28,7 @@ pub enum RunError {
         "More than {limit} inputs wait at {at}. Whoever sends them is faster than any vehicle; look for a loop in the vehicle or in the input file."
     )]
     InboxFull {
-        /// When.
+        /// Instant.
         at: Time,
         /// The limit.
         limit: usize,
@@ -38,11 +38,11 @@ pub enum RunError {
         "Time stands still at {at}: more than {limit} steps at one instant. The last cause was {cause}. Look for a repeating step whose work takes no time."
     )]
     Stuck {
-        /// When.
+        /// Instant.
         at: Time,
         /// The limit.
         limit: u64,
-        /// What asked for the last step.
+        /// Cause of the last step.
         cause: String,
     },
     /// An option makes no sense.
@@ -64,7 +64,7 @@ pub enum RecordError {
     NotARecord {
         /// The file.
         path: PathBuf,
-        /// What it seems to be.
+        /// Apparent kind of the file.
         found: String,
     },
     /// The file was written by a later Apex.
@@ -98,7 +98,7 @@ pub enum RecordError {
     Unwritable {
         /// The file.
         path: PathBuf,
-        /// What was being done.
+        /// Activity that failed.
         doing: String,
         /// The system's reason.
         reason: String,
@@ -108,7 +108,7 @@ pub enum RecordError {
     DiskFull {
         /// The file.
         path: PathBuf,
-        /// What was being done.
+        /// Activity that failed.
         doing: String,
     },
     /// The file is a record, but parts of it cannot be understood.
@@ -116,7 +116,7 @@ pub enum RecordError {
     Damaged {
         /// The file.
         path: PathBuf,
-        /// Where and what.
+        /// Place and kind.
         what: String,
     },
     /// The mission in the record cannot be loaded by this Apex.

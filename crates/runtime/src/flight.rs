@@ -51,7 +51,7 @@ pub(crate) struct Flight<'a, 'o> {
     end: RunEnd,
 }
 
-/// What waiting for an instant came to.
+/// Result of waiting for an instant.
 enum Waited {
     Reached(Time),
     /// Solvers have answered, or nobody listens from outside any more: what comes next must be asked again.

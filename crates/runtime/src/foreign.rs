@@ -23,7 +23,7 @@ use std::cell::RefCell;
 use std::io::{BufRead, Read, Write};
 use std::rc::Rc;
 
-/// What Apex says to the simulator in addition effects, from the application's `:init`, `:start`, `:step` and `:stop`.
+/// Messages of Apex to the simulator in addition to effects, from the application's `:init`, `:start`, `:step` and `:stop`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cues {
     /// Said in the greeting.
@@ -36,7 +36,7 @@ pub struct Cues {
     pub stop: Vec<Value>,
 }
 
-/// How a simulator's requests come and answers go.
+/// Connection of a simulator: its requests and the answers.
 pub struct SimulatorLink<'a> {
     /// Lines from the simulator.
     pub input: &'a mut dyn BufRead,
@@ -44,13 +44,13 @@ pub struct SimulatorLink<'a> {
     pub output: &'a mut dyn Write,
     /// Reads PDL inside of lines.
     pub read_value: ReadValue<'a>,
-    /// What the application says at certain moments.
+    /// Messages of the application at certain moments.
     pub cues: Cues,
     /// A `reset` is possible: nothing is lost by beginning again.
     pub may_reset: bool,
 }
 
-/// How a run at an outside clock ended.
+/// End of a run at an outside clock.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ForeignEnd {
     /// As any run.
@@ -128,7 +128,7 @@ pub fn run(
     Ok(ForeignEnd { end: flight.close(reason)?, reset })
 }
 
-/// What the agents said since the last answer, ready to be sent.
+/// Messages of the agents since the last answer, ready to be sent.
 type Said = Rc<RefCell<Vec<Json>>>;
 
 enum Request {

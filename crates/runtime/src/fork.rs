@@ -19,7 +19,7 @@ use apex_model::time::{Duration, Time};
 use std::collections::BTreeMap;
 use thiserror::Error;
 
-/// Why a recorded flight cannot be continued.
+/// Reason for which a recorded flight cannot be continued.
 #[derive(Debug, Error)]
 pub enum ForkError {
     /// The record cannot be read.
@@ -33,7 +33,7 @@ pub enum ForkError {
         "the recorded step of batch {batch} at {at} gives other effects now: the record was written by another version of Apex; `apex replay` shows the first difference"
     )]
     OtherDecisions {
-        /// When.
+        /// Instant.
         at: Time,
         /// The batch's number.
         batch: i64,
@@ -43,9 +43,9 @@ pub enum ForkError {
         "the simulated vehicle does not repeat the record at {at}: it reports {simulated}, which the record does not hold there"
     )]
     OtherVehicle {
-        /// When.
+        /// Instant.
         at: Time,
-        /// What the simulated vehicle reports.
+        /// Report of the simulated vehicle.
         simulated: String,
     },
 }
@@ -113,7 +113,7 @@ struct Past {
     problems: BTreeMap<SolveRequestId, ProblemRow>,
     /// Requests without an answer so far.
     open: OpenRequests,
-    /// What the vehicle has reported and no batch has held so far.
+    /// Reports of the vehicle that no batch has held yet.
     reported: Vec<Input>,
     /// Notes of the record that are still to be shown, the latest first.
     notes: Vec<(Time, String)>,

@@ -30,7 +30,7 @@ impl Inbox {
         self.last_sequence = last_sequence;
     }
 
-    /// How many inputs wait.
+    /// Returns the number of waiting inputs.
     pub fn len(&self) -> usize {
         self.queue.len()
     }

@@ -20,7 +20,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// What a solver may take.
+/// Limits of a solver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Work units.
@@ -31,7 +31,7 @@ pub struct Limits {
     pub memory_bytes: u64,
 }
 
-/// What came of an invocation.
+/// Result of an invocation.
 #[derive(Debug)]
 pub struct Answer {
     /// The plan, unchecked, or the reason why there is none.
@@ -40,11 +40,11 @@ pub struct Answer {
     pub used: u64,
     /// Processor seconds of the solver's thread; none where the system does not tell, or where it was left behind.
     pub cpu_s: Option<f64>,
-    /// What the solver did that it must not do.
+    /// Contract violation by the solver.
     pub violation: Option<String>,
 }
 
-/// Why a solver has to stop.
+/// Reason for which a solver has to stop.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Stop {
     Cancelled,
@@ -54,7 +54,7 @@ enum Stop {
 }
 
 impl Stop {
-    /// What it did; nothing where it was only told to stop.
+    /// Returns the violation as text; `None` if the solver was only cancelled.
     fn words(&self) -> Option<String> {
         match self {
             Stop::Cancelled => None,
@@ -75,7 +75,7 @@ struct State {
     best: Option<Plan>,
 }
 
-/// What the solver's thread and its watcher share.
+/// State shared by the solver's thread and its watcher.
 #[derive(Debug, Default)]
 struct Shared {
     state: Mutex<State>,
@@ -308,7 +308,7 @@ fn solve(
     }
 }
 
-/// What a panic said.
+/// Returns the message of a panic.
 pub(crate) fn panic_text(payload: &(dyn Any + Send)) -> String {
     let text = payload.downcast_ref::<&str>().map(|text| (*text).to_owned());
     text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_else(|| "it gave no message".into())

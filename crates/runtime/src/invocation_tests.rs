@@ -3,7 +3,7 @@
 use super::*;
 use apex_model::problem::{SingleVisitPlan, SingleVisitProblem};
 
-/// What a bad solver does, by its name.
+/// A misbehaving solver; its name selects the behaviour.
 struct Bad(&'static str);
 
 fn plan(score: f64) -> Plan {

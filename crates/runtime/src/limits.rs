@@ -14,7 +14,7 @@ pub const LATENESS_TOLD_MIN: std::time::Duration = std::time::Duration::from_mil
 pub const ANSWER_LATE_TOLD_MIN: apex_model::time::Duration = apex_model::time::Duration(1_000_000_000);
 /// Stack of a solver's thread in bytes: recursive planners go deeper than the mission loop.
 pub const SOLVER_STACK_BYTES: usize = 64 << 20;
-/// How often a solver at work is looked at: soon enough to stop one that fills the memory.
+/// Interval of checks of a working solver: short enough to stop one that fills the memory.
 pub const SOLVER_LOOK: std::time::Duration = std::time::Duration::from_millis(10);
 /// Time that a solver has to stop when told to; well-behaved ones take some milliseconds.
 pub const SOLVER_GRACE: std::time::Duration = std::time::Duration::from_secs(1);
@@ -34,7 +34,7 @@ pub const INPUT_LINE_BYTES_MAX: usize = 1 << 20;
 pub const GROUP_BATCHES_MAX: u32 = 256;
 /// Milliseconds of wall time after which a group is committed even when it is small, so that live readers see it.
 pub const GROUP_MILLISECONDS_MAX: u128 = 200;
-/// How often committed groups go from the write-ahead log into the main file: a plain copy of it lacks no more.
+/// Interval at which committed groups move from the write-ahead log into the main file: a plain copy of it lacks no more.
 pub const CHECKPOINT_INTERVAL: std::time::Duration = std::time::Duration::from_secs(1);
 /// Batches between snapshots, at least.
 pub const SNAPSHOT_BATCHES_MIN: u64 = 500;

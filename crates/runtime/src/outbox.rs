@@ -11,16 +11,16 @@ use apex_model::event::Message;
 use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 
-/// What sending left to say.
+/// Results of sending.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sent {
     /// The reason of `EndApplication`, if it was among the effects.
     pub end: Option<String>,
-    /// What other agents are told, in order.
+    /// Messages to other agents, in order.
     pub told: Vec<(Symbol, Message)>,
     /// Requests to solvers, in order, numbered as outside of the agents.
     pub requests: Vec<SolveRequest>,
-    /// What the shell decided meanwhile (a dropped answer, say), for [`crate::ports::Observer::note`].
+    /// Decisions of the runtime meanwhile (a dropped answer, say), for [`crate::ports::Observer::note`].
     pub notes: Vec<String>,
 }
 

@@ -68,7 +68,7 @@ pub struct Pacer {
     anchor_mission: Time,
 }
 
-/// How long to sleep before an instant of mission time.
+/// Wait before an instant of mission time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Wait {
     /// The instant has arrived.
@@ -123,7 +123,7 @@ impl Pacer {
         self.pace.is_some()
     }
 
-    /// How long to wait before `instant`.
+    /// Returns the wait before `instant`.
     pub fn wait(&self, instant: Time) -> Wait {
         let Some(pace) = self.pace else { return Wait::Over };
         if instant <= self.anchor_mission {
@@ -140,7 +140,7 @@ impl Pacer {
         }
     }
 
-    /// How long ago, in wall time, `instant` was; nothing where it is to come, or nobody waits for a clock.
+    /// Returns the wall time since `instant`; zero if it lies ahead, or without a clock.
     pub fn lateness(&self, instant: Time) -> Duration {
         let Some(pace) = self.pace.filter(|pace| *pace > 0.0) else { return Duration::ZERO };
         let due_s = (instant - self.anchor_mission).seconds() / pace;

@@ -162,7 +162,7 @@ impl SolverPool {
         ))
     }
 
-    /// When the next answer is due, of those that have come.
+    /// Returns the instant of the next due answer, of those that have arrived.
     pub fn next_due(&self) -> Option<Time> {
         self.answered.first_key_value().map(|((due, _), _)| *due)
     }

@@ -16,9 +16,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Something that came in, before the inbox numbers it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Input {
-    /// When it happened, in mission time.
+    /// Instant of the event, in mission time.
     pub at: Time,
-    /// What.
+    /// Content.
     pub kind: EventKind,
     /// The agent that it is for, by name; none is every agent. Answers find whoever asked.
     pub agent: Option<Symbol>,
@@ -36,7 +36,7 @@ impl Input {
 
 /// A controlled system: the built-in simulator, a simulator elsewhere, or an autopilot behind a link.
 pub trait Vehicle {
-    /// When it will next have something to say by itself, if it knows (simulators do).
+    /// Returns the instant of its next report, if it knows (simulators do).
     fn next_report(&self) -> Option<Time>;
 
     /// Lets it live until `to` (never backwards) and collects what it says, in order of time, none later than `to`.

@@ -18,7 +18,7 @@ use apex_model::time::{Duration, Time};
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// What replay found.
+/// Result of a replay.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReplayReport {
     /// Steps executed again.
@@ -36,11 +36,11 @@ pub struct ReplayReport {
 /// The first difference.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Difference {
-    /// When.
+    /// Instant.
     pub at: Time,
     /// In which batch.
     pub batch: i64,
-    /// What differs.
+    /// Kind of difference.
     pub what: Differing,
     /// The recorded side as text; `None` if the record has nothing there.
     pub recorded: Option<String>,
@@ -48,7 +48,7 @@ pub struct Difference {
     pub replayed: Option<String>,
 }
 
-/// What a replay compares.
+/// Items that a replay compares.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Differing {
     /// The effect at this position among the step's effects, from 1.
@@ -193,7 +193,7 @@ struct Witness<'a> {
     deliberator: &'a mut dyn Deliberator,
     problems: BTreeMap<SolveRequestId, ProblemRow>,
     situations: BTreeMap<i64, Vec<u8>>,
-    /// What the steps so far have derived and no batch has held.
+    /// Derived inputs of the steps so far that no batch has held.
     derived: Vec<Input>,
     posed: u64,
 }

@@ -33,10 +33,10 @@ impl TargetState {
 pub struct TargetChange {
     /// The target's id.
     pub target: String,
-    /// When.
+    /// Instant.
     pub at: Time,
     /// The new state.
     pub state: TargetState,
-    /// Why, or when it is planned; may be empty.
+    /// Reason, or the planned time; may be empty.
     pub detail: String,
 }

@@ -11,7 +11,7 @@ use apex_model::value::Value;
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 
-/// How to fly.
+/// Settings of a run.
 #[derive(Debug)]
 pub struct FlyOptions {
     /// The last instant that is executed.
@@ -22,9 +22,9 @@ pub struct FlyOptions {
     pub clock: Arc<dyn Clock>,
     /// Inputs that come at known times, in addition the vehicle's: a scenario, an operator's answers. Any order.
     pub inputs: Vec<Input>,
-    /// What the operator answers to questions that will be asked; each answers one.
+    /// Answers of the operator to future questions; each answers one.
     pub answers: Vec<ScriptedAnswer>,
-    /// What people say while it runs.
+    /// Orders of operators while it runs.
     pub controls: Option<Receiver<Control>>,
     /// Largest step of time for a vehicle that does not know when it reports next; none trusts the other instants.
     pub poll: Option<Duration>,
@@ -51,7 +51,7 @@ impl Default for FlyOptions {
     }
 }
 
-/// What the operator answers to the first question with a certain text.
+/// Answer of the operator to the first question with a certain text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScriptedAnswer {
     /// Part of the question's text, in any case.
@@ -60,7 +60,7 @@ pub struct ScriptedAnswer {
     pub agent: Option<Symbol>,
     /// The answer.
     pub value: Value,
-    /// How long the operator takes.
+    /// Time that the operator takes.
     pub after: Duration,
 }
 
@@ -81,7 +81,7 @@ pub enum Control {
     Stop,
 }
 
-/// Why a run ended.
+/// Reason for the end of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum EndReason {
     /// `(end-application)` or the end of the root task, with the agent's reason.
@@ -111,12 +111,12 @@ impl EndReason {
     }
 }
 
-/// How a run ended and how much work it was.
+/// End of a run with its amount of work.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RunEnd {
     /// Mission time at the end.
     pub at: Time,
-    /// Why.
+    /// Reason.
     pub reason: EndReason,
     /// Executive steps.
     pub steps: u64,
@@ -124,11 +124,11 @@ pub struct RunEnd {
     pub events: u64,
     /// Effects that went out.
     pub effects: u64,
-    /// How far it was behind the clock on the wall, where it was paced.
+    /// Delay against wall time, if the run was paced.
     pub late: Lateness,
 }
 
-/// How far a paced run was behind the clock on the wall.
+/// Delay of a paced run against wall time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Lateness {
     /// Steps that came later than [`crate::limits::LATENESS_TOLD_MIN`].

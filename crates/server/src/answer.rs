@@ -6,14 +6,14 @@ use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 
-/// What the API says when it cannot do what was asked.
+/// Answer of the API to a request that it cannot fulfil.
 #[derive(Debug)]
 pub(crate) struct ApiError {
     /// The HTTP status.
     pub(crate) status: StatusCode,
-    /// What is wrong, in one sentence.
+    /// Failure, in one sentence.
     pub(crate) error: String,
-    /// What to do about it.
+    /// Remedy.
     pub(crate) help: String,
 }
 

@@ -48,7 +48,7 @@ async fn holdings(State(state): Shared, params: QueryParams<WindowParams>) -> An
     Ok(Json(holdings).into_response())
 }
 
-/// What the page must know of the mission next to its record: all of it is in the mission's files.
+/// Facts of the mission that the page needs next to its record: all of them are in the mission's files.
 #[derive(Debug, Serialize)]
 struct MissionFacts {
     /// `fixed-wing` or `rotorcraft`.

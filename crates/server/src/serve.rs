@@ -14,10 +14,10 @@ use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
-/// How long open connections may hold up the end of the program.
+/// Longest time for which open connections may delay the end of the program.
 const STOP_PATIENCE: Duration = Duration::from_secs(1);
 
-/// What to serve, and where.
+/// Options of a server.
 pub struct ServeOptions {
     /// The flight record, finished or still being written; `None` serves missions and flights only.
     pub record: Option<PathBuf>,
@@ -37,7 +37,7 @@ pub struct ServeOptions {
     pub ready: Box<dyn FnOnce(&str) + Send>,
 }
 
-/// Why serving did not work.
+/// Failure to serve.
 #[derive(Debug, thiserror::Error)]
 pub enum ServeError {
     /// The record cannot be opened or is none.
@@ -53,9 +53,9 @@ pub enum ServeError {
         "cannot serve on {address}: {source}; give an address of this machine with `--address`, and a port above 1023 with `--port`"
     )]
     Bind {
-        /// What was asked for.
+        /// Requested address.
         address: SocketAddr,
-        /// What the system said.
+        /// Error of the system.
         source: io::Error,
     },
     /// The network or the threads failed while serving.

@@ -1,4 +1,4 @@
-//! What request handlers share: connections to the record, the flights, and how they check parameters and block.
+//! State that request handlers share: connections to the record, flights, and checks of parameters and of blocking work.
 
 use crate::answer::{Answer, ApiError};
 use crate::flights::Tower;
@@ -48,7 +48,7 @@ impl AppState {
         self.views.as_ref().ok_or_else(no_record)?.read(query)
     }
 
-    /// How far the record has grown: a record whose run is under way in this program is live, however long it writes nothing.
+    /// Corrects the growth of the record: while its run is under way in this program the record is live, even without new rows.
     pub(crate) fn with_life(&self, growth: Growth) -> Growth {
         let is_flown = self.door.as_ref().is_some_and(FlightDoor::is_under_way);
         if is_flown && growth.status == RecordStatus::Incomplete {

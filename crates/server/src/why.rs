@@ -27,7 +27,7 @@ pub(crate) fn why(state: &AppState, id: u64, at_ns: i64, restore: bool) -> Answe
             ));
         }
     };
-    // Restoring an instant may take a while: a connection of its own keeps the shared one free.
+    // Restoring an instant may take a while: a separate connection keeps the shared one free.
     let reader = RecordReader::open(state.record.as_ref().ok_or_else(no_record)?)?.of_agent(state.agent)?;
     let load = state.load.as_deref().filter(|_| restore);
     // The program of a record never changes: it is checked once. One that cannot be loaded is tried again for its message.

@@ -1,4 +1,4 @@
-//! The API over real HTTP, on a record that is complete, one that grows, and files that are no records.
+//! The API over real HTTP, on a record that is complete, one that grows, and files that are not records.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
@@ -15,7 +15,7 @@ use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::path::Path;
 use std::sync::{Arc, mpsc};
 
-/// Stands for a command that cannot load the recorded sources.
+/// Represents a command that cannot load the recorded sources.
 fn unloadable(_: &[SourceFile]) -> Result<Program, String> {
     Err("the sources are not PDL".into())
 }
@@ -175,7 +175,7 @@ fn why_gives_the_decisions_in_order_and_the_error_of_restoring() {
     assert_eq!(why["now"], "T1 has ended (success) because all of its steps have ended");
     assert_eq!((&why["task"]["id"], &why["explanation"]["task"]), (&json!(1), &json!("T1")));
     assert_eq!(why["explanation_error"], Value::Null);
-    // A task that goes on is explained by the agent; where it cannot be restored, by the decisions alone.
+    // A task that continues is explained by the agent; where it cannot be restored, by the decisions alone.
     let middle = story.end_ns() / 2;
     let (_, full) = get(server, &format!("/api/why?task=1&at={middle}"));
     let error = full["explanation_error"].as_str().unwrap();

@@ -83,7 +83,7 @@ fn stop(server: SocketAddr, id: &Value) -> (u16, Value) {
     ask(server, "POST", &format!("/api/flights/{id}/stop"), "", "")
 }
 
-/// Asks again until the flight is not flying any more.
+/// Asks again until the flight is over.
 fn ended(server: SocketAddr, id: &Value) -> Value {
     loop {
         let (status, flight) = get(server, &format!("/api/flights/{id}"));

@@ -30,10 +30,10 @@ pub struct WorldChanges {
     pub seed: Option<u64>,
 }
 
-/// How the continued flight is run; the default is to the end of the mission, without commands and further observers.
+/// Settings of the continued flight. By default it flies to the end of the mission, without commands and further observers.
 #[derive(Default)]
 pub struct ForkTerms<'o> {
-    /// When the continued flight ends at the latest.
+    /// Latest end of the continued flight.
     pub until: Option<Time>,
     /// Commands of the caller, such as to stop.
     pub controls: Option<Receiver<Control>>,

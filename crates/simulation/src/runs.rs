@@ -22,7 +22,7 @@ pub const RUNS_MAX: usize = 1_000_000;
 /// Threads at most.
 pub const JOBS_MAX: usize = 1_024;
 
-/// Which flights are flown.
+/// Selection of flights.
 #[derive(Clone, Debug)]
 pub struct RunTerms {
     /// Seed of the first flight; the next ones follow it. `None` is the mission's own.
@@ -35,7 +35,7 @@ pub struct RunTerms {
     pub until: Option<Time>,
 }
 
-/// How a flight came out.
+/// Outcome of a flight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RunOutcome {
@@ -63,9 +63,9 @@ impl RunOutcome {
 pub struct RunRow {
     /// Seed of its world: `apex fly MISSION --seed SEED` repeats it.
     pub seed: u64,
-    /// How it came out.
+    /// Outcome.
     pub outcome: RunOutcome,
-    /// Why it ended.
+    /// Reason for the end.
     pub reason: String,
     /// Mission time of the end, s.
     pub end_s: f64,
@@ -216,14 +216,14 @@ fn fly_one(mission: &Arc<Mission>, means: &PlanningResources, seed: u64, until: 
     Ok(RunRow::flown(seed, &flight, check.result()))
 }
 
-/// What a series achieved on the whole; printed as text.
+/// Summary of a series of flights; printed as text.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunSummary {
     /// Flights flown.
     pub runs: usize,
     /// Of them completed.
     pub completed: usize,
-    /// What is summarised: `score` or `expected cost`; empty if neither is known of any flight.
+    /// Summarised measure: `score` or `expected cost`; empty if neither is known of any flight.
     pub measure: &'static str,
     /// Least value, 5 %, 25 %, median, 75 %, 95 % and greatest value of it, by nearest rank.
     pub quantiles: Vec<f64>,
@@ -235,7 +235,7 @@ pub struct RunSummary {
     pub lost: BTreeMap<String, NotCompleted>,
 }
 
-/// Where a requirement was violated.
+/// Flights that violated a requirement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Violated {
     /// In so many flights.

@@ -51,7 +51,7 @@ fn ground(mission: &Mission) -> Ground {
         elevation_m: airfield.elevation_m,
     });
     let mut patches: Vec<GroundPatch> = mission.targets.iter().map(target_patch).chain(airfields).collect();
-    // Later patches win: the start's own ground must be the one it stands on.
+    // Later patches win: the start's own ground must be the one below it.
     patches.push(GroundPatch { position: mission.start, radius_m: 1_000.0, elevation_m: mission.start_altitude_m });
     let lowest_m = patches.iter().map(|patch| patch.elevation_m).fold(mission.start_altitude_m, f64::min);
     Ground { elevation_m: lowest_m, patches }

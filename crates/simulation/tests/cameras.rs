@@ -58,7 +58,7 @@ fn targets(hovers: bool, pixel_m: f64, scale: f64) -> Vec<String> {
     all
 }
 
-/// A mission of one vehicle in a folder of its own.
+/// A mission of one vehicle in a separate folder.
 fn mission(folder: &Path, model: &str, winds: &str, targets: &[String]) -> Mission {
     let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
     write("targets.geojson", &format!(r#"{{"type": "FeatureCollection", "features": [{}]}}"#, targets.join(",\n")));

@@ -212,7 +212,7 @@ fn a_fixed_wing_flies_manoeuvres_as_predicted_in_wind() {
     all(FIXED_WING.into_iter().map(|(form, half_m)| mapper(form, half_m)), WIND, 0.10);
 }
 
-/// What the vehicle reported of its track: time, position, altitude, heading, and the phase of flight.
+/// Reported track of the vehicle: time, position, altitude, heading, and the phase of flight.
 #[derive(Default)]
 struct Flown {
     samples: Vec<Sample>,

@@ -16,7 +16,7 @@ const FIRES: [&str; 2] = ["lick", "gw"];
 
 /// Fires in wind: far from each other, with several lines each.
 const FAR_FIRES: [&str; 5] = ["butler-2", "zaca", "lick", "moonlight", "egley-complex"];
-/// How much later or earlier than planned an observation may begin, in a flight of six hours: the first descent, and turns that are
+/// Permitted difference between planned and flown begin of an observation, in a flight of six hours: the first descent, and turns that are
 /// planned longer than they are flown.
 const BEGIN_S: f64 = 120.0;
 

@@ -27,7 +27,7 @@ fn fly(mission: Mission) -> FlightOutcome {
     apex_simulation::fly(Arc::clone(&mission), means, None, terms, &mut recorder, &mut []).unwrap()
 }
 
-/// When a note that begins so was first made, in seconds.
+/// Returns the instant of the first note that begins so, in seconds.
 fn noted_s(flown: &FlightOutcome, text: &str) -> f64 {
     let note = flown.report.notes.iter().find(|note| note.text.starts_with(text));
     note.unwrap_or_else(|| panic!("no note `{text}`:\n{}", flown.report.text())).at.seconds()

@@ -7,12 +7,12 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::thread;
 
-/// What came of many questions.
+/// Totals of many questions.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outcome {
     /// Questions that both answer alike.
     pub same: u64,
-    /// How many of them have a result.
+    /// Number of questions that have a result.
     pub satisfied: u64,
     /// Questions that the executive cannot answer yet, by what it cannot.
     pub not_yet: BTreeMap<String, u64>,
@@ -45,7 +45,7 @@ impl Outcome {
         }
     }
 
-    /// Adds what came of others.
+    /// Adds the totals of others.
     pub fn join(&mut self, other: &Outcome) {
         self.same += other.same;
         self.satisfied += other.satisfied;
@@ -75,7 +75,7 @@ impl Outcome {
     }
 }
 
-/// How questions are asked.
+/// Selection of questions.
 #[derive(Clone, Debug)]
 pub struct Manner {
     /// In so many threads.
@@ -84,7 +84,7 @@ pub struct Manner {
     pub only: Option<String>,
 }
 
-/// How many threads this machine runs at once.
+/// Returns the number of threads that this machine runs in parallel.
 pub fn cores() -> u64 {
     thread::available_parallelism().map_or(2, |threads| threads.get() as u64)
 }

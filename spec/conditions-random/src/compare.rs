@@ -4,7 +4,7 @@ use crate::executive::{Accepted, Refusal, Said, Watch, accepted};
 use crate::generate::UNTIL;
 use apex_definition::{Outcome, Question, Time, Verdict, first, instants, judge};
 
-/// What came of a question.
+/// Result of the comparison of a question.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Finding {
     /// Both say the same; the result, if there is one.

@@ -23,7 +23,7 @@ pub struct Accepted {
     condition: Condition,
 }
 
-/// Why the checker has refused it.
+/// Reason of a refusal by the checker.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Refusal {
     /// The executive cannot do this yet.
@@ -34,7 +34,7 @@ pub enum Refusal {
     Wrong(String),
 }
 
-/// What was said at an instant.
+/// Report at an instant.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Said {
     /// It is true, and was so first in this way.
@@ -94,13 +94,13 @@ impl<'a> Watch<'a> {
         Ok(Watch { session, id, question, handed: 0 })
     }
 
-    /// Hands over what arrives up to `now`, without saying that time goes on.
+    /// Hands over what arrives up to `now`, without advancing time.
     pub fn hand(&mut self, now: Time) {
         while let Some(arrival) = self.question.arrivals.get(self.handed).filter(|arrival| arrival.arrives <= now) {
             self.handed += 1;
             let at = time::Time(arrival.at);
             if arrival.at < arrival.arrives {
-                // Something that nobody waits for brings time to where the late one comes.
+                // A message without a receiver brings time to where the late one comes.
                 self.session.event(Value::list([Value::symbol("tick")]), time::Time(arrival.arrives));
             }
             match &arrival.what {
@@ -115,7 +115,7 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// Everything up to `now` has arrived: what is said then?
+    /// Evaluates the condition at `now`, after every earlier input.
     pub fn say(&mut self, now: Time) -> Said {
         self.hand(now);
         self.session.advance(time::Time(now));

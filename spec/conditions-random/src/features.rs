@@ -1,10 +1,10 @@
-//! What is in a question: for counting, and for telling kinds of differences apart.
+//! Features of a question, for counts and to distinguish kinds of differences.
 
 use apex_definition::condition::{Condition, Constraint, Cyclic, Estimation, Kind, Statistic, Term};
 use apex_definition::{Question, Value, What};
 use std::collections::BTreeSet;
 
-/// What the executive cannot do yet, as the checker names it. A condition with one of these must be refused, and every
+/// Features that the executive does not have yet, as the checker names them. A condition with one of these must be refused, and every
 /// refusal must name one of these.
 pub const NOT_YET: &[&str] = &[];
 
@@ -41,7 +41,7 @@ pub fn features(question: &Question) -> BTreeSet<String> {
     found
 }
 
-/// Does it hold at instants, so that a result may be gone at the next?
+/// Returns true if the condition holds at instants, so that the next sample may end its result.
 fn at_instants(condition: &Condition) -> bool {
     match &condition.kind {
         Kind::Measurement(measurement) => matches!(measurement.estimation, Some(Estimation::Regression(_))),

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 /// A second.
 pub const SECOND: Span = 1_000_000_000;
-/// Where every comparison ends.
+/// End of every comparison.
 pub const UNTIL: Time = 16 * SECOND;
 /// The grid of instants and spans: what coincides is interesting.
 const STEP: Span = SECOND / 2;
@@ -203,7 +203,7 @@ impl Maker {
     /// Tests of two parts' tags.
     fn tests(&mut self, parts: &[Condition]) -> Vec<Test> {
         let tags: Vec<String> = parts.iter().filter_map(|part| part.tag.clone()).collect();
-        // What is true anew at every instant has no time of its own.
+        // A result that is renewed at every instant has no fixed time.
         if tags.len() < 2 || parts.iter().any(always_anew) || !self.dice.chance(30) {
             return Vec::new();
         }

@@ -273,7 +273,7 @@ fn allen(relation: Allen) -> &'static str {
     }
 }
 
-/// The arrivals as lines of a page. Those that come late say so.
+/// The arrivals as lines of a page. Late ones are marked.
 pub fn inputs(question: &Question) -> String {
     let mut text = String::new();
     for arrival in &question.arrivals {

@@ -6,8 +6,8 @@ use crate::value::{Bindings, Value};
 use crate::verdict::Question;
 use crate::ways::{Interval, Runs, View, Way, Ways};
 
-/// Rule 14: a whole span passed without the part. What has passed has passed: a span that was quiet when it was looked at
-/// stays so when nobody knows any more what comes after it.
+/// Rule 14: a whole span passed without the part. What has passed has passed: a span that was quiet when it was judged
+/// stays so when it is unknown what comes after it.
 pub(crate) fn ways(part: &Condition, span: Span, view: View<'_>) -> Ways {
     if at_instants(part) {
         return of_instants(part, span, view);
@@ -40,10 +40,11 @@ fn is_judged_again(part: &Condition, view: View<'_>) -> bool {
         || !view.question.arrivals.iter().any(is_late)
 }
 
-/// What an instant is judged by: all that is known if it is judged `again`, else what came before the first sample from
-/// after it. Besides the earliest sample that came since: a span that reached it is not known to have passed any more.
+/// Returns the knowledge by which an instant is judged: all of it if the instant is judged `again`, else the part that came before
+/// the first sample from after the instant. Also returns the earliest sample that came since: a span that reached it is not known to
+/// have passed any longer.
 fn known_of(part: &Condition, then: Time, again: bool, view: View<'_>) -> (Past, Option<Time>) {
-    // What a function said at an instant nobody can ask again: the instant is judged by what was known then.
+    // What a function said at an instant cannot be queried again: the instant is judged by what was known then.
     if asks_functions(part) {
         return (known(&view.question.arrivals, &view.question.lateness, then.min(view.past.known_at)), None);
     }
@@ -65,7 +66,7 @@ fn known_of(part: &Condition, then: Time, again: bool, view: View<'_>) -> (Past,
     (past.up_to(then), back)
 }
 
-/// Is a function asked within?
+/// Returns true if the condition calls a function.
 fn asks_functions(condition: &Condition) -> bool {
     match &condition.kind {
         Kind::Function(..) => true,
@@ -77,7 +78,7 @@ fn asks_functions(condition: &Condition) -> bool {
     }
 }
 
-/// Does the sample count when it comes?
+/// Returns true if the sample counts when it arrives.
 fn changes(question: &Question, number: usize, arrival: &Arrival) -> bool {
     let count = |end: usize| {
         let past = known(&question.arrivals[..end], &question.lateness, arrival.arrives);
@@ -111,7 +112,7 @@ fn variables(condition: &Condition) -> Vec<&Variable> {
     }
 }
 
-/// Does it hold at instants, so that a result may be gone at the next?
+/// Returns true if the condition holds at instants, so that the next sample may end its result.
 fn at_instants(condition: &Condition) -> bool {
     match &condition.kind {
         Kind::Measurement(measurement) => matches!(measurement.estimation, Some(Estimation::Regression(_))),
@@ -121,8 +122,8 @@ fn at_instants(condition: &Condition) -> bool {
     }
 }
 
-/// What holds at instants is looked at at every instant. A span begins with the creation, after evidence that is over, or at
-/// the first instant from which on the part is known not to hold; it is broken by an instant of which nobody knows.
+/// Returns the ways of a condition that holds at instants, judged at each of them. A span begins with the creation, after evidence that
+/// is over, or at the first instant from which on the part is known not to hold; an unknown instant breaks it.
 fn of_instants(part: &Condition, span: Span, view: View<'_>) -> Ways {
     let mut found = Ways::default();
     let mut begin = Some(view.created);
@@ -174,8 +175,8 @@ struct Quiet {
 
 /// The spans without the part up to now. One begins with the creation, or after evidence of the part.
 fn quiet_spans(part: &Condition, span: Span, view: View<'_>) -> Quiet {
-    // The whole run of an episode counts, and a value as long as it persists: while they go on nothing is absent, and
-    // while nobody knows whether they do, nobody knows.
+    // The whole run of an episode counts, and a value as long as it persists: while they continue nothing is absent, and
+    // while it is unknown whether they do, absence is unknown.
     let against = crate::ways::ways(part, View { runs: Runs::Whole, ..view });
     if against.all.iter().any(|way| way.open || way.lasts == Some(view.now)) {
         return Quiet { found: Ways::default(), decided: false };

@@ -1,4 +1,4 @@
-//! Episodes with statistics or trends: not monotone, so every end of a run is looked at (rule 13).
+//! Episodes with statistics or trends: not monotone, so every end of a run is evaluated (rule 13).
 
 use crate::condition::{Episode, Relation, Span, Time};
 use crate::episode::{Run, held};
@@ -7,12 +7,12 @@ use crate::statistics::finite;
 use crate::value::Bindings;
 use crate::ways::{View, Way};
 
-/// Does the episode ask for statistics or trends?
+/// Returns true if the episode constrains statistics or trends.
 pub(crate) fn asked(episode: &Episode) -> bool {
     !episode.stats.is_empty() || !episode.trend.is_empty()
 }
 
-/// Where statistics and trends are what is asked for at one end of the run after the other, that is one result: it
+/// Returns the ways of statistics and trends. If they are constrained at one end of the run after the other, that is one result: it
 /// begins where the run or the first window does, and grows as runs of values do (rules 7 and 13).
 pub(crate) fn ways(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Vec<Way> {
     let mut found: Vec<Way> = Vec::new();
@@ -36,7 +36,7 @@ pub(crate) fn ways(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: Vie
     found
 }
 
-/// Is a window meant, since no value makes the run?
+/// Returns true if a window is meant, since no value makes the run.
 fn slides(episode: &Episode) -> bool {
     episode.value.is_empty() && !episode.duration.is_empty()
 }
@@ -64,7 +64,7 @@ fn wanted(episode: &Episode) -> Span {
     least.max().unwrap_or(0)
 }
 
-/// Every sample's instant; and where a gap licenses that time goes on, where the length is reached or a sample leaves.
+/// Every sample's instant; and where a gap licenses the passing of time, where the length is reached or a sample leaves.
 /// What is weighted by time moves between them too, but is judged at these instants only.
 fn ends(episode: &Episode, run: &Run<'_>, view: View<'_>) -> Vec<Time> {
     let wanted = wanted(episode);
@@ -83,7 +83,7 @@ fn ends(episode: &Episode, run: &Run<'_>, view: View<'_>) -> Vec<Time> {
     ends
 }
 
-/// What lies in the run, or in the window that ends at an instant.
+/// Samples in the run, or in the window that ends at an instant.
 #[derive(Default)]
 pub(crate) struct Inside {
     /// The samples.
@@ -92,7 +92,7 @@ pub(crate) struct Inside {
     pub(crate) held: Vec<(f64, f64)>,
 }
 
-/// What lies in the run, or in the window that ends at `end`, if that is long enough.
+/// Returns the samples in the run, or in the window that ends at `end`, if that is long enough.
 fn inside(episode: &Episode, run: &Run<'_>, end: Time) -> Option<Inside> {
     let wanted = wanted(episode);
     let start = run.samples.first()?.at;

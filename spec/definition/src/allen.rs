@@ -10,7 +10,7 @@ struct Point {
     moves: bool,
 }
 
-/// Does the relation hold between the two, whatever comes?
+/// Returns true if the relation holds between the two, whatever arrives later.
 pub(crate) fn decided(relation: Allen, first: &Way, second: &Way, tolerance: Span) -> bool {
     let (Some(first_hull), Some(second_hull)) = (first.hull, second.hull) else { return false };
     let ends = |way: &Way, (start, end)| (Point { at: start, moves: false }, Point { at: end, moves: way.open });

@@ -12,7 +12,7 @@ pub type Span = i64;
 pub struct Condition {
     /// The name, without `?`.
     pub tag: Option<String>,
-    /// What it is.
+    /// Kind.
     pub kind: Kind,
 }
 
@@ -31,13 +31,13 @@ pub enum Kind {
     Or(Vec<Condition>),
     /// No result so far.
     Not(Box<Condition>),
-    /// No result for so long.
+    /// No result for this duration.
     Absent(Box<Condition>, Span),
-    /// One after the other.
+    /// In sequence.
     InOrder(Vec<Condition>, Vec<Test>),
     /// A relation between neighbours.
     Allen {
-        /// Which.
+        /// Relation.
         relation: Allen,
         /// The parts.
         parts: Vec<Condition>,
@@ -46,7 +46,7 @@ pub enum Kind {
         /// Tests of tags.
         tests: Vec<Test>,
     },
-    /// At least so long after; not longer than.
+    /// At least this long after; not longer than.
     Delay(Span, Option<Span>),
     /// The instant has arrived; the interval has been reached.
     Timestamp(Time, Option<Time>),
@@ -60,16 +60,16 @@ pub enum Kind {
     TaskState(String, String),
 }
 
-/// What is asked of one sample.
+/// Constraints on one sample.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
-    /// Whose samples.
+    /// The watched variable.
     pub variable: Variable,
     /// Tests of the value.
     pub value: Vec<Constraint>,
     /// Tests of the instant; with none the window begins at the creation.
     pub timestamp: Vec<(Relation, Time)>,
-    /// What is assumed between samples.
+    /// Values assumed between samples.
     pub estimation: Option<Estimation>,
 }
 
@@ -84,10 +84,10 @@ pub struct Variable {
     pub tests: Vec<Constraint>,
 }
 
-/// What is asked of cycles.
+/// Constraints on cycles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cyclic {
-    /// Whose samples.
+    /// The watched variable.
     pub variable: Variable,
     /// Tests of the length of each cycle.
     pub period: Vec<(Relation, Span)>,
@@ -99,10 +99,10 @@ pub struct Cyclic {
     pub hysteresis: Option<f64>,
 }
 
-/// What is asked of a run.
+/// Constraints on a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Episode {
-    /// Whose samples.
+    /// The watched variable.
     pub variable: Variable,
     /// Any two samples of a run bound an episode.
     pub any: bool,
@@ -112,7 +112,7 @@ pub struct Episode {
     pub first_value: Vec<Constraint>,
     /// Holds of the last value.
     pub last_value: Vec<Constraint>,
-    /// The largest gap; none is no constraint.
+    /// The largest gap; `None` does not constrain.
     pub gap: Option<Span>,
     /// Tests of the first instant.
     pub start: Vec<(Relation, Time)>,
@@ -126,16 +126,16 @@ pub struct Episode {
     pub trend: Vec<(Trend, Relation, f64)>,
 }
 
-/// What is assumed between and beyond samples.
+/// Values assumed between and beyond samples.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Estimation {
-    /// The last value, at most for so long.
+    /// The last value, at most for this duration.
     Persist(Option<Span>),
     /// A line.
     Regression(Regression),
 }
 
-/// How the line is fitted, and when it is not believed.
+/// Fit of the line, and the criteria by which it is rejected.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Regression {
     /// At least so many samples.
@@ -188,7 +188,7 @@ pub enum Term {
     Any,
 }
 
-/// Where an interval begins or ends.
+/// The beginning or end of an interval.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(missing_docs)]
 pub enum Edge {
@@ -223,7 +223,7 @@ pub enum Statistic {
     TimeWeightedDeviation,
 }
 
-/// How values move.
+/// Movement of values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Trend {
     /// The slope of the line through all, per second.

@@ -71,7 +71,7 @@ fn maxima(points: &[(Time, f64)], hysteresis: f64) -> Vec<Turn> {
     found
 }
 
-/// Do three turning points in a row make a cycle that is asked for?
+/// Returns true if three successive turning points make a cycle that satisfies the constraints.
 fn fits(cyclic: &Cyclic, turns: &[Turn]) -> bool {
     let [first, middle, last] = turns else { return false };
     let amplitude = ((first.value + last.value) / 2.0 - middle.value).abs() / 2.0;

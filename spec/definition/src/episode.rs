@@ -14,7 +14,7 @@ pub(crate) struct Run<'a> {
     begins: bool,
     /// The first sample after it.
     pub(crate) next: Option<&'a Sample>,
-    /// It cannot go on.
+    /// It cannot continue.
     pub(crate) closed: bool,
 }
 
@@ -26,14 +26,14 @@ pub(crate) fn ways(episode: &Episode, view: View<'_>) -> Ways {
     for (series, bound) in &all {
         let samples = windowed(episode, series, view);
         let runs = runs(episode, samples, view);
-        // Rule 3: a run of which nothing shows where it began, or whether it goes on, may be what is asked for.
+        // Rule 3: a run of which nothing shows where it began, or whether it continues, may be what is asked for.
         let decided = |run: &Run<'_>| !run.closed && aggregate::contradicted(episode, run, view);
         let newest = runs.last().filter(|run| run.next.is_none() && (!run.begins || run.closed) && !decided(run));
         if let Some(run) = newest {
             let why = if run.closed { "no sample for too long" } else { "nobody knows how long already" };
             found.unknown = Some(why.into());
         }
-        // One that is what is asked for, and goes on, leaves nothing to know; two samples of one say nothing of others.
+        // One that is what is asked for, and continues, leaves nothing to know; two samples of one say nothing of others.
         let mut found_before = found.all.len();
         for run in &runs {
             found_before = found.all.len();
@@ -102,7 +102,7 @@ fn begun(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> 
     parts.min_by_key(|way| way.known).or_else(|| over(episode, run, bound))
 }
 
-/// The run, if its first samples show that it is what is asked for however it goes on: only lower bounds can show that.
+/// The run, if its first samples show that it is what is asked for however it continues: only lower bounds can show that.
 /// The interval is that of the whole run, as far as it is known.
 fn going_on(episode: &Episode, run: &Run<'_>, length: usize, bound: &Bindings, view: View<'_>) -> Option<Way> {
     let samples = run.samples.get(..length)?;
@@ -155,7 +155,7 @@ pub(crate) fn held(episode: &Episode, last: &Sample, next: Option<Time>, view: V
     episode.gap.map_or(last.at, |gap| (last.at + gap).min(until)).max(last.at)
 }
 
-/// Do the first value and the last one fit?
+/// Returns true if the first and the last value satisfy their constraints.
 pub(crate) fn ends_fit(episode: &Episode, samples: &[Sample]) -> bool {
     let fit = |sample: Option<&Sample>, constraints| {
         sample.is_some_and(|sample| fits(&sample.value, constraints, &mut Bindings::new()))

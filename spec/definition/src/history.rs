@@ -1,4 +1,4 @@
-//! What was known at an instant, from all that ever arrived (rules 4, 17, 18, 23).
+//! Knowledge at an instant, from everything that ever arrived (rules 4, 17, 18, 23).
 
 use crate::condition::{Span, Time};
 use crate::value::Value;
@@ -7,11 +7,11 @@ use std::collections::BTreeMap;
 /// Something that arrived.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Arrival {
-    /// When it came.
+    /// Instant of arrival.
     pub arrives: Time,
-    /// When it was measured or happened; not after it came.
+    /// Instant of the measurement or event; at most the arrival.
     pub at: Time,
-    /// What it is.
+    /// Content.
     pub what: What,
 }
 
@@ -90,7 +90,7 @@ pub(crate) fn known(arrivals: &[Arrival], lateness: &BTreeMap<String, Span>, now
 }
 
 impl Past {
-    /// What of it had happened by `now`.
+    /// Returns the part that had happened by `now`.
     pub(crate) fn up_to(&self, now: Time) -> Past {
         let mut past = self.clone();
         past.variables.iter_mut().for_each(|series| series.samples.retain(|sample| sample.at <= now));

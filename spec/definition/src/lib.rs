@@ -1,4 +1,4 @@
-//! What conditions mean, said by brute force: the second witness for the executive's monitors.
+//! Meaning of conditions by brute force: the second witness for the executive's monitors.
 //!
 //! Every answer is computed from everything that ever arrived, again at every instant. It shares no code with Apex;
 //! see `README.md`.

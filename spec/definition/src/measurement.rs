@@ -39,7 +39,7 @@ fn counting(measurement: &Measurement, series: &Series, view: View<'_>) -> Time 
     }
 }
 
-/// Was anything measured that the variable may mean and that `counts`, whatever is asked of its object?
+/// Returns true if a sample exists that the variable may mean and that `counts`, regardless of constraints on its object.
 pub(crate) fn heard_of(variable: &Variable, view: View<'_>, counts: impl Fn(&Series) -> bool) -> bool {
     let mut series = view.past.variables.iter().filter(|series| series.attribute == variable.attribute);
     series
@@ -65,7 +65,7 @@ pub(crate) fn ways(measurement: &Measurement, view: View<'_>) -> Ways {
             }
         }
     }
-    // Where no sample is valid any more nobody knows the value.
+    // If no sample is valid any longer the value is unknown.
     if let Some(Estimation::Persist(timeout)) = &measurement.estimation {
         let valid = |series: &Series| {
             series.samples.last().is_some_and(|newest| timeout.is_none_or(|timeout| view.now - newest.at <= timeout))

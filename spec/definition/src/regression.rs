@@ -12,10 +12,10 @@ use crate::ways::{View, Way, Ways};
 /// A crossing nearer to an instant than this, in nanoseconds, is at that instant: rounding can be as large.
 const ROUNDING_NS: f64 = 1e-3;
 
-/// What lies further ahead is not foretold: the slope of a line that is level except for rounding is none.
+/// Farthest predicted instant. The slope of a line that is level except for rounding counts as zero.
 const FARTHEST: Time = Time::MAX / 2;
 
-/// What a line says.
+/// Statement of a line.
 enum Saying {
     /// It meets the constraints, as is known then.
     Meets(Way),
@@ -43,7 +43,7 @@ pub(crate) fn ways(measurement: &Measurement, options: &Regression, view: View<'
     found
 }
 
-/// When the lines meet the constraints, as far as that is to come.
+/// Returns the instants at which the lines satisfy the constraints, as far as they lie ahead.
 pub(crate) fn foreseen(measurement: &Measurement, question: &Question, past: &Past, now: Time) -> Vec<Time> {
     let Some(Estimation::Regression(options)) = &measurement.estimation else { return Vec::new() };
     let view = View { question, past, created: question.created, now, runs: crate::ways::Runs::Begun };
@@ -77,7 +77,7 @@ fn says(measurement: &Measurement, options: &Regression, series: &Series, bound:
     {
         return Saying::Unknown;
     }
-    // The window: from the creation, or as its bounds say; what lies after now is foretold where they say so.
+    // The window: from the creation, or as its bounds say; what lies after now is predicted where they include it.
     let (least, most) = window(&measurement.timestamp);
     let from = least.unwrap_or(if measurement.timestamp.is_empty() { view.created } else { first.at });
     let reaches = |value: f64| (mean_t + (value - mean_v) / slope) * 1e9 + first.at as f64;
@@ -98,7 +98,7 @@ fn says(measurement: &Measurement, options: &Regression, series: &Series, bound:
     if options.gap_max.is_some_and(|most| known - last.at > most) {
         return unmet();
     }
-    // It is there as long as the line says so.
+    // It is there as long as the line predicts it.
     let way = Way::over((first.at, last.at), known.max(view.created), bound.clone());
     Saying::Meets(Way { instant: true, ..way })
 }

@@ -6,14 +6,14 @@ use crate::condition::{Episode, Statistic, Trend};
 use crate::history::Sample;
 use crate::value::{Value, numbers};
 
-/// Do all tests of statistics hold? A value that is no finite number has no statistics.
+/// Returns true if all tests of statistics hold. A value that is not a finite number has no statistics.
 pub(crate) fn hold(episode: &Episode, inside: &Inside) -> bool {
     episode.stats.iter().all(|(statistic, relation, bound)| {
         value_of(*statistic, episode, inside).is_some_and(|value| numbers(*relation, value, *bound))
     })
 }
 
-/// Does any test of a statistic that has a value fail?
+/// Returns true if a test of a statistic that has a value fails.
 pub(crate) fn fail(episode: &Episode, inside: &Inside) -> bool {
     episode.stats.iter().any(|(statistic, relation, bound)| {
         value_of(*statistic, episode, inside).is_some_and(|value| !numbers(*relation, value, *bound))
@@ -40,7 +40,7 @@ fn weighted(held: &[(f64, f64)]) -> Option<(f64, f64)> {
     (seconds > 0.0).then(|| (mean, squares.sum::<f64>() / seconds))
 }
 
-/// The numbers of the statistics. Where samples are only counted, one that is no number at all counts too.
+/// The numbers of the statistics. Where samples are only counted, one that is not a number counts too.
 fn counted(episode: &Episode, samples: &[Sample]) -> Vec<f64> {
     if !only_counts(episode) {
         return finite(samples);
@@ -48,7 +48,7 @@ fn counted(episode: &Episode, samples: &[Sample]) -> Vec<f64> {
     samples.iter().filter_map(|sample| if infinite(sample) { None } else { Some(0.0) }).collect()
 }
 
-/// Are samples only counted?
+/// Returns true if samples are only counted.
 pub(crate) fn only_counts(episode: &Episode) -> bool {
     episode.stats.iter().all(|(statistic, ..)| *statistic == Statistic::Count)
         && episode.trend.iter().all(|(trend, ..)| *trend == Trend::Frequency)

@@ -6,7 +6,7 @@ use crate::history::Sample;
 use crate::statistics::{finite, infinite, only_counts};
 use crate::value::{Value, numbers};
 
-/// Do all tests of trends hold?
+/// Returns true if all tests of trends hold.
 pub(crate) fn hold(episode: &Episode, inside: &Inside) -> bool {
     episode
         .trend
@@ -14,7 +14,7 @@ pub(crate) fn hold(episode: &Episode, inside: &Inside) -> bool {
         .all(|(trend, relation, bound)| judged(episode, (*trend, *relation, *bound), &inside.samples) == Some(true))
 }
 
-/// Does any test of a trend that has a value fail?
+/// Returns true if a test of a trend that has a value fails.
 pub(crate) fn fail(episode: &Episode, inside: &Inside) -> bool {
     episode
         .trend

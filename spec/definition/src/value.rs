@@ -22,7 +22,7 @@ impl Value {
     }
 }
 
-/// What variables stand for.
+/// Values of variables.
 pub type Bindings = BTreeMap<String, Value>;
 
 /// Does the relation hold? Values that have no order are only equal or different.
@@ -70,7 +70,7 @@ fn bind(name: &str, value: &Value, bound: &mut Bindings) -> bool {
     bound.entry(name.into()).or_insert_with(|| value.clone()) == value
 }
 
-/// Does the term stand for the value?
+/// Returns true if the term matches the value.
 pub(crate) fn matches(term: &Term, value: &Value, bound: &mut Bindings) -> bool {
     match (term, value) {
         // Patterns take texts in any case.

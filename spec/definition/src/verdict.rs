@@ -9,13 +9,13 @@ use std::collections::{BTreeMap, BTreeSet};
 /// A condition, when it was asked, and everything that ever arrived, in order of arrival.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Question {
-    /// What is asked.
+    /// The condition to judge.
     pub condition: Condition,
     /// The creation of the monitor.
     pub created: Time,
     /// Everything that arrives, also later than any `now` that is asked about.
     pub arrivals: Vec<Arrival>,
-    /// How late samples of an attribute may come.
+    /// Permitted lateness of samples by attribute.
     pub lateness: BTreeMap<String, Span>,
 }
 
@@ -49,7 +49,7 @@ impl Outcome {
     }
 }
 
-/// What is true at `now`, of what was known then.
+/// Returns the truth at `now`, from the knowledge of that instant.
 pub fn judge(question: &Question, now: Time) -> Verdict {
     let past = known(&question.arrivals, &question.lateness, now);
     let view = View { question, past: &past, created: question.created, now, runs: Runs::Begun };
@@ -64,7 +64,7 @@ pub fn judge(question: &Question, now: Time) -> Verdict {
     }
 }
 
-/// The way that is told of several that are known now: of the alternatives of an outermost `:or` the first that is true;
+/// The way that is reported of several that are known now: of the alternatives of an outermost `:or` the first that is true;
 /// else the first to be known had nothing come late.
 fn told_first(condition: &Condition, view: View<'_>) -> Option<Way> {
     let Kind::Or(parts) = &condition.kind else { return ways(condition, view).all.into_iter().next() };

@@ -14,13 +14,13 @@ pub type Interval = (Time, Time);
 pub(crate) struct Way {
     /// First and last evidence; none if nothing was needed.
     pub(crate) hull: Option<Interval>,
-    /// The evidence may still go on.
+    /// The evidence may still continue.
     pub(crate) open: bool,
     /// Up to when what it rests on persists beyond its evidence; none if nothing persists.
     pub(crate) lasts: Option<Time>,
     /// It rests on what holds at this instant, and may not at the next.
     pub(crate) instant: bool,
-    /// When it would have been known had nothing come late: what orders ways.
+    /// Instant at which the way would have been known without late arrivals; ways are ordered by it.
     pub(crate) known: Time,
     pub(crate) bound: Bindings,
     pub(crate) tags: BTreeMap<String, Interval>,
@@ -67,7 +67,7 @@ impl Way {
     }
 }
 
-/// Which intervals of a run are meant (rule 7).
+/// Intervals of a run that are meant (rule 7).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Runs {
     /// From the first sample of the run up to the one that proves it.
@@ -92,9 +92,9 @@ pub(crate) struct View<'a> {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Ways {
     pub(crate) all: Vec<Way>,
-    /// Why it is unknown, if it is.
+    /// Reason if the way is unknown.
     pub(crate) unknown: Option<String>,
-    /// Nobody knows whether something of it goes on, or holds, also where there are ways.
+    /// It is unknown whether a part of it continues or holds, also where there are ways.
     pub(crate) doubt: bool,
 }
 
@@ -122,7 +122,7 @@ pub(crate) fn ways(condition: &Condition, view: View<'_>) -> Ways {
     ways
 }
 
-/// Does it say itself what is in doubt where there are ways?
+/// Returns true if the condition itself states which ways are undecided.
 fn knows_its_doubt(condition: &Condition) -> bool {
     use Kind::{Absent, Allen, And, Episode, InOrder, Not, Or};
     matches!(condition.kind, Episode(_) | And(..) | Or(_) | Not(_) | Absent(..) | InOrder(..) | Allen { .. })
@@ -192,7 +192,7 @@ fn all_of(parts: &[Condition], view: View<'_>) -> Ways {
     found
 }
 
-/// Can the condition bind the variable?
+/// Returns true if the condition can bind the variable.
 fn binds(condition: &Condition, name: &str) -> bool {
     let is = |term: &Term| matches!(term, Term::Variable(own) if own == name);
     match &condition.kind {
@@ -329,7 +329,7 @@ fn timestamp(from: Time, to: Option<Time>, view: View<'_>) -> Ways {
 
 /// `(:function (REL (current-value 'ATTRIBUTE 'OBJECT) NUMBER))`: holds at this instant.
 fn function((attribute, object): (&str, &str), relation: Relation, number: f64, view: View<'_>) -> Ways {
-    // What it said at an instant it said of what was known then; nobody can ask it again.
+    // What it said at an instant it said of what was known then; it cannot be queried again.
     let past = known(&view.question.arrivals, &view.question.lateness, view.now);
     let series = past.variables.iter().find(|each| each.attribute == attribute && each.object == object);
     let newest = series.and_then(|series| series.samples.last()).map(|sample| &sample.value);
@@ -371,7 +371,7 @@ fn passes(test: &Test, way: &Way) -> bool {
     }
 }
 
-/// Do all tests hold of the instant?
+/// Returns true if the instant satisfies all tests.
 pub(crate) fn instant_fits(at: Time, tests: &[(Relation, Time)]) -> bool {
     tests.iter().all(|(relation, bound)| numbers(*relation, at, *bound))
 }

@@ -8,7 +8,7 @@ use std::ops::Range;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// What came of many programs.
+/// Totals of many programs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outcome {
     /// Programs that both ran alike.
@@ -23,7 +23,7 @@ pub struct Outcome {
     pub slowest: (Duration, u64),
     /// Seeds of programs that they ran differently.
     pub different: Vec<u64>,
-    /// What was in them.
+    /// Coverage of the programs.
     pub coverage: Coverage,
 }
 
@@ -41,7 +41,7 @@ impl Outcome {
         }
     }
 
-    /// Adds what came of others.
+    /// Adds the totals of others.
     pub fn join(&mut self, other: &Outcome) {
         self.same += other.same;
         self.refused += other.refused;
@@ -52,7 +52,7 @@ impl Outcome {
         self.coverage.join(&other.coverage);
     }
 
-    /// How many programs that is.
+    /// Returns the number of programs.
     pub fn count(&self) -> u64 {
         self.same + self.refused + self.restless + self.long + self.different.len() as u64
     }

@@ -10,7 +10,7 @@ use apex_reference::{Cut, Line, Run, What};
 /// instant is left out.
 const MADE_MAX: usize = 10;
 
-/// What came of a case.
+/// Result of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
     /// Both did the same.
@@ -51,7 +51,7 @@ pub fn judge(case: &Case) -> Verdict {
     Verdict::Same(Box::new(theirs))
 }
 
-/// The reference gave up: at a restless instant the executive has to give up too, later, and until then both do the same. An
+/// The reference stopped: at a restless instant the executive has to stop too, later, and until then both do the same. An
 /// instant that makes tasks without end is left out: the executive looks for its end among thousands of them.
 fn judge_cut(agent: &mut Agent, case: &Case, theirs: &Run, cut: Cut) -> Verdict {
     let last = match cut {
@@ -85,7 +85,7 @@ fn difference(theirs: &Run, ours: &Run) -> Option<String> {
     let mut told = 0;
     let length = match (theirs.cut, ours.cut) {
         (None, None) => theirs.lines.len().max(ours.lines.len()),
-        // Whoever abandons has told what came before; of a restless instant the executive tells more.
+        // A run that stops has reported what came before; of a restless instant the executive reports more.
         (Some(_), _) => theirs.lines.len(),
         (None, Some(_)) => theirs.lines.len().min(ours.lines.len()),
     };

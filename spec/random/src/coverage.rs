@@ -1,4 +1,4 @@
-//! What random programs contain and what happens in them: a generator that has degenerated finds nothing.
+//! Constructs in random programs and events in their runs: a generator that has degenerated finds nothing.
 
 use crate::generate::Case;
 use crate::print;
@@ -68,7 +68,7 @@ const CONSTRUCTS: &[&str] = &[
     "(end-application)",
 ];
 
-/// How often each thing was met.
+/// Number of occurrences of each item.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Coverage {
     /// Programs that contain a construct.

@@ -1,4 +1,4 @@
-//! The program as Apex runs it: text, checker, executive; told in the words of the reference.
+//! The program as Apex runs it: text, checker, executive; reported in the words of the reference.
 
 use apex_executive::{Agent, load, step};
 use apex_model::because::Cause;
@@ -40,7 +40,7 @@ pub fn loaded(pdl: &str) -> Result<Agent, String> {
     load(Arc::new(checked.library), &declaration, HostFunctions::default())
 }
 
-/// Runs the agent to `until`; inputs are in order of arrival. Every instant is a step of its own, or `together` of
+/// Runs the agent to `until`; inputs are in order of arrival. Every instant is a separate step, or `together` of
 /// them are one.
 pub fn run(agent: &mut Agent, inputs: &[Input], until: i64, together: bool) -> Run {
     let mut run = Run::default();
@@ -86,7 +86,7 @@ fn tell_end(agent: &Agent, run: &mut Run) {
     }
 }
 
-/// The executive gave up on an instant.
+/// The executive stopped at an instant.
 fn is_restless(effect: &Effect) -> bool {
     let Effect::Decided(decision) = effect else { return false };
     matches!(decision.because.cause, Cause::LimitReached { .. })

@@ -20,15 +20,15 @@ pub struct Case {
 
 /// The last instant of a run.
 pub const UNTIL: Span = 24 * SECOND;
-/// Where priorities rise it takes longer.
+/// Attributes of state variables; where priorities rise a run takes longer.
 const ATTRIBUTES: &[&str] = &["x", "y"];
 const OBJECTS: &[&str] = &["v", "w"];
 /// First words of messages.
 const MESSAGES: &[&str] = &["e1", "e2", "e3"];
-/// What messages are about.
+/// Subjects of messages.
 const ABOUT: &[&str] = &["a", "b"];
 
-/// How many of a hundred opportunities each kind of construct takes; 0 where the program does without.
+/// Share of opportunities, in percent, that each kind of construct takes; 0 where the program does without.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Taste {
     pub(crate) waitfor: usize,
@@ -88,7 +88,7 @@ fn taste(dice: &mut Dice) -> Taste {
     }
 }
 
-/// What a step may name: goals with the kind of their argument.
+/// A goal that a step may name, with the kind of its argument.
 #[derive(Clone, Debug)]
 pub(crate) struct Goal {
     pub(crate) head: String,
@@ -106,7 +106,7 @@ pub(crate) enum Argument {
     Word,
 }
 
-/// What is known while a program is made.
+/// State of the generator while it makes a program.
 pub(crate) struct Maker<'d> {
     pub(crate) dice: &'d mut Dice,
     pub(crate) taste: Taste,
@@ -248,7 +248,7 @@ impl Maker<'_> {
         Procedure { kind, index, profile, interrupt_cost, expected, clauses, hooks, steps }
     }
 
-    /// What is needed; shares only at the leaves.
+    /// Returns the required resources; shares only at the leaves.
     pub(crate) fn profile(&mut self, leaf: bool) -> Vec<Need> {
         let mut needs: Vec<Need> = Vec::new();
         let wanted = if leaf { self.taste.resources } else { self.taste.resources / 3 };
@@ -272,7 +272,7 @@ impl Maker<'_> {
         Hooks { on_start: some(), on_end: some(), on_suspend: some(), on_resume: some() }
     }
 
-    /// A form that can stand in any hook.
+    /// A form that any hook may contain.
     fn form(&mut self, about: Option<&str>) -> Form {
         match self.dice.below(6) {
             0 => Form::Publish("x".into(), "v".into(), number(self.dice.below(6))),

@@ -1,4 +1,4 @@
-//! A case that fails, as a page of the specification: ready to be read, mended and kept.
+//! A case that fails, as a page of the specification: ready to be read, corrected and kept.
 
 use crate::compare::{Verdict, judge};
 use crate::generate::{Case, UNTIL};
@@ -6,7 +6,7 @@ use crate::print;
 use apex_reference::program::SECOND;
 use std::fmt::Write;
 
-/// The page of a case. Its trace is empty: `UPDATE=1` fills it, and a person judges it.
+/// The page of a case. Its trace is empty: `UPDATE=1` fills it, and its reader judges it.
 pub fn of(seed: u64, case: &Case) -> String {
     let mut page = without_difference(seed, case);
     if let Verdict::Different(difference) = judge(case) {

@@ -1,4 +1,4 @@
-//! How long it takes to find bugs that were planted in the executive.
+//! Measurement of the time in which planted bugs of the executive are found.
 
 use crate::compare::{Verdict, judge};
 use crate::generate;
@@ -20,7 +20,7 @@ pub fn measure(first: u64) -> Vec<(Bug, Option<u64>, Duration)> {
     found
 }
 
-/// Does the program of `seed` differ with the bug, and only with it?
+/// Returns true if the program of `seed` shows a difference with the bug, and only with it.
 fn shows(bug: Bug, seed: u64) -> bool {
     let case = generate::case(seed);
     let differs = |bug| {

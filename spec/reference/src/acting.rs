@@ -1,4 +1,4 @@
-//! What tasks do that became ongoing, and what their clocks do: the act phase.
+//! The act phase: actions of tasks that became ongoing, and their timers.
 
 use crate::agent::{Agent, Said};
 use crate::program::{Activity, Form, Primitive};
@@ -24,7 +24,7 @@ impl Agent<'_> {
             if self.tasks[id].work.is_none() {
                 self.begin(id);
             } else if self.tasks[id].watches.iter().any(|watch| watch.clause == Clause::RestartWhen) {
-                // Its resumption is noticed first; what starts over does not go on before that.
+                // Its resumption is noticed first; a task that starts over does not continue before that.
                 self.resuming.insert(id);
             } else {
                 self.go_on(id);
@@ -34,7 +34,7 @@ impl Agent<'_> {
     }
 
     fn go_on(&mut self, id: usize) {
-        // A handler that could not begin before: this is no resumption.
+        // A handler that could not begin before: this does not resume it.
         if matches!(self.tasks[id].work, Some(Work::Handling(_))) && self.tasks[id].started_at == Some(self.now) {
             return;
         }
@@ -162,7 +162,7 @@ impl Agent<'_> {
         }
     }
 
-    /// Sets the clocks of a primitive for what is left; one that waits for nothing is complete.
+    /// Sets the clocks of a primitive for its remaining work; one that waits for nothing is complete.
     fn run_clock(&mut self, id: usize) {
         let now = self.now;
         let (first, second) = (self.next_serial(), self.next_serial());
@@ -220,7 +220,7 @@ impl Agent<'_> {
         }
     }
 
-    /// The task that a tag stands for.
+    /// The task that a tag names.
     fn named(&self, id: usize, tag: &str) -> Result<usize, crate::expression::Fails> {
         match self.variable(id, Level::Step, tag) {
             Some(Value::Task(other)) => Ok(other),
@@ -272,7 +272,7 @@ impl Agent<'_> {
         }
     }
 
-    /// What was granted to a hold step belongs to its procedure from now on.
+    /// Passes the resources granted to a hold step to its procedure.
     fn hand_to_parent(&mut self, id: usize) {
         let needs = self.tasks[id].needs();
         let Some(parent) = self.tasks[id].parent else { return };

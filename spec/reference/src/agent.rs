@@ -11,12 +11,12 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 /// Rounds of one instant before it is called restless.
 const ROUNDS_MAX: u32 = 120;
-/// Tasks of one run before it is not followed any more.
+/// Tasks of one run before it is not followed any longer.
 const TASKS_MAX: usize = 300;
-/// Tasks made at one instant before it is not followed any more: all compete with all in every round.
+/// Tasks made at one instant before it is not followed any longer: all compete with all in every round.
 const TASKS_PER_INSTANT_MAX: usize = 100;
 
-/// What can be heard or measured.
+/// An input: a message or a measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Said {
     /// A message.
@@ -28,11 +28,11 @@ pub enum Said {
 /// Something that comes from outside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Input {
-    /// When it arrives.
+    /// Arrival.
     pub arrives: Time,
-    /// When it happened: then or before.
+    /// Instant of the event: the arrival or before.
     pub at: Time,
-    /// What.
+    /// Content.
     pub said: Said,
 }
 
@@ -62,7 +62,7 @@ pub(crate) struct Move {
 
 /// A remembered change of a variable that had a value.
 pub(crate) struct Change {
-    /// Whose variable.
+    /// Owner of the variable.
     pub(crate) task: usize,
     pub(crate) name: String,
     pub(crate) before: Value,
@@ -75,30 +75,30 @@ pub(crate) struct Change {
 pub(crate) struct Agent<'p> {
     pub(crate) program: &'p Program,
     pub(crate) now: Time,
-    /// When the newest input arrived: what happens because of a late one is told then.
+    /// Arrival of the newest input: events caused by a late input are reported then.
     arrived: Time,
     pub(crate) tasks: Vec<Task>,
     pub(crate) messages: Vec<Message>,
     pub(crate) samples: Vec<Sample>,
     pub(crate) moves: Vec<Move>,
     pub(crate) changes: Vec<Change>,
-    /// The number of the first message or sample that nobody has noticed.
+    /// The number of the first message or sample that no task has noticed.
     pub(crate) noticed: u64,
     /// The number of the next message or sample.
     pub(crate) arrivals: u64,
-    /// What the agent said to itself: recorded in the next round.
+    /// Messages of the agent to itself, recorded in the next round.
     pub(crate) said: Vec<Said>,
-    /// What there is of each resource.
+    /// Total of each resource.
     pub(crate) totals: BTreeMap<String, f64>,
     /// Tasks that became ongoing in this round, in order.
     pub(crate) starting: Vec<usize>,
-    /// Tasks that go on in the next round unless they start over.
+    /// Tasks that continue in the next round unless they start over.
     pub(crate) resuming: BTreeSet<usize>,
     /// Tasks that ended and whose parents have not taken note.
     pub(crate) ended: VecDeque<usize>,
-    /// Why suspended tasks go on, if they do in this round.
+    /// Reasons for which suspended tasks resume in this round.
     pub(crate) resumed: BTreeMap<usize, String>,
-    /// What competed when the arbiter decided last.
+    /// Competition at the last decision of the arbiter.
     pub(crate) competed: Option<crate::competition::Competition>,
     /// Numbers alarms and watches.
     pub(crate) serial: u64,
@@ -163,7 +163,7 @@ impl Agent<'_> {
         }
     }
 
-    /// Lets every instant pass up to `end`: those of the inputs, and those at which something happens by itself. What
+    /// Lets every instant pass up to `end`: those of the inputs, and those of scheduled events. What
     /// comes late counts at the present instant.
     fn pass(&mut self, batch: &[Input], end: Time, begun: bool) {
         let mut batch = batch;
@@ -282,14 +282,14 @@ impl Agent<'_> {
         }
     }
 
-    /// When something can happen by itself.
+    /// Returns the instant of the next event that needs no input.
     fn next_alarm(&self) -> Option<Time> {
         let clocks = self.alarms().into_iter().map(|(alarm, _)| alarm.0);
         let delays = self.delays_end();
         clocks.chain(delays).chain(self.priorities_cross()).filter(|at| *at > self.now).min()
     }
 
-    /// Tasks that somebody may still refer to.
+    /// Tasks that a clause may still refer to.
     pub(crate) fn living(&self) -> impl Iterator<Item = (usize, &Task)> {
         self.tasks.iter().enumerate().filter(|(_, task)| !task.forgotten)
     }

@@ -1,4 +1,4 @@
-//! Who gets which resources: all claimants of all resources stand before the arbiter in every round.
+//! Arbitration of resources: all claimants of all resources compete in every round.
 
 use crate::agent::Agent;
 use crate::competition::Competition;
@@ -25,7 +25,7 @@ enum Right {
     Awaited(Option<Time>),
 }
 
-/// Who lost against whom over what.
+/// A lost conflict: loser, winner and resource.
 #[derive(Clone)]
 struct Loss {
     loser: usize,
@@ -59,8 +59,8 @@ impl Agent<'_> {
         starts && !task.forgotten && !self.line(id).iter().any(|each| self.tasks[*each].suspended)
     }
 
-    /// Arbitrates if the competition is another one than last time. The passing of time alone gives nobody anything: it only lets
-    /// estimates of when somebody can begin differ.
+    /// Arbitrates if the competition is another one than last time. The passing of time alone gives no task a resource: it only lets
+    /// estimates of the earliest beginning differ.
     pub(crate) fn contend_and_commit(&mut self) {
         let competition = self.competition();
         if self.competed.as_ref() != Some(&competition) {
@@ -210,7 +210,7 @@ impl Agent<'_> {
         }
     }
 
-    /// Who goes before others is as important as they are, and as those whom they go before.
+    /// Returns the weight of a claimant: the greatest among its own and those of the tasks that it precedes.
     fn weight(&self, field: &Field, id: usize) -> f64 {
         let mut counted = vec![id];
         let mut next = 0;
@@ -223,7 +223,7 @@ impl Agent<'_> {
         counted.into_iter().map(|each| self.priority(each, self.now)).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// What an ongoing task defends its resources with.
+    /// Returns the strength with which an ongoing task defends its resources.
     fn defence(&self, field: &Field, id: usize) -> f64 {
         self.weight(field, id) + self.interrupt_cost(id)
     }
@@ -278,7 +278,7 @@ impl Agent<'_> {
         let counts = |share: &&Share| match share.right {
             Right::Held => losses.iter().all(|loss| loss.loser != share.task),
             Right::Granted => true,
-            // Nobody yields for the sake of a gap.
+            // No task yields for the sake of a gap.
             Right::Awaited(_) => {
                 !(self.are_related(share.task, id) || losses.is_empty() && self.leaves_a_gap(id, share))
             }
@@ -286,7 +286,7 @@ impl Agent<'_> {
         field.shares.iter().filter(|share| share.resource == resource).filter(counts).collect()
     }
 
-    /// How much is used: what a task uses and what those below it use together count as the greater of both.
+    /// Returns the used amount: the greater of the task's own use and the sum of the tasks below it.
     fn used(&self, shares: &[(usize, f64)]) -> f64 {
         let above = |id: usize| {
             let holders = shares.iter().map(|(other, _)| *other).filter(|other| self.is_below(id, *other));
@@ -338,7 +338,7 @@ impl Agent<'_> {
         ordered
     }
 
-    /// Does a claimant beat a holder?
+    /// Returns true if a claimant beats a holder.
     fn wins(&self, field: &Field, id: usize, holder: usize) -> bool {
         match self.ranks(id, holder) {
             Some((own, other)) => own < other,
@@ -346,7 +346,7 @@ impl Agent<'_> {
         }
     }
 
-    /// When one who is refused can begin at the earliest: when the first of those in its way is done, if that is known of
+    /// Returns the earliest instant at which a refused claimant can begin: the first end of a conflicting task, if the ends of all
     /// all of them.
     fn earliest(&self, field: &Field, id: usize, resource: &str, losses: &[Loss]) -> Option<Time> {
         let present = self.present(field, id, resource, losses);
@@ -371,7 +371,7 @@ impl Agent<'_> {
         ends?.into_iter().min()
     }
 
-    /// How long the task has been ongoing since it started.
+    /// Returns the time for which the task has been ongoing since it started.
     fn worked(&self, id: usize) -> Span {
         let Some(started) = self.tasks[id].started_at else { return 0 };
         let mut worked = 0;

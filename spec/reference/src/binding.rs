@@ -5,7 +5,7 @@ use crate::task::{Level, State, Work};
 use crate::value::Value;
 
 impl Agent<'_> {
-    /// What the clauses of `task` at `level` see under this name.
+    /// Returns the value that the clauses of `task` at `level` see under this name.
     pub(crate) fn variable(&self, task: usize, level: Level, name: &str) -> Option<Value> {
         match level {
             Level::Procedure => self.inner(task, name),
@@ -46,7 +46,7 @@ impl Agent<'_> {
         }
     }
 
-    /// Whose variable that is.
+    /// Returns the owner of the variable.
     pub(crate) fn owner(&self, task: usize, level: Level, name: &str) -> Option<usize> {
         if level == Level::Procedure || self.tasks[task].bound.contains_key(name) {
             return Some(task);
@@ -75,7 +75,7 @@ impl Agent<'_> {
         }
     }
 
-    /// Gives a variable of the procedure or primitive that `task` runs its value, and lets steps go on that wait for it.
+    /// Gives a variable of the procedure or primitive that `task` runs its value, and lets steps continue that wait for it.
     pub(crate) fn bind_result(&mut self, task: usize, name: &str, value: Value) {
         let before = match &mut self.tasks[task].work {
             Some(Work::Procedure { context, .. } | Work::Primitive { context, .. }) => {

@@ -1,4 +1,4 @@
-//! How an enabled task's goal is pursued, and what that needs: the choose phase.
+//! The choose phase: the method for the goal of an enabled task, and its resources.
 
 use crate::agent::Agent;
 use crate::program::{Activity, Need, Term};
@@ -6,7 +6,7 @@ use crate::task::{Choice, Level, Origin, State, Way, add};
 use crate::value::{Bindings, Value, matches};
 use std::cmp::Reverse;
 
-/// What an ongoing task adds to its priority in defence, unless stated.
+/// Default interrupt cost of an ongoing task.
 const INTERRUPT_COST: f64 = 0.1;
 
 impl<'p> Agent<'p> {
@@ -24,7 +24,7 @@ impl<'p> Agent<'p> {
         }
     }
 
-    /// The activity that a task pursues; the root's is a goal of its own.
+    /// The activity that a task pursues; the root has a separate goal.
     pub(crate) fn activity(&self, id: usize) -> Option<&'p Activity> {
         let step = self.step_of(id)?;
         match self.tasks[id].origin {
@@ -132,7 +132,7 @@ impl<'p> Agent<'p> {
         Ok(())
     }
 
-    /// What there is of a resource; one without declaration is one.
+    /// Returns the total of a resource; a resource without declaration has the total 1.
     pub(crate) fn total(&mut self, name: &str) -> f64 {
         *self.totals.entry(name.to_string()).or_insert(1.0)
     }

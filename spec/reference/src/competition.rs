@@ -1,4 +1,4 @@
-//! What decides between claimants at one instant.
+//! Input of the decision between claimants at one instant.
 
 use std::collections::BTreeMap;
 

@@ -7,7 +7,7 @@ use crate::trace::What;
 use crate::value::Bindings;
 use std::collections::BTreeSet;
 
-/// A sequential procedure without an end of its own ends with a step that terminates it.
+/// A sequential procedure without a stated end ends with a step that terminates it.
 pub(crate) fn with_ends(program: &Program) -> Program {
     let mut program = program.clone();
     let ends = |step: &Step| matches!(step.activity, Activity::Terminate { tag: None, .. });
@@ -36,7 +36,7 @@ impl<'p> Agent<'p> {
         }
     }
 
-    /// The step, for a task that carries its clauses: items and handlers have none of their own.
+    /// The step, for a task that carries its clauses: items and handlers have none.
     pub(crate) fn own_step(&self, id: usize) -> Option<&'p Step> {
         matches!(self.tasks[id].origin, Origin::Step(..)).then(|| self.step_of(id)).flatten()
     }
@@ -67,7 +67,7 @@ impl<'p> Agent<'p> {
         self.complete_when_done(parent);
     }
 
-    /// Makes `child` a child of the procedure that `parent` runs, and what the tag of `step` stands for.
+    /// Makes `child` a child of the procedure that `parent` runs, and the task that the tag of `step` names.
     pub(crate) fn adopt(&mut self, parent: usize, child: usize, step: Option<usize>) {
         if let Some(Work::Procedure { children, current, .. }) = &mut self.tasks[parent].work {
             children.insert(child);
@@ -142,7 +142,7 @@ impl<'p> Agent<'p> {
         missing.next()
     }
 
-    /// No task is made of it any more.
+    /// No further task is made of it.
     pub(crate) fn forget(&mut self, id: usize) {
         self.tasks[id].forgotten = true;
         self.tasks[id].watches.clear();

@@ -6,7 +6,7 @@ use crate::task::{Origin, Outcome, State, Work};
 use crate::trace::What;
 use crate::value::Value;
 
-/// Repeats without bound, or responds again and again: it never ends by itself.
+/// Repeats without bound, or responds again and again: it never ends without a clause.
 fn ends_by_itself(step: &Step) -> bool {
     step.repetition
         .as_ref()
@@ -49,7 +49,7 @@ impl Agent<'_> {
         self.ended.push_back(id);
     }
 
-    /// What an ongoing task holds of a resource that is used up is gone, if its work has begun.
+    /// Removes the ongoing task's share of a resource that is used up, if its work has begun.
     pub(crate) fn consume(&mut self, id: usize) {
         if self.tasks[id].state != State::Ongoing || self.tasks[id].work.is_none() {
             return;
@@ -135,7 +135,7 @@ impl Agent<'_> {
         self.complete_when_done(parent);
     }
 
-    /// A procedure is complete when all of its steps have ended that end by themselves, if there are any.
+    /// A procedure is complete when all of its steps have ended that end without a clause, if there are any.
     pub(crate) fn complete_when_done(&mut self, id: usize) {
         let Some(Work::Procedure { procedure, children, .. }) = &self.tasks[id].work else { return };
         if !matches!(self.tasks[id].state, State::Ongoing | State::Interrupted) {

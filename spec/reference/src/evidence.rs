@@ -1,4 +1,4 @@
-//! What conditions mean: all the ways in which one is true, from everything that was ever heard, measured and done.
+//! Meaning of conditions: all ways in which one is true, from everything that was ever received, measured and done.
 
 use crate::agent::{Agent, Change};
 use crate::expression::compare;
@@ -42,7 +42,7 @@ impl Proof {
     }
 }
 
-/// Whose clause is judged.
+/// Context in which a clause is judged.
 #[derive(Clone, Copy)]
 struct Place<'a> {
     task: usize,
@@ -166,8 +166,8 @@ impl Agent<'_> {
         proofs
     }
 
-    /// When the task of the step ended: it has, or it did since the clause is watched. An instance that was repeated is
-    /// not the end.
+    /// Returns the instant at which the task of the step ended: it is over, or it ended since the clause is watched. The end of an
+    /// instance that was repeated does not count.
     fn end_of(&self, tag: &str, place: Place<'_>) -> Option<Time> {
         let Some(Value::Task(other)) = self.sees(place, tag) else { return None };
         let again = self.moves.iter().rposition(|each| each.task == other && each.from == State::Terminated);
@@ -181,7 +181,7 @@ impl Agent<'_> {
         since.or_else(|| ends().next_back().filter(|_| stands)).map(|(_, each)| each.at)
     }
 
-    /// States that the task of the step was in: as the clause began to be watched or the tag to stand for it, and after
+    /// States that the task of the step was in: as the clause began to be watched or the tag to name it, and after
     /// every change since.
     fn states_of(&self, tag: Option<&str>, word: &str, place: Place<'_>) -> Vec<Proof> {
         let other = match tag {
@@ -237,7 +237,7 @@ impl Agent<'_> {
         proofs
     }
 
-    /// Does a variable without a value occur in more than one part?
+    /// Returns true if a variable without a value occurs in several parts.
     fn share_variables(&self, parts: &[Condition], place: Place<'_>) -> bool {
         let mut seen: Vec<String> = Vec::new();
         parts.iter().any(|part| {
@@ -250,7 +250,7 @@ impl Agent<'_> {
         })
     }
 
-    /// The parts one after the other, with the delays between them. A delay at the end may be over only later.
+    /// The parts in sequence, with the delays between them. A delay at the end may be over only later.
     fn in_order(&self, parts: &[Condition], place: Place<'_>) -> Vec<Proof> {
         let start = place.watch.window.start;
         let empty = Proof { hull: None, known: start, bound: Bindings::new(), evidence: Vec::new() };
@@ -258,7 +258,7 @@ impl Agent<'_> {
         let mut delay: Option<(Span, Span)> = None;
         for part in parts {
             if let Condition::Delay(least, most) = part {
-                // One after the other they add up.
+                // In sequence they add up.
                 let (before, before_most) = delay.unwrap_or((0, 0));
                 delay = Some((before + least, most.map_or(Span::MAX, |most| most.saturating_add(before_most))));
                 continue;
@@ -278,7 +278,7 @@ impl Agent<'_> {
             for proof in &mut proofs {
                 let over = proof.hull.map_or(start, |hull| hull.1) + least;
                 proof.known = proof.known.max(over);
-                // Where nothing but time has to pass, that is an instant.
+                // If only time has to pass, that is an instant.
                 proof.hull = proof.hull.or(Some((over, over)));
             }
         }
@@ -312,7 +312,7 @@ impl Agent<'_> {
         }
     }
 
-    /// Notice: which clauses have come true.
+    /// Notice: the satisfied clauses.
     pub(crate) fn noticed(&self, wanted: impl Fn(&Watch) -> bool) -> Vec<(usize, Watch)> {
         let mut noticed: Vec<(usize, Watch)> = Vec::new();
         for (id, task) in self.living() {

@@ -77,7 +77,7 @@ impl Agent<'_> {
         }
     }
 
-    /// Runs forms, one after the other. Gives what `complete` was given, if it was asked for.
+    /// Runs forms in sequence. Gives what `complete` was given, if it was asked for.
     pub(crate) fn run_forms(&mut self, task: usize, level: Level, forms: &[Form]) -> Result<Option<Value>, Fails> {
         let mut completed = None;
         for form in forms {

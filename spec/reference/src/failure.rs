@@ -17,12 +17,12 @@ impl Agent<'_> {
             return false;
         }
         self.end_children(id, &format!("parent T{id} failed"));
-        // What was at work has ended, and says so; the step goes on with its handler.
+        // The failed work has ended, and the trace reports it; the step continues with its handler.
         self.run_inner_hook(id, |hooks| &hooks.on_end);
         if self.tasks[id].state == State::Terminated {
             return true;
         }
-        // What the failed work used up is gone; its handler claims anew. Everything else is kept for it.
+        // What the failed work used up is gone; its handler claims again. Everything else is kept for it.
         if self.tasks[id].state == State::Ongoing {
             self.consume(id);
             let spent: Vec<_> = self.tasks[id].needs().into_iter().filter(|need| self.is_depletable(&need.0)).collect();

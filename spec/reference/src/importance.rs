@@ -43,7 +43,7 @@ impl Agent<'_> {
         Some(recovered * greatest)
     }
 
-    /// What is added in the defence of what an ongoing task holds; never less than nothing.
+    /// Returns the interrupt cost of an ongoing task, at least zero.
     pub(crate) fn interrupt_cost(&self, id: usize) -> f64 {
         self.tasks[id].choice.as_ref().map_or(0.1, |choice| choice.interrupt_cost).max(0.0)
     }
@@ -84,7 +84,7 @@ impl Agent<'_> {
         Some((self.rank(first)?, self.rank(second)?)).filter(|(a, b)| a != b)
     }
 
-    /// When one priority gets ahead of another by itself, also against what is added in the defence of something. Being as
+    /// Returns the instant at which one priority overtakes another with time alone, also against an interrupt cost. Equality for an
     /// high for an instant on the way is not yet ahead. It is looked for at many places between here and a far
     /// instant, and by halving: priorities rise, and stop rising.
     pub(crate) fn priorities_cross(&self) -> Option<Time> {
@@ -117,7 +117,7 @@ impl Agent<'_> {
         first
     }
 
-    /// When priorities stop rising.
+    /// Returns the instants at which priorities stop rising.
     fn rise_ends(&self) -> Vec<Time> {
         let mut ends = Vec::new();
         for (id, task) in self.living() {

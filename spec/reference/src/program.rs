@@ -27,7 +27,7 @@ pub struct Resource {
     pub name: String,
     /// Units to share, or what there is to use up.
     pub amount: f64,
-    /// Is it used up by its users?
+    /// True if its users use it up.
     pub depletable: bool,
 }
 
@@ -42,12 +42,12 @@ pub enum Term {
     Anything,
 }
 
-/// How the steps of a procedure are ordered.
+/// Order of the steps of a procedure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// All at once.
     Concurrent,
-    /// One after the other.
+    /// In sequence.
     Sequential,
     /// All at once, ranks in written order.
     Ranked,
@@ -62,11 +62,11 @@ pub struct Procedure {
     pub kind: Kind,
     /// The goals that it serves.
     pub index: Vec<Term>,
-    /// What it needs.
+    /// Required resources.
     pub profile: Vec<Need>,
-    /// What it adds to its priority in defence.
+    /// Interrupt cost.
     pub interrupt_cost: Option<Expr>,
-    /// How long it may take.
+    /// Expected duration.
     pub expected: Option<Span>,
     /// Conditions that end, restart, suspend and resume it.
     pub clauses: Clauses,
@@ -81,11 +81,11 @@ pub struct Procedure {
 pub struct Primitive {
     /// The goals that it serves.
     pub index: Vec<Term>,
-    /// What it needs.
+    /// Required resources.
     pub profile: Vec<Need>,
     /// Its own variables with their first values.
     pub locals: Vec<(String, Expr)>,
-    /// How long it takes.
+    /// Duration.
     pub duration: Option<Expr>,
     /// Forms that run every so often.
     pub update: Option<(Span, Vec<Form>)>,
@@ -102,7 +102,7 @@ pub struct Primitive {
 pub struct Need {
     /// The resource: a word or a variable.
     pub resource: Term,
-    /// How much of it; all of it unless stated.
+    /// Amount; all of it unless stated.
     pub amount: Option<f64>,
 }
 
@@ -115,20 +115,20 @@ pub struct Clauses {
     pub restart_when: Option<Condition>,
     /// It is suspended until the other holds.
     pub suspend_when: Option<(Condition, Condition)>,
-    /// It goes on.
+    /// It continues.
     pub resume_when: Option<Condition>,
 }
 
 /// Forms that run at certain moments of a task's life.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Hooks {
-    /// When it begins.
+    /// Forms executed at its start.
     pub on_start: Vec<Form>,
-    /// When it ends, in any way.
+    /// Forms executed at its end, of any kind.
     pub on_end: Vec<Form>,
-    /// When it is interrupted.
+    /// Forms executed at its interruption.
     pub on_suspend: Vec<Form>,
-    /// When it goes on.
+    /// Forms executed when it resumes.
     pub on_resume: Vec<Form>,
 }
 
@@ -137,31 +137,31 @@ pub struct Hooks {
 pub struct Step {
     /// Its name.
     pub tag: String,
-    /// What it does.
+    /// Activity.
     pub activity: Activity,
     /// `=> ?x`
     pub binds: Option<String>,
-    /// What it waits for: all of them.
+    /// Conditions for which it waits: all of them.
     pub waitfor: Vec<Condition>,
     /// Computed when it is enabled.
     pub select: Vec<(String, Expr)>,
     /// One task for each item.
     pub forall: Option<(String, Expr)>,
-    /// How important it is: the greatest counts.
+    /// Priorities: the greatest counts.
     pub priority: Vec<Priority>,
     /// Its rank among its siblings.
     pub rank: Option<Expr>,
-    /// What it adds to its priority in defence.
+    /// Interrupt cost.
     pub interrupt_cost: Option<Expr>,
     /// Again and again.
     pub repetition: Option<Repetition>,
-    /// What it needs in addition what its method needs.
+    /// Required resources in addition to those of its method.
     pub profile: Vec<Need>,
     /// Forms that run at certain moments.
     pub hooks: Hooks,
     /// Conditions that move it.
     pub clauses: Clauses,
-    /// What is done if it fails.
+    /// Activity after a failure.
     pub on_failure: Option<Activity>,
 }
 
@@ -217,14 +217,14 @@ pub struct Repetition {
     pub drop_missed: bool,
 }
 
-/// What a step does.
+/// Activity of a step.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Activity {
     /// A goal for a procedure or primitive.
     Goal(Vec<Term>),
     /// `(terminate [?tag] [outcome] [>> value])`
     Terminate {
-        /// Whose end; its procedure's if none.
+        /// Tag of the step that ends; `None`: its procedure.
         tag: Option<String>,
         /// `success`, `failure`, `cut`.
         outcome: Option<String>,
@@ -287,9 +287,9 @@ pub enum Condition {
     Or(Vec<Condition>),
     /// Nothing of that up to now.
     Not(Box<Condition>),
-    /// One after the other.
+    /// In sequence.
     InOrder(Vec<Condition>),
-    /// So much time since the task's creation, or since the part before.
+    /// A duration since the task's creation, or since the part before.
     Delay(Span, Option<Span>),
 }
 
@@ -314,7 +314,7 @@ pub enum Expr {
     MissionTime,
     /// `(task-state ?tag)`
     StateOf(String),
-    /// `(first e)`, an error where e is no list.
+    /// `(first e)`, an error where e is not a list.
     First(Box<Expr>),
 }
 

@@ -7,7 +7,7 @@ use crate::task::{Clause, Level, Origin, Outcome, State, Window};
 use crate::value::{Bindings, Value};
 
 impl Agent<'_> {
-    /// Do `:while` and `:until` allow another instance?
+    /// Returns true if `:while` and `:until` allow another instance.
     fn is_allowed(&self, id: usize) -> bool {
         let Some(clause) = self.step_of(id).and_then(|step| step.repetition.as_ref()) else { return false };
         let says = |expr| self.evaluate(expr, id, Level::Step).map(|value| value.is_true());
@@ -16,7 +16,7 @@ impl Agent<'_> {
         matches!((goes_on, is_over), (Ok(true), Ok(false)))
     }
 
-    /// Makes the ended task pending again when its step says so.
+    /// Makes the ended task pending again when its step repeats.
     pub(crate) fn repeat(&mut self, id: usize) -> bool {
         let Some(clause) = self.own_step(id).and_then(|step| step.repetition.as_ref()) else { return false };
         let succeeded = matches!(self.tasks[id].outcome, Some(Outcome::Success(_)));
@@ -108,7 +108,7 @@ impl Agent<'_> {
     }
 }
 
-/// Does the condition combine messages?
+/// Returns true if the condition combines messages.
 fn hears(condition: &Condition) -> bool {
     match condition {
         Condition::Event(_) => true,

@@ -38,7 +38,7 @@ impl<'p> Agent<'p> {
         }
     }
 
-    /// Does what the clauses about suspension name become known only as the task is enabled?
+    /// Returns true if a variable in the suspension clauses gets its value only when the task is enabled.
     fn has_yet_to_learn(&self, id: usize, clauses: &Clauses) -> bool {
         let mut named: Vec<_> = clauses.resume_when.iter().collect();
         if let Some((when, until)) = &clauses.suspend_when {
@@ -163,7 +163,7 @@ impl<'p> Agent<'p> {
         }
     }
 
-    /// The task's work is over before the task is: its procedure watches nothing any more, and a suspension that the
+    /// The task's work is over before the task is: its procedure watches nothing any longer, and a suspension that the
     /// procedure brought about is over. One by the step's clause or by an activity stays.
     pub(crate) fn forget_clauses(&mut self, id: usize) {
         let task = &mut self.tasks[id];

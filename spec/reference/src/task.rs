@@ -39,7 +39,7 @@ impl fmt::Display for State {
     }
 }
 
-/// What a task was made from; procedure and step by number.
+/// Origin of a task; procedure and step by number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Origin {
     Root,
@@ -48,7 +48,7 @@ pub(crate) enum Origin {
     Handler(usize, usize),
 }
 
-/// How a task ended.
+/// Outcome of a task.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Outcome {
     Success(Value),
@@ -66,7 +66,7 @@ impl Outcome {
     }
 }
 
-/// How a goal is pursued.
+/// Method for a goal.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Way {
     Procedure(usize),
@@ -76,11 +76,11 @@ pub(crate) enum Way {
     BuiltIn,
 }
 
-/// What was decided for an enabled task.
+/// Decision for an enabled task.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Choice {
     pub(crate) way: Way,
-    /// What the index of the method bound.
+    /// Bindings by the index of the method.
     pub(crate) bound: Bindings,
     /// Resource, amount.
     pub(crate) needs: Vec<(String, f64)>,
@@ -91,13 +91,13 @@ pub(crate) struct Choice {
 /// A clock that rings: when, and the number that orders clocks which ring at one instant.
 pub(crate) type Alarm = (Time, u64);
 
-/// What a task that has begun is doing.
+/// Present work of a task that has begun.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Work {
     Procedure {
         procedure: usize,
         context: Bindings,
-        /// The task that each step's tag stands for.
+        /// The task that each step's tag names.
         current: Vec<Option<usize>>,
         children: BTreeSet<usize>,
     },
@@ -118,7 +118,7 @@ pub(crate) enum Work {
     BuiltIn,
 }
 
-/// Where a clause stands.
+/// Position of a clause.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Level {
     Step,
@@ -149,7 +149,7 @@ impl Clause {
     }
 }
 
-/// From when on evidence counts: from an instant, closed, and after an arrival.
+/// Instant from which evidence counts: from an instant, closed, and after an arrival.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Window {
     pub(crate) start: Time,
@@ -165,9 +165,9 @@ pub(crate) struct Watch {
     pub(crate) level: Level,
     pub(crate) condition: Condition,
     pub(crate) window: Window,
-    /// How many changes of state there had been when it was made.
+    /// Number of state changes before its creation.
     pub(crate) made: usize,
-    /// When it was made: since then it has been known what stood already.
+    /// Instant of its creation, from which on earlier facts are known to it.
     pub(crate) made_at: Time,
     /// Ends and states of tasks count that were there already.
     pub(crate) standing: bool,
@@ -203,13 +203,13 @@ pub(crate) struct Task {
     pub(crate) ended_before: Option<Time>,
     pub(crate) repeats_no_more: bool,
     pub(crate) known: BTreeSet<String>,
-    /// Messages that came while the repeated step was busy and that nobody has answered; none while it keeps none.
+    /// Messages that came while the repeated step was busy and that no task has answered; none while it keeps none.
     pub(crate) missed: Option<BTreeSet<u64>>,
     /// Its parent has taken note of its end.
     pub(crate) over: bool,
-    /// How many changes of state there had been when the tag of its step began to stand for it.
+    /// Number of state changes before the tag of its step began to name it.
     pub(crate) tagged: usize,
-    /// Nobody can refer to it any more.
+    /// No clause can refer to it any longer.
     pub(crate) forgotten: bool,
 }
 
@@ -244,7 +244,7 @@ impl Task {
         }
     }
 
-    /// Does nothing hold it back from being enabled?
+    /// Returns true if nothing prevents its enablement.
     pub(crate) fn is_free(&self) -> bool {
         self.state == State::Pending
             && !self.waits_for_step_before

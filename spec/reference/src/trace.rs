@@ -1,4 +1,4 @@
-//! What is told of a run.
+//! Trace of a run.
 
 use crate::program::Time;
 pub use crate::task::State;
@@ -8,15 +8,15 @@ use std::fmt;
 /// One thing that happened.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line {
-    /// When.
+    /// Instant.
     pub at: Time,
     /// To or by which task; tasks are numbered in order of creation.
     pub task: usize,
-    /// What.
+    /// Event.
     pub what: What,
 }
 
-/// What can happen.
+/// Kinds of events.
 #[derive(Clone, Debug, PartialEq)]
 pub enum What {
     /// The task came into being as a child of another one, from the step with this tag.
@@ -34,22 +34,22 @@ pub enum What {
 /// A whole run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Run {
-    /// What happened, in order.
+    /// Events in order.
     pub lines: Vec<Line>,
-    /// How tasks stand at the end that somebody may still refer to.
+    /// States at the end of the tasks that a clause may still refer to.
     pub states: BTreeMap<usize, State>,
-    /// Who holds how much of what at the end.
+    /// Holders at the end: resource, task, amount.
     pub holders: BTreeSet<(String, usize, String)>,
-    /// What there is of each resource at the end.
+    /// Total of each resource at the end.
     pub totals: BTreeMap<String, String>,
-    /// Why it was not followed to its end, if so: what is told is right as far as it goes.
+    /// Reason if the run was cut short; the trace is right up to that point.
     pub cut: Option<Cut>,
 }
 
-/// Why a run is not followed to its end.
+/// Reasons to cut a run short.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cut {
-    /// What came at this time does not come to rest.
+    /// The events of this time never come to rest.
     Restless(Time),
     /// There are too many tasks for this interpreter.
     Long,

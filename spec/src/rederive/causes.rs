@@ -1,4 +1,4 @@
-//! Why tasks come to be, are enabled, chosen, granted, refused, interrupted: each cause derived again.
+//! Second derivation of the causes for which tasks are created, enabled, chosen, granted, refused and interrupted.
 
 use super::evidence::{self, ends_in, moves, require};
 use super::world::{Known, World};
@@ -10,7 +10,7 @@ use apex_model::value::Value;
 
 type Checked = Result<(), String>;
 
-/// Is the cause of this effect true?
+/// Checks the cause of this effect.
 pub(super) fn check(world: &World<'_>, step: &Step, index: usize, effect: &Effect, because: &Because) -> Checked {
     let decision = match effect {
         Effect::Command { task, .. } => return of_command(world, *task, because),
@@ -82,7 +82,7 @@ impl Scene<'_> {
         })
     }
 
-    /// Does `task` move to `state` in this step?
+    /// Returns true if `task` moves to `state` in this step.
     pub(super) fn moves_now(&self, task: TaskId, state: TaskState) -> bool {
         self.step.effects.iter().any(|effect| moves(effect, task) == Some(state))
     }
@@ -235,7 +235,7 @@ impl Scene<'_> {
         }
     }
 
-    /// Nobody who is no relative holds so much that too little is left.
+    /// No task other than relatives holds a share that leaves too little.
     fn has_room(&self, share: &Share) -> Checked {
         let (world, name) = (self.world, share.resource.to_string());
         let total = world.total(&name);
@@ -271,7 +271,7 @@ impl Scene<'_> {
         }
     }
 
-    /// What is stated of both sides must let the winner win.
+    /// Checks that the stated strengths let the winner win.
     fn strengths(&self, rule: ConflictRule, winner: Strength, loser: Strength) -> Checked {
         let (w, l) = (winner.total(), loser.total());
         let wins = match rule {
@@ -358,7 +358,7 @@ impl Scene<'_> {
                     matches!(effect, Effect::Decided(decision) if decision.because.cause == Cause::ItemOf { parent: self.id })
                 });
                 let count = made.count() as u64;
-                // Where there was no room for all of them, it failed, and says so.
+                // If the limit did not permit all of them, it failed with that reason.
                 let full = self.step.effects.iter().any(|effect| {
                     matches!(effect, Effect::Decided(decision) if decision.task == Some(self.id)
                         && matches!(&decision.because.cause, Cause::LimitReached { limit, .. } if limit == "TASKS_MAX"))

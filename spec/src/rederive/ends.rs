@@ -1,4 +1,4 @@
-//! Why tasks end, and why there is trouble: each cause derived again.
+//! Second derivation of the causes for which tasks end and faults are reported.
 
 use super::Step;
 use super::causes::Scene;
@@ -43,7 +43,7 @@ fn of_expression_or_limit(world: &World<'_>, because: &Because, cause: &Cause) -
         Cause::LimitReached { limit, value } => {
             let line = LIMITS.lines().find(|line| line.contains(&format!("pub const {limit}:")));
             let stated = line.and_then(|line| line.split_once("= ")).map(|(_, number)| number.replace(['_', ';'], ""));
-            // An agent may have lowered it: then its own text says so.
+            // An agent may have lowered it: then its own text states it.
             let word = limit.trim_end_matches("_MAX").to_lowercase().replace('_', "-");
             let mut declared = world.library.agents.iter().flat_map(|agent| lowered(world, agent));
             let lowered = declared.any(|(name, lowered)| name == word && lowered == value.to_string());
@@ -68,7 +68,7 @@ fn lowered(world: &World<'_>, agent: &AgentDeclaration) -> Vec<(String, String)>
         .collect()
 }
 
-/// Trouble of a task: it fails by it, or goes on in spite of it.
+/// Fault of a task: it fails by it, or continues in spite of it.
 pub(super) fn trouble(scene: &Scene<'_>) -> Checked {
     let because = scene.because;
     match &because.cause {
@@ -148,7 +148,7 @@ pub(super) fn ended(scene: &Scene<'_>, own: &Known, from: TaskState, outcome: Op
     }
 }
 
-/// Ends that come from clauses, activities, people, parents.
+/// Ends that come from clauses, activities, operators, parents.
 fn ended_from_outside(scene: &Scene<'_>, own: &Known, outcome: &Outcome) -> Checked {
     let (world, now) = (scene.world, scene.world.now);
     match &scene.because.cause {
@@ -269,7 +269,7 @@ fn sent_by(world: &World<'_>, command: u64, task: TaskId) -> Result<apex_model::
     require(*sender == task, "another task sent that command").map(|()| *at)
 }
 
-/// The last one ended now, and no other lives but those that nobody waits for.
+/// The last one ended now, and no other lives but those for which no task waits.
 fn steps_ended(world: &World<'_>, id: TaskId, last: Option<TaskId>) -> Checked {
     if let Some(last) = last {
         let known = world.task(last)?;

@@ -108,7 +108,7 @@ pub(super) fn require(holds: bool, otherwise: &str) -> Result<(), String> {
     if holds { Ok(()) } else { Err(otherwise.to_owned()) }
 }
 
-/// The program says so to itself in a way that leaves no trace in the record.
+/// The program sends it to itself in a way that leaves no trace in the record.
 fn is_outside(world: &World<'_>, word: &str) -> bool {
     !world.library.sources.iter().any(|source| source.text.contains(word))
 }
@@ -117,7 +117,7 @@ fn in_time(world: &World<'_>, at: Time) -> Result<(), String> {
     require(at <= world.now, "it is told of the future")
 }
 
-/// Does the task end in this step, after the effect that is looked at?
+/// Returns true if the task ends in this step, after the present effect.
 pub(super) fn ends_in(step: &Step, task: TaskId) -> bool {
     step.effects.iter().any(|effect| moves(effect, task) == Some(TaskState::Terminated))
 }
@@ -146,7 +146,7 @@ fn was_measured(world: &World<'_>, variable: &str, value: &Value, at: Time) -> R
     require(known.iter().any(|(when, other)| *when == at && close(other)), "no such sample then")
 }
 
-/// Is the condition about this variable?
+/// Returns true if the condition is about this variable.
 fn is_of(variable: &str, leaf: &ConditionKind) -> bool {
     match leaf {
         ConditionKind::Measurement(measurement) => {
@@ -237,7 +237,7 @@ fn collect<'a>(condition: &'a Condition, leaves: &mut Vec<&'a ConditionKind>) {
     }
 }
 
-/// The condition that stands at `place`, with those of its waitfor that hold together with it: they are told as one.
+/// The condition at `place`, with those of its waitfor that hold together with it: they are reported as one.
 fn conditions_at<'a>(world: &World<'a>, place: Place) -> Vec<&'a Condition> {
     let library = world.library;
     let at = |condition: &&Condition| condition.place == place;

@@ -1,4 +1,4 @@
-//! Re-derivation: is every stated cause true of the record in which it stands?
+//! Re-derivation: checks every stated cause against the record that contains it.
 
 mod causes;
 mod ends;
@@ -20,9 +20,9 @@ use world::World;
 /// One executive step of one agent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
-    /// What went in.
+    /// Input.
     pub batch: Batch,
-    /// What came out.
+    /// Output.
     pub effects: Vec<Effect>,
 }
 
@@ -35,7 +35,7 @@ pub struct Complaint {
     pub effect: usize,
     /// The kind of cause.
     pub kind: &'static str,
-    /// What does not fit.
+    /// The discrepancy.
     pub what: String,
 }
 
@@ -48,7 +48,7 @@ pub fn because_of(effect: &Effect) -> Option<&Because> {
     }
 }
 
-/// Derives every cause again. No complaint is a good record.
+/// Derives every cause again. A good record has no discrepancy.
 pub fn complaints(library: &Library, steps: &[Step]) -> Vec<Complaint> {
     let mut world = World::new(library);
     let mut found = Vec::new();

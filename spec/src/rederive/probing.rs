@@ -1,4 +1,4 @@
-//! Why probes begin and why probing stops, derived again.
+//! Second derivation of the causes for which probes begin and probing stops.
 
 use super::causes::Scene;
 use super::evidence::require;

@@ -1,4 +1,4 @@
-//! What a threshold is where it is computed: from numbers, constants, arithmetic, and what the goal of the procedure says.
+//! Values of computed thresholds: from numbers, constants, arithmetic, and the goal of the procedure.
 
 use super::world::World;
 use apex_model::effect::Method;
@@ -41,7 +41,7 @@ impl Thresholds<'_, '_> {
         }
     }
 
-    /// What the goal of the procedure whose clause this is gives the variable. None where anything else may give it another
+    /// Returns the value that the goal of the clause's procedure gives to the variable. `None` if anything else may give it another
     /// value.
     fn bound(&self, name: &Symbol) -> Option<Value> {
         let sets =

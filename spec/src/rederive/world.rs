@@ -1,4 +1,4 @@
-//! What happened so far, kept as plainly as it can be.
+//! History of a run in the simplest form.
 
 use super::Step;
 use apex_model::because::Cause;
@@ -32,11 +32,11 @@ pub(super) struct Known {
     pub(super) chosen: Option<Cause>,
 }
 
-/// Everything up to the effect that is looked at.
+/// Everything up to the effect under examination.
 pub(super) struct World<'a> {
     pub(super) library: &'a Library,
     pub(super) now: Time,
-    /// The effect that is looked at.
+    /// The effect under examination.
     pub(super) index: usize,
     pub(super) tasks: BTreeMap<TaskId, Known>,
     pub(super) samples: BTreeMap<String, Vec<(Time, Value)>>,
@@ -221,7 +221,7 @@ impl<'a> World<'a> {
         }
     }
 
-    /// How much there is of a resource when all of it is there.
+    /// Returns the total of a resource when no task holds a share.
     pub(super) fn total(&self, name: &str) -> f64 {
         let declared = self.library.resources.iter().find(|(known, _)| known.printed().eq_ignore_ascii_case(name));
         match declared.map(|(_, resource)| &resource.kind) {
@@ -231,7 +231,7 @@ impl<'a> World<'a> {
         }
     }
 
-    /// Is `above` an ancestor of `below`, or the same?
+    /// Returns true if `above` is an ancestor of `below`, or the same task.
     pub(super) fn is_above(&self, above: TaskId, below: TaskId) -> bool {
         let mut next = Some(below);
         while let Some(id) = next {
@@ -262,7 +262,7 @@ impl<'a> World<'a> {
         self.library.primitives.iter().find(|primitive| primitive.place == place).map(|primitive| primitive.as_ref())
     }
 
-    /// The children that the record tells of.
+    /// The children that the record contains.
     pub(super) fn children(&self, id: TaskId) -> impl Iterator<Item = (TaskId, &Known)> {
         self.tasks.iter().filter(move |(_, task)| task.parent == Some(id)).map(|(id, task)| (*id, task))
     }

@@ -1,4 +1,4 @@
-//! What the simulator's tests share: a world with a counter of commands, and readers of what it said.
+//! Shared by the tests of the simulator: a world with a counter of commands, and readers of its reports.
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test that fails should stop")]
 #![allow(dead_code, reason = "each test file uses its own part")]
 
@@ -54,7 +54,7 @@ impl Run {
         }
     }
 
-    /// Sends `form` and waits for the answer, at most `seconds`; time stands at the answer.
+    /// Sends `form` and waits for the answer, at most `seconds`; time stops at the answer.
     pub(crate) fn carry_out(&mut self, form: Value, seconds: f64) -> Result<Value, String> {
         let id = self.send(form);
         self.await_answer(id, seconds)
@@ -103,7 +103,7 @@ impl Run {
         self.numbers(attribute).last().unwrap().1
     }
 
-    /// When the event `form` (as text) happened.
+    /// Returns the instant of the event `form` (as text).
     pub(crate) fn event(&self, form: &str) -> Option<f64> {
         self.inputs.iter().find_map(|input| match &input.kind {
             EventKind::Occurrence(value) if value.to_string() == form => Some(input.at.seconds()),

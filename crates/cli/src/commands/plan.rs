@@ -22,9 +22,9 @@ use apex_solvers::planners::human::Human;
 use std::path::Path;
 use std::sync::Arc;
 
-/// What to do when there is no plan.
+/// Advice if there is no plan.
 const NO_PLAN_HELP: &str = "look at the mission's data, or leave `--solver` out to let the mission's features choose";
-/// What to do when a person's visits are none.
+/// Advice if an operator's visits are empty.
 const NO_PLAN_BY_HAND_HELP: &str = "write what `--visits` names as the mission does, with commas between";
 
 /// Plans and prints.
@@ -103,7 +103,7 @@ fn read(options: &PlanOptions) -> CliResult<PlanInput> {
     Ok(question)
 }
 
-/// What a solver answers, or what follows from the visits that a person names.
+/// Returns the answer of a solver, or the plan of the visits that an operator names.
 fn planned(options: &PlanOptions, question: &PlanInput, planners: &Arc<Registry>) -> CliResult<Deliberation> {
     let by_hand = !options.visits.is_empty();
     let solver = if by_hand { Some("human") } else { options.solver.as_deref() };
@@ -127,7 +127,7 @@ fn planned(options: &PlanOptions, question: &PlanInput, planners: &Arc<Registry>
         .map_err(|reason| CliError::user("no plan was found").because(reason).help(no_plan_help))
 }
 
-/// What is asked for; else what the file's name says; else a table.
+/// Returns the requested format; else that of the file's name; else a table.
 fn format_of(options: &PlanOptions, out: Option<&Path>) -> PlanFormat {
     let extension = out.and_then(Path::extension).map(|extension| extension.to_string_lossy().to_lowercase());
     let of_name = || match extension.as_deref() {

@@ -271,7 +271,7 @@ fn answers_of(path: &Path) -> CliResult<Vec<ScriptedAnswer>> {
     })
 }
 
-/// Where the trace goes. What belongs to a simulator is not written into.
+/// Returns the output of the trace, which never writes into the input of a simulator.
 fn trace_output(path: Option<&Path>, output_is_taken: bool) -> CliResult<Listened> {
     match path {
         Some(path) if path.as_os_str() != "-" => match std::fs::File::create(path) {

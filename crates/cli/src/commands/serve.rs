@@ -42,7 +42,7 @@ fn agent_of(record: &Path, options: &ServeOptions) -> CliResult<usize> {
     Ok(options.agent.as_ref().map(called).transpose()?.unwrap_or(0))
 }
 
-/// What the server needs to fly `missions`.
+/// Returns the options with which the server flies `missions`.
 fn flights(missions: &Path, options: &ServeOptions, planners: &Arc<Registry>) -> CliResult<FlightOptions> {
     let folder = |path: PathBuf, option: &str, help: &str| {
         if path.is_dir() {

@@ -1,4 +1,4 @@
-//! `apex verify`: is a record as it was written, and was its flight ever where its mission forbids it to be?
+//! `apex verify`: checks that a record is as it was written, and that its flight was never where its mission forbids it to be.
 
 use crate::error::{CliError, CliResult};
 use crate::options::VerifyOptions;

@@ -26,7 +26,7 @@ pub fn run(options: &WhyOptions) -> CliResult {
     print(&answer, &answer.to_string(), options.explanation.json)
 }
 
-/// What is asked.
+/// Parses the question.
 pub fn question(what: &str, explanation: &ExplanationOptions) -> CliResult<Question> {
     let at = explanation.at.as_deref().map(|text| sources::parse_time(text, "--at")).transpose()?;
     Ok(Question { what: what.to_owned(), at: at.unwrap_or(Time::END), depth: explanation.depth })

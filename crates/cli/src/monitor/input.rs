@@ -1,4 +1,4 @@
-//! What is watched or exported: a log, a flight record, or lines of JSON, as measurements and events in order of time.
+//! Inputs of `apex monitor` and `apex export`: a log, a flight record, or lines of JSON, as measurements and events in order of time.
 
 use crate::error::{CliError, CliResult, read_text, unreadable};
 use crate::{output, recording, sources};
@@ -17,7 +17,7 @@ use std::fs::File;
 use std::io::{BufRead, Read};
 use std::path::{Path, PathBuf};
 
-/// Where the data come from.
+/// Source of the data.
 pub enum Source {
     /// Lines of JSON on standard input, told as they come.
     Lines,

@@ -1,3 +1,3 @@
-//! What `apex monitor` and `apex export` read: inputs of all kinds.
+//! Inputs of all kinds for `apex monitor` and `apex export`.
 
 pub mod input;

@@ -18,10 +18,10 @@ pub struct PlanOptions {
     /// Choose the solver by this table instead of the one that ships; `apex profile build --table` writes one.
     #[arg(long, value_name = "FILE", conflicts_with = "solver")]
     pub table: Option<PathBuf>,
-    /// How long the solver may take, in the time of a flight; default is the mission's own, or 10 s.
+    /// Time limit of the solver, in the time of a flight; default is the mission's own, or 10 s.
     #[arg(long, value_name = "TIME")]
     pub budget: Option<String>,
-    /// How long proofs of how good any plan could be may take, in the time of a flight; default is 10 s, which is enough for all that
+    /// Time limit of proofs (upper bounds on any plan), in the time of a flight; default is 10 s, enough for all that
     /// is known of up to 24 targets of surveillance. With `--budget` it is what planning left of that and a twentieth more, at
     /// least 0.5 s.
     #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
@@ -48,13 +48,13 @@ pub struct PlanOptions {
     /// Do not plan: print the problem as JSON.
     #[arg(long, conflicts_with_all = ["solver", "budget", "bound_budget", "format", "json", "survival"])]
     pub problem: bool,
-    /// How the plan is printed; default is what the name of `--out` says, or a table.
+    /// Format of the plan; default is that of the name of `--out`, or a table.
     #[arg(long, value_enum, conflicts_with = "json")]
     pub format: Option<PlanFormat>,
     /// Print as JSON: short for `--format json`.
     #[arg(long)]
     pub json: bool,
-    /// Where the plan goes; default is standard output.
+    /// Output of the plan; default is standard output.
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// For `--format qgc`: fly all of it so high above the start, for example `60m`; needed where the problem gives no altitudes.
@@ -62,7 +62,7 @@ pub struct PlanOptions {
     pub height: Option<String>,
 }
 
-/// How a plan is printed.
+/// Format of a plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum PlanFormat {
     /// A table for operators.

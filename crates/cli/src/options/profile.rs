@@ -43,7 +43,7 @@ pub struct ProfileBuildOptions {
     /// Also write what selection needs of it, as CSV.
     #[arg(long, value_name = "FILE")]
     pub table: Option<PathBuf>,
-    /// How it is measured.
+    /// Options of the measurement.
     #[command(flatten)]
     pub work: ProfileWorkOptions,
 }
@@ -59,7 +59,7 @@ pub struct ProfileUpdateOptions {
     /// Also write what selection needs of it, as CSV.
     #[arg(long, value_name = "FILE")]
     pub table: Option<PathBuf>,
-    /// How it is measured.
+    /// Options of the measurement.
     #[command(flatten)]
     pub work: ProfileWorkOptions,
 }
@@ -77,7 +77,7 @@ pub struct ProfileMergeOptions {
     pub table: Option<PathBuf>,
 }
 
-/// How planners are measured.
+/// Options of a measurement of planners.
 #[derive(Args)]
 pub struct ProfileWorkOptions {
     /// Missions at a time; the result is the same for any. Default is one for each core.
@@ -135,7 +135,7 @@ pub struct ProfileCompareOptions {
     /// The time for deliberation that is compared; default is every one of the profile.
     #[arg(long, value_delimiter = ',', value_name = "TIME,..")]
     pub budgets: Vec<String>,
-    /// How it is measured.
+    /// Options of the measurement.
     #[command(flatten)]
     pub work: ProfileWorkOptions,
     /// Print as JSON lines.

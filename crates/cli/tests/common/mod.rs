@@ -23,7 +23,7 @@ pub const GREETINGS: &str = r#"(procedure
   (on-start (print "hello" ?who) (inform (greeted ?who))))
 "#;
 
-/// What makes the greetings go on.
+/// Message that lets the greetings continue.
 pub const GO: &str = "{\"t\": 7, \"event\": \"(go)\"}\n";
 
 /// A scratch folder in which `apex` is run.
@@ -31,7 +31,7 @@ pub struct Desk {
     folder: TempDir,
 }
 
-/// What a command said.
+/// Output of a command.
 #[derive(Debug)]
 pub struct Said {
     /// The exit code; none when a signal ended it.

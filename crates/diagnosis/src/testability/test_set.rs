@@ -17,7 +17,7 @@ pub struct TestSet {
 }
 
 pub(super) fn smallest(rows: &[Bits], tests: usize) -> TestSet {
-    // Equal rows cannot be told apart; the empty row means no failure.
+    // Equal rows cannot be distinguished; the empty row means no failure.
     let different: BTreeSet<Bits> = rows.iter().cloned().chain([Bits::new(tests)]).collect();
     let different: Vec<Bits> = different.into_iter().collect();
     let mut pairs = BTreeSet::new();

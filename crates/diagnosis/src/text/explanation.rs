@@ -1,4 +1,4 @@
-//! Why a component has its health: the tests that show it.
+//! Explanation of the health of a component by the tests that show it.
 
 use super::{mode_names, test_names};
 use crate::bits::Bits;

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 /// A set of failure modes as bits.
 pub(crate) type Faults = u32;
 
-/// What is known of a test.
+/// Outcome of a test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Said {
     Nothing,

@@ -38,23 +38,23 @@ pub(crate) struct Cycle<'a> {
     pub(crate) agent: &'a mut Agent,
     /// Its library, held next to it so that templates can be read while the agent changes.
     pub(crate) library: &'a Library,
-    /// What is known about the library beforehand.
+    /// Index of the library.
     pub(crate) index: &'a LibraryIndex,
     /// The instant.
     pub(crate) now: Time,
-    /// What was decided, in order.
+    /// Decisions, in order.
     pub(crate) effects: Vec<Effect>,
-    /// What is to be done.
+    /// Pending work.
     pub(crate) work: Work,
 }
 
-/// Room for what a small step decides, so that its list does not grow bit by bit; not more than an allocator has at hand.
+/// Room for what a small step decides, so that its list does not grow bit by bit; not more than an allocator keeps free.
 const EFFECTS_EXPECTED: usize = 1_024 / size_of::<Effect>();
 
-/// Tasks to be looked at: mostly a few.
+/// Tasks to be checked: mostly a few.
 pub(crate) type TaskList = SmallVec<[TaskId; 4]>;
 
-/// What is to be done at this instant, by phase. Most instants touch few tasks: then nothing of it takes room elsewhere.
+/// Pending work at this instant, by phase. Most instants affect few tasks, so that the lists are short.
 #[derive(Default)]
 pub(crate) struct Work {
     /// Record: what the agent said to itself.
@@ -73,17 +73,17 @@ pub(crate) struct Work {
     pub(crate) ready: TaskList,
     /// Choose: tasks that were enabled.
     pub(crate) enabled: TaskList,
-    /// Contend: enabled and interrupted tasks that want to go on.
+    /// Contend: enabled and interrupted tasks that claim to continue.
     pub(crate) claims: TaskList,
-    /// Contend: why tasks that were suspended go on, unless they have to wait for resources.
+    /// Contend: why suspended tasks continue, unless they have to wait for resources.
     pub(crate) resumed: BTreeMap<TaskId, Because>,
     /// At rest: claims that were refused, which may have closed a circle of waits.
     pub(crate) refused: TaskList,
     /// Contend: resources whose users may change.
     pub(crate) dirty: BTreeSet<ResourceId>,
-    /// Contend: an input of priorities changed; every contested resource is looked at.
+    /// Contend: an input of priorities changed; every contested resource is arbitrated.
     pub(crate) priorities_changed: bool,
-    /// Contend: tasks inherit from others than before; every contested resource is looked at, every turn again.
+    /// Contend: tasks inherit from others than before; every contested resource is arbitrated, every turn again.
     pub(crate) inheritance_changed: bool,
     /// Act: tasks that became ongoing.
     pub(crate) starting: TaskList,
@@ -93,7 +93,7 @@ pub(crate) struct Work {
     pub(crate) probings: SmallVec<[ProbingId; 1]>,
     /// Tasks that ended and whose parents have not reacted.
     pub(crate) ended: VecDeque<TaskId>,
-    /// What the round did to the number of tasks that live.
+    /// Change of the number of living tasks in the round.
     pub(crate) balance: Balance,
 }
 
@@ -120,17 +120,17 @@ pub(crate) enum SelfMessage {
 pub(crate) struct Firing {
     /// The task.
     pub(crate) task: TaskId,
-    /// Which clause.
+    /// Clause.
     pub(crate) clause: Clause,
-    /// Where it stands.
+    /// Level of the clause.
     pub(crate) level: Level,
     /// The monitor.
     pub(crate) monitor: MonitorId,
-    /// How it came true.
+    /// Result that satisfied it.
     pub(crate) satisfaction: Satisfaction,
     /// The newest arrival that it answers, if it answers messages.
     pub(crate) answered: Option<u64>,
-    /// Where the condition stands.
+    /// Position of the condition in the PDL text.
     pub(crate) place: Place,
 }
 
@@ -236,7 +236,7 @@ impl<'a> Cycle<'a> {
         self.agent.task(id).map_or(TaskState::Terminated, |task| task.state)
     }
 
-    /// Has the step that the task was made from one of these kinds of clauses?
+    /// Returns true if the task's step has one of these kinds of clauses.
     #[inline]
     pub(crate) fn has(&self, id: TaskId, kinds: StepClauses) -> bool {
         self.agent.task(id).is_some_and(|task| task.clauses.has(kinds))
@@ -257,14 +257,14 @@ impl<'a> Cycle<'a> {
         }
     }
 
-    /// Does the task's step repeat, so that the end of an instance may not be the end of the step?
+    /// Returns true if the task's step repeats, so that the end of an instance may not be the end of the step.
     pub(crate) fn may_repeat(&self, id: TaskId) -> bool {
         let Some(task) = self.task(id).filter(|task| task.clauses.has(StepClauses::REPETITION)) else { return false };
         let repeats = |handle: &StepHandle<'_>| handle.get().is_some_and(|step| step.repeating.is_some());
         matches!(task.origin, Origin::Step(_)) && self.step_of(id).as_ref().is_some_and(repeats)
     }
 
-    /// Where `id` was written.
+    /// Returns the position in the PDL text from which `id` was made.
     pub(crate) fn place_of(&self, id: TaskId) -> Option<Place> {
         let task = self.task(id)?;
         if let Origin::Probe(probing) = task.origin {

@@ -34,7 +34,7 @@ pub(crate) fn match_index(
     match_pattern(pattern.get(), goal, bindings, &cycle.view(id, Level::Procedure), place)
 }
 
-/// A pattern held by whoever defines it.
+/// A pattern held by its definition.
 pub(crate) enum IndexPattern<'a> {
     /// A stored procedure's.
     Stored(&'a Procedure),

@@ -11,7 +11,7 @@ use apex_model::effect::DecisionKind;
 use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::time::Duration;
 
-/// What moves a task from state to state: the causes of decisions, by what they do.
+/// Causes of decisions that move a task from state to state, by their effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Trigger {
     /// The preconditions hold.

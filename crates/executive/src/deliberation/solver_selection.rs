@@ -1,6 +1,6 @@
 //! Solver selection (DM)
 //! What: finds the solver declaration that serves a goal which no procedure or primitive serves.
-//! Runs: choose phase.  Reads: Library.  Writes: troubles of guards.
+//! Runs: choose phase.  Reads: Library.  Writes: faults of guards.
 //! Bound: one pattern match per declaration that shares the goal's first word.
 //! PDL: `(solver NAME (index ..))`.  Paper: section V, solver selection.
 

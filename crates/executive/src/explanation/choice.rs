@@ -20,15 +20,15 @@ use std::cmp::Reverse;
 /// A procedure, primitive or solver that might serve a goal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MethodOption {
-    /// What it is.
+    /// Method.
     pub method: Method,
     /// Its index, as PDL text.
     pub index: String,
-    /// Where it stands.
+    /// Position in the PDL text.
     pub place: Place,
     /// It matches the goal.
     pub matches: bool,
-    /// Why it is first, why it comes after the first, or why it does not match.
+    /// Reason for its order: first, after the first, or not matching.
     pub because: String,
 }
 
@@ -81,7 +81,7 @@ fn judged(agent: &Agent, goal: &Value, candidates: &[Candidate]) -> Vec<MethodOp
     options
 }
 
-/// Why `other`, which says as much of the goal, comes after `first`.
+/// Returns the reason for which `other`, which is as specific, comes after `first`.
 fn as_specific(first: Candidate, other: Candidate) -> &'static str {
     match (first, other) {
         (Candidate::Generated(_), Candidate::Procedure(_) | Candidate::Primitive(_)) => {
@@ -92,7 +92,7 @@ fn as_specific(first: Candidate, other: Candidate) -> &'static str {
     }
 }
 
-/// Why the index does not match; none when it does. An index sees no variables but its own.
+/// Returns the reason if the index does not match. An index sees no variables but its own.
 fn why_not(agent: &Agent, pattern: &Pattern, goal: &Value, place: Place) -> Option<String> {
     let blank = View { agent, task: TaskId(u64::MAX), level: Level::Procedure, now: agent.now };
     match match_pattern(pattern, goal, &mut Bindings::new(), &blank, place) {

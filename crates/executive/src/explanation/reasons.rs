@@ -1,4 +1,4 @@
-//! What a task waits for, part by part.
+//! Reasons for which a task waits, part by part.
 
 use crate::control::conflicts::competition::in_order;
 use crate::control::conflicts::deadlock;
@@ -55,21 +55,21 @@ pub enum ReasonKind {
 /// One thing that a task waits for.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Reason {
-    /// What kind of thing.
+    /// Kind.
     pub kind: ReasonKind,
-    /// What is wanted, for operators.
+    /// Requirement, human-readable.
     pub text: String,
-    /// What is known about it now.
+    /// Present state of the requirement.
     pub now: Option<String>,
     /// Since when that is so.
     pub since: Option<Time>,
-    /// When it comes true by time alone, if nothing changes before.
+    /// Instant at which it comes true by time alone, if nothing changes before.
     pub until: Option<Time>,
-    /// How far the newest sample is from the threshold.
+    /// Distance of the newest sample from the threshold.
     pub distance: Option<Value>,
     /// The task concerned, if another one is.
     pub task: Option<TaskId>,
-    /// Where it stands in PDL.
+    /// Position in the PDL text.
     pub place: Option<Place>,
 }
 
@@ -79,7 +79,7 @@ impl Reason {
     }
 }
 
-/// What `task` waits for now. Empty for a task that nobody can refer to any longer.
+/// Returns the reasons for which `task` waits now. Empty for a task that nothing can refer to any longer.
 pub fn waiting(agent: &Agent, task: TaskId) -> Vec<Reason> {
     let Some(task) = agent.task(task) else { return Vec::new() };
     let mut reasons = match task.state {
@@ -159,7 +159,7 @@ fn unmet(agent: &Agent, task: &Task, wanted: impl Fn(Clause) -> bool) -> Vec<Rea
     reasons
 }
 
-/// What is pursued for a condition with `:probing`, or that it is no more.
+/// Describes the pursuit of a condition with `:probing`, or its end.
 fn probed(agent: &Agent, probing: &Probing) -> Reason {
     let view = View { agent, task: probing.waiting, level: probing.level, now: agent.now };
     let goal = instantiate_partially(&probing.goal, &view);
@@ -246,7 +246,7 @@ fn resources(agent: &Agent, task: &Task) -> Vec<Reason> {
     profile.chain(held).flat_map(|need| rivals(agent, task, need)).collect()
 }
 
-/// Everybody who keeps the task from this resource: its holders, or the claimant it was refused to.
+/// All tasks that keep the task from this resource: its holders, or the claimant it was refused to.
 fn rivals(agent: &Agent, task: &Task, need: &Need) -> Vec<Reason> {
     let Some(resource) = agent.resources.get(need.resource) else { return Vec::new() };
     let (claimants, precedence) = in_order(agent, agent.now, &BTreeSet::from([need.resource]), &BTreeSet::new());

@@ -1,4 +1,4 @@
-//! What a task is, in plain data.
+//! View of a task as plain data.
 
 use crate::control::conflicts::priority::priority;
 use crate::state::agent::Agent;
@@ -11,12 +11,12 @@ use apex_model::time::Time;
 use apex_model::value::Value;
 use serde::Serialize;
 
-/// A task as people look at it.
+/// A task as it is displayed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TaskView {
     /// Its number.
     pub id: TaskId,
-    /// Whose step it is; none for the root.
+    /// Task whose step it is; `None` for the root.
     pub parent: Option<TaskId>,
     /// Its step's tag, printed.
     pub tag: String,
@@ -26,9 +26,9 @@ pub struct TaskView {
     pub state: TaskState,
     /// Since when.
     pub since: Time,
-    /// When this instance was created.
+    /// Creation of this instance.
     pub created_at: Time,
-    /// When it first became ongoing.
+    /// Instant at which it first became ongoing.
     pub started_at: Option<Time>,
     /// Suspended by a clause or an activity: claims nothing until resumed.
     pub suspended: bool,
@@ -40,19 +40,19 @@ pub struct TaskView {
     pub resources: Vec<Value>,
     /// Names of the resources that it needs to be ongoing.
     pub needs: Vec<Value>,
-    /// How its goal is pursued; none while pending or terminated.
+    /// Method for its goal; `None` while pending or terminated.
     pub method: Option<Method>,
-    /// How it ended.
+    /// Outcome.
     pub outcome: Option<Outcome>,
     /// Its step in PDL.
     pub place: Option<Place>,
     /// Nesting: the root has 0.
     pub depth: u32,
-    /// Subtasks that somebody may still refer to, in order of creation.
+    /// Subtasks that a clause may still refer to, in order of creation.
     pub children: Vec<TaskId>,
 }
 
-/// The task with this number, while somebody may still refer to it.
+/// The task with this number, while a clause may still refer to it.
 pub fn describe_task(agent: &Agent, task: TaskId) -> Option<TaskView> {
     agent.task(task).map(|found| view(agent, found))
 }

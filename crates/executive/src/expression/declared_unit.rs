@@ -16,7 +16,7 @@ pub(crate) fn unit_of(attribute: &Symbol, library: &Library) -> Option<&'static 
 /// `value` as the history of `variable` holds it: a bare number has the unit that the variable is declared with.
 ///
 /// # Errors
-/// A sentence for the trace when the unit cannot measure the value.
+/// A message for the trace when the unit cannot measure the value.
 pub(crate) fn in_declared_unit(library: &Library, variable: &StateVariable, value: Value) -> Result<Value, String> {
     let declaration = library.state_variables.get(&variable.attribute);
     let Some(unit) = declaration.and_then(|_| unit_of(&variable.attribute, library)) else { return Ok(value) };

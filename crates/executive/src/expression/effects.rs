@@ -1,4 +1,4 @@
-//! Functions that act: they stand in hooks only and become [`Action`]s.
+//! Functions that act: they occur in hooks only and become [`Action`]s.
 
 use super::evaluator::{Evaluator, error};
 use super::result::EvalResult;

@@ -26,17 +26,17 @@ pub(crate) trait EvalContext {
     fn this_task(&self) -> Option<TaskId>;
     /// `+self+`.
     fn agent_name(&self) -> &Symbol;
-    /// When the task became ongoing, or was created while it has not.
+    /// Returns the instant at which the task became ongoing; before that, the instant of its creation.
     fn task_start(&self, task: TaskId) -> Option<Time>;
-    /// When the task ended; none while it lives.
+    /// Returns the instant at which the task ended; `None` while it lives.
     fn task_end(&self, task: TaskId) -> Option<Time>;
     /// The task's state; none for a task that is not known.
     fn task_state(&self, task: TaskId) -> Option<TaskState>;
     /// `+tot+`: how long the task has been ongoing, without interruptions.
     fn task_time_ongoing(&self, task: TaskId) -> Option<Duration>;
-    /// What was measured and what happened.
+    /// Returns the histories of measurements and messages.
     fn histories(&self) -> &Histories;
-    /// What the agent published of `variable` at this instant, where the history does not hold it yet.
+    /// Returns the value of `variable` that the agent published at this instant and that the history does not hold yet.
     fn published(&self, variable: &StateVariable) -> Option<Value> {
         let _ = variable;
         None

@@ -24,7 +24,7 @@ pub(super) struct Evaluator<'a> {
     pub(super) context: &'a dyn EvalContext,
     /// Local variables, innermost last.
     scope: Vec<(Symbol, Value)>,
-    /// Where the current function's own variables begin.
+    /// Index of the first variable of the current function.
     frame: usize,
     depth: u32,
     steps: u64,
@@ -32,7 +32,7 @@ pub(super) struct Evaluator<'a> {
     pub(super) hook: Option<Hook<'a>>,
 }
 
-/// What a hook may change.
+/// State that a hook may change.
 pub(super) struct Hook<'a> {
     pub(super) locals: &'a mut Bindings,
     pub(super) actions: &'a mut Vec<Action>,
@@ -157,7 +157,7 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// What was published of `variable` at this instant and is not in its history yet: by earlier forms of this clause,
+    /// Returns the value of `variable` published at this instant and not in its history yet: by earlier forms of this clause,
     /// or by clauses that ran before it.
     fn published(&self, variable: &StateVariable) -> Option<Value> {
         let context = self.context;

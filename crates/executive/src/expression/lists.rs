@@ -78,7 +78,7 @@ fn kind(name: &str, arguments: &[Value]) -> Option<FunctionResult> {
     Some(Ok(Value::truth(truth)))
 }
 
-/// How many comparisons `name` may need: charged against the evaluation's limit before the call.
+/// Returns the number of comparisons that `name` may need: charged against the evaluation's limit before the call.
 pub(super) fn cost(name: &str, arguments: &[Value]) -> u64 {
     let length = |value: Option<&Value>| value.and_then(Value::as_list).map_or(1, |items| items.len() as u64);
     let (left, right) = (length(arguments.first()), length(arguments.get(1)));

@@ -86,7 +86,7 @@ pub(crate) fn printed(values: &[Value]) -> String {
     text
 }
 
-/// A value as people read it: a string without its quotes. Ends with `..` where it is longer than a text may be.
+/// A value in human-readable form: a string without its quotes. Ends with `..` where it is longer than a text may be.
 pub(crate) fn display(value: &Value) -> String {
     if let Value::Text(text) = value {
         return text.to_string();

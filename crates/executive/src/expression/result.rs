@@ -6,12 +6,12 @@ use apex_model::symbol::Symbol;
 use apex_model::time::Duration;
 use apex_model::value::Value;
 
-/// Why an expression has no value: a message and where it stands.
+/// An expression without a value: a message and its place.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct EvaluationError {
-    /// What went wrong, with the values concerned, and what to do.
+    /// Failure, with the values concerned and the remedy.
     pub(crate) message: String,
-    /// Where.
+    /// Position in the PDL text.
     pub(crate) place: Place,
 }
 
@@ -21,7 +21,7 @@ pub(super) type EvalResult = Result<Value, EvaluationError>;
 /// Value of a built-in function for its arguments, or an error message; the evaluator adds the place of the call.
 pub(super) type FunctionResult = Result<Value, String>;
 
-/// What a hook's forms want done, in order.
+/// Actions that a hook's forms request, in order.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Action {
     /// `(inform FORM [router])`.
@@ -32,9 +32,9 @@ pub(crate) enum Action {
     Command {
         /// The ground form.
         form: Value,
-        /// How long to wait for the answer; none is the default.
+        /// Time limit for the answer; `None`: the default.
         timeout: Option<Duration>,
-        /// Where it stands.
+        /// Position in the PDL text.
         place: Place,
     },
     /// `(publish (ATTR OBJ) value [router])`.
@@ -45,7 +45,7 @@ pub(crate) enum Action {
         value: Value,
         /// The only router that it goes to; the author does not hear itself there.
         router: Option<Value>,
-        /// Where it stands.
+        /// Position in the PDL text.
         place: Place,
     },
     /// `(complete [value])`.

@@ -67,7 +67,7 @@ fn substring(text: &Value, start: &Value, end: Option<&Value>) -> FunctionResult
     Ok(Value::text(&text.chars().skip(start).take(end - start).collect::<String>()))
 }
 
-/// The text of a control string: `~a` as people read it, `~s` as PDL reads it back, `~d` an integer, `~f` a real,
+/// The text of a control string: `~a` for display, `~s` as PDL reads it back, `~d` an integer, `~f` a real,
 /// `~,Nf` with N decimals, `~%` a new line, `~~` a tilde; a number before the letter is the least width, filled up on the
 /// right of words and on the left of numbers.
 fn format(control: &str, arguments: &[Value]) -> Result<String, String> {
@@ -118,7 +118,7 @@ fn widths(parameters: &str) -> Result<(usize, Option<usize>), String> {
     let number = |text: &str| match text {
         "" => Ok(None),
         digits => match digits.parse() {
-            // Wider than a line of print serves nobody.
+            // Wider than a line of print serves no reader.
             Ok(number) if number <= 200_usize => Ok(Some(number)),
             _ => Err(format!("~{parameters}: a width or number of decimals is at most 200")),
         },

@@ -17,7 +17,7 @@ type Few = SmallVec<[Value; 8]>;
 const DEPTH_MAX: usize = apex_model::limits::READ_DEPTH_MAX;
 
 impl Evaluator<'_> {
-    /// The datum that `template` stands for; `place` is used for messages about splices.
+    /// The datum that `template` yields; `place` is used for messages about splices.
     pub(super) fn template(&mut self, template: &Template, place: Place) -> EvalResult {
         self.filled(template, place, DEPTH_MAX)
     }

@@ -15,7 +15,7 @@ use apex_model::task::{TaskId, TaskState};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
-/// What the clauses of `task` at `level` see at `now`.
+/// Evaluation context of the clauses of `task` at `level` at `now`.
 pub(crate) struct View<'a> {
     /// The agent.
     pub(crate) agent: &'a Agent,

@@ -2,7 +2,7 @@
 //! What: judges one value, object, instant or duration against constraints.
 //! Runs: on every sample that is watched, and when results are formed.
 //! Reads: evaluation context.
-//! Writes: bindings, troubles.
+//! Writes: bindings, faults.
 //! Bound: O(1) per constraint for fixed comparisons; else one bounded evaluation.
 //! PDL: `REL expr +/- e`, `(:range a b)`, predicates.
 //! Paper: Appendix B, constraints on individual measurements.
@@ -23,7 +23,7 @@ use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 use std::cmp::Ordering;
 
-/// How the right side of a comparison is read.
+/// Interpretation of the right side of a comparison.
 #[derive(Clone, Copy)]
 pub(crate) enum Reading {
     /// As it is; a bare number is in this unit.
@@ -70,7 +70,7 @@ pub(crate) fn prepare_as(
         .collect()
 }
 
-/// Does the expression have the same value whenever it is evaluated?
+/// Returns true if the expression has the same value at every evaluation.
 pub(crate) fn never_changes(expr: &Expr, library: &Library, depth: u32) -> bool {
     let Some(depth) = depth.checked_sub(1) else { return false };
     match &expr.kind {
@@ -150,7 +150,7 @@ pub(crate) fn satisfies_fixed(tests: &[Test], value: &Value) -> Option<bool> {
     Some(holds)
 }
 
-/// Does `value` satisfy all `constraints`, whose right sides are read as `reading` says?
+/// Returns true if `value` satisfies all `constraints`, with right sides read as `reading` says.
 ///
 /// # Errors
 /// When a right side cannot be evaluated or compared.
@@ -279,7 +279,7 @@ fn within(value: &Value, right: &Value, tolerance: &Value, place: Place) -> Resu
     }
 }
 
-/// Is the constraint a lower bound, which stays satisfied as the value grows?
+/// Returns true if the constraint is a lower bound, which stays satisfied as the value grows.
 pub(crate) fn is_lower_bound(constraint: &Constraint) -> bool {
     match constraint {
         Constraint::Compare { relation: Relation::Greater | Relation::GreaterOrEqual, tolerance: None, .. } => true,

@@ -39,7 +39,7 @@ pub(crate) struct Derived {
     pub(crate) recording: Recording,
 }
 
-/// What derivations can see in addition to histories.
+/// Context of derivations in addition to histories.
 pub(crate) struct Surroundings<'a> {
     pub(crate) library: &'a Library,
     pub(crate) host: &'a HostFunctions,
@@ -252,7 +252,7 @@ fn number(si: f64, dimension: Dimension) -> Value {
     }
 }
 
-/// What the expression sees: its inputs, and the time of the sample.
+/// Context of the expression: its inputs, and the time of the sample.
 struct InstantView<'a> {
     surroundings: &'a Surroundings<'a>,
     histories: &'a Histories,

@@ -38,14 +38,14 @@ impl Truth {
     }
 }
 
-/// What every part's service needs to know of the part.
+/// Context of a part for its service.
 #[derive(Clone, Copy)]
 pub(crate) struct PartContext {
     /// The span of evidence that counts.
     pub(crate) window: Window,
-    /// Which results are kept.
+    /// Results that are kept.
     pub(crate) keep: Keep,
-    /// Where the part stands.
+    /// Position of the part in the PDL text.
     pub(crate) place: Place,
 }
 
@@ -56,7 +56,7 @@ pub(crate) fn site(part: &Part) -> PartContext {
 /// Errors met while judging, each once, and whether anything was left out because of a limit.
 pub(crate) struct ConditionFaults {
     pub(crate) list: Vec<ConditionFault>,
-    /// How often a limit was reached, so that a result may be missing.
+    /// Number of times that a limit was reached, so that a result may be missing.
     pub(crate) limits_reached: u64,
     /// Results that a part may keep.
     pub(crate) results_max: usize,

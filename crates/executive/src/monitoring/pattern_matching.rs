@@ -19,7 +19,7 @@ use std::rc::Rc;
 
 /// Does `value` match `pattern`? Variables already bound, in `bindings` or in `context`, must match what they
 /// are bound to; others are added to `bindings`. Without a match, or on an error, `bindings` is as before. Segments
-/// take as few elements as possible; `place` is where messages point that have no place of their own.
+/// take as few elements as possible; `place` is where messages point without a place.
 ///
 /// # Errors
 /// When a computed part, guard or predicate fails, a `<?x>` is unbound, or the match takes too many steps.
@@ -51,7 +51,7 @@ fn is_straight(pattern: &Pattern) -> bool {
     }
 }
 
-/// What remains to be matched.
+/// Remaining patterns to match.
 #[derive(Clone, Copy)]
 enum Goal<'a> {
     One(&'a Pattern, &'a Value),
@@ -66,7 +66,7 @@ struct GoalStack<'a> {
 
 type Goals<'a> = Option<Rc<GoalStack<'a>>>;
 
-/// What to try when the present way fails.
+/// Alternative to try if the present one fails.
 struct Choice<'a> {
     goal: Goal<'a>,
     next: Goals<'a>,
@@ -82,7 +82,7 @@ struct Matcher<'a> {
     steps: &'a mut u64,
 }
 
-/// Where one step leads.
+/// Result of one step.
 enum Progress<'a> {
     Fail,
     Continue(Goals<'a>),

@@ -13,7 +13,7 @@ use apex_model::source::Place;
 use apex_model::time::Time;
 use apex_model::value::Value;
 
-/// Which result of which part: what it shares with itself at a later time, when its interval has grown.
+/// Identity of a result of a part, which stays the same when its interval grows.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Key {
     part: Place,
@@ -54,20 +54,20 @@ impl Used {
         self.keys.push(Key::of(part, result));
     }
 
-    /// Is the result among them?
+    /// Returns true if the result was reported.
     pub(crate) fn contains(&self, part: Place, result: &Satisfaction) -> bool {
         self.horizon.is_some_and(|horizon| result.recognised_at < horizon)
             || (!self.keys.is_empty() && self.keys.contains(&Key::of(part, result)))
     }
 }
 
-/// What was told of one monitor: for each alternative of its outermost `:or`, or for the whole.
+/// Reported results of one monitor: for each alternative of its outermost `:or`, or for the whole.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ReportedResults(pub(crate) Vec<Branch>);
 
 impl ReportedResults {
     /// As it is when a bank has reported of the monitor's run: the result of the run before the newest sample, and of the one
-    /// that goes on.
+    /// that is open.
     pub(crate) fn by_bank(part: &Part, before: Option<&Satisfaction>, open: Option<&Satisfaction>) -> ReportedResults {
         let key = |result: &Satisfaction| Key::of(part.place, result);
         let open: Vec<Key> = open.map(key).into_iter().collect();
@@ -75,18 +75,18 @@ impl ReportedResults {
         ReportedResults(vec![Branch { used: Used { keys, horizon: None }, open, absence: false }])
     }
 
-    /// Will the end of a result be reported that goes on now? Not when it was reported already, and a sample has taken that back.
+    /// Returns true if the end of an open result will be reported: not if it was reported already and a sample has taken that back.
     pub(crate) fn awaits_end(&self) -> bool {
         self.0.iter().any(|branch| !branch.open.is_empty())
     }
 }
 
-/// What was reported of one alternative.
+/// Reported results of one alternative.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Branch {
     /// Results that are part of what was reported.
     pub(crate) used: Used,
-    /// Told results whose interval still grows.
+    /// Reported results whose interval still grows.
     pub(crate) open: Vec<Key>,
     /// That something did not happen was reported.
     pub(crate) absence: bool,

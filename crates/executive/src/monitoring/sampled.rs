@@ -3,7 +3,7 @@
 //! Runs: when a monitor is created or notices a sample.
 //! Reads: histories, evaluation context.
 //! Writes: the part.
-//! Bound: O(1) besides what the part does; looking back O(samples in the window).
+//! Bound: O(1) plus the part's own bound; looking back O(samples in the window).
 //! PDL: `(ATTR OBJ)`.
 //! Paper: section III, histories.
 
@@ -87,7 +87,7 @@ pub(crate) fn notice(
     }
 }
 
-/// What a condition says of the object and the value of a sample.
+/// Constraints of a condition on the object and the value of a sample.
 pub(crate) struct SampleConstraints<'a> {
     /// The state variable.
     pub(crate) pattern: &'a VariablePattern,
@@ -119,7 +119,7 @@ impl SampleConstraints<'_> {
     }
 }
 
-/// What the name of a sample's object binds; none if the object does not satisfy `constraints`.
+/// Returns the bindings by the name of a sample's object; `None` if the object does not satisfy `constraints`.
 pub(crate) fn object_bindings(
     part: &impl Sampled,
     constraints: &[Constraint],

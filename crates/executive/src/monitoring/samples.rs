@@ -54,7 +54,7 @@ fn ground(pattern: &Pattern, context: &dyn EvalContext) -> Option<Value> {
     }
 }
 
-/// Could samples of `variable` concern a part that watches `attribute`, or just `known`?
+/// Returns true if samples of `variable` may concern a part that watches `attribute`, or only `known`.
 pub(crate) fn concerns(known: Option<&StateVariable>, attribute: &Symbol, variable: &StateVariable) -> bool {
     match known {
         Some(known) => known == variable,
@@ -62,18 +62,18 @@ pub(crate) fn concerns(known: Option<&StateVariable>, attribute: &Symbol, variab
     }
 }
 
-/// What a sample is to a part that keeps the newest sample of each object apart.
+/// Relation of a sample to the newest sample of its object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Arrival {
     /// Too early, too late, or answered before: nothing.
     Nothing,
     /// Not the newest, but all since the window began is remembered: the part looks back again.
     Late,
-    /// It goes on with it.
+    /// It continues with it.
     Next,
 }
 
-/// What `sample` is to a part with this window, whose newest sample of the object is at `newest`.
+/// Returns the relation of `sample` to a part with this window, whose newest sample of the object is at `newest`.
 pub(crate) fn arrival(
     window: Window,
     sample: SampleView<'_>,
@@ -107,7 +107,7 @@ pub(crate) fn object_holds(
     all(constraints, &variable.object, Reading::Value(None), bindings, context, site.place)
 }
 
-/// A remembered sample, heard of when its instant was: one that replaced another has its place.
+/// A remembered sample, known when its instant was: one that replaced another has its place.
 pub(crate) fn seen_of<'a>(variable: &'a StateVariable, history: &History, sample: &'a Sample) -> SampleView<'a> {
     SampleView { variable, value: &sample.value, at: sample.at, sequence: history.first_arrival(sample) }
 }

@@ -13,7 +13,7 @@ use apex_model::value::Value;
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
 
-/// How specific a pattern is. Orders from general to specific: the greatest is chosen.
+/// Specificity of a pattern. Orders from general to specific: the greatest is chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Specificity {
     variables: Reverse<usize>,
@@ -32,7 +32,7 @@ pub(crate) fn specificity(pattern: &Pattern) -> Specificity {
     }
 }
 
-/// Why a pattern with specificity `first` is taken before one with `other`, said of the other.
+/// Returns the reason for which a pattern with specificity `first` precedes one with `other`, as a statement about the other.
 pub(crate) fn why_before(first: Specificity, other: Specificity) -> String {
     if first.variables != other.variables {
         return format!(

@@ -22,7 +22,7 @@ pub(crate) enum Stimulus {
         variable: StateVariable,
         /// The value, in the declared unit.
         value: Value,
-        /// When.
+        /// Instant.
         at: Time,
         /// Arrival number.
         sequence: u64,
@@ -33,7 +33,7 @@ pub(crate) enum Stimulus {
     Event {
         /// Its form.
         form: Value,
-        /// When.
+        /// Instant.
         at: Time,
         /// Arrival number.
         sequence: u64,
@@ -42,9 +42,9 @@ pub(crate) enum Stimulus {
     TaskEnded {
         /// The task.
         task: TaskId,
-        /// When.
+        /// Instant.
         at: Time,
-        /// The number of the first monitor that was made later: who begins to watch later does not hear of it.
+        /// The number of the first monitor that was made later: a monitor that begins later does not receive it.
         before: MonitorId,
     },
     /// A task changed state (`TaskEnded` comes separately when it ended).
@@ -55,7 +55,7 @@ pub(crate) enum Stimulus {
         from: TaskState,
         /// After.
         state: TaskState,
-        /// When.
+        /// Instant.
         at: Time,
         /// As above.
         before: MonitorId,

@@ -37,7 +37,7 @@ impl TimeBounds {
 /// An instant that an expression gives.
 ///
 /// # Errors
-/// When it cannot be evaluated, or is no instant.
+/// When it cannot be evaluated, or is not an instant.
 pub(crate) fn instant_of(expr: &Expr, context: &dyn EvalContext) -> Result<Time, EvaluationError> {
     let value = evaluate(expr, context)?;
     instant(&value).map_err(|message| EvaluationError { message, place: expr.place })
@@ -46,7 +46,7 @@ pub(crate) fn instant_of(expr: &Expr, context: &dyn EvalContext) -> Result<Time,
 /// A duration that an expression gives.
 ///
 /// # Errors
-/// When it cannot be evaluated, or is no duration.
+/// When it cannot be evaluated, or is not a duration.
 pub(crate) fn duration_of(expr: &Expr, context: &dyn EvalContext) -> Result<Duration, EvaluationError> {
     let value = evaluate(expr, context)?;
     duration(&value).map_err(|message| EvaluationError { message, place: expr.place })
@@ -55,7 +55,7 @@ pub(crate) fn duration_of(expr: &Expr, context: &dyn EvalContext) -> Result<Dura
 /// The instants that satisfy all `constraints`.
 ///
 /// # Errors
-/// When a side cannot be evaluated, or a constraint is no bound (the checker refuses those).
+/// When a side cannot be evaluated, or a constraint is not a bound (the checker refuses those).
 pub(crate) fn bounds(
     constraints: &[Constraint],
     context: &dyn EvalContext,

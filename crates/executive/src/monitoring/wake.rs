@@ -1,5 +1,5 @@
 //! Reasons of wakes (M&I)
-//! What: why time alone may change a verdict, in words.
+//! What: states why time alone may change a verdict.
 //! Runs: with every wake.
 //! Reads: nothing.
 //! Writes: nothing.
@@ -10,14 +10,14 @@
 use apex_model::time::Duration;
 use std::fmt;
 
-/// Why time alone may change a verdict.
+/// Reason for which time alone may change a verdict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum WakeReason {
     /// A run without samples for longer than this is over.
     GapEnds(Duration),
-    /// A run has lasted so long.
+    /// A run has reached its duration.
     DurationReached(Duration),
-    /// What the last verdict foresaw: a `:delay` at the end of an order is over, or an estimate, a run or a window
+    /// An instant that the last verdict foresaw: a `:delay` at the end of an order is over, or an estimate, a run or a window
     /// comes to satisfy its constraints.
     Foreseen,
     /// A `:delay` is over.

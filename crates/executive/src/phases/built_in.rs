@@ -24,7 +24,7 @@ fn evaluated(cycle: &Cycle<'_>, id: TaskId, expr: &Expr) -> Result<Value, Becaus
         .map_err(|error| Because::new(Cause::ExpressionFailed { message: error.message }, Some(error.place)))
 }
 
-/// Where the last argument stands: the one that may name nobody.
+/// Returns the position of the last argument, which may name no task.
 fn place(arguments: &[Expr]) -> Place {
     arguments.last().map(|argument| argument.place).unwrap_or_default()
 }
@@ -126,7 +126,7 @@ fn on_task(cycle: &mut Cycle<'_>, id: TaskId, which: BuiltInActivity, task: Task
     }
 }
 
-/// What `(hold-resource ..)` was granted belongs to the procedure from now on: its steps share it.
+/// Passes the resources granted to `(hold-resource ..)` to the procedure: its steps share them.
 fn hand_to_parent(cycle: &mut Cycle<'_>, id: TaskId) {
     let needs = resources::needs_of(cycle, id);
     let Some(parent) = cycle.task(id).and_then(|task| task.parent) else { return };

@@ -79,7 +79,7 @@ pub(crate) fn contend(cycle: &mut Cycle<'_>) -> Arbitration {
     result
 }
 
-/// A task that may start over has not gone on yet: its steps are offered when it does, all at once.
+/// A task that may start over has not continued yet: its steps are offered when it does, all at once.
 fn waits_for_parent(cycle: &Cycle<'_>, id: TaskId) -> bool {
     let resuming = &cycle.work.resuming;
     if resuming.is_empty() || cycle.state(id) != TaskState::Enabled {
@@ -154,7 +154,7 @@ pub(crate) fn commit(cycle: &mut Cycle<'_>, arbitration: Arbitration) {
     }
     look_behind(cycle, &begun, &arbitration.refused);
     if changes {
-        // Their parents go on: they compete again.
+        // Their parents continue: they compete again.
         for id in arbitration.barred {
             let needs = resources::needs_of(cycle, id);
             cycle.work.dirty.extend(needs.into_iter().map(|need| need.resource));
@@ -166,7 +166,7 @@ pub(crate) fn commit(cycle: &mut Cycle<'_>, arbitration: Arbitration) {
     }
 }
 
-/// Who begins by being granted what it needs, while others are refused; only who may go before others by rank.
+/// Returns the tasks that begin by this grant while others are refused; only tasks that may precede others by rank.
 fn begun_by(cycle: &Cycle<'_>, arbitration: &Arbitration) -> Vec<TaskId> {
     if arbitration.refused.is_empty() {
         return Vec::new();
@@ -176,7 +176,7 @@ fn begun_by(cycle: &Cycle<'_>, arbitration: &Arbitration) -> Vec<TaskId> {
 }
 
 /// Work that has begun comes first among its equals, unless one goes before it by rank that has not begun. When such ones
-/// begin, what the interrupted ones behind them want is looked at again.
+/// begin, what the interrupted ones behind them want is arbitrated again.
 fn look_behind(cycle: &mut Cycle<'_>, begun: &[TaskId], refused: &[Refusal]) {
     if begun.is_empty() {
         return;
@@ -203,7 +203,7 @@ fn resource_name(cycle: &Cycle<'_>, id: ResourceId) -> Value {
     cycle.agent.resources.get(id).map_or_else(Value::nil, |resource| resource.name.clone())
 }
 
-/// What is granted; all of a resource needs no amount.
+/// Returns the granted share; all of a resource needs no amount.
 fn share(cycle: &Cycle<'_>, need: &Need) -> Share {
     let Some(resource) = cycle.agent.resources.get(need.resource) else {
         return Share { resource: Value::nil(), amount: None };
@@ -243,8 +243,8 @@ fn grant(cycle: &mut Cycle<'_>, id: TaskId) {
     }
 }
 
-/// Says once for each claim that the task stays as it is, and to whom it lost first: who has the resource later is seen
-/// from the resource, and a hundred thousand who wait must not each say so again whenever it changes hands.
+/// Says once for each claim that the task stays as it is, and the task to which it lost first: later holders are seen
+/// from the resource, and a hundred thousand waiting tasks must not each repeat it whenever it changes hands.
 fn refuse(cycle: &mut Cycle<'_>, loss: &Loss) {
     let Some(extras) = cycle.agent.task_mut(loss.loser).map(|task| task.extras_mut()) else { return };
     let is_new = extras.refused.replace((loss.resource, loss.winner)) != Some((loss.resource, loss.winner));
@@ -261,7 +261,7 @@ fn refuse(cycle: &mut Cycle<'_>, loss: &Loss) {
     cycle.decide(Some(loss.loser), kind, because);
 }
 
-/// When one of those who count for the refused task may come to be above one in its way.
+/// Returns the instant at which the priority of a task that counts for the refused one may exceed that of a blocking task.
 fn next_crossing(
     agent: &Agent,
     stands_for: &[TaskId],
@@ -276,7 +276,7 @@ fn next_crossing(
 
 /// Asks to be woken when the priorities of the task and of those in its way may cross.
 fn watch_crossing(cycle: &mut Cycle<'_>, loser: TaskId, stands_for: &[TaskId], rivals: &[Rival]) {
-    // Many rivals can stand for the same ones.
+    // Many rivals can represent the same ones.
     let mut concerned = stands_for.to_vec();
     let mut contests: Vec<(TaskId, Option<TaskId>)> = Vec::new();
     for rival in rivals {

@@ -134,7 +134,7 @@ fn preconditions_hold(cycle: &mut Cycle<'_>, id: TaskId, satisfaction: Satisfact
     instantiation::offer(cycle, id);
 }
 
-/// What freed the pending task last: that is why it is enabled now and not before.
+/// Returns the last cause that freed the pending task: the reason for its enablement now and not before.
 fn freed(cycle: &mut Cycle<'_>, id: TaskId) -> Because {
     let place = cycle.place_of(id);
     if let Some(evidence) = evidence_of(cycle, id) {
@@ -144,7 +144,7 @@ fn freed(cycle: &mut Cycle<'_>, id: TaskId) -> Because {
     Because::new(cause, place)
 }
 
-/// What satisfied the task's `waitfor` last.
+/// Returns the evidence that last satisfied the task's `waitfor`.
 fn evidence_of(cycle: &Cycle<'_>, id: TaskId) -> Option<EvidenceList> {
     let list = &cycle.work.evidence;
     let after = list.partition_point(|(task, _)| *task <= id);

@@ -1,5 +1,5 @@
 //! Controller invocation (TC)
-//! What: lets every task that became ongoing begin its work, or go on with it.
+//! What: lets every task that became ongoing begin its work, or continue it.
 //! Runs: act phase.  Reads: Selection.  Writes: Controller, Decision, effects.
 //! Bound: O(1) per task in addition to what its controller does.  PDL: section 9.  Paper: section III, primitive and planner invocation.
 
@@ -30,7 +30,7 @@ pub(crate) fn act(cycle: &mut Cycle<'_>) {
         if task.controller.is_none() {
             begin(cycle, id);
         } else if interruption::may_start_over(cycle, id) {
-            // Its resumption is noticed first; what starts over does not go on before that.
+            // Its resumption is noticed first; a task that starts over does not continue before that.
             cycle.work.resuming.insert(id);
             interruption::hold_children(cycle, id);
             // It is ongoing: where those who were interrupted below it claim already, its priority counts for them.
@@ -81,7 +81,7 @@ fn go_on(cycle: &mut Cycle<'_>, id: TaskId) {
     let (now, Some(task)) = (cycle.now, cycle.task(id)) else { return };
     let Some(controller) = task.controller.as_deref() else { return };
     match controller {
-        // It failed before it could begin: this is no resumption.
+        // It failed before it could begin: this does not resume it.
         Controller::Handling(_) if task.started_at == Some(now) => {}
         Controller::Primitive(_) => {
             primitive::resume(cycle, id);

@@ -55,7 +55,7 @@ pub(crate) fn record(cycle: &mut Cycle<'_>, events: &[Event]) {
     }
 }
 
-/// Counts what comes from outside at this instant: a burst of messages is no loop.
+/// Counts what comes from outside at this instant: a burst of messages is not a loop.
 fn count_outside(cycle: &mut Cycle<'_>, events: &[Event]) {
     let counts = |event: &&Event| matches!(event.kind, EventKind::Measurement(..) | EventKind::Occurrence(_));
     let count = events.iter().filter(counts).count();

@@ -32,7 +32,7 @@ use apex_model::time::Duration;
 use apex_model::value::Value;
 use smallvec::SmallVec;
 
-/// What was chosen, and what the decision says about it.
+/// The chosen method, with the text of the decision.
 struct Choice {
     goal: Value,
     way: MethodBinding,
@@ -196,10 +196,10 @@ fn method_of(cycle: &Cycle<'_>, candidate: Candidate) -> Option<Method> {
     }
 }
 
-/// What serves a goal, with what its index binds.
+/// Methods that serve a goal, with the bindings of their indexes.
 type Matches = SmallVec<[(Candidate, Bindings); 1]>;
 
-/// Why the first of the matches is taken: nothing is as specific, or the order of what is.
+/// Returns the reason for the first of the matches: the others are less specific, or equally specific and later in the order.
 fn why_first(cycle: &Cycle<'_>, matches: &Matches) -> Cause {
     let candidates = matches.len() as u64;
     let specific = |candidate: Candidate| index_of(cycle, candidate).map(|(pattern, _)| specificity(pattern.get()));

@@ -1,4 +1,4 @@
-//! Which state variables conditions read, so that a reader of a log can leave out the others.
+//! State variables that conditions read, so that a reader of a log can leave out the others.
 
 use super::MonitorSession;
 use crate::monitoring::memory::demand::Subject;

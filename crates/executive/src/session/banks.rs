@@ -45,7 +45,7 @@ impl MonitorSession {
         }
     }
 
-    /// Shows the stimulus to the bank of its variable. Whoever must be told of it in the general way joins `found`; so do
+    /// Shows the stimulus to the bank of its variable. Monitors that must receive it in the general way join `found`; so do
     /// all when its variable is `repeated` at its instant, since the next sample may take back what it says.
     pub(super) fn show_bank(&mut self, stimulus: &Stimulus, repeated: &[StateVariable], found: &mut Found) {
         let Stimulus::Sample { variable, value, at, newest, .. } = stimulus else { return };
@@ -92,7 +92,7 @@ impl MonitorSession {
         self.refresh(&variable);
     }
 
-    /// Whoever had one of `taken` in a bank is told in the general way again.
+    /// A monitor with one of `taken` in a bank receives stimuli in the general way again.
     fn stand_up(&mut self, taken: Taken) {
         for of_one in taken.chunk_by(|(one, _), (other, _)| one.monitor == other.monitor) {
             let Some((LeafId { monitor: id, .. }, first)) = of_one.first() else { continue };
@@ -154,7 +154,7 @@ impl MonitorSession {
         self.heard = heard;
     }
 
-    /// Gives the condition's monitor what banks have seen of it. True when they go on watching meanwhile: a combination
+    /// Gives the condition's monitor what banks have seen of it. True when they continue to watch meanwhile: a combination
     /// is harvested while its leaves stay where they are.
     pub(super) fn look_into_banks(&mut self, id: MonitorId, watched: &mut Watched) -> bool {
         let Watched { monitor: Some(monitor), leaves: Some(leaves), .. } = watched else {
@@ -223,7 +223,7 @@ impl MonitorSession {
         if whole {
             threshold_formula::lie_down(monitor);
         } else {
-            // One leaf alone in a bank would not hear of what the others are reported.
+            // One leaf alone in a bank would not receive the reports of the others.
             for (leaf, variable) in (0..).zip(leaves.variables()).take(inside) {
                 self.interests.episodes_mut(variable).and_then(|bank| bank.take(LeafId { monitor: id, leaf }));
             }
@@ -266,7 +266,7 @@ impl MonitorSession {
     }
 
     /// Takes in samples of one variable, in order of time and with nothing else between them, one instant each, up to one
-    /// that somebody must be reported of in the general way; how many these were. The last one stays out: what comes after it
+    /// that a monitor must receive in the general way; how many these were. The last one stays out: what comes after it
     /// may still belong to its instant.
     pub(super) fn pass_by(&mut self, variable: &StateVariable, instants: &[Time], values: &[f64]) -> usize {
         if !self.stimuli.is_empty() || !self.touched.is_empty() {

@@ -1,5 +1,5 @@
 //! The largest sampling gaps within results (rules 8 and 22), for sessions that ask for them. Samples cost O(1) each on
-//! average, and nothing where nobody asked.
+//! average, and nothing without a query.
 
 use crate::state::monitors::monitor::Satisfaction;
 use crate::state::recorded::Recorded;
@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, VecDeque};
 /// The longest time without a sample between the first and the last one of a run that a result rests on.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SamplingGap {
-    /// Whose samples.
+    /// Variable of the samples.
     pub variable: StateVariable,
     /// The sample before the gap.
     pub start: Time,
@@ -33,7 +33,7 @@ pub(super) struct Spacings {
     variables: BTreeMap<StateVariable, OfVariable>,
 }
 
-/// What is needed to name the largest spacing up to the newest sample, or up to the one before it, which ends a run that the
+/// Data to name the largest spacing up to the newest sample, or up to the one before it, which ends a run that the
 /// newest does not belong to.
 #[derive(Clone, Debug)]
 struct OfVariable {
@@ -56,7 +56,7 @@ impl Spacings {
                     self.variables.insert(variable.clone(), OfVariable::from(at));
                 }
             },
-            // It divides a spacing that is no longer at hand: what is known begins again.
+            // It divides a spacing that is no longer known: what is known begins again.
             Some(Recorded::Inserted) => {
                 if let Some(known) = self.variables.get_mut(variable) {
                     *known = OfVariable::from(known.newest);

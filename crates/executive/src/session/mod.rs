@@ -50,7 +50,7 @@ use watched::Watched;
 ///
 /// Stimuli come in any number and order of calls; their instants move the session's time, which never goes back. All
 /// stimuli of one instant are one step (rule 4): an instant is over when one of a later instant comes, or when
-/// [`advance`](MonitorSession::advance) says so. What time alone decides is decided at its exact instant. So what is told
+/// [`advance`](MonitorSession::advance) passes it. What time alone decides is decided at its exact instant. So what is reported
 /// depends neither on how calls are divided nor on how often time is advanced (rule 21).
 ///
 /// # What is reported
@@ -60,14 +60,14 @@ use watched::Watched;
 /// - **A single condition** (measurement, episode, event, ..) tells every result: each sample that satisfies a
 ///   measurement, each maximal run that satisfies an episode, each message that matches. With an object variable there
 ///   are such results for each object.
-/// - **An episode** is told when it is recognised, say after its `:duration`. Its run may go on: then the result is marked
-///   [`open`](ResultEvent::Recognised), and it is told once more, with its final interval, when the run is over, which the
-///   next sample shows: [`ResultEvent::Closed`]. Who wants each result once looks at either kind.
+/// - **An episode** is reported when it is recognised, say after its `:duration`. Its run may continue: then the result is marked
+///   [`open`](ResultEvent::Recognised), and it is reported once more, with its final interval, when the run is over, which the
+///   next sample shows: [`ResultEvent::Closed`]. A caller that needs each result once considers either kind.
 /// - **A combination** (`:and`, `:in-order`, ..) tells a result as soon as its parts make one up, and then begins again: what
 ///   was known of the parts at that instant makes up no further result. Of several results of one instant that bind the
 ///   same variables (tags aside) the first in order is reported.
-/// - **The alternatives** of an outermost `:or` are told each for itself.
-/// - **An absence** (`:not`) is told once, when it becomes true, and not at every instant at which it is still true.
+/// - **The alternatives** of an outermost `:or` are reported separately.
+/// - **An absence** (`:not`) is reported once, when it becomes true, and not at every instant at which it is still true.
 ///
 /// A sample that comes late, within its variable's `:lateness`, can make a result known, which is then recognised at the
 /// session's time; what was reported before is not taken back.
@@ -91,7 +91,7 @@ pub struct MonitorSession {
     touched: Vec<MonitorId>,
     /// Updates that episode indexes have reported for the present instant.
     heard: Vec<episode_index::EpisodeUpdate>,
-    /// Instants at which a condition begins or is judged, or at which the bank of its leaf with this number is looked at.
+    /// Instants at which a condition begins or is judged, or at which the bank of its leaf with this number is evaluated.
     wakes: BTreeSet<(Time, MonitorId, Option<u32>)>,
     results: Vec<MonitorResult>,
     /// For the gaps of results, if they are asked for.
@@ -103,7 +103,7 @@ impl MonitorSession {
     /// A session in terms of `library`: its declared state variables, functions, constants and indexicals.
     ///
     /// # Errors
-    /// A sentence when a declared host function is not registered or a constant has no value.
+    /// A message if a declared host function is not registered or a constant has no value.
     pub fn new(library: Arc<Library>, host: HostFunctions) -> Result<MonitorSession, String> {
         crate::registration::all_registered(&library, &host)?;
         let mut histories = Histories::default();
@@ -205,7 +205,7 @@ impl MonitorSession {
         self.touch_all();
     }
 
-    /// A measurement, in the declared unit where it is a bare number. What became of it; none when it was refused, and a
+    /// A measurement, in the declared unit where it is a bare number. Returns its recording; `None` if it was refused, and a
     /// trouble says why.
     pub fn sample(&mut self, variable: &StateVariable, value: Value, at: Time) -> Option<Recorded> {
         self.come_to(at);
@@ -223,7 +223,7 @@ impl MonitorSession {
         if !self.interests.ignore_variable(variable) {
             self.stimuli.extend(recording.stimulus);
         }
-        // Also of what nobody watches yet: a condition may begin to be watched at this instant.
+        // Also of variables without a monitor: a condition may begin to be watched at this instant.
         if let Some(spacings) = &mut self.spacings {
             spacings.note(variable, at, recording.recorded);
         }
@@ -250,7 +250,7 @@ impl MonitorSession {
         }
     }
 
-    /// A task enters a state. One that is first heard of was pending before.
+    /// A task enters a state. A task that is new was pending before.
     pub fn task_state(&mut self, task: TaskId, state: TaskState, at: Time) {
         self.come_to(at);
         let first = KnownTask { state: TaskState::Pending, since: at, started_at: at, worked: Duration::ZERO };
@@ -263,7 +263,7 @@ impl MonitorSession {
         }
     }
 
-    /// Time has arrived to `now`, and everything up to and with it was handed over: what it decides is told.
+    /// Time has arrived to `now`, and everything up to and with it was handed over: its decisions are reported.
     pub fn advance(&mut self, now: Time) {
         self.come_to(now);
         self.end_instant();

@@ -1,4 +1,4 @@
-//! What a session is asked: results, troubles, time, histories, and what can be said about a condition now.
+//! Queries of a session: results, errors, time, histories, and the present status of a condition.
 
 use super::{Judgement, MonitorResult, MonitorSession, SessionError, watched};
 use crate::monitoring::combination::{interest, monitors};
@@ -17,7 +17,7 @@ impl MonitorSession {
         std::mem::take(&mut self.results)
     }
 
-    /// What went wrong since the last call; at most [`SESSION_TROUBLES_MAX`], the first ones.
+    /// Takes the errors since the last call; at most [`SESSION_TROUBLES_MAX`], the first ones.
     pub fn take_troubles(&mut self) -> Vec<SessionError> {
         std::mem::take(&mut self.troubles)
     }
@@ -32,18 +32,18 @@ impl MonitorSession {
         &self.world.library
     }
 
-    /// What is remembered, with counts of late, replaced and missing samples.
+    /// Returns the remembered samples and messages, with counts of late, replaced and missing samples.
     pub fn histories(&self) -> &Histories {
         &self.world.histories
     }
 
-    /// What a condition must be reported of, as far as it is known; empty while it is waited for.
+    /// Returns the stimuli that a condition must receive, as far as they are known; empty while it is not begun.
     pub fn interests(&self, id: MonitorId) -> Vec<Interest> {
         let monitor = self.watches.get(id.0).and_then(|watched| watched.monitor.as_ref());
         monitor.map(interest::interests).unwrap_or_default()
     }
 
-    /// What the watched conditions read and the session has had no sample of: state variables such as `(roll-angle aircraft-1)`,
+    /// Returns the variables that the watched conditions read and that had no sample: state variables such as `(roll-angle aircraft-1)`,
     /// and attributes such as `(roll-angle ..)` where the object is open. A condition about such a variable is mostly a misspelling.
     pub fn without_samples(&self) -> Vec<String> {
         let histories = self.histories();
@@ -57,7 +57,7 @@ impl MonitorSession {
         watched.filter_map(missing).collect()
     }
 
-    /// What can be said about a condition at the last instant that is over; none when it is not watched.
+    /// Returns the status of a condition at the last instant that is over; `None` if it is not watched.
     pub fn verdict(&self, id: MonitorId) -> Option<Judgement> {
         let watched = self.watches.get(id.0)?;
         let results = watched.results;

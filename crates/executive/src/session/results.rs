@@ -1,4 +1,4 @@
-//! What a session tells: results, verdicts with their reasons, troubles.
+//! Output of a session: results, verdicts with their reasons, errors.
 
 #[cfg(doc)]
 use super::MonitorSession;
@@ -13,7 +13,7 @@ use apex_model::time::Time;
 pub struct MonitorResult {
     /// The condition.
     pub watch: MonitorId,
-    /// What is reported of the result.
+    /// Kind of report.
     pub telling: ResultEvent,
     /// The result: interval, instant of recognition, bindings, evidence.
     pub result: Satisfaction,
@@ -22,7 +22,7 @@ pub struct MonitorResult {
     pub gaps: Vec<SamplingGap>,
 }
 
-/// What is reported of a result.
+/// Report about a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ResultEvent {
     /// It was recognised just now.
@@ -34,14 +34,14 @@ pub enum ResultEvent {
     Closed,
 }
 
-/// What is known about a condition.
+/// Status of a condition.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Judgement {
     /// Satisfied by the first result; otherwise what can be said now.
     pub verdict: Verdict,
     /// The parts that do not hold, with the reason of each; empty when satisfied.
     pub because: Vec<Unmet>,
-    /// How many results were reported.
+    /// Number of reported results.
     pub results: u64,
 }
 
@@ -50,10 +50,10 @@ pub struct Judgement {
 pub struct SessionError {
     /// The condition, if it is about one.
     pub watch: Option<MonitorId>,
-    /// When.
+    /// Instant.
     pub at: Time,
-    /// A sentence for operators.
+    /// A message for operators.
     pub message: String,
-    /// Where in the condition's or library's text.
+    /// Position in the text of the condition or library.
     pub place: Option<Place>,
 }

@@ -1,4 +1,4 @@
-//! What the conditions of a session see: its histories, the tasks that it was reported of, the variables that were bound.
+//! Evaluation context of a session's conditions: its histories, the tasks that were reported to it, the bound variables.
 
 use crate::expression::EvalContext;
 use crate::state::bindings::Bindings;
@@ -18,9 +18,9 @@ use std::sync::Arc;
 pub(super) struct KnownTask {
     pub(super) state: TaskState,
     pub(super) since: Time,
-    /// When it began to work, or was first heard of while it has not.
+    /// Instant at which it began to work; before that, the instant of its first report.
     pub(super) started_at: Time,
-    /// How long it had worked before `since`.
+    /// Time for which it had worked before `since`.
     pub(super) worked: Duration,
 }
 

@@ -90,7 +90,7 @@ fn the_largest_gap_of_a_run_is_told_when_asked_for() {
             let told = result.gaps.iter().map(|gap| (gap.variable.clone(), gap.start.seconds(), gap.end.seconds()));
             told.collect::<Vec<_>>()
         };
-        // The gap of 9.5 s behind it, where a sample is no number, is not within the run.
+        // The gap of 9.5 s behind it, where a sample is not a number, is not within the run.
         assert_eq!(gaps(results.last().unwrap()), [(roll("uav"), 2.0, 6.0)], "{condition}: {results:?}");
         let mut silent = session_over(condition);
         assert!(silent.take_results().iter().all(|result| result.gaps.is_empty()));
@@ -217,7 +217,7 @@ fn absence_counts_a_value_from_before_its_window_also_when_a_sample_comes_late()
     session.sample(&of("level"), Value::Integer(8), at(2.0));
     session.sample(&of("level"), Value::Integer(1), at(6.0));
     session.event(Value::list([Value::symbol("tick")]), at(12.0));
-    // At 9.5 s nobody knew the level any longer; now it is known that it was low. The 8 is not kept any longer.
+    // At 9.5 s the level was not known any longer; now it is known that it was low. The 8 is not kept any longer.
     session.sample(&of("level"), Value::Integer(2), at(8.0));
     session.advance(at(13.0));
     assert_eq!(told(&mut session), ["found 5.500000001..9.500000001 @12"]);

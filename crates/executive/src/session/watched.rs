@@ -26,7 +26,7 @@ pub(super) struct Watched {
     /// None until `created_at` has arrived.
     pub(super) monitor: Option<Monitor>,
     pub(super) told: ReportedResults,
-    /// What the monitor must be reported of.
+    /// Stimuli that the monitor must receive.
     interests: Vec<Interest>,
     /// Interests may change: they are about tasks that are not known yet.
     changing: bool,
@@ -36,7 +36,7 @@ pub(super) struct Watched {
     pub(super) results: u64,
     /// A combination whose leaves banks watch.
     pub(super) leaves: Option<Leaves>,
-    /// How late its samples may come at most.
+    /// Maximum lateness of its samples.
     pub(super) lateness: Duration,
 }
 
@@ -93,7 +93,7 @@ impl Watched {
         self.told = threshold_episode::told(monitor, open_at);
     }
 
-    /// Whose samples decide leaf number `leaf`, when a bank may watch it.
+    /// Returns the variable whose samples decide leaf number `leaf`, if a bank may watch it.
     pub(super) fn variable_in_bank(&self, leaf: u32) -> Option<&StateVariable> {
         match &self.leaves {
             Some(leaves) => leaves.variables().nth(leaf as usize),
@@ -101,7 +101,7 @@ impl Watched {
         }
     }
 
-    /// The combination was harvested while banks went on watching; it has told `any` result.
+    /// The combination was harvested while banks continued to watch; it has reported `any` result.
     pub(super) fn lie_down_again(&mut self, any: bool) {
         if let Watched { monitor: Some(monitor), leaves: Some(leaves), .. } = self {
             threshold_formula::harvested(monitor, leaves, any);
@@ -109,7 +109,7 @@ impl Watched {
         }
     }
 
-    /// What is new, after everything of the instant was noticed.
+    /// Returns the new results, after everything of the instant was noticed.
     pub(super) fn harvest(&mut self, world: &SessionState) -> Vec<ResultReport> {
         match &mut self.monitor {
             Some(monitor) => result_report::report_results(monitor, &mut self.told, self.lateness, world),
@@ -117,7 +117,7 @@ impl Watched {
         }
     }
 
-    /// Results whose intervals still grew, as they stand at the end of everything.
+    /// Results whose intervals still grew, as they are at the end.
     pub(super) fn finish(&mut self, world: &SessionState) -> Vec<ResultReport> {
         match &self.monitor {
             Some(monitor) => result_report::finish(monitor, &mut self.told, world),
@@ -160,7 +160,7 @@ impl Watched {
     }
 }
 
-/// How late samples may come at most, if nothing else is watched.
+/// Returns the maximum lateness of samples if nothing else is watched.
 fn lateness_of(interests: &[Interest], world: &SessionState) -> Option<Duration> {
     let mut most = Duration::ZERO;
     for interest in interests {
@@ -175,7 +175,7 @@ fn lateness_of(interests: &[Interest], world: &SessionState) -> Option<Duration>
     Some(most)
 }
 
-/// What is known of a condition whose beginning is to come.
+/// Returns the status of a condition that has not begun.
 pub(super) fn not_begun(watched: &Watched) -> Unmet {
     Unmet {
         what: "the condition".to_string(),

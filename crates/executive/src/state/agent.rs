@@ -57,17 +57,17 @@ pub struct Agent {
     pub now: Time,
     /// True when the first step was taken.
     pub started: bool,
-    /// Why the application ended, if it did.
+    /// Reason for the end of the application, if it has ended.
     pub finished: Option<String>,
-    /// Tasks that live or that somebody may still refer to.
+    /// Tasks that live or that a clause may still refer to.
     pub tasks: Table<Task>,
     /// Monitors of living tasks.
     pub watches: Table<Watch>,
-    /// Which monitors must be told of what.
+    /// Monitors by the stimuli that they must receive.
     pub interests: Interests,
-    /// What was measured and what happened.
+    /// Histories of measurements and messages.
     pub histories: Histories,
-    /// Who holds what.
+    /// Holders of resources.
     pub resources: ResourceTable,
     /// Procedures made from plans.
     pub generated: Table<Generated>,
@@ -77,10 +77,10 @@ pub struct Agent {
     pub requests: BTreeMap<SolveRequestId, TaskId>,
     /// Questions without an answer, with the tasks that wait.
     pub questions: BTreeMap<QuestionId, TaskId>,
-    /// What is pursued while conditions with `:probing` are waited for.
+    /// Pursuits for conditions with `:probing` while tasks wait for them.
     #[serde(default, with = "crate::state::pairs")]
     pub probings: BTreeMap<ProbingId, Probing>,
-    /// What will happen by itself.
+    /// Scheduled wakes.
     pub wakes: WakeQueue,
     /// Claimants whose priority can change without a change of a task: it rises, or reads histories.
     pub unsteady: BTreeSet<TaskId>,
@@ -93,12 +93,12 @@ pub struct Agent {
     /// The newest instant at which messages or samples came from outside, and how many did.
     #[serde(default)]
     pub burst: (Time, u64),
-    /// What was published in this round and is recorded in the next one; empty between instants.
+    /// Values published in this round, recorded in the next one; empty between instants.
     #[serde(skip)]
     pub published: Vec<(StateVariable, Value)>,
     /// Counters: the next number of each kind.
     pub next: Counters,
-    /// How many tasks are suspended; derived from the tasks, not part of a snapshot.
+    /// Number of suspended tasks; derived from the tasks, not part of a snapshot.
     #[serde(skip)]
     pub suspended: u64,
 }
@@ -211,7 +211,7 @@ impl Agent {
         }
     }
 
-    /// Which clauses the step has that a task is made from; none where there is no step.
+    /// Returns the clauses of the step from which a task is made; none if there is no step.
     pub fn clauses_of(&self, origin: Origin) -> StepClauses {
         let (Origin::Step(step) | Origin::Item(step) | Origin::OnFailure(step)) = origin else {
             return StepClauses::NONE;
@@ -220,7 +220,7 @@ impl Agent {
         index.map_or(StepClauses::UNKNOWN, |index| index.clauses)
     }
 
-    /// When the agent must be stepped next if nothing happens before, and why.
+    /// Returns the instant of the next step if nothing happens before, with its reason.
     pub fn next_wake(&self) -> Option<(Time, String)> {
         if self.finished.is_some() {
             return None;
@@ -243,7 +243,7 @@ impl Agent {
         self.finished.is_some()
     }
 
-    /// The task with this number, while somebody may still refer to it.
+    /// The task with this number, while a clause may still refer to it.
     #[inline]
     pub fn task(&self, id: TaskId) -> Option<&Task> {
         self.tasks.get(id.0)
@@ -272,7 +272,7 @@ impl Agent {
         }
     }
 
-    /// What is known beforehand about the procedure that `reference` names.
+    /// Returns the index of the procedure that `reference` names.
     #[inline]
     pub fn procedure_index(&self, reference: ProcedureRef) -> Option<&Arc<ProcedureIndex>> {
         match reference {

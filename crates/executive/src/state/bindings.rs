@@ -1,4 +1,4 @@
-//! Variable bindings of a context: small, ordered by first binding, searched linearly. One takes no space of its own.
+//! Variable bindings of a context: small, ordered by first binding, searched linearly. One takes no extra space.
 
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
@@ -38,7 +38,7 @@ impl Bindings {
         self.0.iter().map(|(name, value)| (name, value))
     }
 
-    /// How many variables are bound.
+    /// Returns the number of bound variables.
     pub fn len(&self) -> usize {
         self.0.len()
     }

@@ -7,7 +7,7 @@ use smallvec::SmallVec;
 /// Marks the place of a child that is gone; task numbers never come near.
 const GONE: u64 = 1 << 63;
 
-/// A set of tasks in order of creation. Two numbers take no space of their own.
+/// A set of tasks in order of creation. Two numbers take no extra space.
 #[derive(Clone, Debug, Default)]
 pub struct Children {
     /// Ascending, except for the mark.

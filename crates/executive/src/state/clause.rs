@@ -1,4 +1,4 @@
-//! Monitors in their tasks: which clause of which task each monitor stands for.
+//! Monitors in their tasks: the clause and task of each monitor.
 
 use crate::state::monitors::monitor::{Interest, Monitor};
 use crate::state::wake::WakeKey;
@@ -41,7 +41,7 @@ impl Clause {
     }
 }
 
-/// Where a clause stands: what its variables mean depends on it.
+/// Level of a clause, which determines the meaning of its variables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Level {
     /// At the step: variables of the surrounding procedure.
@@ -57,7 +57,7 @@ pub struct Watch {
     pub task: TaskId,
     /// The clause.
     pub clause: Clause,
-    /// Where the clause stands.
+    /// Level of the clause.
     pub level: Level,
     /// The condition's state.
     pub monitor: Monitor,

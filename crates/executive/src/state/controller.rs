@@ -13,7 +13,7 @@ use apex_model::value::Value;
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
-/// How a task's goal is pursued: chosen when it is enabled, kept until it ends or starts over.
+/// Method for a task's goal: chosen when the task is enabled, kept until it ends or starts over.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Selection {
     /// The goal with its variables filled in.
@@ -24,7 +24,7 @@ pub struct Selection {
     pub needs: Vec<Need>,
     /// Added to the priority of the task while it is ongoing.
     pub interrupt_cost: f64,
-    /// How long it is expected to take, if somebody said.
+    /// Expected duration, if stated.
     pub expected: Option<Duration>,
     /// The work has begun, and uses what it was granted; until then nothing is used up.
     #[serde(default)]
@@ -48,7 +48,7 @@ pub enum MethodBinding {
     Solver(u32),
 }
 
-/// What carries out an ongoing task.
+/// Controller of an ongoing task.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Controller {
     /// An instance of a procedure.
@@ -74,13 +74,13 @@ pub struct ProcedureController {
     pub procedure: ProcedureRef,
     /// Its variables: index bindings, `=>` results. Tags are read from `current`.
     pub context: Bindings,
-    /// The task that each step's tag stands for now.
+    /// The task that each step's tag names now.
     pub current: SmallVec<[Option<TaskId>; 1]>,
     /// All children that still exist, ended ones included.
     pub children: Children,
     /// Steps that the end of the procedure waits for.
     pub open: u32,
-    /// How often a plan that repeats was begun again at `instant`.
+    /// Number of times that a repeating plan began again at `instant`.
     pub rounds: u32,
     /// The instant of `rounds`.
     pub instant: Time,
@@ -91,15 +91,15 @@ pub struct ProcedureController {
 pub struct PrimitiveController {
     /// The template: its index in the library.
     pub primitive: u32,
-    /// What its index bound, and what its forms assigned.
+    /// Bindings of its index and assignments of its forms.
     pub context: Bindings,
     /// Its `locals`.
     pub locals: Bindings,
-    /// How long it takes, if it has a duration.
+    /// Duration, if it has one.
     pub duration: Option<Duration>,
     /// Time worked before the present stretch.
     pub worked: Duration,
-    /// When the present stretch began; none while interrupted.
+    /// Beginning of the present stretch; `None` while interrupted.
     pub running_since: Option<Time>,
     /// The end of the duration.
     pub end: Option<WakeKey>,
@@ -124,9 +124,9 @@ pub struct PrimitiveController {
 pub struct ItemsController {
     /// Children that still exist.
     pub children: Children,
-    /// How many have not ended.
+    /// Number of items that have not ended.
     pub open: u64,
-    /// How many there were.
+    /// Number of items.
     pub items: u64,
 }
 
@@ -141,9 +141,9 @@ pub struct QuestionController {
     pub text: String,
     /// Choices; empty leaves the answer free.
     pub options: Vec<Value>,
-    /// When the operator's time is over.
+    /// Deadline of the operator's answer.
     pub by: Option<Time>,
-    /// What is taken then; none fails the task.
+    /// Answer taken at the deadline; `None` fails the task.
     pub default: Option<Value>,
     /// The wake at that instant.
     pub wake: Option<WakeKey>,
@@ -156,13 +156,13 @@ pub struct PlanningController {
     pub request: SolveRequestId,
     /// The goal that is planned for.
     pub goal: Value,
-    /// What is done meanwhile.
+    /// Task that runs meanwhile.
     pub meanwhile: Option<TaskId>,
     /// The plan is to be pursued as soon as it arrives: the task's own goal has no procedure.
     pub pursue: bool,
-    /// How long the answer is waited for.
+    /// Time limit for the answer.
     pub patience: Duration,
-    /// When that is over; none once there is an answer.
+    /// Wake at the time limit; `None` once there is an answer.
     pub wake: Option<WakeKey>,
     /// The plan arrived while the task was interrupted.
     pub arrived: Option<ProcedureRef>,
@@ -176,7 +176,7 @@ pub struct HandlingController {
 }
 
 impl Controller {
-    /// Is there a child?
+    /// Returns true if the task has a child.
     pub fn has_children(&self) -> bool {
         match self {
             Controller::Procedure(controller) => controller.children.iter().next().is_some(),
@@ -204,11 +204,11 @@ impl Controller {
 pub struct OpenCommand {
     /// The primitive's task.
     pub task: TaskId,
-    /// What was sent.
+    /// The command.
     pub form: Value,
-    /// When.
+    /// Instant at which it was sent.
     pub sent_at: Time,
-    /// How long to wait for the answer.
+    /// Time limit for the answer.
     pub patience: Duration,
     /// The end of that.
     pub timeout: WakeKey,

@@ -28,7 +28,7 @@ pub struct EpisodeIndex {
     leaves: Vec<LeafId>,
     bands: Vec<Band>,
     holds: Vec<bool>,
-    /// When the run is long enough; the end of time while there is none.
+    /// Instants at which runs are long enough; the end of time without a run.
     deadlines: Vec<Time>,
     gaps: Vec<Duration>,
     states: Vec<State>,
@@ -42,13 +42,13 @@ pub struct EpisodeIndex {
     gap_least: Duration,
     gap_most: Duration,
     window_latest: Time,
-    /// When time alone decides an episode unless another sample comes before, and whose.
+    /// First instant at which time alone decides an episode unless a sample comes before, with the episode.
     due: Option<(Time, LeafId)>,
-    /// The wake that was asked for, and for whom; kept by whoever feeds the bank.
+    /// The wake that was asked for, with its monitor; kept by the caller that feeds the bank.
     pub wake: Option<(WakeKey, LeafId)>,
 }
 
-/// What changes seldom in a row.
+/// The part of the state that seldom changes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct State {
     duration_min: Duration,
@@ -63,7 +63,7 @@ struct State {
     gap: Option<Duration>,
     open: Option<OpenResult>,
     negated: bool,
-    /// What was before the newest sample, if that one changed anything.
+    /// State before the newest sample, if that one changed anything.
     before: Before,
 }
 
@@ -76,7 +76,7 @@ struct Before {
     first: i64,
     contradicted: bool,
     gap: Option<Duration>,
-    /// When the run's result was recognised, if it had one.
+    /// Instant at which the run's result was recognised, if it had one.
     found_at: Option<Time>,
 }
 
@@ -93,13 +93,13 @@ impl State {
         (self.start, self.first) = (at, sample);
     }
 
-    /// Has it seen one of the first `samples` samples of the bank, or one before it came in?
+    /// Returns true if it has seen one of the first `samples` samples of the bank, or one before it joined.
     fn has_seen_any(&self, samples: i64) -> bool {
         self.seen || samples > self.came_at
     }
 }
 
-/// How many samples there are from number `first` to number `last`.
+/// Returns the number of samples from number `first` to number `last`.
 fn length(first: i64, last: i64) -> u64 {
     u64::try_from(last.saturating_sub(first).saturating_add(1)).unwrap_or_default()
 }
@@ -139,7 +139,7 @@ impl EpisodeIndex {
         }
     }
 
-    /// How many episodes are here.
+    /// Returns the number of episodes.
     pub fn len(&self) -> usize {
         self.leaves.len()
     }
@@ -149,12 +149,12 @@ impl EpisodeIndex {
         self.leaves.is_empty()
     }
 
-    /// Is the episode here?
+    /// Returns true if the index holds the episode.
     pub fn contains(&self, leaf: LeafId) -> bool {
         self.rows.contains_key(&leaf)
     }
 
-    /// When time alone decides an episode, if no sample comes before.
+    /// Returns the first instant at which time alone decides an episode if no sample comes before.
     pub fn due(&self) -> Option<(Time, LeafId)> {
         self.due
     }
@@ -241,14 +241,14 @@ impl EpisodeIndex {
 
     /// May a sample be taken in by [`EpisodeIndex::sample`]? All episodes must be taken out for any other one.
     pub fn takes(&self, at: Time, value: &Value) -> Option<f64> {
-        // What time alone has decided before the sample must be taken out before the sample is told.
+        // What time alone has decided before the sample must be taken out before the sample is shown.
         let in_time = self.due.is_none_or(|(due, _)| due >= at);
         let ordinary = at > self.newest && at >= self.window_latest && in_time;
         let (number, dimension) = plain_number(value).filter(|_| ordinary)?;
         (dimension == self.dimension).then_some(number)
     }
 
-    /// Takes in a sample that [`EpisodeIndex::takes`], and says what comes of it: runs with a result that are over, runs that
+    /// Takes in a sample that [`EpisodeIndex::takes`], and returns its effects: runs with a result that are over, runs that
     /// have one from now on. These stay in the bank, as open ones.
     pub fn sample(&mut self, at: Time, value: f64, told: &mut Vec<EpisodeUpdate>) {
         let gap = if self.samples == 0 { Duration::ZERO } else { at - self.newest };
@@ -313,7 +313,7 @@ impl EpisodeIndex {
         taken.extend(leaves.into_iter().filter_map(|leaf| Some((leaf, self.take(leaf)?))));
     }
 
-    /// Takes out the episodes that have a result now, for whoever wants one result only.
+    /// Takes out the episodes that have a result now, for callers that need one result only.
     pub fn take_decided(&mut self, told: &[EpisodeUpdate], taken: &mut Taken) {
         let decided = told.iter().filter(|each| each.what == What::Found).map(|each| each.leaf);
         self.take_each(decided.collect(), taken);
@@ -326,8 +326,8 @@ impl EpisodeIndex {
         }
     }
 
-    /// What the episode has seen, as its monitor would have it: none when it has seen nothing. None at all
-    /// when it is not here.
+    /// Returns the run of the episode in the form of its monitor: `Some(None)` if it has no sample yet, `None`
+    /// if the index does not hold it.
     pub fn run_of(&self, leaf: LeafId) -> Option<Option<IndexedRun>> {
         let row = *self.rows.get(&leaf)?;
         let (state, holds) = (self.states.get(row)?, *self.holds.get(row)?);

@@ -1,4 +1,4 @@
-//! What is found out about a library once, so that nobody has to search it again: candidates by the first word of a
+//! Index of a library, built once instead of searches at run time: candidates by the first word of a
 //! goal, steps by tag, results that steps wait for. Derived from the library alone; never part of a snapshot.
 
 use crate::state::step_clauses::StepClauses;
@@ -16,7 +16,7 @@ use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
 /// Something with an index that may serve a goal. Of equally specific ones the first in this order is taken: a plan that was
-/// made in flight goes before what is stored for the same goal, since whoever asked for it wants it used.
+/// made in flight goes before what is stored for the same goal, since it was requested for use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Candidate {
     /// A generated procedure.
@@ -78,7 +78,7 @@ fn head(pattern: &Pattern) -> Option<Symbol> {
     }
 }
 
-/// What is known about a step beforehand.
+/// Index of a step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepIndex {
     /// Its preconditions as one condition; none when there are none.
@@ -89,11 +89,11 @@ pub struct StepIndex {
     pub condition_awaits: Vec<Symbol>,
     /// The end of its procedure waits for it.
     pub counts: bool,
-    /// Which clauses it has.
+    /// Clauses of the step.
     pub clauses: StepClauses,
 }
 
-/// What is known about a procedure beforehand.
+/// Index of a procedure.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ProcedureIndex {
     /// Steps by tag.
@@ -104,7 +104,7 @@ pub struct ProcedureIndex {
     pub changing: BTreeSet<Symbol>,
 }
 
-/// What is known about a library beforehand.
+/// Index of a library.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LibraryIndex {
     /// Procedures and primitives in library order, procedures first.
@@ -184,7 +184,7 @@ fn changing(procedure: &Procedure, results: impl Iterator<Item = Symbol>) -> BTr
     names
 }
 
-/// A step that repeats without bound, or responds again and again, never ends by itself.
+/// A step that repeats without bound, or responds again and again, never ends without a clause.
 fn ends_by_itself(step: &Step) -> bool {
     let bounded = |repetition: &Repetition| repetition.while_true.is_some() || repetition.until.is_some();
     step.responding.is_none() && step.repeating.as_deref().is_none_or(bounded)

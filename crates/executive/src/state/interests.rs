@@ -1,4 +1,4 @@
-//! The table of interests: which monitors must be told of what, so that an event touches only those that wait for it.
+//! The table of interests: the monitors that must receive each stimulus, so that an event touches only those that wait for it.
 
 use crate::state::clause::MonitorId;
 use crate::state::episode_index::{EpisodeIndex, LeafId, ThresholdEpisode};
@@ -30,11 +30,11 @@ pub struct Interests {
 /// Monitors of samples of one variable.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Watchers {
-    /// Must be told of every sample. A monitor that is alone is here whatever it compares.
+    /// Must receive every sample. A monitor that is alone is here whatever it compares.
     every: MonitorSet,
-    /// Must be told of samples on their side of a bound.
+    /// Must receive samples on their side of a bound.
     thresholds: Option<Box<Thresholds>>,
-    /// Need be told of nothing that leaves their episodes as undecided as they are.
+    /// Need receive nothing that leaves their episodes as undecided as they are.
     episodes: Option<Box<EpisodeIndex>>,
 }
 
@@ -45,7 +45,7 @@ struct HeadInterests {
     by_second: BTreeMap<Value, MonitorSet>,
 }
 
-/// What is known about a monitor beyond its interest, so that fewer stimuli touch it.
+/// Facts about a monitor beyond its interest, so that fewer stimuli reach it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Narrowed<'a> {
     /// The second word of the messages it waits for.
@@ -164,7 +164,7 @@ impl Interests {
         }
     }
 
-    /// Who must be told of a sample of `variable`. One that is not the newest of its variable, or takes the place of
+    /// Finds the monitors that must receive a sample of `variable`. One that is not the newest of its variable, or takes the place of
     /// another one, can undo what its forerunner did: all who watch the variable must see it.
     pub fn of_sample(&self, variable: &StateVariable, value: &Value, newest: bool, found: &mut Found) {
         if let Some(watchers) = self.variables.get(variable) {
@@ -182,7 +182,7 @@ impl Interests {
         }
     }
 
-    /// Who must be told of a message.
+    /// Finds the monitors that must receive a message.
     pub fn of_event(&self, form: &Value, found: &mut Found) {
         self.any_event.collect_into(found);
         let head = match form {
@@ -206,7 +206,7 @@ impl Interests {
         }
     }
 
-    /// Who must be told of a transition of `task`.
+    /// Finds the monitors that must receive a transition of `task`.
     pub fn of_task(&self, task: TaskId, found: &mut Found) {
         if let Some(set) = self.tasks.get(&task) {
             set.collect_into(found);
@@ -214,8 +214,8 @@ impl Interests {
         self.any_task.collect_into(found);
     }
 
-    /// Puts the undecided episode `leaf` into its variable's bank, from then on told of nothing that the bank can
-    /// see by itself. False, and nothing changes, when the bank cannot take it.
+    /// Puts the undecided episode `leaf` into its variable's bank, from then on without stimuli that the bank can
+    /// handle. False, and nothing changes, when the bank cannot take it.
     pub fn bank(
         &mut self,
         variable: &StateVariable,
@@ -240,7 +240,7 @@ impl Interests {
         self.variables.get(variable)?.episodes.as_deref()
     }
 
-    /// True when nobody watches the variable.
+    /// True if no monitor watches the variable.
     pub fn ignore_variable(&self, variable: &StateVariable) -> bool {
         self.attributes.is_empty() && self.ignore_steps() && self.variables.get(variable).is_none()
     }
@@ -250,7 +250,7 @@ impl Interests {
         self.variables.get_mut(variable)?.episodes.as_deref_mut()
     }
 
-    /// Who need not be told of every sample of a variable; none when somebody must be.
+    /// Returns the watchers that need not receive every sample of a variable; `None` if one of them must.
     pub fn quiet_watchers(
         &mut self,
         variable: &StateVariable,
@@ -272,17 +272,17 @@ impl Interests {
         }
     }
 
-    /// True when nobody is judged at every instant at which anything happens.
+    /// True if no monitor is judged at every instant at which anything happens.
     pub fn ignore_steps(&self) -> bool {
         self.every_step.is_empty()
     }
 
-    /// Who is judged at every instant at which anything happens.
+    /// Finds the monitors that are judged at every instant at which anything happens.
     pub fn of_every_step(&self, found: &mut Found) {
         self.every_step.collect_into(found);
     }
 
-    /// True when nobody must be told of transitions of `task`.
+    /// True if no monitor must receive transitions of `task`.
     pub fn ignore_task(&self, task: TaskId) -> bool {
         self.any_task.is_empty() && !self.tasks.contains_key(&task)
     }

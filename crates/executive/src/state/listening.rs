@@ -8,7 +8,7 @@ use apex_model::time::Time;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-/// What one repeating step listens for, and what it has heard.
+/// Messages for which one repeating step listens, and those that it has received.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Listener {
     /// The first words of the messages; none are all messages.
@@ -28,12 +28,12 @@ pub struct Listening {
 }
 
 impl Listening {
-    /// Does no task listen?
+    /// Returns true if no task listens.
     pub fn is_empty(&self) -> bool {
         self.tasks.is_empty()
     }
 
-    /// Does the task listen, or has it done so?
+    /// Returns true if the task listens or has listened.
     pub fn knows(&self, task: TaskId) -> bool {
         self.tasks.contains_key(&task)
     }

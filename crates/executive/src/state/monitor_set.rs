@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 use std::collections::BTreeSet;
 
-/// Monitors to be told of something: mostly a few.
+/// Monitors that must receive a stimulus: mostly a few.
 pub type Found = SmallVec<[MonitorId; 8]>;
 
 /// A set of monitors.

@@ -23,11 +23,11 @@ pub struct ProbingId {
 pub struct Probing {
     /// The task whose clause it serves.
     pub waiting: TaskId,
-    /// Where the clause stands: at the step, the probes are children of the waiting task's parent, else of itself.
+    /// Level of the clause: at the step, the probes are children of the waiting task's parent, else of the task.
     pub level: Level,
     /// The condition with the option.
     pub place: Place,
-    /// What is pursued.
+    /// The goal to pursue.
     pub goal: Template,
     /// From start to start, at least.
     pub interval: Duration,
@@ -35,29 +35,29 @@ pub struct Probing {
     pub time_limit: Option<Duration>,
     /// Not more probes than this.
     pub count_limit: Option<u64>,
-    /// How many probes have been begun.
+    /// Number of probes begun.
     pub begun: u64,
-    /// When the first was begun.
+    /// Beginning of the first probe.
     pub first_at: Option<Time>,
-    /// When the last was begun.
+    /// Beginning of the last probe.
     pub last_at: Option<Time>,
     /// The one that lives.
     pub running: Option<TaskId>,
     /// The next probe, or the end of the time limit.
     pub wake: Option<WakeKey>,
-    /// Why no other probe will be begun; none as long as one may.
+    /// Reason for which no further probe will begin; `None` while one may.
     pub end: Option<ProbingEnd>,
     /// The clause is watched no more: this is forgotten with its last probe.
     pub forgotten: bool,
 }
 
 impl Probing {
-    /// When the next probe may begin: `now` for the first one.
+    /// Returns the earliest beginning of the next probe: `now` for the first one.
     pub fn next_at(&self, now: Time) -> Time {
         self.last_at.map_or(now, |last| last + self.interval)
     }
 
-    /// When the time limit is over; none before the first probe, and without a limit.
+    /// Returns the end of the time limit; `None` before the first probe, and without a limit.
     pub fn deadline(&self) -> Option<Time> {
         Some(self.first_at? + self.time_limit?)
     }

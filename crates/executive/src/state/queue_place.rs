@@ -63,7 +63,7 @@ impl QueueKey {
 pub struct RisingKey {
     /// From 0 to 10.
     pub importance: f64,
-    /// When its urgency is greatest.
+    /// Instant of its greatest urgency.
     pub due: Time,
     /// It has begun, and was interrupted.
     pub begun: bool,
@@ -71,7 +71,7 @@ pub struct RisingKey {
     pub order: FamilyOrder,
 }
 
-/// Where in a queue a claimant stands.
+/// Position of a claimant in a queue.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum QueuePlace {
     /// At a place that time does not change.

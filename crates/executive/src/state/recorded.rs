@@ -1,6 +1,6 @@
-//! What a history did with a sample that arrived.
+//! Result of recording a sample in a history.
 
-/// What recording did with a sample.
+/// Result of recording a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Recorded {
     /// Newer than all before.

@@ -1,4 +1,4 @@
-//! Resources: who holds what, who waits for it, and how much is left (`pdl.md`, Procedures, Conflicts).
+//! Resources: holders, waiting tasks, and remaining amounts (`pdl.md`, Procedures, Conflicts).
 
 use crate::state::resource_id::ResourceId;
 use crate::state::waiting::Waiting;
@@ -9,10 +9,10 @@ use apex_model::value::Value;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// How much of a resource a task needs to be ongoing.
+/// Amount of a resource that a task needs to be ongoing.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Need {
-    /// Which resource.
+    /// Resource.
     pub resource: ResourceId,
     /// Units of a capacity, amount of a depletable in SI, 1 of a unitary resource.
     pub amount: f64,
@@ -23,7 +23,7 @@ pub struct Need {
 pub struct Holding {
     /// The holder.
     pub task: TaskId,
-    /// How much of it.
+    /// Amount.
     pub amount: f64,
 }
 
@@ -32,13 +32,13 @@ pub struct Holding {
 pub struct Resource {
     /// Its name.
     pub name: Value,
-    /// What there is to share: 1, the capacity, or what remains of a depletable (reservations included), in SI.
+    /// Total to share: 1, the capacity, or what remains of a depletable (reservations included), in SI.
     pub total: f64,
-    /// Is it used up by its users?
+    /// True if its users use it up.
     pub depletable: bool,
     /// The dimension of amounts.
     pub dimension: Dimension,
-    /// Who holds it, in order of taking. Several holders of one unit are ancestors and descendants.
+    /// Holders, in order of taking. Several holders of one unit are ancestors and descendants.
     pub holders: Vec<Holding>,
     /// Enabled and interrupted tasks that claim it.
     pub waiting: Waiting,

@@ -1,4 +1,4 @@
-//! Which kinds of clauses a step has: most have few, and nobody needs to look for those it has not.
+//! Kinds of clauses that a step has: most have few, and the executive looks only for those.
 
 use apex_model::procedure::{ProcedureKind, Step, Transitions};
 
@@ -52,14 +52,14 @@ impl StepClauses {
         kinds.fold(StepClauses::NONE, |all, (kind, _)| StepClauses(all.0 | kind.0))
     }
 
-    /// Is one of `kinds` among them?
+    /// Returns true if the step has one of `kinds`.
     #[inline]
     pub fn has(self, kinds: StepClauses) -> bool {
         self.0 & kinds.0 != 0
     }
 }
 
-/// Of whom nothing is known.
+/// A task of unknown origin.
 impl Default for StepClauses {
     fn default() -> StepClauses {
         StepClauses::UNKNOWN

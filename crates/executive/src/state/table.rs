@@ -74,7 +74,7 @@ fn split(number: u64) -> Option<(usize, usize)> {
 }
 
 impl<T> Table<T> {
-    /// How many entries there are.
+    /// Returns the number of entries.
     pub fn len(&self) -> usize {
         self.length
     }
@@ -104,7 +104,7 @@ impl<T> Table<T> {
         self.slots.place(slot)?.as_mut()
     }
 
-    /// Is there an entry with this number?
+    /// Returns true if an entry has this number.
     #[inline]
     pub fn contains(&self, number: u64) -> bool {
         self.slot(number).is_some()

@@ -44,7 +44,7 @@ pub enum Origin {
     Item(StepRef),
     /// The `on-failure` activity of its parent's step.
     OnFailure(StepRef),
-    /// What its parent does while a plan is late: the solver declaration's index.
+    /// Work of its parent while a plan is late: the solver declaration's index.
     Meanwhile(u32),
     /// A probe for a condition with `:probing`.
     Probe(ProbingId),
@@ -55,9 +55,9 @@ pub enum Origin {
 pub struct Task {
     /// Its number.
     pub id: TaskId,
-    /// Whose controller made it; none for the root.
+    /// Task whose controller made it; `None` for the root.
     pub parent: Option<TaskId>,
-    /// What it was made from.
+    /// Origin.
     pub origin: Origin,
     /// Its state.
     pub state: TaskState,
@@ -67,11 +67,11 @@ pub struct Task {
     pub held_back: HeldBack,
     /// Suspended by a clause or an activity: claims no resources until resumed. Changed by the agent, which counts.
     pub suspended: bool,
-    /// When this instance was created, or made pending again.
+    /// Creation of this instance, or the instant at which it became pending again.
     pub created_at: Time,
-    /// When its state last changed.
+    /// Last change of its state.
     pub since: Time,
-    /// When it first became ongoing.
+    /// Instant at which it first became ongoing.
     pub started_at: Option<Time>,
     /// Messages and samples up to this arrival are answered: they cannot satisfy this instance.
     pub after_sequence: Option<u64>,
@@ -79,16 +79,16 @@ pub struct Task {
     pub bindings: Bindings,
     /// Its monitors, in order of making.
     pub monitors: SmallVec<[MonitorId; 2]>,
-    /// How its goal is pursued; none while pending.
+    /// Method for its goal; `None` while pending.
     pub selection: Option<Box<Selection>>,
-    /// What carries it out; none until it is ongoing.
+    /// Controller; `None` until it is ongoing.
     pub controller: Option<Box<Controller>>,
-    /// How it ended; none while it lives.
+    /// Outcome; `None` while it lives.
     pub outcome: Option<Outcome>,
-    /// Which clauses its step has; derived from the step, not part of a snapshot.
+    /// Clauses of its step; derived from the step, not part of a snapshot.
     #[serde(skip)]
     pub clauses: StepClauses,
-    /// What few tasks need.
+    /// Data that few tasks need.
     pub extras: Option<Box<Extras>>,
 }
 
@@ -123,9 +123,9 @@ pub struct Extras {
     pub held: Vec<Need>,
     /// Open log policies.
     pub logs: Vec<u64>,
-    /// When the instance before ended, for recovery and least intervals.
+    /// End of the instance before, for recovery and least intervals.
     pub ended_before: Option<Time>,
-    /// When it was created, if it has started over since: its deadline does not move.
+    /// First creation, if it has started over since: its deadline does not move.
     pub first_created: Option<Time>,
     /// Instances that started at `instant`, to stop loops that take no time.
     pub instances: u32,
@@ -137,7 +137,7 @@ pub struct Extras {
     /// Instants within a second at which instances began although nothing had arrived from outside.
     #[serde(default)]
     pub instants: u32,
-    /// How much had arrived from outside when an instance began last.
+    /// Number of inputs from outside that had arrived when an instance last began.
     #[serde(default)]
     pub outside: u64,
     /// Combinations of `:for-new` variables already answered.
@@ -146,9 +146,9 @@ pub struct Extras {
     pub repeats_no_more: bool,
     /// The least interval's wake.
     pub wake: Option<WakeKey>,
-    /// The resource that it was refused at the last look at all claimants, and to whom it went.
+    /// The resource that it was refused at the last arbitration of all claimants, and the winner.
     pub refused: Option<(ResourceId, TaskId)>,
-    /// That it waits has been told: once for each claim, not at every look.
+    /// That it waits has been reported: once for each claim, not at every arbitration.
     pub refusal_told: bool,
     /// The wake at which its rising priority may win.
     pub crossing: Option<WakeKey>,
@@ -168,7 +168,7 @@ impl Task {
         }
     }
 
-    /// Are there tasks below it?
+    /// Returns true if there are tasks below it.
     pub fn has_children(&self) -> bool {
         self.controller.as_ref().is_some_and(|controller| controller.has_children())
     }

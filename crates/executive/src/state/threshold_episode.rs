@@ -1,4 +1,4 @@
-//! Plain episodes as banks know them: what they want, what was seen of them, and what is told.
+//! Plain episodes as banks know them: their bounds, their runs, and their updates.
 
 use crate::state::clause::MonitorId;
 use crate::state::monitors::monitor::ObjectRun;
@@ -6,12 +6,12 @@ use apex_model::quantity::Dimension;
 use apex_model::time::{Duration, Time};
 use serde::{Deserialize, Serialize};
 
-/// Which episode of which monitor.
+/// Identity of an episode: monitor and leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct LeafId {
     /// The monitor.
     pub monitor: MonitorId,
-    /// Which of its episodes in written order; 0 where the episode is all that it watches.
+    /// Number of the episode in written order; 0 for the only one.
     pub leaf: u32,
 }
 
@@ -40,26 +40,26 @@ pub struct ThresholdEpisode {
     pub dimension: Dimension,
     /// The greatest gap between samples; the greatest duration is none.
     pub gap_max: Duration,
-    /// The run lasts at least so long.
+    /// Minimum duration of the run.
     pub duration_min: Duration,
     /// Samples before this do not count.
     pub window_start: Time,
-    /// The run has a result already, told while it goes on: only its end is watched for.
+    /// The run has a result already, reported while it is open: only its end is watched for.
     pub open: Option<OpenResult>,
-    /// It stands under a `:not`: samples that contradict it are to be told.
+    /// It is below a `:not`: samples that contradict it must be reported.
     pub negated: bool,
 }
 
-/// A result whose run goes on.
+/// A result whose run is open.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OpenResult {
-    /// When it was recognised.
+    /// Instant of its recognition.
     pub recognised_at: Time,
     /// The newest sample at that time.
     pub newest: Time,
 }
 
-/// What an episode has seen in a bank.
+/// Run of an episode in a bank.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IndexedRun {
     /// As its monitor would have it, except for the result.
@@ -70,31 +70,31 @@ pub struct IndexedRun {
     pub open_at: Option<Time>,
 }
 
-/// What has become of an episode.
+/// Kinds of changes of an episode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum What {
     /// It has a result from now on.
     Found,
     /// Its run, which had a result, is over.
     Over,
-    /// The newest sample contradicts it, and the one before did not; told only where it stands under a `:not`.
+    /// The newest sample contradicts it, and the one before did not; reported only below a `:not`.
     Contradicted,
 }
 
-/// What a sample, or time, made of an episode.
+/// Change of an episode by a sample or by time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EpisodeUpdate {
-    /// Whose episode.
+    /// The episode.
     pub leaf: LeafId,
-    /// What has become of it.
+    /// Kind of change.
     pub what: What,
     /// The run's first sample.
     pub start: Time,
     /// Its last sample so far, or at all.
     pub last: Time,
-    /// How many samples it has.
+    /// Number of samples.
     pub samples: u64,
-    /// When its result was recognised.
+    /// Instant at which its result was recognised.
     pub recognised_at: Time,
 }
 

@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 /// A comparison with a number that never changes: without it a sample cannot satisfy the condition.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Threshold {
-    /// Which side of the bound a sample must be on.
+    /// The side of the bound on which a sample must be.
     pub side: Side,
     /// The bound in SI; not a not-a-number.
     pub bound: f64,
@@ -173,7 +173,7 @@ mod tests {
         for (number, (relation, right)) in (0..).zip(&bounds) {
             thresholds.insert(Threshold::of(*relation, right).unwrap(), MonitorId(number));
         }
-        // The bound in seconds is shown every plain number: comparing them is an error that somebody must hear of.
+        // The bound in seconds is shown every plain number: comparing them is an error that must be reported.
         assert_eq!(of(&thresholds, Value::Integer(6)), [0, 1, 4]);
         assert_eq!(of(&thresholds, Value::Integer(0)), [1, 2, 3, 4]);
         assert_eq!(of(&thresholds, Value::Real(-4.0)), [2, 4]);

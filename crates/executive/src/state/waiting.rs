@@ -15,18 +15,18 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Urgency is greatest from this long before a task is due.
 pub const GREATEST_URGENCY_BEFORE: Duration = Duration(500_000_000);
 
-/// How a claimant waits.
+/// Kind of wait of a claimant.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Claim {
     /// In a queue.
     Queued {
-        /// Where.
+        /// Position in the queue.
         place: QueuePlace,
         /// Its priority reads variables: its place must be found again when one of them changes.
         varies: bool,
-        /// How long it says that it takes.
+        /// Expected duration, if stated.
         expected: Option<Duration>,
-        /// What it needs in addition.
+        /// Other resources that it needs.
         others: Vec<ResourceId>,
     },
     /// Not in a queue.
@@ -144,7 +144,7 @@ impl Waiting {
         }
     }
 
-    /// Does the task wait?
+    /// Returns true if the task waits.
     pub fn contains(&self, task: TaskId) -> bool {
         self.claims.contains_key(&task)
     }
@@ -174,12 +174,12 @@ impl Waiting {
         self.apart == 0
     }
 
-    /// May time, a change of a variable, or of what is measured, change the order?
+    /// Returns true if time, or a change of a variable or measurement, may change the order.
     pub fn is_sensitive(&self) -> bool {
         !self.sensitive.is_empty() || !self.lines.is_empty()
     }
 
-    /// Does the priority of a claimant in a queue rise?
+    /// Returns true if the priority of a queued claimant rises.
     pub fn has_rising(&self) -> bool {
         !self.lines.is_empty()
     }
@@ -189,13 +189,13 @@ impl Waiting {
         self.together().filter_map(|(_, shortest)| shortest).min()
     }
 
-    /// What claimants in queues need together, with the shortest time that one of them says that it takes.
+    /// Returns the joint needs of queued claimants, with the shortest expected duration among them.
     pub fn together(&self) -> impl Iterator<Item = (&[ResourceId], Option<Duration>)> {
         let shortest = |spans: &BTreeMap<Option<Duration>, usize>| spans.keys().flatten().next().copied();
         self.together.iter().map(move |(needs, spans)| (needs.as_slice(), shortest(spans)))
     }
 
-    /// What claimants in queues need in addition to this resource.
+    /// Returns the resources that queued claimants need in addition to this one.
     pub fn others(&self) -> impl Iterator<Item = ResourceId> + '_ {
         self.together.keys().flatten().copied()
     }
@@ -218,7 +218,7 @@ impl Waiting {
         self.steady.range(first..).next().is_some_and(|key| key.rank.is_none() && key.priority == priority)
     }
 
-    /// Does the place of one more claimant say who comes before it?
+    /// Returns true if the place of one more claimant determines which tasks precede it.
     pub fn takes_in(&self, key: &QueueKey) -> bool {
         let alike = |(parent, group): (&TaskId, &(usize, f64))| {
             key.rank.is_some_and(|rank| rank.parent == *parent) == (group.1 == key.priority)

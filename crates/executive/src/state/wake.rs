@@ -1,4 +1,4 @@
-//! Wakes: the instants at which something happens by itself, so that nobody has to look all the time.
+//! Wakes: the instants of scheduled events, so that nothing has to poll.
 
 use crate::state::clause::MonitorId;
 use apex_model::effect::{CommandId, QuestionId, SolveRequestId};
@@ -7,7 +7,7 @@ use apex_model::time::Time;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// What is due.
+/// Kind of wake.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Wake {
     /// A primitive's duration ends.
@@ -33,7 +33,7 @@ pub enum Wake {
 /// Names an entry of the queue, so that it can be taken back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct WakeKey {
-    /// When.
+    /// Instant.
     pub at: Time,
     /// Numbers entries of one instant in order of making.
     pub number: u64,
@@ -71,7 +71,7 @@ impl WakeQueue {
         (entry.key().at <= now).then(|| entry.remove())
     }
 
-    /// How many entries there are.
+    /// Returns the number of entries.
     pub fn len(&self) -> usize {
         self.entries.len()
     }

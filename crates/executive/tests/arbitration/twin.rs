@@ -22,12 +22,12 @@ struct Awaited {
     earliest: Option<i64>,
 }
 
-/// What one arbitration says, in the order in which it came to it.
+/// Result of one arbitration, in the order of its decisions.
 struct Outcome {
     granted: Vec<usize>,
-    /// Who loses what it holds, and to whom.
+    /// Displaced holders with the winners.
     displaced: Vec<(usize, usize)>,
-    /// Whose needs can never be met.
+    /// Tasks whose needs can never be met.
     impossible: Vec<usize>,
 }
 
@@ -50,18 +50,18 @@ pub struct Twin {
     failed: Vec<bool>,
     /// Number of creation.
     born: Vec<u32>,
-    /// When the last change of state was.
+    /// Last change of state.
     since: Vec<u32>,
-    /// How long it was ongoing before that.
+    /// Time for which it was ongoing before that.
     worked: Vec<u32>,
-    /// What is left of each need: parts of a reservation that descendants used up are gone.
+    /// Remainder of each need: parts of a reservation that descendants used up are gone.
     needs: Vec<[f64; 4]>,
     pub totals: [f64; 4],
     now: u32,
     births: u32,
-    /// What has arrived at this instant: tasks created now see it too.
+    /// Events of this instant: tasks created now see them too.
     present: Option<Moment>,
-    /// What competed when the arbiter decided last.
+    /// Competition at the last decision of the arbiter.
     competed: Option<Competition>,
 }
 
@@ -269,7 +269,7 @@ impl Twin {
         }
     }
 
-    /// What handles failures of the round before takes this round, also where the parent has just lost what it had: the
+    /// Lets handlers of failures of the round before take this round, also if the parent has just lost its resources: the
     /// failed task works until its failure is handled.
     fn handle_failures(&mut self) {
         let handled: Vec<usize> = (0..self.nodes.len()).filter(|task| self.failed[*task]).collect();

@@ -23,11 +23,11 @@ pub struct Node {
     pub priority: Option<f64>,
     pub rank: Option<i32>,
     pub cost: Option<f64>,
-    /// How many seconds it says that it takes, whatever it does.
+    /// Stated duration in seconds, whatever it does.
     pub expected: Option<u32>,
 }
 
-/// What comes at one instant.
+/// Event of one instant.
 #[derive(Clone, Debug)]
 pub enum Moment {
     /// These tasks may begin, these are stopped.

@@ -107,7 +107,7 @@ pub fn tags(effects: &[(Time, Effect)]) -> BTreeMap<TaskId, String> {
     tags
 }
 
-/// What was printed, in order.
+/// Returns the printed texts, in order.
 pub fn printed(effects: &[(Time, Effect)]) -> Vec<String> {
     let text = |effect: &Effect| match effect {
         Effect::Print { text, .. } => Some(text.clone()),

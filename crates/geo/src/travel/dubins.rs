@@ -150,8 +150,8 @@ impl Flyer {
         }
     }
 
-    /// The first instant found at which a path of this word and just that duration is at its end. Nobody is there before who
-    /// flies straight; from then on instants are tried one after the other, and where the length jumps between two of them,
+    /// The first instant found at which a path of this word and just that duration is at its end. No path is shorter than the straight
+    /// one; from its duration on instants are tried in sequence, and where the length jumps between two of them,
     /// because a turn shrinks to none or has become a full circle, both sides of the jump. Instants that begin after `until_s` are not tried.
     fn path(
         &self,

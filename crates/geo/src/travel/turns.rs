@@ -1,7 +1,7 @@
 //! Paths of a vehicle that turns along arcs: turns at both ends and at every bend, in the wind that blows there.
 //!
 //! A path is flown through its bends, each in the direction halfway between its legs, so that around a zone it swings
-//! to the outside. From bend to bend it is a turn-limited path ([`super::dubins`]) in the mean wind of that piece;
+//! to the outside. From bend to bend it is a turn-limited path ([`super::dubins`]) in the average wind of that piece;
 //! directions at its ends are those of their places, if they have one, else free. Of the path types the fastest is
 //! taken that avoids all that is shut forever. The time of turns beyond the straight path is the same at every
 //! departure, namely that in the worst of the winds of the considered time, so that no vehicle that leaves later

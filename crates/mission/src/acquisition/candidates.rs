@@ -151,7 +151,7 @@ pub(super) fn at_height(
     made
 }
 
-/// What the candidates of one sensor and height share.
+/// Common data of the candidates of one sensor and height.
 struct Setting<'a> {
     mission: &'a Mission,
     goal: &'a AcquisitionGoal,

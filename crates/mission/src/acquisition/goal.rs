@@ -19,7 +19,7 @@ pub(crate) const KEYWORDS: [&str; 9] =
 /// Points of a perfect look: factors are compared as percentages.
 pub(super) const PERFECT_POINTS: f64 = 100.0;
 
-/// What is recorded.
+/// Kind of recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum ProductKind {
@@ -33,7 +33,7 @@ pub(crate) enum ProductKind {
     Lines,
 }
 
-/// What shall be acquired.
+/// Goal of an acquisition.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct AcquisitionGoal {
     /// The target as the goal names it: an id, or a location.
@@ -46,7 +46,7 @@ pub(crate) struct AcquisitionGoal {
     pub(crate) position: Position,
     /// Greatest distance of its ground from the middle; 0 for a point.
     pub(crate) radius_m: f64,
-    /// What is recorded.
+    /// Kind of recording.
     pub(crate) product: ProductKind,
     /// Wanted metres per pixel; infinite: any.
     pub(crate) resolution_m: f64,

@@ -18,7 +18,7 @@ use apex_observation::manoeuvres::{
 };
 use std::sync::Arc;
 
-/// What the function knows of a mission.
+/// Data of a mission that the function needs.
 pub(crate) struct Places {
     model: VehicleModel,
     wind: WindField,

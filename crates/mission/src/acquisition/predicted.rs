@@ -1,4 +1,4 @@
-//! What a manoeuvre that PDL writes is predicted to give in a mission.
+//! Predicted yield in a mission of a manoeuvre that PDL writes.
 
 use super::form::path_of;
 use super::paths::{height_m, manoeuvre_of};
@@ -27,11 +27,11 @@ pub struct PerformedManoeuvre<'a> {
     pub speed_mps: Option<f64>,
     /// Distance over ground between pictures.
     pub every_m: f64,
-    /// When it begins, since the mission's start.
+    /// Its beginning, since the mission's start.
     pub from_s: f64,
 }
 
-/// What the manoeuvre is predicted to see of its target and to cost.
+/// Predicts the looks of the manoeuvre at its target and its cost.
 ///
 /// # Errors
 /// An error message: the form is wrong, the mission has no such target or sensor, or a limit of vehicle, sensor or wind.

@@ -26,7 +26,7 @@ const AS_GOOD: f64 = 0.99;
 /// Place, time and remaining energy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Start {
-    /// Where the vehicle is.
+    /// Position of the vehicle.
     pub(crate) here: Position,
     /// Instant.
     pub(crate) at_s: f64,
@@ -51,7 +51,7 @@ struct Miss {
     why: String,
 }
 
-/// What a goal comes to: the Pareto front, best first, and counts.
+/// Result for a goal: the Pareto front, best first, and counts.
 #[derive(Clone, Debug)]
 pub(crate) struct Synthesis {
     /// The front; the first is chosen.

@@ -23,7 +23,7 @@ const STORED: &str = "stored";
 /// Visits of such a plan at most.
 const VISITS_MAX: usize = 10_000;
 
-/// What remains at `at` of the plan in execution for the goal, and its origin as text.
+/// Returns the rest at `at` of the plan in execution for the goal, and its origin as text.
 pub(super) fn current_plan(
     mission: &Mission,
     situation: &Situation,
@@ -37,7 +37,7 @@ pub(super) fn current_plan(
     }
 }
 
-/// What is left of a plan `elapsed` after it was made. Problems of surveillance begin at their own now, the others at the mission's.
+/// Returns the rest of a plan `elapsed` after it was made. Problems of surveillance begin at their own now, the others at the mission's.
 fn ahead(plan: Plan, elapsed: Duration) -> Plan {
     match plan {
         Plan::SingleVisit(plan) => Plan::SingleVisit(plan),
@@ -48,7 +48,7 @@ fn ahead(plan: Plan, elapsed: Duration) -> Plan {
     }
 }
 
-/// What is left of the stored procedure that was chosen for the goal, as a plan for the problem as it is now.
+/// Returns the rest of the stored procedure that was chosen for the goal, as a plan for the present problem.
 fn stored(mission: &Mission, situation: &Situation, goal: &Value, problem: &Problem) -> Option<Plan> {
     let lap = Value::list([Value::symbol("one-cycle-of"), goal.clone()]);
     let chosen = |goal: &Value| {

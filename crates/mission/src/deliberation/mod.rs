@@ -35,7 +35,7 @@ const BUDGET_DEFAULT: Duration = Duration(10_000_000_000);
 pub struct MissionDeliberator {
     mission: Arc<Mission>,
     situation: Situation,
-    /// What has been observed; none if no single visits are wanted, an error if the targets make no sense.
+    /// Observations until now; `None` if no single visits are wanted, an error if the targets are invalid.
     flown: Result<Option<FlownScore>, String>,
     means: PlanningResources,
     /// Segments of lines that lost their data.
@@ -124,7 +124,7 @@ struct Question {
     /// The mission with the updates so far.
     believed: Mission,
     problem: Result<Problem, NoPlan>,
-    /// Where planners begin, and what that plan is.
+    /// Plan from which planners begin, with its origin.
     previous: Option<(Plan, &'static str)>,
     operator_plan: Option<OperatorPlan>,
     goal: Value,

@@ -296,7 +296,7 @@ fn gain(
     Ok((with - without).max(0.0))
 }
 
-/// What a delay costs the visits after this one, and which of them it costs. `delay`: now, when they begin without it, and how long it is.
+/// Returns the cost of a delay for the later visits, and the visits that it affects. `delay`: now, the begin without it, and its length.
 fn price(
     problem: &SingleVisitProblem,
     plan: &SingleVisitPlan,

@@ -13,26 +13,26 @@ use apex_runtime::ports::CancelToken;
 use apex_vehicle::EnergyModel;
 use std::sync::Arc;
 
-/// What one deliberation came to.
+/// Result of one deliberation.
 #[derive(Debug, Clone)]
 pub struct Deliberation {
     /// The problem.
     pub problem: Problem,
     /// The plan, checked.
     pub plan: Plan,
-    /// Why this solver.
+    /// Reason for the choice of the solver.
     pub reason: String,
     /// Work units used.
     pub work: u64,
     /// Processor seconds; none where the system does not tell.
     pub cpu_s: Option<f64>,
-    /// Where and when the plan begins; none for the mission's start.
+    /// Position and instant at which the plan begins; `None`: the mission's start.
     pub from: Option<(Position, Time)>,
-    /// People plan such missions better, says the profile table.
+    /// True if operators plan such missions better by the profile table.
     pub people_plan_better: bool,
 }
 
-/// Who may plan, and what they may take of the machine.
+/// Planners, and their share of the machine.
 #[derive(Clone)]
 pub struct PlanningResources {
     /// The planners that there are.
@@ -46,7 +46,7 @@ pub struct PlanningResources {
 }
 
 impl PlanningResources {
-    /// These planners, with the limits where nobody sets others.
+    /// These planners, with the limits unless others are set.
     pub fn of(planners: &Arc<Registry>) -> PlanningResources {
         PlanningResources {
             planners: Arc::clone(planners),
@@ -57,13 +57,13 @@ impl PlanningResources {
     }
 }
 
-/// How a problem shall be solved.
+/// Options of a solution.
 pub struct SolveOptions<'a> {
-    /// By whom, and by what means.
+    /// Planners and their resources.
     pub means: &'a PlanningResources,
     /// One of them; none lets the profile table choose.
     pub solver: Option<&'a str>,
-    /// How long it may take.
+    /// Time limit.
     pub budget: Duration,
     /// Seed of its chance.
     pub seed: u64,
@@ -74,7 +74,7 @@ pub struct SolveOptions<'a> {
 /// Chooses a solver (or takes the wanted one), runs it contained and within its budget, and checks its plan.
 ///
 /// # Errors
-/// A sentence when no solver serves the problem, none finds a plan, or the plan does not pass the checker.
+/// A message if no solver serves the problem, none finds a plan, or the plan does not pass the checker.
 pub fn solve(
     problem: Problem,
     wish: SolveOptions<'_>,
@@ -129,7 +129,7 @@ fn tell_quality(problem: &Problem, plan: &mut Plan) {
     }
 }
 
-/// Visits of a plan that are looked at: more than any mission has space for. Without a limit, checking nonsense could take as long
+/// Visits of a plan that are checked: more than any mission has space for. Without a limit, checking nonsense could take as long
 /// as the caller that made it likes.
 pub const PLAN_VISITS_MAX: usize = 100_000;
 
@@ -150,10 +150,10 @@ fn usable(name: &str, problem: &Problem, plan: &Plan) -> Result<(), String> {
     }
 }
 
-/// A problem that makes no sense is a fault, not a mission with nothing left to visit.
+/// An invalid problem is a fault, not a mission with nothing left to visit.
 ///
 /// # Errors
-/// A sentence that names the target and the field.
+/// A message that names the target and the field.
 pub fn validate(problem: &Problem) -> Result<(), String> {
     match problem {
         Problem::Surveillance(problem) => apex_planning::validate::surveillance(problem),

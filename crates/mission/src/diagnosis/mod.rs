@@ -12,7 +12,7 @@ use apex_diagnosis::{Diagnoser, DiagnosisError, Model, Results, testability};
 use std::path::Path;
 use std::sync::Arc;
 
-/// What is asked of a model on the ground.
+/// Query to a model on the ground.
 #[derive(Clone, Copy, Debug)]
 pub enum Wanted<'a> {
     /// Its testability.

@@ -28,7 +28,7 @@ pub struct DiagnosisService {
     kept: Kept,
 }
 
-/// What was published last.
+/// Last published values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Published {
     outcomes: Vec<Outcome>,
@@ -49,7 +49,7 @@ impl PartialEq for Kept {
     }
 }
 
-/// What the service reports after a step.
+/// Report of the service after a step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Reported {
     /// Inputs for the next batch.
@@ -59,7 +59,7 @@ pub struct Reported {
 }
 
 impl DiagnosisService {
-    /// What is known of each test; empty before the first step.
+    /// Returns the outcome of each test; empty before the first step.
     pub fn outcomes(&self) -> &[Outcome] {
         &self.outcomes
     }

@@ -1,4 +1,4 @@
-//! Why a component has its health at an instant of a recorded flight: the tests that show it.
+//! Explanation of the health of a component at an instant of a recorded flight by the tests that show it.
 
 use crate::error::MissionResult;
 use crate::recorded::{mission_of, situation_at};
@@ -7,7 +7,7 @@ use apex_model::time::Time;
 use apex_runtime::record::RecordReader;
 use std::sync::Arc;
 
-/// Why a component has its health.
+/// Explanation of the health of a component.
 pub struct ComponentHealth {
     /// As text.
     pub text: String,

@@ -17,9 +17,9 @@ use serde_json::{Map, Value, json};
 /// A place, with its altitude above mean sea level where one is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChartPoint {
-    /// Where.
+    /// Position.
     pub position: Position,
-    /// How high.
+    /// Altitude.
     pub altitude_m: Option<f64>,
 }
 
@@ -30,19 +30,19 @@ pub struct Visit {
     pub target: String,
     /// Way points from the place before to where the observation begins, both included.
     pub way: Vec<ChartPoint>,
-    /// What is flown while observing; empty where the vehicle stays.
+    /// Lines flown while observing; empty if the vehicle stays in place.
     pub lines: Vec<ChartPoint>,
-    /// Where the vehicle observes from a circle around the target.
+    /// Circle around the target from which the vehicle observes.
     pub circle: Option<Circle>,
-    /// When the vehicle is there.
+    /// Arrival of the vehicle.
     pub arrive_s: f64,
-    /// When the observation begins.
+    /// Beginning of the observation.
     pub begin_s: f64,
-    /// When the observation ends.
+    /// End of the observation.
     pub end_s: f64,
 }
 
-/// What an autopilot has to know of an observation from a circle, which it flies by itself.
+/// Observation from a circle, as an autopilot needs it to fly it automatically.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Circle {
     /// Around where.
@@ -56,40 +56,40 @@ pub struct Circle {
 pub struct Target {
     /// Its name.
     pub name: String,
-    /// Where it is.
+    /// Position.
     pub place: ChartPoint,
-    /// What is known of it and of its observation: value, factors, costs.
+    /// Facts about the target and its observation: value, factors, costs.
     pub facts: Map<String, Value>,
-    /// Why it is not visited, if it is not.
+    /// Reason if it is not visited.
     pub left_out: Option<String>,
 }
 
 /// A plan on the map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chart {
-    /// What was planned for.
+    /// Name of the problem.
     pub name: String,
     /// The plan in a line.
     pub summary: String,
-    /// Who made it, what it is worth, what no plan can do better than.
+    /// Facts of the plan: planner, value, upper bound on any plan.
     pub facts: Map<String, Value>,
     /// Civil time (seconds since 1970-01-01T00:00Z) of time zero, if known.
     pub zero_unix_s: Option<f64>,
-    /// How the vehicle flies, if known.
+    /// Flight properties of the vehicle, if known.
     pub airframe: Option<Airframe>,
     /// Its cruise speed, if known.
     pub speed_mps: Option<f64>,
-    /// Where the flight begins, if known.
+    /// Start of the flight, if known.
     pub start: Option<ChartPoint>,
-    /// Where it must end, if anywhere.
+    /// Required end of the flight, if any.
     pub base: Option<ChartPoint>,
     /// The observations in order.
     pub visits: Vec<Visit>,
-    /// How many of them make one round, where the plan repeats a round.
+    /// Number of visits that make one round, if the plan repeats a round.
     pub round: Option<usize>,
     /// Way points from the last observation to the base, both included.
     pub return_way: Vec<ChartPoint>,
-    /// When the flight ends.
+    /// End of the flight.
     pub end_s: f64,
     /// All targets in the problem's order.
     pub targets: Vec<Target>,
@@ -120,7 +120,7 @@ pub fn milliseconds(seconds: f64) -> f64 {
 /// Draws `plan` of `problem`. `start` is where a plan of surveillance begins, which its problem does not say.
 ///
 /// # Errors
-/// A sentence when the problem has no places.
+/// A message if the problem has no places.
 pub fn chart(
     name: &str,
     (problem, plan): (&Problem, &Plan),
@@ -224,7 +224,7 @@ fn of_single_visit(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> Char
     }
 }
 
-/// What an observation is worth and why, factor by factor.
+/// Returns the value of an observation with its reasons, factor by factor.
 fn factors(manoeuvre: &Manoeuvre, visit: &PlannedVisit) -> Map<String, Value> {
     let mut facts = Map::new();
     let quality = &manoeuvre.quality;
@@ -253,7 +253,7 @@ fn drawn<'a>(route: &'a [Position], path: &'a [Position]) -> &'a [Position] {
     if path.is_empty() { route } else { path }
 }
 
-/// What lies strictly between the ends of a route.
+/// Returns the points strictly between the ends of a route.
 pub(super) fn bends(route: &[Position], altitude_m: Option<f64>) -> impl Iterator<Item = ChartPoint> {
     let between = route.iter().skip(1).take(route.len().saturating_sub(2));
     between.map(move |position| ChartPoint { position: *position, altitude_m })

@@ -6,7 +6,7 @@ use crate::plan::input::Benchmark;
 use crate::plan::proof::Proof;
 use apex_solvers::bounds::age_grid::cycles::WithoutEnd;
 
-/// What was asked, the plan, what it is worth and what is proven of it.
+/// Writes the problem, the plan, its value and its proven bound.
 pub fn write(name: &str, benchmark: Option<&Benchmark>, solved: &Deliberation, facts: &PlanFacts<'_>) -> String {
     let PlanFacts { proven, turns, survival } = facts;
     let Proof { value, bound, gap, proven_optimal } = proven.proof;
@@ -36,7 +36,7 @@ pub fn write(name: &str, benchmark: Option<&Benchmark>, solved: &Deliberation, f
     format!("{answer}\n")
 }
 
-/// What becomes of the plan's cycle if it is flown without end.
+/// Writes the result of the plan's cycle if it is flown forever.
 fn without_end(of: &WithoutEnd) -> serde_json::Value {
     serde_json::json!({
         "cost_per_s": of.cost_per_s,

@@ -8,7 +8,7 @@ use crate::vehicle::Airframe;
 use apex_model::problem::{AirspaceZone, ZoneKind};
 use serde_json::{Value, json};
 
-/// Seconds of waiting that are worth an item of their own.
+/// Seconds of waiting that get a separate item.
 const WAIT_S_MIN: f64 = 1.0;
 /// `MAV_CMD`.
 const WAYPOINT: u16 = 16;
@@ -31,7 +31,7 @@ const SPEED_MPS_DEFAULT: f64 = 15.0;
 /// The chart as a plan file. Where the chart knows no altitudes, everything is flown at `height_m` above the start.
 ///
 /// # Errors
-/// A sentence: the plan visits nothing, or its altitudes are not known and no height is given.
+/// A message: the plan visits nothing, or its altitudes are not known and no height is given.
 pub fn write(chart: &Chart, height_m: Option<f64>) -> Result<String, String> {
     let path = chart.path();
     let (Some(first), Some(visit)) = (path.iter().find(|place| Some(**place) != chart.start), chart.visits.first())
@@ -85,7 +85,7 @@ struct Items {
 }
 
 impl Items {
-    /// How QGroundControl counts altitudes: 1 above home, 2 above mean sea level.
+    /// Returns the altitude reference of QGroundControl: 1 above home, 2 above mean sea level.
     fn mode(&self) -> u8 {
         if self.relative_m.is_some() { 1 } else { 2 }
     }

@@ -20,15 +20,15 @@ const CYCLE_SHOWN: usize = 24;
 /// Facts about a plan that the plan does not hold.
 #[derive(Clone, Copy, Debug)]
 pub struct PlanFacts<'a> {
-    /// What was proven.
+    /// Proven bound.
     pub proven: &'a Proven,
-    /// What turns cost.
+    /// Cost of turns.
     pub turns: Option<Turns>,
-    /// What a plan of surveillance costs where only first events count, if somebody asks.
+    /// Cost of a surveillance plan if only first events count, if requested.
     pub survival: Option<f64>,
 }
 
-/// What was asked, who planned and why, the visits, what they are worth, what is left out.
+/// Writes the problem, the planner with its reason, the visits, their values, and the targets left out.
 pub fn write(name: &str, benchmark: Option<&Benchmark>, solved: &Deliberation, facts: &PlanFacts<'_>) -> String {
     let mut out = String::new();
     // Writing to a string cannot fail.
@@ -55,7 +55,7 @@ fn write_tour(out: &mut String, proven: &Proven) -> std::fmt::Result {
     }
 }
 
-/// What a benchmark's file is taken for.
+/// Writes the interpretation of a benchmark's file.
 fn write_benchmark(out: &mut String, name: &str, benchmark: Option<&Benchmark>) -> std::fmt::Result {
     let Some(Benchmark { format, asked, vehicles }) = benchmark else { return Ok(()) };
     let asked = match asked {
@@ -172,20 +172,20 @@ fn write_surveillance(out: &mut String, plan: &SurveillancePlan) -> std::fmt::Re
     }
 }
 
-/// How far likelihoods that are added up are from those of first events.
+/// Writes the difference between added likelihoods and those of first events.
 fn write_survival(out: &mut String, added: f64, survival: f64) -> std::fmt::Result {
     let less = if added > 0.0 { 100.0 * (1.0 - survival / added).max(0.0) } else { 0.0 };
     writeln!(out, "  if only the first event after an observation counts: {survival:.4}, {less:.1} % less")
 }
 
-/// What turns cost, so that somebody can see what a vehicle that turns more tightly would gain.
+/// Writes the cost of turns, which shows the gain of a vehicle that turns more tightly.
 fn write_turns(out: &mut String, turns: &Turns) -> std::fmt::Result {
     let Turns { radius_m, ways, time_s } = *turns;
     let each_s = if ways > 0 { time_s / ways as f64 } else { 0.0 };
     writeln!(out, "  turns of {radius_m:.0} m make {ways} ways {} longer, {each_s:.0} s each", clock(time_s))
 }
 
-/// What becomes of the cycle if it is flown for ever, by the hour.
+/// Writes the result of the cycle if it is flown forever, by the hour.
 fn write_without_end(out: &mut String, of: &WithoutEnd) -> std::fmt::Result {
     let hourly = |cost_per_s: f64| SECONDS_PER_HOUR * cost_per_s;
     let least = hourly(of.cost_per_s_bound);

@@ -1,4 +1,4 @@
-//! Where surveillance flies: from place to place, or from circle to circle.
+//! Path of a surveillance plan: from place to place, or from circle to circle.
 
 use super::chart::{ChartPoint, Circle, Visit, bends};
 use apex_geo::travel::Circling;
@@ -8,10 +8,10 @@ use apex_planning::surveillance::travel::SurveillanceTravel;
 /// A plan of surveillance followed visit by visit.
 pub(super) struct Watch {
     ways: Option<SurveillanceTravel>,
-    /// Where the vehicle is, and which target that is.
+    /// Last position of the vehicle, with its target.
     before: Option<ChartPoint>,
     from: Option<usize>,
-    /// Where on its circle.
+    /// Position on its circle.
     on: Option<Circling>,
     depart_s: f64,
 }
@@ -41,7 +41,7 @@ impl Watch {
                 let (path, there) = ways.flown((self.from, Some(to)), self.on, self.depart_s);
                 let look = there.map(|there| ways.look(to, there, (visit.arrive_s, visit.end_s)));
                 let (look, after) = look.unzip();
-                // A piece begins where the one before it ended, except for a metre: each is drawn on a plane of its own.
+                // A piece begins where the one before it ended, except for a metre: each is drawn on a separate plane.
                 let joined = usize::from(self.from.is_some());
                 drawn.way = self.before.into_iter().chain(path.into_iter().skip(joined).map(at)).collect();
                 drawn.lines = look.unwrap_or_default().into_iter().skip(1).map(at).collect();

@@ -80,7 +80,7 @@ impl NamedFeature {
         MissionError::data(what.to_string()).at(format!("{}{which}", self.place))
     }
 
-    /// Is the property there?
+    /// Returns true if the property exists.
     pub(crate) fn has(&self, key: &str) -> bool {
         self.property(key).is_some()
     }
@@ -291,7 +291,7 @@ impl NamedFeature {
         Ok(polygons)
     }
 
-    /// Has one of its polygons a hole?
+    /// Returns true if one of its polygons has a hole.
     pub(crate) fn has_holes(&self) -> bool {
         match self.geometry() {
             Some(GeometryValue::Polygon { coordinates }) => coordinates.len() > 1,

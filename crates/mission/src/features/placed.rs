@@ -1,4 +1,4 @@
-//! What every reader of features makes: a feature with its place in the file.
+//! Output of every reader of features: a feature with its place in the file.
 
 use geojson::{Feature, GeometryValue, JsonObject, JsonValue};
 

@@ -1,4 +1,4 @@
-//! What plans avoid: targets whose link is known or predicted to be weak, and areas where it is, as restricted zones.
+//! Avoidance of weak links: targets whose link is known or predicted to be weak, and areas where it is, as restricted zones.
 //!
 //! Bound: O(cells + targets x losses); at most [`ZONES_MAX`] zones for each link.
 
@@ -25,7 +25,7 @@ const ROOM_M: f64 = 20.0;
 /// A rectangle of cells: first and last step north, first and last step east, band.
 type Block = (i32, i32, i32, i32, i32);
 
-/// What the flight has learned of a link, by its name.
+/// Learned properties of a link, by its name.
 pub(super) type Lookup<'a> = &'a dyn Fn(&str) -> Option<&'a Learned>;
 
 /// The mission with the weak links that are known when the vehicle is `here`: zones that are added, targets that are left out.
@@ -47,7 +47,7 @@ pub(super) fn without_weak_links(mut mission: Mission, learned: Lookup<'_>, here
     mission
 }
 
-/// Why a target is left out; `None` if its link is not known to be weak for longer than allowed.
+/// Returns the reason for which a target is left out; `None` if its link is not known to be weak for longer than allowed.
 fn reason(mission: &Mission, beliefs: &Beliefs<'_>, target: &Target) -> Option<String> {
     let (name, nominal) = (beliefs.name, beliefs.lost.nominal);
     let altitude_m = altitude_m(mission, target);
@@ -84,7 +84,7 @@ fn reason(mission: &Mission, beliefs: &Beliefs<'_>, target: &Target) -> Option<S
     ))
 }
 
-/// How long the vehicle is where the target is: a look and the way across a cell.
+/// Returns the time for which the vehicle stays at the target: a look and the path across a cell.
 fn exposure_s(mission: &Mission, beliefs: &Beliefs<'_>, target: &Target) -> f64 {
     let across_s = beliefs.cells.side_m / mission.model.true_airspeed_m_s_cruise;
     match &target.kind {

@@ -44,7 +44,7 @@ impl Belief {
     }
 }
 
-/// What is assumed of one link.
+/// Assumptions about one link.
 pub(crate) struct Beliefs<'a> {
     pub(crate) name: &'a str,
     pub(crate) cells: Cells,
@@ -69,7 +69,7 @@ pub(crate) struct Shade {
 }
 
 impl<'a> Beliefs<'a> {
-    /// What is assumed of a link after what `learned` says.
+    /// Returns the assumptions about a link, given `learned`.
     pub(crate) fn new(mission: &'a Mission, link: &'a StatedLink, learned: Option<&'a Learned>) -> Beliefs<'a> {
         let cells = Cells::new(mission.start, mission.model.true_airspeed_m_s_cruise);
         let stated = link.level.as_ref();

@@ -1,4 +1,4 @@
-//! What the flight has measured of a link: level by cell, the place where it was good last, and where it was lost.
+//! Measured properties of a link: level by cell, the last place with a good level, and the places of losses.
 //!
 //! Folded from `(signal-level MODEM)` and the locations of the record alone. Bound: O(log cells) per sample; memory is bounded by
 //! [`CELLS_MAX`] cells, of which the oldest is dropped, and [`LOSSES_MAX`] losses.
@@ -108,11 +108,11 @@ impl Measured {
 /// A loss of the link.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Loss {
-    /// When, s of mission time.
+    /// Instant, s of mission time.
     pub(crate) at_s: f64,
-    /// Where the vehicle was.
+    /// Position of the vehicle.
     pub(crate) here: Location,
-    /// Where it was flying to.
+    /// Destination of the vehicle.
     pub(crate) goal: Option<Position>,
     /// The level then.
     pub(crate) level: f64,
@@ -130,7 +130,7 @@ pub(crate) struct Learned {
     level: f64,
     good_since_s: Option<f64>,
     trail: Vec<(f64, Location)>,
-    /// Where the link was good last.
+    /// Last place with a good link.
     pub(crate) good_place: Option<Location>,
     #[serde(skip)]
     oldest: Oldest,
@@ -213,7 +213,7 @@ impl Learned {
         self.losses_count = self.losses_count.saturating_add(1);
     }
 
-    /// What the flight does after the last loss if no instruction comes: it does not try the same again.
+    /// Returns the response after the last loss if no instruction comes: the flight does not try the same again.
     pub(crate) fn default_of(&self, lost: &LostLink, cells: &Cells) -> LostDefault {
         let is_again = self.losses.split_last().is_some_and(|(last, before)| {
             let near = |goal: Position| {

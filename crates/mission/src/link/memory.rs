@@ -130,7 +130,7 @@ impl LinkMemory {
         inputs.extend(self.new_areas(mission, at));
     }
 
-    /// What ways avoid from now on; none where that has not changed.
+    /// Returns the areas that paths avoid from now on; `None` if they have not changed.
     fn new_areas(&mut self, mission: &Mission, at: Time) -> Option<Input> {
         let areas = avoid::weak_areas(mission, &|name| self.link(name));
         if areas == self.areas {

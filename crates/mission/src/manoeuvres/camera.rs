@@ -44,7 +44,7 @@ fn camera(wish: &Wish<'_>) -> Result<CameraSetting, String> {
 
 /// Step in which the elevation of the sun is computed, s.
 const SUN_STEP_S: f64 = 60.0;
-/// How far ahead daylight is looked for, s.
+/// Horizon of the search for daylight, s.
 const SUN_WAIT_S: f64 = 86_400.0;
 
 /// A camera without a band for the night needs the sun at some time before the end of the mission.

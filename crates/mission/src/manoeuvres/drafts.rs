@@ -14,7 +14,7 @@ pub(super) struct Draft {
     pub(super) name: String,
     pub(super) altitude_m: f64,
     pub(super) lines: Vec<(Position, Position)>,
-    /// Where the first lead-in begins; none without one.
+    /// Beginning of the first lead-in; `None` without one.
     pub(super) entry: Option<Position>,
     pub(super) duration_s: f64,
     pub(super) length_m: f64,

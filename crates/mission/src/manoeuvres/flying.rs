@@ -23,7 +23,7 @@ pub(super) struct FlownLine {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct FlownLines {
     pub(super) lines: Vec<FlownLine>,
-    /// Where the first lead-in begins; none without one.
+    /// Beginning of the first lead-in; `None` without one.
     pub(super) entry: Option<Position>,
     pub(super) duration_s: f64,
     pub(super) length_m: f64,

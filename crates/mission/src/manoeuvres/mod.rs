@@ -50,7 +50,7 @@ fn best<T>(mut made: Vec<T>, manoeuvre: impl Fn(&T) -> &Manoeuvre) -> Vec<T> {
     if count <= MANOEUVRES_MAX {
         return front;
     }
-    // The best and the quickest stay.
+    // The best and the fastest stay.
     let kept = |index: usize| (0..MANOEUVRES_MAX).any(|slot| slot * (count - 1) / (MANOEUVRES_MAX - 1) == index);
     front.into_iter().enumerate().filter(|(index, _)| kept(*index)).map(|(_, way)| way).collect()
 }

@@ -21,7 +21,7 @@ struct Draft {
     altitude_m: f64,
     lines: Vec<(Position, Position)>,
     flown: FlownLines,
-    /// What it may be worth at most, by the swath and the pixels at the nadir: to sort out before predictions.
+    /// Upper bound of its value, by the swath and the pixels at the nadir: for a selection before predictions.
     promise: f64,
 }
 
@@ -99,7 +99,7 @@ fn draft(
     let (mut lines, mut along) = (Vec::new(), false);
     for ground in grounds(&fire.wanted) {
         let swept = sweep_lines(&ground, &settings, entry)?;
-        // Where the outline is all that is wanted, flying along it may be quicker than sweeping what it encloses.
+        // Where the outline is all that is wanted, flying along it may be faster than sweeping what it encloses.
         let around = match (&fire.wanted.area, &ground) {
             (TargetArea::Perimeter { .. }, Ground::Polygon(corners)) => perimeter_lines(corners, swath_m, entry).ok(),
             _ => None,
@@ -196,7 +196,7 @@ fn predicted(wish: &Wish<'_>, scanner: &PredictedScanner, draft: Draft) -> Optio
     (manoeuvre.quality.product() > 0.0).then(|| Sweep { manoeuvre, lines, scanner: scanner.clone() })
 }
 
-/// What the lines are predicted to see of the wanted look.
+/// Returns the predicted factors of the wanted look for the lines.
 fn factors(
     wish: &Wish<'_>,
     scanner: &PredictedScanner,

@@ -93,7 +93,7 @@ fn look_angles_deg(wish: &Wish<'_>, camera: &CameraSetting) -> Result<Vec<f64>, 
     Ok(angles_deg)
 }
 
-/// Where to hover at this altitude for a picture at this angle off the vertical: from the side that the vehicle comes from, or the
+/// Returns the hover point at this altitude for a picture at this angle off the vertical: on the side from which the vehicle comes, or the
 /// next one that no zone closes.
 fn vantage_point(wish: &Wish<'_>, place: Position, altitude_m: f64, angle_deg: f64) -> Result<Position, String> {
     let height_m = altitude_m - wish.fire.wanted.elevation_m;

@@ -4,7 +4,7 @@ use crate::{Fire, Mission, Target};
 use apex_model::problem::Position;
 use apex_observation::target::WantedLook;
 
-/// What is to be observed, and from where and when on.
+/// An observation to plan: look, approach and earliest begin.
 pub(crate) struct Wish<'a> {
     /// The mission as it is assumed.
     pub(crate) mission: &'a Mission,
@@ -14,7 +14,7 @@ pub(crate) struct Wish<'a> {
     pub(crate) fire: &'a Fire,
     /// The wanted look.
     pub(crate) look: &'a WantedLook,
-    /// Where the vehicle comes from.
+    /// Position from which the vehicle comes.
     pub(crate) approach: Position,
     /// The earliest time of the observation.
     pub(crate) from_s: f64,

@@ -1,4 +1,4 @@
-//! `apex plan --plan FILE`: a plan that somebody drew or edited, read, scored and checked like any other.
+//! `apex plan --plan FILE`: a plan that was drawn or edited by hand, read, scored and checked like any other.
 
 use super::input::PlanInput;
 use crate::deliberation::{Deliberation, PLAN_VISITS_MAX};
@@ -67,13 +67,13 @@ fn breaks(place: &str, broken: &[String]) -> MissionError {
         .help("mend the times of these visits, or add `--retime` to keep their order and have the times made anew")
 }
 
-/// What `apex plan --json` prints; more than the plan is not asked for.
+/// The plan in the output of `apex plan --json`; other members are ignored.
 #[derive(Deserialize)]
 struct Answer {
     plan: Plan,
 }
 
-/// The plan of a whole answer, or by itself.
+/// The plan of a whole answer, or a plan alone.
 fn read(file: &Path, place: &str) -> MissionResult<Plan> {
     let text = read_text(file)?;
     let is_answer = serde_json::from_str::<serde_json::Value>(&text).is_ok_and(|value| value.get("plan").is_some());

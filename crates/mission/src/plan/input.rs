@@ -25,7 +25,7 @@ const BUDGET_DEFAULT: Duration = Duration(10_000_000_000);
 
 /// A problem with what is needed to plan for it.
 pub struct PlanInput {
-    /// What it is called.
+    /// Name.
     pub name: String,
     /// The problem.
     pub problem: Problem,
@@ -52,7 +52,7 @@ impl PlanInput {
 }
 
 impl PlanInput {
-    /// What a proof may take where only a budget for planning is stated: what planning with `work` units has left of it, and a
+    /// Returns the budget of a proof if only a budget for planning is stated: the rest of it after planning with `work` units, and a
     /// twentieth or half a second more.
     pub fn bound_budget_after(&self, work: u64) -> Duration {
         let more = Duration(self.budget.0 / 20).max(BOUND_BUDGET_MIN);
@@ -89,7 +89,7 @@ impl PlanInput {
     }
 }
 
-/// What a plan of surveillance costs where only the first event after an observation counts.
+/// Returns the cost of a surveillance plan if only the first event after an observation counts.
 ///
 /// # Errors
 /// The plan is not one of surveillance, or its cost cannot be computed.
@@ -106,7 +106,7 @@ pub fn survival_cost(solved: &Deliberation) -> MissionResult<f64> {
 pub struct Benchmark {
     /// Name of the format.
     pub format: &'static str,
-    /// What is asked.
+    /// Kind of the problem.
     pub asked: formats::ProblemKind,
     /// Vehicles that the file names.
     pub vehicles: Option<usize>,
@@ -260,7 +260,7 @@ fn places_alone(path: &Path) -> MissionError {
         .help(help)
 }
 
-/// A file that is neither JSON nor, perhaps, PDL: a benchmark's, if its extension or its first lines say so.
+/// A file that is neither JSON nor, perhaps, PDL: a benchmark's, by its extension or its first lines.
 fn of_benchmark(path: &Path) -> MissionResult<Option<PlanInput>> {
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default();
     if extension == "pdl" {

@@ -1,4 +1,4 @@
-//! How good a plan is, and how good any could be.
+//! Value of a plan, and an upper bound on that of any plan.
 
 use crate::deliberation::Deliberation;
 use crate::error::{MissionError, MissionResult};
@@ -19,26 +19,26 @@ const OPTIMAL: f64 = 1e-6;
 /// Value of a plan, and the proven bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Proof {
-    /// What the plan collects; of surveillance its expected cost, of a tour its length: there less is better.
+    /// Collected value of the plan; of surveillance its expected cost, of a tour its length: there less is better.
     pub value: f64,
     /// No plan does better; none where no bound is known.
     pub bound: Option<f64>,
-    /// How far apart the two are, as a share of the greater one.
+    /// Difference of the two, as a share of the greater one.
     pub gap: Option<f64>,
     /// Is it proven that no plan is better? Of a single visit with costs it is not, for the bound does not know them.
     pub proven_optimal: bool,
 }
 
-/// What was proven of a plan, and at what price.
+/// Proven bound of a plan, with its cost.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Proven {
-    /// How good the plan is, and how good any could be.
+    /// Value of the plan, and bound on that of any plan.
     pub proof: Proof,
     /// Value of the plan's cycle if it is flown without end.
     pub without_end: Option<WithoutEnd>,
     /// Units of work that it took.
     pub work: u64,
-    /// Was everything tried that would have been with a greater budget?
+    /// True if a greater budget would not have changed the result.
     pub complete: bool,
 }
 
@@ -65,7 +65,7 @@ pub fn prove(solved: &mut Deliberation, tour: bool, budget: Duration) -> Mission
     Ok(Proven { proof, without_end, work: meter.used(), complete: meter.is_complete() })
 }
 
-/// What is known of `plan`; `tour` where the shortest of all tours was asked for.
+/// Returns the proof of `plan`; `tour` for a shortest tour through all nodes.
 fn of(problem: &Problem, plan: &Plan, tour: bool, meter: &mut Meter<'_>) -> Result<Proof, Contradiction> {
     let (value, bound, costly) = match (problem, plan) {
         (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) if tour && plan.left_out.is_empty() => {

@@ -1,18 +1,18 @@
-//! What turns cost in a plan, where its vehicle cannot turn at once.
+//! Cost of turns in a plan whose vehicle cannot turn on the spot.
 
 use crate::Mission;
 use crate::problem::survey;
 use crate::vehicle::turn_radius_m;
 use apex_model::problem::{Plan, Position, Problem, SurveillancePlan, SurveillanceProblem};
 
-/// What turning makes a plan's ways take.
+/// Time that turns add to the paths of a plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turns {
     /// Least radius of a turn through the air; of surveillance that of the circles around its targets over ground.
     pub radius_m: f64,
     /// Ways of the plan, the return included.
     pub ways: usize,
-    /// What they take together beyond straight legs, in the worst wind and, of surveillance, from the worst point of each circle.
+    /// Total beyond straight legs, in the worst wind and, of surveillance, from the worst point of each circle.
     pub time_s: f64,
 }
 

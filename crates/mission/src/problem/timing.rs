@@ -1,4 +1,4 @@
-//! When a look may begin and what its timing is worth, in the terms of planners: windows, light, and a table of the timing
+//! Permitted beginnings of a look and the value of its timing, in the terms of planners: windows, light, and a table of the timing
 //! factor over the beginning of the observation.
 
 use crate::{Mission, Target};
@@ -12,7 +12,7 @@ const STEP_S: f64 = 300.0;
 /// Instants of an observation at which its timing is taken.
 const INSTANTS: u32 = 5;
 
-/// When the look may begin: its windows with their ramps; empty is any time.
+/// Returns the permitted beginnings of the look: its windows with their ramps; empty is any time.
 pub(super) fn begins(look: &WantedLook) -> Vec<TimeWindow> {
     let with_ramp = look
         .windows

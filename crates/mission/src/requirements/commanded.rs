@@ -9,7 +9,7 @@ use apex_model::quantity::Dimension;
 use apex_model::value::Value;
 use serde::{Deserialize, Serialize};
 
-/// What a flight command asks for.
+/// Order of a flight command.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) enum Order {
     /// Climb from the ground.
@@ -36,7 +36,7 @@ pub(super) struct Commanded {
     altitude_m: Option<f64>,
     /// Number of points before the goal that are still ahead, and the altitude of the way over them.
     via: (usize, Option<f64>),
-    /// Where the leg to the first point began.
+    /// Beginning of the leg to the first point.
     leg_from: Option<Position>,
     /// The vehicle circles or hovers until this instant, in seconds of mission time, before it leaves.
     hold_until_s: Option<f64>,

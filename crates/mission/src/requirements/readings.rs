@@ -21,7 +21,7 @@ use apex_requirements::{Concern, Motion, Route, first_violation};
 /// A requirement compared with the flight.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reading {
-    /// What it protects.
+    /// Protected good.
     pub concern: Concern,
     /// Its name in PDL.
     pub name: &'static str,
@@ -31,11 +31,11 @@ pub struct Reading {
     pub unit: Dimension,
     /// Seconds until the commanded route violates it; `None`: not within the look-ahead.
     pub after_s: Option<f64>,
-    /// How long its response takes.
+    /// Duration of its response.
     pub response_s: f64,
-    /// What would be violated: a zone, a landing place, or the requirement itself.
+    /// Subject of the violation: a zone, a landing place, or the requirement itself.
     pub what: String,
-    /// How to respond.
+    /// Response.
     pub response: Response,
 }
 

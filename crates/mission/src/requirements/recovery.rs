@@ -84,7 +84,7 @@ impl Scene<'_> {
         level.map_or((Response::TurnAway, place), to_level)
     }
 
-    /// Where the route violates the requirement by its altitude alone, the nearest permitted altitude there.
+    /// Returns the nearest permitted altitude if the route violates the requirement by its altitude alone.
     fn level_on_the_way(&self, reading: &Reading) -> Option<f64> {
         let state = self.route.at(reading.after_s?.min(self.route.end_s()))?;
         let is_level = (state.altitude_m - self.flown.altitude_m).abs() < LEVEL_M;

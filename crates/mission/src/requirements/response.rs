@@ -1,6 +1,6 @@
-//! What can be done before a requirement is violated.
+//! Responses before a requirement is violated.
 
-/// What a response does.
+/// Kind of response.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Response {
     /// Fly to the way out.

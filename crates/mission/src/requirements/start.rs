@@ -7,11 +7,11 @@ use apex_geo::plane::{Plane, inside};
 use apex_model::problem::{AirspaceZone, LandingPlace, Position, ZoneKind};
 use apex_vehicle::VehicleModel;
 
-/// What of a mission decides whether its requirements can be met from the start.
+/// Part of a mission that determines whether its requirements can be met from the start.
 pub(crate) struct StartConditions<'a> {
     /// Place of the application, for errors.
     pub(crate) place: &'a str,
-    /// What must be kept.
+    /// The requirements.
     pub(crate) requirements: &'a Requirements,
     /// The vehicle.
     pub(crate) model: &'a VehicleModel,
@@ -19,7 +19,7 @@ pub(crate) struct StartConditions<'a> {
     pub(crate) zones: &'a [AirspaceZone],
     /// Emergency landing places.
     pub(crate) landing_places: Vec<LandingPlace>,
-    /// Where the vehicle starts.
+    /// Start of the vehicle.
     pub(crate) start: Position,
     /// Altitude there above mean sea level.
     pub(crate) start_altitude_m: f64,

@@ -6,7 +6,7 @@ use apex_model::value::Value;
 use apex_requirements::margin::zone::ZoneBuffer;
 use apex_vehicle::VehicleModel;
 
-/// How a landing place must be reached.
+/// Required reach of a landing place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LandingReach {
     /// Within a distance.
@@ -21,7 +21,7 @@ pub enum LandingReach {
     },
 }
 
-/// What an application states about requirements.
+/// Requirements that an application states.
 pub(crate) struct Stated<'a> {
     /// Place of the application, for errors.
     pub(crate) place: &'a str,
@@ -54,7 +54,7 @@ pub struct Requirements {
     pub edr_max: Option<f64>,
     /// Greatest wind.
     pub wind_mps_max: Option<f64>,
-    /// How far ahead violations are predicted.
+    /// Time over which violations are predicted.
     pub look_ahead_s: f64,
 }
 

@@ -54,7 +54,7 @@ struct Watched {
     said_s: Option<f64>,
 }
 
-/// What the watcher reports after a step.
+/// Report of the watcher after a step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Findings {
     /// Inputs for the next batch.

@@ -24,12 +24,12 @@ const SAMPLE_GAP_S_MAX: f64 = 2.5;
 /// Least vertical part of the middle of a picture for which its distance to the ground is counted.
 const STEEPNESS_MIN: f64 = 0.2;
 
-/// What has been observed so far: a fold over the batches of a flight.
+/// Observations until now: a fold over the batches of a flight.
 #[derive(Clone)]
 pub struct FlownScore {
     observation: FlownObservation,
     ground: NoTerrain,
-    /// What the scanner is set to while it is on; none: the vehicle carries none.
+    /// Setting of the scanner while it is on; `None`: the vehicle carries none.
     scanner: Option<ScannerSetting>,
     /// The cameras that the vehicle carries.
     cameras: Vec<CameraSetting>,
@@ -52,7 +52,7 @@ fn of_site(target: &Target, site: &Site) -> ObservedTarget {
     }
 }
 
-/// What has been observed, or why nothing is known of it.
+/// Returns the observations until now, or the reason for which they are unknown.
 pub(crate) fn told(flown: &Result<Option<FlownScore>, String>) -> Result<&FlownScore, &str> {
     match flown {
         Ok(Some(flown)) => Ok(flown),
@@ -65,7 +65,7 @@ impl FlownScore {
     /// Nothing observed yet; none for a mission without targets of single visits.
     ///
     /// # Errors
-    /// The ground of a target makes no sense.
+    /// The ground of a target is invalid.
     pub fn new(mission: &Mission) -> Result<Option<FlownScore>, String> {
         let is_looked_at = looks_with(&mission.model).is_some();
         let wanted = mission.targets.iter().filter_map(|target| match &target.kind {
@@ -232,7 +232,7 @@ impl FlownScore {
         self.observation.sample(sample, &self.ground);
     }
 
-    /// What has been seen so far.
+    /// Returns the observations until now.
     pub(crate) fn observation(&self) -> &FlownObservation {
         &self.observation
     }
@@ -247,7 +247,7 @@ impl FlownScore {
         self.observation.result(target)
     }
 
-    /// What each target's looks have come to.
+    /// Returns the results of each target's looks.
     pub fn results(&self) -> Vec<TargetResult> {
         self.observation.results()
     }

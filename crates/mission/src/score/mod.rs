@@ -1,5 +1,5 @@
-//! What a flight has observed, computed from the recorded measurements alone: where the sensor was, how it was held, when
-//! it was on. `apex fly` folds them while it flies, `apex score` folds them again from the record.
+//! Observations of a flight, computed from the recorded measurements alone: position, attitude and switching of the sensor.
+//! `apex fly` folds them while it flies, `apex score` folds them again from the record.
 
 mod flown;
 mod footprints;

@@ -11,7 +11,7 @@ use apex_observation::sensor::GimbalAngles;
 use apex_observation::strip::AngularRates;
 use std::collections::BTreeMap;
 
-/// An angle or speed older than this is not known any more.
+/// An angle or speed older than this is unknown.
 const AGE_S_MAX: f64 = 2.5;
 
 /// The latest measurements.
@@ -41,7 +41,7 @@ struct Measured {
 }
 
 impl Latest {
-    /// Takes one measurement; is it a new position?
+    /// Takes one measurement. Returns true for a new position.
     pub(super) fn take(&mut self, variable: &StateVariable, value: &Value, at: Time) -> bool {
         let (attribute, object) = (variable.attribute.folded(), &variable.object);
         let angle_deg = || match value {

@@ -96,13 +96,13 @@ fn causes(look: &LookResult, of: &[LossCause]) -> Vec<String> {
     losses.map(|loss| format!("{} {:.1}", loss.cause.words(), loss.points)).collect()
 }
 
-/// What is not known of the look, as text.
+/// Returns the unknown properties of the look as text.
 fn not_known(look: &LookResult) -> Vec<String> {
     let words = |remark: &Remark| match remark {
         Remark::AttitudeNotRecorded => Some("not known: attitude, which the record does not hold"),
         Remark::ArrivalNotKnown => Some("not known: when images were on the ground"),
         Remark::ScanRateNotKnown => Some("not known: the scan rate, so gaps between lines are not counted"),
-        // Nobody expects these of a record.
+        // A record is not expected to hold these.
         Remark::CloudNotKnown | Remark::TerrainNotKnown => None,
     };
     look.remarks.iter().filter_map(words).map(str::to_string).collect()

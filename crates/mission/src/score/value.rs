@@ -20,16 +20,16 @@ pub struct FlightScore {
     pub failure_probability: f64,
     /// Benefits less costs.
     pub score: f64,
-    /// Why the flight cannot be scored; empty if it can.
+    /// Reason if the flight cannot be scored, else empty.
     pub trouble: String,
 }
 
-/// What something cost, in points.
+/// A cost in points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cost {
-    /// What kind of cost.
+    /// Kind of cost.
     pub kind: CostKind,
-    /// What caused it.
+    /// Cause of the cost.
     pub name: String,
     /// Hours, a probability, or a number of occurrences.
     pub quantity: f64,

@@ -1,4 +1,4 @@
-//! What a mission believes after updates, in the numbers that planners are given.
+//! Assumptions of a mission after updates, in the numbers that planners receive.
 
 use super::{MissionUpdate, MissionUpdates, Situation};
 use crate::problem::pose;

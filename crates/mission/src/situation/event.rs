@@ -14,7 +14,7 @@ pub enum MissionEvent {
     NotObserved {
         /// The target.
         target: String,
-        /// Why, as the procedure says it.
+        /// Reason, as the procedure states it.
         why: String,
     },
     /// `(wings-level-violation TARGET)`: a segment of a line has lost its data.
@@ -25,7 +25,7 @@ pub enum MissionEvent {
         target: String,
         /// It is flown again.
         is_again: bool,
-        /// Both values, as a sentence.
+        /// Both values as text.
         text: String,
     },
     /// `(replan-wanted REASON)`.
@@ -40,21 +40,21 @@ pub enum MissionEvent {
     AwaitingInstructions {
         /// The link that is good again.
         link: String,
-        /// What follows without an instruction.
+        /// Response without an instruction.
         default: String,
     },
     /// `(instructed LINK INSTRUCTION)`: by the operator or by default.
     Instructed {
         /// The link.
         link: String,
-        /// What the aircraft does.
+        /// Instruction to the aircraft.
         instruction: String,
     },
     /// `(contingency-route LINK PLACE WHY)`.
     ContingencyRoute {
         /// The link.
         link: String,
-        /// Where the flight ends.
+        /// End of the flight.
         place: String,
         /// `silent` or `instructed`.
         why: String,
@@ -65,9 +65,9 @@ pub enum MissionEvent {
     LowFuel,
     /// `(requirement-broken NAME WHY)`: no way keeps this requirement.
     RequirementBroken {
-        /// What is broken.
+        /// Violated requirement.
         name: String,
-        /// Why.
+        /// Reason.
         why: String,
     },
     /// New data of the mission.

@@ -38,18 +38,18 @@ const CHOSEN_MAX: usize = 10_000;
 /// A notable decision.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Note {
-    /// When.
+    /// Instant.
     pub at: Time,
-    /// What, one line.
+    /// Text, one line.
     pub text: String,
 }
 
 /// A procedure that was chosen for a goal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Chosen {
-    /// Where it stands.
+    /// Place of the procedure.
     pub place: Place,
-    /// When it was chosen.
+    /// Instant of its choice.
     pub since: Time,
 }
 
@@ -58,11 +58,11 @@ pub struct Chosen {
 pub struct MadePlan {
     /// The plan.
     pub plan: Plan,
-    /// When its problem was posed.
+    /// Instant at which its problem was posed.
     pub made: Time,
 }
 
-/// What is known and assumed of a mission.
+/// Knowledge and assumptions of a mission.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Situation {
     /// Observations in order of their beginning.
@@ -83,21 +83,21 @@ pub struct Situation {
     pub posed: u32,
     /// Number of plans that the executive has adopted.
     pub adopted: u32,
-    /// When each request without an answer was made.
+    /// Instant of each request without an answer.
     asked: BTreeMap<SolveRequestId, Time>,
     /// Plans that the executive may still adopt.
     answers: BTreeMap<SolveRequestId, MadePlan>,
     /// Lines of each target whose observation has been chosen.
     planned_lines: BTreeMap<String, Vec<ScanLine>>,
-    /// Where the first of these lines begins.
+    /// Beginning of the first of these lines.
     line_begins: BTreeMap<String, Location>,
     /// Requirements compared with the flight.
     watch: Watch,
-    /// What was measured of radio links.
+    /// Measurements of radio links.
     pub links: LinkMemory,
     /// Outcomes of tests and what was diagnosed from them.
     pub diagnosis: DiagnosisService,
-    /// What the last step adds to the next batch: a function of the rest, and not stored.
+    /// Additions of the last step to the next batch: a function of the rest, and not stored.
     #[serde(skip)]
     derived: Vec<Input>,
 }
@@ -184,8 +184,8 @@ impl Situation {
         }
     }
 
-    /// What the plan that is flown expects of an observation. A visit of a plan begins with the lead-in of its first line, an observation
-    /// with that line.
+    /// Returns the prediction of the present plan for an observation. A visit of a plan begins with the lead-in of its first line, an
+    /// observation with that line.
     fn predicted(&self, mission: &Mission, target: &str) -> Option<Predicted> {
         let Plan::SingleVisit(plan) = &self.plan.as_ref()?.plan else { return None };
         let visit = plan.visits.iter().find(|visit| visit.target == target)?;
@@ -252,7 +252,7 @@ impl Situation {
             MissionEvent::ContingencyRoute { link, place, why } => {
                 self.note(at, format!("contingency route to {place}: {link} {why}"));
             }
-            // A picture of an observation with a report of its own, or one straight down without a target.
+            // A picture of an observation with a separate report, or one straight down without a target.
             MissionEvent::ImageInMemory(target)
                 if target == "down"
                     || self

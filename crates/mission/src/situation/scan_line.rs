@@ -59,7 +59,7 @@ impl ScanLine {
         self.last = Some(index);
     }
 
-    /// Where the line begins and ends, to the length of a piece.
+    /// Returns beginning and end of the line, to the length of a piece.
     pub(crate) fn ends(&self) -> (Position, Position) {
         let length_m = self.pieces.len() as f64 * PIECE_M;
         let to = Position::new(

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
 const SECONDS_PER_HOUR: f64 = 3600.0;
-/// What a target may be worth and how often something may happen there: as in the mission's own files.
+/// Maximum value of a target and rate of its events: as in the mission's own files.
 const VALUE_MAX: f64 = 1e9;
 const RATE_PER_H_MAX: f64 = 1e6;
 
@@ -179,7 +179,7 @@ impl MissionUpdates {
         self.operator_plan.as_ref()
     }
 
-    /// What of it names nothing of the mission, or says what its target cannot have, as text.
+    /// Returns as text the parts of the update that name nothing of the mission, or properties that the target cannot have.
     pub fn unknown(&self, mission: &Mission) -> Vec<String> {
         let find = |id: &String| mission.targets.iter().find(|target| target.goes_by(id));
         let named = self.announced.iter().chain(&self.gone).chain(self.values.keys()).chain(self.rates_per_h.keys());
@@ -196,7 +196,7 @@ impl MissionUpdates {
         targets.chain(likely).chain(forecasts).collect()
     }
 
-    /// The mission as it is assumed after the news: with what is known of its targets and winds now.
+    /// The mission as it is assumed after the updates: with what is known of its targets and winds now.
     pub fn believed(&self, mission: &Mission) -> Mission {
         let mut believed = self.valued(mission);
         believed.targets.retain(|target| {
@@ -261,7 +261,7 @@ fn name(value: &Value) -> String {
     }
 }
 
-/// What `importance` represents: of a table, the cost of an event that is never found.
+/// Returns the meaning of `importance`: of a table, the cost of an event that is never found.
 fn importance(cost: &CostFunction, of_families: f64) -> f64 {
     match cost {
         CostFunction::Table { points } => points.last().map_or(0.0, |(_, cost)| *cost),

@@ -14,9 +14,9 @@ use serde::{Deserialize, Serialize};
 pub struct Visit {
     /// The target's id.
     pub target: String,
-    /// When it began.
+    /// Beginning.
     pub begin: Time,
-    /// When it ended; `None` while it continues, or if it was interrupted.
+    /// End; `None` while it continues, or if it was interrupted.
     pub end: Option<Time>,
     /// Number of segments that were flown again.
     pub reflies: u32,
@@ -26,7 +26,7 @@ pub struct Visit {
     altitude_m: (f64, u32),
     /// The largest roll angle while on a line.
     pub roll_deg_max: f64,
-    /// What the plan expected of it.
+    /// Prediction by the plan.
     pub predicted: Option<Predicted>,
 }
 

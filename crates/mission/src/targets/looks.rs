@@ -43,10 +43,10 @@ const KNOWN: &[&str] = &[
     "may_share",
 ];
 
-/// What of a mission the looks depend on.
+/// Data of a mission on which looks depend.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Terms {
-    /// How long it lasts, s.
+    /// Its duration, s.
     pub(crate) duration_s: f64,
     /// Civil time of its beginning, s since 1970-01-01T00:00Z.
     pub(crate) epoch_unix_s: Option<f64>,

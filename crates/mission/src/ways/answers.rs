@@ -60,7 +60,7 @@ fn start(limits: &Limits, arguments: &[Value]) -> Result<Option<Request>, String
     }))
 }
 
-/// Where the vehicle is; none where that is not known.
+/// Returns a request from the position of the vehicle; `None` if it is unknown.
 fn start_of(arguments: &[Value]) -> Result<Option<Request>, String> {
     let [here, track, met, ..] = arguments else { return Err("the vehicle's location is missing".to_string()) };
     if !here.is_true() {

@@ -1,4 +1,4 @@
-//! What a way breaks: every zone whose wrong side it passes, so that an operator is warned of each before the flight.
+//! Violations of a path: every zone whose forbidden side it crosses, so that an operator is warned of each before the flight.
 
 use super::limits::Limits;
 use super::straight::{LATE_S, LATE_SHARE};

@@ -17,12 +17,12 @@ const APPROACH_ROOM_M: f64 = 1_000.0;
 pub(super) struct Landing {
     /// Course of the final approach; none lets the vehicle choose.
     pub(super) course_deg: Option<f64>,
-    /// How to get onto it.
+    /// Path to it.
     pub(super) way: Option<Way>,
 }
 
 impl Limits {
-    /// How to land at the place of a request, whose altitude is that of the ground.
+    /// Returns the landing at the place of a request, whose altitude is that of the ground.
     pub(super) fn landing(&self, request: &Request) -> Landing {
         let straight = Landing { course_deg: None, way: None };
         if self.are_none() {

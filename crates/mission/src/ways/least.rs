@@ -1,6 +1,6 @@
-//! Where no way keeps every requirement: the least that has to be broken.
+//! Least violation of requirements, if no path keeps all of them.
 //!
-//! The order is people on the ground, loss of the aircraft, airspace, mission. So the reach of landing places is abandoned
+//! The order is persons on the ground, loss of the aircraft, airspace, mission. So the reach of landing places is abandoned
 //! last. Of airspace, that is broken which takes the least time: an end that lies where it is forbidden to be is left, or
 //! reached, by the shortest leg; zones that enclose everything are passed through one by one.
 
@@ -20,7 +20,7 @@ const LOOK_M_FIRST: f64 = 200.0;
 const LOOK_GROWTH: f64 = 1.08;
 const LOOK_M_MAX: f64 = 2_000_000.0;
 const LOOK_DIRECTIONS: usize = 48;
-/// What wind and turns may carry the vehicle off its way at its ends, where it keeps no margin.
+/// Distance by which wind and turns may carry the vehicle off its path at its ends, where it keeps no margin.
 const EDGE_M: f64 = 500.0;
 /// Share of the margins that a way keeps which breaks a requirement already.
 const MARGINS_LEFT: f64 = 0.2;
@@ -210,7 +210,7 @@ impl Limits {
         self.breaking(request, way, ("landing distance", &why), false)
     }
 
-    /// How long a way is inside restricted zones of these names, or outside of permitted ones.
+    /// Returns the time that a path spends inside restricted zones of these names, or outside of permitted ones.
     fn time_in_s(&self, request: &Request, way: &Way, names: &[String]) -> f64 {
         let mut points = vec![request.from];
         points.extend_from_slice(&way.via);

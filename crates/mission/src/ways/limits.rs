@@ -1,4 +1,4 @@
-//! What of a mission ways depend on.
+//! Data of a mission on which paths depend.
 
 use crate::vehicle::Airframe;
 use crate::vehicle::{VehicleModel, turn_radius_m};
@@ -31,7 +31,7 @@ pub struct Limits {
     /// Height kept over ground away from where one starts and where one goes.
     pub(super) ground_margin_m: f64,
     pub(super) true_airspeed_mps: f64,
-    /// Radius of planned turns through the air; 0 for who turns on the spot.
+    /// Radius of planned turns through the air; 0 for a vehicle that turns on the spot.
     pub(super) turn_radius_m: f64,
     /// Radius of circles as a multiple of it.
     pub(super) circle_width: f64,
@@ -42,7 +42,7 @@ pub struct Limits {
     pub(super) lead_in_s: f64,
     pub(super) final_approach_m: f64,
     pub(super) final_approach_height_m: f64,
-    /// When the mission ends.
+    /// End of the mission.
     pub(super) end_s: f64,
     /// Named places with their elevation.
     places: Vec<(String, Position, f64)>,
@@ -64,7 +64,7 @@ pub(super) const TURN_WIDTH: f64 = 3.0;
 /// Height over ground that ways keep: fixed wing, rotorcraft. The first is 1,000 feet, the least height over open country
 /// (ICAO Annex 2, 4.6); the second is what small aircraft keep from obstacles.
 const GROUND_MARGIN_M: (f64, f64) = (300.0, 30.0);
-/// How far the known elevation of a target or an airfield reaches.
+/// Extent of the known elevation around a target or an airfield.
 const PATCH_M: f64 = 10_000.0;
 
 impl Limits {
@@ -108,12 +108,12 @@ impl Limits {
         }
     }
 
-    /// Does the mission limit where one may fly?
+    /// Returns true if the mission does not limit the airspace.
     pub(super) fn are_none(&self) -> bool {
         self.zones.is_empty() && self.landing_distance_m_max.is_none()
     }
 
-    /// Is there a link that is weak somewhere?
+    /// Returns true if a link is weak somewhere.
     pub(super) fn has_weak(&self) -> bool {
         !self.weak.is_empty()
     }
@@ -135,7 +135,7 @@ impl Limits {
         Some(Limits { zones, weak: Vec::new(), ..self.clone() })
     }
 
-    /// Where a named place is, with its elevation.
+    /// Returns the position of a named place, with its elevation.
     pub(super) fn place(&self, name: &str) -> Option<(Position, f64)> {
         let place = self.places.iter().find(|(known, ..)| known == name);
         place.map(|(_, position, elevation_m)| (*position, *elevation_m))
@@ -164,7 +164,7 @@ impl Limits {
         self.circle_width * self.turn_radius_m_over_ground()
     }
 
-    /// Must some zone be stayed in?
+    /// Returns true if the vehicle must stay inside a zone.
     pub(super) fn must_stay(&self) -> bool {
         self.zones.iter().any(|zone| zone.kind == ZoneKind::Permitted)
     }
@@ -181,7 +181,7 @@ impl Limits {
         elevations.fold(f64::NEG_INFINITY, f64::max) + self.ground_margin_m
     }
 
-    /// Is a leg at least `slack_m` within reach of the landing places?
+    /// Returns true if a leg is at least `slack_m` within reach of the landing places.
     pub(super) fn leg_is_within_reach(&self, from: Position, to: Position, slack_m: f64) -> bool {
         let Some(limit_m) = self.landing_distance_m_max else { return true };
         landing::leg_is_within(&self.landing_places, from, to, limit_m - slack_m)

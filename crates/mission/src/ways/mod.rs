@@ -1,7 +1,7 @@
 //! Ways in flight: how to get from where the vehicle is to a place, a circle, a line or a field, by what the mission permits.
 //!
 //! A flight command goes straight. Library `vehicle` asks the functions of this module before each command, and again when a
-//! task goes on after an interruption; the command takes the answer along as `:via`. Where the straight way and the turns at
+//! task continues after an interruption; the command takes the answer along as `:via`. Where the straight way and the turns at
 //! its ends keep out of everything, the answer is nothing. A function depends on its arguments and the mission's data only, so
 //! a replay gets the same answers.
 //! Bound: O(zones) where the straight way is open; else a network of travel for each altitude tried ([`apex_geo::travel`]).
@@ -25,15 +25,15 @@ use apex_model::problem::Position;
 /// From where to where, as a vehicle in flight asks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Request {
-    /// Where the vehicle is.
+    /// Position of the vehicle.
     pub from: Position,
     /// Its altitude above mean sea level.
     pub from_altitude_m: f64,
     /// Its direction over ground, clockwise from north; none for a vehicle that may leave in any direction.
     pub from_track_rad: Option<f64>,
-    /// When, since the mission's start.
+    /// Instant, since the mission's start.
     pub at_s: f64,
-    /// Where to.
+    /// Destination.
     pub to: Position,
     /// The altitude to be held there.
     pub to_altitude_m: f64,
@@ -41,16 +41,16 @@ pub struct Request {
     pub to_track_rad: Option<f64>,
     /// Room for circles around the place.
     pub circle_radius_m: f64,
-    /// How long one stays there.
+    /// Length of the stay there.
     pub stay_s: f64,
 }
 
 /// A requirement of the mission that no way keeps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Broken {
-    /// What is broken: names of zones, `permitted area`, `landing distance`, with `; ` between them.
+    /// Violated requirements: names of zones, `permitted area`, `landing distance`, with `; ` between them.
     pub name: String,
-    /// Why, as a sentence.
+    /// Reason, human-readable.
     pub why: String,
 }
 
@@ -61,12 +61,12 @@ pub struct Way {
     pub via: Vec<Position>,
     /// The altitude at which they are flown over.
     pub altitude_m: f64,
-    /// How long to wait before leaving.
+    /// Time to wait before leaving.
     pub hold_s: f64,
     /// Around which place to wait.
     pub hold_around: Option<Position>,
-    /// How long it takes after leaving.
+    /// Duration after leaving.
     pub time_s: f64,
-    /// What it has to break; none where every requirement is kept.
+    /// Violations; `None` if every requirement is kept.
     pub broken: Option<Broken>,
 }

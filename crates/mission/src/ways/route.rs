@@ -8,14 +8,14 @@ use apex_geo::plane::{self, Plane, Point};
 use apex_geo::travel::{Air, Network, Setting, TravelError, crossing};
 use apex_model::problem::{AirspaceZone, Position, TimeWindow, ZoneKind};
 
-/// What a search keeps.
+/// Requirements that a search keeps.
 #[derive(Clone, Debug)]
 pub(super) struct Strictness {
     /// Share of the margins.
     pub(super) margins: f64,
-    /// Are turns as wide as they are?
+    /// True if turns have their real radius.
     pub(super) turns: bool,
-    /// Are landing places in reach?
+    /// True if landing places must be in reach.
     pub(super) reach: bool,
     /// Zones that do not count.
     pub(super) without: Vec<String>,
@@ -28,7 +28,7 @@ impl Strictness {
     }
 }
 
-/// Shares of the margins that are tried one after the other.
+/// Shares of the margins that are tried in sequence.
 pub(super) const MARGIN_SHARES: [f64; 4] = [1.0, 0.5, 0.2, 0.0];
 /// Points of a turn are left out while the course changes by less than this.
 const CHORD_DEG: f64 = 15.0;
@@ -40,7 +40,7 @@ const HOLD_S_MIN: f64 = 5.0;
 const EARLY_S: f64 = 120.0;
 
 impl Limits {
-    /// The quickest way at any altitude that is of use.
+    /// The fastest path at any altitude that is of use.
     ///
     /// # Errors
     /// What prevents a way at the altitude of the place.
@@ -104,7 +104,7 @@ impl Limits {
         unique_m
     }
 
-    /// How long to circle before leaving so that the altitude is reached on the way: 0 where the vehicle can do so at the end.
+    /// Returns the time to circle before leaving so that the altitude is reached on the way: 0 if the vehicle can do so at the end.
     fn climb_hold_s(&self, request: &Request, altitude_m: f64, way_s: f64) -> f64 {
         let climb_m = altitude_m - request.from_altitude_m;
         let rate_mps = if climb_m > 0.0 { self.climb_rate_mps } else { self.descent_rate_mps };
@@ -117,8 +117,8 @@ impl Limits {
         if must_be_level && late_s > 0.0 && has_room() { late_s } else { 0.0 }
     }
 
-    /// Where to wait: a place next to the vehicle with space for a circle between its altitude and that of the way, for which it climbs
-    /// or descends while it waits; none where it is.
+    /// Returns the place to wait: next to the vehicle, with space for a circle between its altitude and that of the path, for which it
+    /// climbs or descends while it waits; none where it is.
     ///
     /// # Errors
     /// No place within reach has space for a circle.

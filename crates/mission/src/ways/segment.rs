@@ -1,4 +1,4 @@
-//! How a segment of a line is flown again.
+//! Paths to fly a segment of a line again.
 
 use super::landing::on_line;
 use super::limits::Limits;
@@ -16,11 +16,11 @@ const REST_M_MIN: f64 = 500.0;
 /// A lost segment of a line, and the end of the line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {
-    /// Where the data are lost from.
+    /// Point from which on data are lost.
     pub begin: Position,
-    /// Where the loss ended.
+    /// Point at which the loss ended.
     pub until: Position,
-    /// Where the line ends.
+    /// End of the line.
     pub line_end: Position,
     /// Altitude of the line, above mean sea level.
     pub altitude_m: f64,

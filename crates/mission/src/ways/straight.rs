@@ -1,4 +1,4 @@
-//! Is the straight way open, with space for the turns at its ends?
+//! Check of the straight path, with space for the turns at its ends.
 
 use super::Request;
 use super::limits::{Limits, TURN_WIDTH};
@@ -14,18 +14,18 @@ pub(super) const RIM_M: f64 = 500.0;
 pub(super) const ABOVE_ZONE_M: f64 = 150.0;
 
 impl Limits {
-    /// Does the straight way with the turns at both ends keep every requirement with its margin, whenever it is flown?
+    /// Returns true if the straight path with the turns at both ends keeps every requirement with its margin, whenever it is flown.
     pub(super) fn is_straight_open(&self, request: &Request) -> bool {
         let room_m = TURN_WIDTH * self.turn_radius_m_over_ground() + request.circle_radius_m;
         self.is_open(request, room_m)
     }
 
-    /// Does everything within `room_m` of the straight leg keep every requirement?
+    /// Returns true if everything within `room_m` of the straight leg keeps every requirement.
     pub(super) fn is_open(&self, request: &Request, room_m: f64) -> bool {
         self.shut_by(request, (room_m, 1.0)).is_none()
     }
 
-    /// What stands within `room_m` of the straight leg, with this share of the margins.
+    /// Returns the obstacle within `room_m` of the straight leg, with this share of the margins.
     pub(super) fn shut_by(&self, request: &Request, (room_m, margins): (f64, f64)) -> Option<String> {
         let Request { from, to, at_s, .. } = *request;
         let slowest_mps = (self.true_airspeed_mps - self.wind_mps_max()).max(1.0);

@@ -122,7 +122,7 @@ fn other_hours_invalid(better: &[Candidate], hour: i64) -> f64 {
     product
 }
 
-/// What the cell of the last [`outcome`] loses to which cause; with its worth the sum is 1.
+/// Returns the losses of the cell of the last [`outcome`] by cause; together with its worth they sum to 1.
 pub(super) fn losses(
     by_cell: &ByCell<'_>,
     worth: &StripWorth<'_>,

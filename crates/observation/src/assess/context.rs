@@ -1,4 +1,4 @@
-//! What looks are judged by, in addition to what they are.
+//! Context in which looks are assessed.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ pub struct Product {
     pub on_ground_s: f64,
 }
 
-/// What looks are judged by, in addition to what they are.
+/// Context in which looks are assessed.
 #[derive(Clone, Copy, Debug)]
 pub struct AssessContext<'a> {
     /// Start of the mission, seconds of Unix time, for the sun.

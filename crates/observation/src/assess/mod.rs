@@ -1,4 +1,4 @@
-//! What passes are worth: the factors of each wanted look of a target, chained per cell.
+//! Assessment of passes: the factors of each wanted look of a target, chained per cell.
 //!
 //! Per look of a cell: clarity s, resolution r, timing o; the best look of a cell counts for each wanted look. With N the
 //! wanted weight and sums weighted by cell: `c = A(seen)/N`, `s = sum s / A(seen)`, `r = sum s r / sum s`,

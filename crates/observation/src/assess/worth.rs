@@ -205,7 +205,7 @@ impl StripTiming {
     }
 }
 
-/// When the image of a strip is on the ground: with the strip, or by the earliest product that holds it.
+/// Returns the instant at which the image of a strip is on the ground: with the strip, or by the earliest product that holds it.
 fn arrival_s(strip: &StripFacts, products: &[Product]) -> Option<f64> {
     let holds = |product: &&Product| product.from_s <= strip.time_s && strip.time_s <= product.until_s;
     let received = products.iter().filter(holds).map(|product| product.on_ground_s);

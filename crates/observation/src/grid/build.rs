@@ -15,12 +15,12 @@ pub const PLANNING_CELLS: usize = 4_000;
 /// Cells of any grid.
 pub const CELLS_MAX: usize = 60_000;
 
-/// Why a target's area cannot be made into cells.
+/// An area of a target that cannot be divided into cells.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AreaError {
     /// Name of the target.
     pub target: String,
-    /// What is wrong and what is needed.
+    /// Defect and requirement.
     pub reason: String,
 }
 
@@ -32,7 +32,7 @@ impl fmt::Display for AreaError {
 
 impl std::error::Error for AreaError {}
 
-/// How fine a grid is.
+/// Resolution of a grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GridSettings {
     /// Useful width of a swath, infinite if not known.

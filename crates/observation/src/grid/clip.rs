@@ -3,7 +3,7 @@
 use crate::plane::Point;
 use apex_geo::plane::doubled_area;
 
-/// Which side of a line is kept.
+/// The side of a line that is kept.
 #[derive(Clone, Copy)]
 enum Keep {
     XFrom(f64),

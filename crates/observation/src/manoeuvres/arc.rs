@@ -47,7 +47,7 @@ pub struct Arc {
     pub acceleration_mps2: f64,
 }
 
-/// What an arc comes to.
+/// Figures of an arc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArcFigures {
     /// Length of the path.

@@ -42,9 +42,9 @@ pub struct Craft {
     pub wind_mps_max: f64,
     /// Time of straight flight before a line, on which the wings come level; 0 for a vehicle that hovers.
     pub settle_s: f64,
-    /// How its attitude answers to turbulence.
+    /// Response of the attitude to turbulence.
     pub hold: AttitudeHold,
-    /// What it drains.
+    /// Consumption of energy.
     pub drain: DrainTable,
 }
 

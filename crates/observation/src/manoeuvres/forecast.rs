@@ -1,4 +1,4 @@
-//! What a manoeuvre is predicted to see and to cost: its poses become planned lines or pictures, which are accumulated and
+//! Prediction of the looks and the cost of a manoeuvre: its poses become planned lines or pictures, which are accumulated and
 //! assessed as recorded ones are.
 
 use super::craft::Craft;
@@ -26,7 +26,7 @@ const PICTURES_MAX: usize = 5_000;
 /// Chords in directions nearer than this are one line of a scanner, degrees.
 const STRAIGHT_DEG: f64 = 0.05;
 
-/// What a forecast depends on in addition to manoeuvre, vehicle, sensor and scene.
+/// Input of a forecast in addition to manoeuvre, vehicle, sensor and scene.
 #[derive(Clone, Copy)]
 pub struct ForecastContext<'a> {
     /// The target with its wanted look.
@@ -37,7 +37,7 @@ pub struct ForecastContext<'a> {
     pub prediction: PredictionContext<'a>,
 }
 
-/// What a manoeuvre is predicted to give and to cost.
+/// Predicted yield and cost of a manoeuvre.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Forecast {
     /// Coverage, clarity, resolution, timing of the first wanted look.
@@ -63,7 +63,7 @@ pub struct Forecast {
 }
 
 impl Manoeuvre {
-    /// What it is predicted to see of a target and to cost.
+    /// Predicts the looks at a target and the cost.
     ///
     /// # Errors
     /// As [`Manoeuvre::fly`].

@@ -19,7 +19,7 @@ use super::track::Track;
 use super::vantage_point::VantagePoint;
 use serde::{Deserialize, Serialize};
 
-/// Where a manoeuvre leads.
+/// Path of a manoeuvre.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FlightPath {
@@ -51,15 +51,15 @@ pub enum FlightPath {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Manoeuvre {
-    /// Where it leads.
+    /// Path.
     pub path: FlightPath,
-    /// Which way the vehicle faces.
+    /// Direction in which the vehicle faces.
     pub attitude: AttitudeMode,
-    /// How fast it flies.
+    /// Speed.
     pub speed: SpeedProfile,
-    /// What the payload records.
+    /// Recording by the payload.
     pub payload: PayloadUse,
-    /// How the data are handled.
+    /// Handling of the data.
     pub data: DataHandling,
 }
 
@@ -107,7 +107,7 @@ impl FlightPath {
 }
 
 impl Manoeuvre {
-    /// Where it leads, for a vehicle and a sensor in a scene.
+    /// Computes the track of the manoeuvre for a vehicle and a sensor in a scene.
     ///
     /// # Errors
     /// A limit of vehicle, sensor or wind, with the nearest thing that works.

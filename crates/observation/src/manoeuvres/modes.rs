@@ -1,4 +1,4 @@
-//! How a path is flown and what is done with what is seen: attitude, speed, payload and data, each as a value.
+//! Modes of flying and recording along a path: attitude, speed, payload and data, each as a value.
 
 use super::craft::Craft;
 use super::refusal::{Limit, Refusal};
@@ -8,7 +8,7 @@ use apex_geo::plane::Point;
 use apex_geo::wind::{self, Wind};
 use serde::{Deserialize, Serialize};
 
-/// Which way the vehicle faces.
+/// Direction in which the vehicle faces.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum AttitudeMode {
@@ -23,7 +23,7 @@ pub enum AttitudeMode {
     Pointing,
 }
 
-/// How fast the path is flown.
+/// Speed along the path.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SpeedProfile {
@@ -39,7 +39,7 @@ pub enum SpeedProfile {
     Smear(f64),
 }
 
-/// What the payload records.
+/// Recording by the payload.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PayloadUse {
@@ -53,7 +53,7 @@ pub enum PayloadUse {
     LineScan,
 }
 
-/// How the data are handled.
+/// Handling of the data.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum DataHandling {

@@ -1,4 +1,4 @@
-//! Why a manoeuvre cannot be flown: the limit, the figure, and the nearest thing that works.
+//! Refusal of a manoeuvre: the limit, the figure, and the nearest manoeuvre that can be flown.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -16,7 +16,7 @@ pub struct Refusal {
     pub limit: f64,
     /// Unit of value and limit; empty for counts.
     pub unit: Box<str>,
-    /// Whose limit it is, and why.
+    /// Owner of the limit, and its reason.
     pub because: Box<str>,
     /// The nearest thing that works.
     pub nearest: String,
@@ -44,7 +44,7 @@ pub(crate) fn short(number: f64) -> String {
     }
 }
 
-/// What a check compares.
+/// Terms of a check.
 pub(crate) struct Limit<'a> {
     pub(crate) manoeuvre: &'a str,
     pub(crate) figure: &'a str,

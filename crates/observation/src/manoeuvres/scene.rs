@@ -1,4 +1,4 @@
-//! Where a manoeuvre is flown: target, wind, approach, and the sensor that observes.
+//! Scene of a manoeuvre: target, wind, approach, and the sensor that observes.
 
 use crate::predict::PredictedScanner;
 use crate::sensor::CameraSetting;
@@ -15,7 +15,7 @@ pub struct Scene {
     pub elevation_m: f64,
     /// Wind at the altitude of the manoeuvre: where the air goes.
     pub wind: Wind,
-    /// Where the vehicle comes from.
+    /// Point from which the vehicle comes.
     pub approach: Point,
     /// Instant of the beginning.
     pub from_s: f64,

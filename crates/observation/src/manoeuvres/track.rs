@@ -41,7 +41,7 @@ pub enum Element {
     },
     /// Standing still, with the nose in one direction after the other.
     Hover {
-        /// Where.
+        /// Point of the track.
         at: TrackPoint,
         /// Directions of the nose, clockwise from north; at least one.
         headings_deg: Vec<f64>,
@@ -52,7 +52,7 @@ pub enum Element {
     },
 }
 
-/// Where the sensor looks.
+/// Direction of the sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sight {
     /// Straight down.
@@ -73,12 +73,12 @@ pub enum Sight {
     },
 }
 
-/// Where a manoeuvre leads and where its sensor looks.
+/// Track of a manoeuvre with the directions of its sensor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track {
     /// Its parts in order.
     pub elements: Vec<Element>,
-    /// Where the sensor looks.
+    /// Direction of the sensor.
     pub sight: Sight,
 }
 

@@ -21,7 +21,7 @@ pub struct VantagePoint {
     pub dwell_s: f64,
 }
 
-/// What a place is judged by, in addition to its geometry.
+/// Criteria for a place in addition to its geometry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VantageNeeds {
     /// Wanted metres per pixel.

@@ -20,7 +20,7 @@ pub struct FrameCamera {
     pub exposure_s: f64,
 }
 
-/// How lines and triggers of a photo run are spaced.
+/// Spacing of lines and triggers of a photo run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhotoSpacing {
     /// Distance between successive pictures along the line (base).

@@ -31,7 +31,7 @@ pub struct GimbalAngles {
     pub tilt_deg: f64,
 }
 
-/// How well a sight line must point.
+/// Required accuracy of a sight line.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PointingTolerance {
@@ -43,7 +43,7 @@ pub struct PointingTolerance {
     pub pixel_mrad: f64,
 }
 
-/// What a gimbal does to look along a line.
+/// Angles of a gimbal that looks along a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pointing {
     /// Angles to take, inside the limits.

@@ -23,7 +23,7 @@ pub struct ScannerMode {
     pub line_overlap: f64,
 }
 
-/// How roll degrades a line.
+/// Degradation of a line by roll.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RollLimits {
@@ -34,7 +34,7 @@ pub struct RollLimits {
     pub zero_deg: Option<f64>,
 }
 
-/// How angular rates degrade a line, in pixels of shift between successive lines.
+/// Degradation of a line by angular rates, in pixels of shift between successive lines.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RateLimits {

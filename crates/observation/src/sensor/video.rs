@@ -17,7 +17,7 @@ pub struct VideoCamera {
     pub vertical_field_deg: f64,
 }
 
-/// What a viewer has to do with a target.
+/// Task of a viewer for a target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ViewerTask {

@@ -32,7 +32,7 @@ impl fmt::Debug for Satellite {
     }
 }
 
-/// Which passes count.
+/// Conditions for a pass to count.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PassLimits {
     /// Half the scan angle of the instrument, measured at the satellite from the nadir.
@@ -60,10 +60,10 @@ pub struct Pass {
     pub range_km: f64,
 }
 
-/// Why an element set cannot be used.
+/// An element set that cannot be used.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OrbitError {
-    /// What is wrong, as the reader of element sets says it.
+    /// Defect, as the reader of element sets reports it.
     pub reason: String,
 }
 

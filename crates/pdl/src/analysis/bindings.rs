@@ -42,7 +42,7 @@ fn is_simple(procedure: &Procedure) -> bool {
     plain_index && !procedure.steps.iter().any(binds)
 }
 
-/// What the whole procedure knows of its variables.
+/// Known facts about the variables of a procedure.
 struct Known<'l> {
     procedure: &'l Procedure,
     index: Bound<'l>,
@@ -52,7 +52,7 @@ struct Known<'l> {
     results: BTreeMap<&'l Symbol, Vec<usize>>,
 }
 
-/// Where a step's clause stands in the life of its task.
+/// Moment of a step's clause in the life of its task.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Moment {
     /// Before or while its waitfor is judged.
@@ -194,7 +194,7 @@ impl<'l> Known<'l> {
         }
     }
 
-    /// Has one of `producers` surely ended when the step is enabled?
+    /// Returns true if one of `producers` has surely ended when the step is enabled.
     fn has_ended(&self, number: usize, step: &Step, producers: &[usize]) -> bool {
         let sequential = self.procedure.kind == ProcedureKind::Sequential;
         let tag = |producer: &usize| self.procedure.steps.get(*producer).map(|step| &step.tag);
@@ -280,7 +280,7 @@ fn mentions(expr: &Expr, name: &Symbol) -> bool {
     found
 }
 
-/// Where an expression inside of the condition uses the variable.
+/// Returns the position of an expression inside the condition that uses the variable.
 fn use_in_condition(condition: &Condition, name: &Symbol) -> Option<Place> {
     let mut place = None;
     walk::condition(condition, &mut |expr| {
@@ -291,7 +291,7 @@ fn use_in_condition(condition: &Condition, name: &Symbol) -> Option<Place> {
     place
 }
 
-/// Does the condition hold only after that step has ended?
+/// Returns true if the condition holds only after that step has ended.
 fn waits_for_end(condition: &Condition, tag: &Symbol) -> bool {
     match &condition.kind {
         ConditionKind::TaskEnded(name) => name == tag,
@@ -312,7 +312,7 @@ fn report_own_result(step: &Step, name: &Symbol, report: &mut Report<'_>) {
     report.add(diagnostic);
 }
 
-/// A variable that one way to match binds and another does not, or that stands under a negation only.
+/// A variable that one way to match binds and another does not, or that occurs below a negation only.
 fn report_branch(place: Place, name: &Symbol, waitfor: &Bound<'_>, index: &Bound<'_>, report: &mut Report<'_>) {
     let branch = waitfor.perhaps.get(name).or_else(|| index.perhaps.get(name));
     let negated = waitfor.never.get(name).or_else(|| index.never.get(name));

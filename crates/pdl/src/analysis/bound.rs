@@ -1,4 +1,4 @@
-//! What patterns and conditions bind: surely, whenever they match, or only in some of their ways to match.
+//! Variables that patterns and conditions bind: surely, at every match, or only in some of their ways to match.
 
 use apex_model::condition::{Condition, ConditionKind, Constraint};
 use apex_model::pattern::Pattern;
@@ -13,7 +13,7 @@ pub(crate) struct Bound<'l> {
     pub(crate) surely: BTreeSet<&'l Symbol>,
     /// Have a value after some matches; the condition that binds them, where it is one.
     pub(crate) perhaps: BTreeMap<&'l Symbol, Option<Place>>,
-    /// Stand only where nothing is bound: under a negation.
+    /// Occurs only where it is not bound: below a negation.
     pub(crate) never: BTreeMap<&'l Symbol, Option<Place>>,
 }
 
@@ -54,14 +54,14 @@ impl<'l> Bound<'l> {
         result
     }
 
-    /// What is bound inside is not seen outside.
+    /// Removes the bindings that are not visible outside.
     fn hidden(self, place: Option<Place>) -> Bound<'l> {
         let names = self.surely.into_iter().chain(self.perhaps.into_keys()).chain(self.never.into_keys());
         Bound { never: names.map(|name| (name, place)).collect(), ..Bound::default() }
     }
 }
 
-/// What a pattern binds.
+/// Returns the bindings of a pattern.
 pub(crate) fn by_pattern(pattern: &Pattern) -> Bound<'_> {
     match pattern {
         Pattern::Variable(name) | Pattern::Is { variable: name, .. } => Bound::one(name),
@@ -78,7 +78,7 @@ pub(crate) fn by_pattern(pattern: &Pattern) -> Bound<'_> {
     }
 }
 
-/// What a condition binds when it is satisfied, its tag included.
+/// Returns the bindings of a satisfied condition, its tag included.
 pub(crate) fn by_condition(condition: &Condition) -> Bound<'_> {
     let place = Some(condition.place);
     let inner = match &condition.kind {
@@ -120,7 +120,7 @@ fn by_constraints(constraints: &[Constraint]) -> Bound<'_> {
     patterns.fold(Bound::default(), Bound::and)
 }
 
-/// What conditions bind that all hold.
+/// Returns the bindings of conditions that all hold.
 pub(crate) fn by_all(conditions: &[Condition]) -> Bound<'_> {
     conditions.iter().map(by_condition).fold(Bound::default(), Bound::and)
 }

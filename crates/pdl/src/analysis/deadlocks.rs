@@ -59,7 +59,7 @@ fn key(circle: &[(usize, &Order<'_>)]) -> Vec<String> {
     names
 }
 
-/// The orders that arise below a step, where nothing is held yet.
+/// The orders that arise below a step, before any resource is held.
 fn of_step<'l>(program: &Program<'l>, procedure: usize, step: usize) -> Vec<Order<'l>> {
     let mut orders = Vec::new();
     if let Some(found) = program.library.procedures.get(procedure).and_then(|each| each.steps.get(step)) {
@@ -168,7 +168,7 @@ fn close<'a, 'l>(
             continue;
         }
         for next in of_step.iter().filter(|order| order.held.0 == last.needed.0) {
-            // Who needs a third resource first goes one after the other.
+            // Tasks that need a third resource first run in sequence.
             let is_kept_apart = circle.iter().any(|(_, other)| other.all.iter().any(|name| next.all.contains(name)));
             if is_kept_apart {
                 continue;

@@ -43,7 +43,7 @@ fn sums(program: &Program<'_>, expr: &Expr, report: &mut Report<'_>) {
     if arguments.len() < 2 || !ONE_DIMENSION.contains(&function.folded()) {
         return;
     }
-    // What a variable of a function holds is not known here: it is looked at where the function is called.
+    // What a variable of a function holds is not known here: it is checked where the function is called.
     let mut first: Option<(Dimension, &Expr)> = None;
     for argument in arguments.iter().filter(|argument| !is_zero(argument)) {
         let Kind::Number(dimension) = Kinds::of(program, argument) else { continue };
@@ -171,7 +171,7 @@ fn needs_plain_number(program: &Program<'_>, expr: &Expr, report: &mut Report<'_
     report.add(diagnostic);
 }
 
-/// What a procedure or primitive needs a word of its goals to be.
+/// Requirement of a procedure or primitive for a word of its goals.
 #[derive(Clone, Copy)]
 struct Requirement {
     dimension: Dimension,
@@ -271,7 +271,7 @@ impl<'l> Word<'l> {
         }
     }
 
-    /// Is it of another kind than a number of this dimension? Names may stand for anything, such as a setting of the
+    /// Returns true if it is not a number of this dimension. Names may mean anything, such as a setting of the
     /// vehicle.
     fn misfit(self, program: &Program<'l>, needed: Requirement) -> Option<Kind> {
         let (kind, is_zero) = match self {

@@ -1,4 +1,4 @@
-//! What can come to an end by itself, and what takes no time at all.
+//! Activities that can end, and activities that provably take no time.
 //!
 //! "Can end" errs on the side of yes, "takes no time" on the side of no: what is concluded from either is proven.
 
@@ -27,11 +27,11 @@ struct Nodes {
     primitives: Vec<Node>,
 }
 
-/// What is known of endings in one library.
+/// Known endings of one library.
 pub(crate) struct Endings {
     ending: (Nodes, Solution),
     instant: (Nodes, Solution),
-    /// Some activity ends a task that is no step of its own procedure: any task may be ended so.
+    /// Some activity ends a task that is not a step of its procedure: any task may be ended so.
     pub(crate) is_wild: bool,
 }
 
@@ -46,19 +46,19 @@ impl Endings {
         }
     }
 
-    /// May the activity of this step end by itself, other than by failing?
+    /// Returns true if the activity of this step may end without a failure.
     pub(crate) fn activity_ends(&self, procedure: usize, step: usize) -> bool {
         let (nodes, solution) = &self.ending;
         let node = nodes.procedures.get(procedure).and_then(|nodes| nodes.activities.get(step));
         node.is_none_or(|node| solution.holds(*node))
     }
 
-    /// May a task of this method end by itself, other than by failing?
+    /// Returns true if a task of this method may end without a failure.
     pub(crate) fn ends(&self, method: Method) -> bool {
         holds(&self.ending, method).unwrap_or(true)
     }
 
-    /// Does the activity of this step provably take no time?
+    /// Returns true if the activity of this step provably takes no time.
     pub(crate) fn activity_takes_no_time(&self, procedure: usize, step: usize) -> bool {
         let (nodes, solution) = &self.instant;
         let node = nodes.procedures.get(procedure).and_then(|nodes| nodes.activities.get(step));
@@ -96,12 +96,12 @@ pub(crate) fn is_uncounted(step: &Step) -> bool {
     step.responding.is_some() || step.repeating.as_deref().is_some_and(|clause| !bounded(clause))
 }
 
-/// Does this activity end the procedure that it stands in?
+/// Returns true if this activity ends the procedure that contains it.
 pub(crate) fn ends_procedure(activity: &Activity) -> bool {
     matches!(activity, Activity::Terminate { task: None, .. })
 }
 
-/// Steps that activities of their own procedure end by their tags.
+/// Steps that activities of their procedure end by their tags.
 pub(crate) fn terminated_tags(procedure: &Procedure) -> BTreeSet<&Symbol> {
     let activities = procedure.steps.iter().flat_map(walk::activities);
     let targets = activities.filter_map(|activity| match activity {
@@ -129,7 +129,7 @@ fn ends_strangers(procedure: &Procedure) -> bool {
     !targets.is_subset(&tags) || procedure.steps.iter().flat_map(walk::activities).any(strange)
 }
 
-/// The node of a goal: served by any of its methods; a fact where that cannot be told.
+/// The node of a goal: served by any of its methods; a fact if that is undecided.
 fn goal_node(horn: &mut Horn, methods: Option<&[Method]>, nodes: &Nodes, of_all: bool) -> Node {
     let Some(methods) = methods.filter(|methods| !methods.is_empty()) else {
         return if of_all { horn.any() } else { horn.fact() };
@@ -148,7 +148,7 @@ fn goal_node(horn: &mut Horn, methods: Option<&[Method]>, nodes: &Nodes, of_all:
     node
 }
 
-/// What may end. Waits count for nothing here: that they are met is taken for granted.
+/// Finds the methods that may end. Waits are ignored here: they are assumed to be satisfied.
 fn ending(library: &Library, methods: &Methods<'_>, reaches: &Reaching<'_>) -> (Nodes, Solution) {
     let mut horn = Horn::default();
     let mut nodes = Nodes { procedures: Vec::new(), primitives: Vec::new() };
@@ -200,7 +200,7 @@ fn may_end_procedure(step: &Step) -> bool {
     walk::activities(step).any(ends_procedure)
 }
 
-/// Which steps must have ended before the procedure is complete.
+/// For each step: true if it must have ended before the procedure is complete.
 fn awaited_steps(procedure: &Procedure) -> Vec<bool> {
     if procedure.kind == ProcedureKind::Sequential {
         let last = procedure.steps.iter().position(may_end_procedure).unwrap_or(procedure.steps.len());
@@ -221,7 +221,7 @@ pub(crate) fn goes_on(procedure: &Procedure, step: &Step) -> bool {
     step.repeating.as_deref().or(responding).is_some_and(is_endless)
 }
 
-/// What provably takes no time once it has begun.
+/// Finds the methods that provably take no time once they have begun.
 fn instantaneous(library: &Library, methods: &Methods<'_>, reaches: &Reaching<'_>) -> (Nodes, Solution) {
     let mut horn = Horn::default();
     let mut nodes = Nodes { procedures: Vec::new(), primitives: Vec::new() };

@@ -16,7 +16,7 @@ use std::collections::BTreeSet;
 pub(super) fn check(program: &Program<'_>, caught: &BTreeSet<usize>, report: &mut Report<'_>) {
     unreached_completions(program, report);
     if program.endings.is_wild {
-        // A task that anybody may end makes every wait possible.
+        // A task that any activity may end makes every wait possible.
         return;
     }
     for (number, procedure) in program.library.procedures.iter().enumerate() {
@@ -46,7 +46,7 @@ pub(super) fn check(program: &Program<'_>, caught: &BTreeSet<usize>, report: &mu
     }
 }
 
-/// Does the step pursue one of these procedures?
+/// Returns true if the step pursues one of these procedures.
 fn leads_to(program: &Program<'_>, step: &Step, caught: &BTreeSet<usize>) -> bool {
     let Activity::Goal(goal) = &step.activity else { return false };
     let methods = program.methods.serving(goal).unwrap_or_default();
@@ -61,7 +61,7 @@ fn target(premise: &Premise) -> usize {
     }
 }
 
-/// Where a step says that it waits.
+/// Returns the position at which a step states its wait.
 fn place_of(procedure: &Procedure, step: usize, premise: &Premise, report: &mut Report<'_>) -> Span {
     let own = procedure.steps.get(step).map_or(procedure.place, |step| step.place);
     match premise {
@@ -87,7 +87,7 @@ fn wait_in_words(procedure: &Procedure, step: usize, premise: &Premise) -> Strin
 }
 
 fn report_circle(procedure: &Procedure, circle: &[(usize, Premise)], report: &mut Report<'_>) {
-    // The circle begins where a wait is written: the order of a sequence is nobody's mistake.
+    // The circle begins where a wait is written: the order of a sequence is not a mistake.
     let written = |(_, premise): &(usize, Premise)| !matches!(premise, Premise::Sequence { .. });
     let first = circle.iter().position(written).unwrap_or(0);
     let turned: Vec<&(usize, Premise)> = circle.iter().cycle().skip(first).take(circle.len()).collect();
@@ -148,7 +148,7 @@ fn report_endless(
     let Some(procedure) = program.library.procedures.get(number) else { return };
     let Some(blocker) = procedure.steps.get(target(premise)) else { return };
     if procedure.steps.get(step).is_none_or(|step| step.place == blocker.place) {
-        // The end of a sequence that nobody wrote: the last step goes on until its procedure is ended from above.
+        // The end of a sequence that is not written: the last step continues until its procedure is ended from above.
         return;
     }
     let span = place_of(procedure, step, premise, report);
@@ -188,7 +188,7 @@ fn report_endless(
     report.add(diagnostic);
 }
 
-/// What serves the goal and does not end.
+/// Returns the method that serves the goal and does not end.
 fn why_endless(program: &Program<'_>, activity: &Activity, report: &mut Report<'_>) -> Option<(Span, String)> {
     let Activity::Goal(goal) = activity else { return None };
     let methods = program.methods.serving(goal)?;

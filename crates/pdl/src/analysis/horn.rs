@@ -1,4 +1,4 @@
-//! What follows from what: nodes that become true when enough of their premises are. Least solution, in linear time.
+//! Horn clauses: nodes that become true when enough of their premises are. Least solution, in linear time.
 
 /// A node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -37,7 +37,7 @@ impl Horn {
         self.rules.push((premise.0, conclusion.0));
     }
 
-    /// Which nodes are true.
+    /// Solves the clauses.
     pub(crate) fn solve(mut self) -> Solution {
         let (first, served) = self.by_premise();
         let mut is_true: Vec<bool> = self.needs.iter().map(|needs| *needs == 0).collect();
@@ -59,7 +59,7 @@ impl Horn {
         Solution(is_true)
     }
 
-    /// The conclusions of the rules, those of one premise beside each other, and where those of each premise begin: one
+    /// The conclusions of the rules, those of one premise in a row, and where those of each premise begin: one
     /// entry more than there are nodes.
     fn by_premise(&self) -> (Vec<u32>, Vec<u32>) {
         // Counted one place later, so that what is before the place is where the premise begins.
@@ -91,11 +91,11 @@ fn index(number: u32) -> usize {
     usize::try_from(number).unwrap_or(usize::MAX)
 }
 
-/// Which nodes of a solved [`Horn`] are true.
+/// True nodes of a solved [`Horn`].
 pub(crate) struct Solution(Vec<bool>);
 
 impl Solution {
-    /// Is `node` true?
+    /// Returns true if `node` is true.
     pub(crate) fn holds(&self, node: Node) -> bool {
         self.0.get(index(node.0)).copied().unwrap_or(false)
     }

@@ -9,15 +9,15 @@ use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 
-/// Why a condition cannot hold.
+/// Reason for which a condition cannot hold.
 pub(crate) struct Impossible {
     /// Place of the fault.
     pub(crate) place: Place,
-    /// In words, to follow "this condition can never hold:".
+    /// Text that follows "this condition can never hold:".
     pub(crate) reason: String,
 }
 
-/// Why the condition itself, not one of its parts, can never hold; none where that cannot be told.
+/// Returns the reason for which the condition itself, not one of its parts, can never hold; `None` if that is undecided.
 pub(crate) fn impossible(condition: &Condition, library: &Library) -> Option<Impossible> {
     let within = |what: &str, constraints: &[Constraint]| {
         let reason = contradiction(constraints, library)?;
@@ -112,7 +112,7 @@ pub(super) fn number(expr: &Expr, library: &Library) -> Option<f64> {
     }
 }
 
-/// What is left open by limits that are known beforehand.
+/// Range that limits which are known beforehand leave open.
 struct Range {
     low: f64,
     low_included: bool,
@@ -142,7 +142,7 @@ impl Range {
     }
 }
 
-/// Why no number meets all constraints.
+/// Returns the reason for which no number meets all constraints.
 fn contradiction(constraints: &[Constraint], library: &Library) -> Option<String> {
     let mut range = Range { low: f64::NEG_INFINITY, low_included: true, high: f64::INFINITY, high_included: true };
     for constraint in constraints {

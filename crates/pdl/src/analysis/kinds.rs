@@ -1,4 +1,4 @@
-//! What kind of value an expression has: a number of a dimension, an instant, or neither, as far as the program tells.
+//! Kinds of values of expressions: a number of a dimension, an instant, or neither, as far as the program determines them.
 //! Follows `let`, functions, indexicals and queries of declared state variables.
 
 use super::Program;
@@ -18,12 +18,12 @@ pub(crate) enum Kind {
     Number(Dimension),
     /// A point in time.
     Instant,
-    /// Something else, in words.
+    /// Something else, as text.
     Other(&'static str),
 }
 
 impl Kind {
-    /// In words, with an article where there is one.
+    /// As text, with an article where there is one.
     pub(crate) fn words(self) -> String {
         match self {
             Kind::Unknown => "unknown".to_string(),
@@ -42,7 +42,7 @@ impl Kind {
 
 /// Calls of functions and indexicals that are followed into each other.
 const DEPTH_MAX: usize = 8;
-/// Expressions looked at to find out about one.
+/// Maximum number of expressions inspected for one.
 const STEPS_MAX: usize = 2_000;
 
 /// Finds kinds.
@@ -215,7 +215,7 @@ fn sum(is_difference: bool, kinds: &[Kind]) -> Kind {
     }
 }
 
-/// Literal numbers that may stand for zero of anything.
+/// Literal numbers that may mean zero of anything.
 pub(crate) fn is_zero(expr: &Expr) -> bool {
     match &expr.kind {
         ExprKind::Constant(value) => value.as_number().is_some_and(|(number, _)| number == 0.0),

@@ -293,7 +293,7 @@ fn report_answers(
     report.add(diagnostic.help("let the answer be another message, or add `:for-new ?x` or `:while TEST`"));
 }
 
-/// What a step says as it is carried out.
+/// Messages that a step sends as it is carried out.
 #[derive(Default)]
 struct Said {
     /// Messages that it surely sends.
@@ -302,11 +302,11 @@ struct Said {
     others: bool,
     /// Methods at work, so that a recursion is followed once.
     stack: Vec<Method>,
-    /// Steps looked at.
+    /// Steps inspected.
     steps: usize,
 }
 
-/// Steps below one step that are looked at for what they say.
+/// Steps below one step that are inspected for their messages.
 const SAYING_MAX: usize = 1_000;
 
 impl Said {
@@ -363,7 +363,7 @@ impl Said {
         self.stack.pop();
     }
 
-    /// Forms of a hook: only calls that stand in it directly are sure.
+    /// Forms of a hook: only its direct calls are sure.
     fn body(&mut self, body: &[Expr]) {
         for expr in body {
             match &expr.kind {

@@ -1,5 +1,5 @@
-//! What a program keeps without a bound of its own: histories that are never old enough, sets that only grow, tasks that
-//! pile up. The executive has limits for all of them; who comes to one loses the oldest.
+//! Unbounded memory of a program: histories that are never old enough, sets that only grow, tasks that
+//! accumulate. The executive limits each of them; at the limit it drops the oldest entries.
 
 use super::endings::{goes_on, is_endless, is_stopped, terminated_tags};
 use super::resemblance::QUERIES;

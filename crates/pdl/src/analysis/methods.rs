@@ -1,4 +1,4 @@
-//! Who may serve a goal: procedures, primitives and solvers by the first two words of their indexes.
+//! Methods that may serve a goal: procedures, primitives and solvers by the first two words of their indexes.
 
 use crate::matching::{
     Second, Specificity, View, may_match, must_match, pattern_head, second_of_goal, second_of_pattern, specificity,
@@ -19,11 +19,11 @@ pub(crate) enum Method {
     Procedure(usize),
     /// A primitive.
     Primitive(usize),
-    /// A solver, asked only where nothing else serves.
+    /// A solver, asked only if no other method serves.
     Solver(usize),
 }
 
-/// More methods that may serve one goal than anybody follows: then anything may come of the goal.
+/// More methods that may serve one goal than are followed: then the goal may have any result.
 const CANDIDATES_MAX: usize = 64;
 
 #[derive(Default)]
@@ -37,7 +37,7 @@ pub(crate) struct Methods<'l> {
     library: &'l Library,
     by_head: BTreeMap<&'l Symbol, Group>,
     open: Vec<Method>,
-    /// What may serve the goals of steps, by procedure and step: every check asks for it.
+    /// Methods that may serve the goals of steps, by procedure and step: every check needs them.
     of_steps: Vec<Vec<Option<Vec<Method>>>>,
 }
 
@@ -81,7 +81,7 @@ impl<'l> Methods<'l> {
         }
     }
 
-    /// What may serve `goal`, in the order of choice; none when that cannot be told.
+    /// Returns the methods that may serve `goal`, in the order of choice; `None` if that is undecided.
     pub(crate) fn serving(&self, goal: &Template) -> Option<Vec<Method>> {
         let view = View::Template(goal);
         let head = view.head()?;
@@ -98,7 +98,7 @@ impl<'l> Methods<'l> {
         if found.len() > 1 {
             found.sort_by_cached_key(|method| (matches!(method, Method::Solver(_)), self.rank(*method), *method));
         }
-        // Nobody after one that surely matches is ever chosen, where every agent knows that one.
+        // No method after one that surely matches is ever chosen, where every agent knows that one.
         let is_sure = |method: &Method| self.is_known_to_all(*method) && self.surely(goal, *method);
         if found.len() > 1
             && let Some(sure) = found.iter().position(is_sure)
@@ -108,7 +108,7 @@ impl<'l> Methods<'l> {
         Some(found)
     }
 
-    /// What may serve the goal of a step, in the order of choice; none when that cannot be told.
+    /// Returns the methods that may serve the goal of a step, in the order of choice; `None` if that is undecided.
     pub(crate) fn serving_step(&self, procedure: usize, step: usize) -> Option<&[Method]> {
         self.of_steps.get(procedure)?.get(step)?.as_deref()
     }
@@ -140,7 +140,7 @@ impl<'l> Methods<'l> {
         listed.into_iter().flatten().chain(&self.open).copied()
     }
 
-    /// Does `method` serve `goal`, whatever its holes get?
+    /// Returns true if `method` serves `goal`, whatever values its variables get.
     pub(crate) fn surely(&self, goal: &Template, method: Method) -> bool {
         self.index(method).is_some_and(|index| must_match(View::Template(goal), index))
     }
@@ -175,7 +175,7 @@ mod tests {
             let found = methods.serving(&goal).expect("a head");
             found.into_iter().map(|method| matches!(method, Method::Primitive(number) if number < 9)).count()
         };
-        // The constant one is chosen; nobody else is asked.
+        // The constant one is chosen; no other is asked.
         assert_eq!(serving("(go home)"), 1);
         assert_eq!(serving("(go 2.0)"), 1);
         assert_eq!(serving("(go away)"), 1);

@@ -40,7 +40,7 @@ use methods::Methods;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// Messages kept; who has so many reads the first ones.
+/// Maximum number of messages: the first ones.
 const MESSAGES_MAX: usize = 200;
 
 /// A library and what was found out about it once.
@@ -92,9 +92,9 @@ pub(crate) fn analyse(library: &Library, names: &Names, fragment: bool, foreign:
     report.diagnostics
 }
 
-/// What there is to say about `conditions` that stand alone, in terms of `library`.
+/// Returns the diagnostics of `conditions` without a program, in terms of `library`.
 pub(crate) fn analyse_conditions(library: &Library, conditions: &[Condition], names: &Names) -> Vec<Diagnostic> {
-    // The checks look at procedures: each condition becomes what the step of one waits for.
+    // The checks inspect procedures: each condition becomes what the step of one waits for.
     let mut whole = library.clone();
     whole.procedures.extend(conditions.iter().map(|condition| Arc::new(waiting_for(condition))));
     let methods = Methods::new(&whole);

@@ -70,7 +70,7 @@ pub(super) fn without_effect(conditions: &[Condition], report: &mut Report<'_>) 
     }
 }
 
-/// Goals whose variables only the waitfor that they probe for gives a value. What a `select` does is told elsewhere.
+/// Goals whose variables only the waitfor that they probe for gives a value. A `select` is checked elsewhere.
 fn needs_itself(procedure: &Procedure, step: &Step, report: &mut Report<'_>) {
     let mut goals: Vec<(Place, &Template)> = Vec::new();
     for condition in &step.waitfor {
@@ -103,8 +103,8 @@ fn needs_itself(procedure: &Procedure, step: &Step, report: &mut Report<'_>) {
     }
 }
 
-/// What has a value while a step waits: variables of the index, tags, results, which the step waits for, and what a form
-/// assigns.
+/// Returns the variables that have a value while a step waits: those of the index, tags, results that the step waits for, and those that
+/// a form assigns.
 fn known_before(procedure: &Procedure) -> BTreeSet<Symbol> {
     let mut known: BTreeSet<Symbol> = procedure.steps.iter().map(|step| step.tag.clone()).collect();
     let results = procedure.steps.iter().filter_map(|step| step.binds.as_deref());

@@ -1,4 +1,4 @@
-//! Resources that nobody can grant: amounts beyond what there is, and holders that never let go.
+//! Resources that can never be granted: amounts beyond the total, and holders that never let go.
 
 use super::endings::{ends_procedure, terminated_tags};
 use super::methods::Method;
@@ -47,7 +47,7 @@ fn resource_of(need: &ResourceNeed) -> Option<&Symbol> {
     }
 }
 
-/// How much there is of a resource, and of what dimension.
+/// Returns the total of a resource, and its dimension.
 fn total(program: &Program<'_>, resource: &Symbol) -> (f64, Dimension) {
     match program.library.resources.get(resource).map(|declaration| &declaration.kind) {
         Some(ResourceKind::Capacity(units)) => (f64::from(*units), Dimension::NONE),
@@ -196,7 +196,7 @@ fn starved(program: &Program<'_>, number: usize, procedure: &Procedure, report: 
     }
 }
 
-/// Has the step a priority or rank of its own?
+/// Returns true if the step states a priority or rank.
 fn has_say(step: &Step) -> bool {
     !step.priority.is_empty() || step.rank.is_some() || step.interrupt_cost.is_some()
 }

@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 /// Names with the places that use them.
 type Uses<'l> = BTreeMap<&'l Symbol, Vec<Place>>;
 
-/// Suspects looked at in one program.
+/// Maximum number of suspects in one program.
 const SUSPECTS_MAX: usize = 500;
 
 pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
@@ -36,7 +36,7 @@ fn meant<'n>(name: &Symbol, known: impl IntoIterator<Item = &'n str>) -> Option<
     (letters(first).to_lowercase() != letters(name.folded()).to_lowercase()).then_some(first)
 }
 
-/// Messages waited for that nobody says, beside messages said for which nobody waits.
+/// Messages that steps wait for and none sends, next to messages that are sent and awaited by none.
 fn messages(program: &Program<'_>, report: &mut Report<'_>) {
     let mut waited: Uses<'_> = BTreeMap::new();
     for procedure in &program.library.procedures {
@@ -68,7 +68,7 @@ fn messages(program: &Program<'_>, report: &mut Report<'_>) {
     }
 }
 
-/// Messages said once, for which nobody waits, beside others that are said elsewhere, too, and for which somebody waits.
+/// Messages said once, awaited by no step, next to others that are sent elsewhere, too, and awaited.
 fn misspelt_said(said: &Uses<'_>, waited: &Uses<'_>, report: &mut Report<'_>) {
     let heard = || said.keys().filter(|name| waited.contains_key(*name)).map(|name| name.printed());
     let suspects = said.iter().filter(|(name, places)| places.len() == 1 && !waited.contains_key(*name));
@@ -116,7 +116,7 @@ fn said_in<'l>(program: &Program<'l>) -> Uses<'l> {
     said
 }
 
-/// State variables that nothing declares, beside declared ones.
+/// State variables that nothing declares, next to declared ones.
 fn state_variables(program: &Program<'_>, report: &mut Report<'_>) {
     let declared = &program.library.state_variables;
     if declared.is_empty() {
@@ -189,7 +189,7 @@ pub(super) const QUERIES: &[&str] = &[
     "max-over",
 ];
 
-/// Resources named once and declared nowhere, beside others.
+/// Resources named once and declared nowhere, next to others.
 fn resources(program: &Program<'_>, report: &mut Report<'_>) {
     let library = program.library;
     let mut used: Uses<'_> = BTreeMap::new();

@@ -43,7 +43,7 @@ fn plans(program: &Program<'_>, report: &mut Report<'_>) {
             }
             let text = template_text(&template);
             let message = format!("no solver plans for `{text}`");
-            // Who handles the failure has a way to go on.
+            // A handler of the failure has a way to continue.
             let severity = if step.on_failure.is_some() { Severity::Warning } else { Severity::Error };
             let span = report.locator.span(goal.place);
             let diagnostic = Diagnostic::new(severity, codes::UNSERVED_GOAL, span, message)

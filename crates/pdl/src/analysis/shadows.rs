@@ -65,7 +65,7 @@ fn entries<'l>(program: &Program<'l>) -> impl Iterator<Item = Entry<'l>> {
     procedures.chain(primitives).chain(solvers)
 }
 
-/// Is `other` always chosen where `entry` could be?
+/// Returns true if `other` is always chosen where `entry` could be.
 fn hides(program: &Program<'_>, other: &Entry<'_>, entry: &Entry<'_>) -> bool {
     if other.method == entry.method || matches!(other.method, Method::Solver(_)) {
         return false;
@@ -78,7 +78,7 @@ fn hides(program: &Program<'_>, other: &Entry<'_>, entry: &Entry<'_>) -> bool {
     let wins = is_solver || general > special || general == special && other.method < entry.method;
     let matches_all =
         |shaped: bool| covers(other.index, entry.index) || shaped && shape(other.index) == shape(entry.index);
-    // Two of the same shape in one bundle are an error of their own.
+    // Two of the same shape in one bundle are a separate error.
     both_used && wins && matches_all(other.bundle != entry.bundle) && !(is_solver && is_planned(program, entry.index))
 }
 

@@ -1,4 +1,4 @@
-//! Which steps can begin at all, and on what the others wait in vain.
+//! Steps that can begin, and the waits of the others that are never satisfied.
 //!
 //! A step begins when the step before it in a sequence has ended for good, its waitfor holds and the results that it
 //! uses are there. What does not follow from these rules never begins; the reason is searched for afterwards.
@@ -32,7 +32,7 @@ pub(crate) enum Premise {
     Result { name: Symbol, steps: Vec<usize> },
     /// A state that its own task is in only later.
     OwnState { place: Place },
-    /// A condition that can never hold; a message of its own says why.
+    /// A condition that can never hold; a separate message says why.
     Impossible,
 }
 
@@ -43,7 +43,7 @@ enum Need {
     Free,
 }
 
-/// Why a step never begins.
+/// Reason for which a step never begins.
 #[derive(Debug)]
 pub(crate) enum Blocked {
     /// Steps of a circle, each with what it waits for: the next one, the last one for the first.
@@ -111,12 +111,12 @@ impl<'l> Waits<'l> {
         Some(Waits { procedure, number, endings, needs, begins, ends, done, solution })
     }
 
-    /// May the step begin?
+    /// Returns true if the step may begin.
     pub(crate) fn begins(&self, step: usize) -> bool {
         self.begins.get(step).is_none_or(|node| self.solution.holds(*node))
     }
 
-    /// Does its activity end, once it has begun?
+    /// Returns true if its activity ends once it has begun.
     pub(crate) fn activity_ends(&self, step: usize) -> bool {
         self.procedure.steps.get(step).is_none_or(|template| can_end(template, self.number, step, self.endings))
     }
@@ -190,7 +190,7 @@ impl<'l> Waits<'l> {
     }
 }
 
-/// Does every step begin once those before it have done what they can? So it is in most procedures, and one look at each
+/// Returns true if every step begins once those before it have done what they can. So it is in most procedures, and one check of each
 /// step then settles what takes many rules otherwise.
 fn all_begin_in_order(
     procedure: &Procedure,
@@ -210,7 +210,7 @@ fn all_begin_in_order(
     })
 }
 
-/// Is `need` met once the steps `before` have begun?
+/// Returns true if `need` is met once the steps `before` have begun.
 fn is_met_by(before: &[(bool, bool)], need: &Need) -> bool {
     let step = |step: &usize| before.get(*step);
     match need {
@@ -225,7 +225,7 @@ fn is_met_by(before: &[(bool, bool)], need: &Need) -> bool {
     }
 }
 
-/// May a begun instance of the step end while its procedure goes on?
+/// Returns true if a begun instance of the step may end while its procedure continues.
 fn can_end(step: &Step, procedure: usize, number: usize, endings: &Endings) -> bool {
     let handled = step.on_failure.is_some() || step.forall.is_some();
     handled || !ends_procedure(&step.activity) && endings.activity_ends(procedure, number)
@@ -367,7 +367,7 @@ impl Reader<'_> {
     }
 }
 
-/// Tags of steps in a row, for people.
+/// Tags of steps in a row, human-readable.
 pub(crate) fn tags(procedure: &Procedure, steps: impl IntoIterator<Item = usize>) -> Vec<String> {
     let steps = steps.into_iter().filter_map(|step| procedure.steps.get(step));
     steps.map(|step| format!("`{}`", step.tag)).collect()

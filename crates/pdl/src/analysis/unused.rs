@@ -1,4 +1,4 @@
-//! What is defined and never used: variables, and in a program with agents whole definitions.
+//! Definitions without use: variables, and in a program with agents whole definitions.
 
 use super::bound::by_pattern;
 use super::methods::Method;

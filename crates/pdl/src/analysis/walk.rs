@@ -173,7 +173,7 @@ pub(crate) fn activity<'l>(root: &'l Activity, visit: Visit<'_, 'l>) {
     }
 }
 
-/// What a step does, and what it does if it fails.
+/// Returns the activities of a step: its own and that after a failure.
 pub(crate) fn activities(step: &Step) -> impl Iterator<Item = &Activity> {
     std::iter::once(&step.activity).chain(step.on_failure.as_deref())
 }

@@ -11,7 +11,7 @@ pub(super) struct Entry {
     pub(super) own_line: bool,
 }
 
-/// What an entry is.
+/// Kind of an entry.
 pub(super) enum Piece {
     Datum(Node),
     /// A `;` comment: the line ends after it.
@@ -25,12 +25,12 @@ pub(super) enum Node {
     Atom(String),
     /// A prefix and its datum.
     Prefixed(String, Box<Node>),
-    /// A list with its width on one line, if it can stand on one.
+    /// A list with its width on one line, if it fits on one.
     List(Vec<Entry>, Option<usize>),
 }
 
 impl Entry {
-    /// Characters on one line; none if it cannot stand on one, or nothing can follow it.
+    /// Characters on one line; `None` if it does not fit on one, or nothing can follow it.
     pub(super) fn flat_width(&self) -> Option<usize> {
         match &self.piece {
             Piece::Datum(node) => node.flat_width(),

@@ -1,4 +1,4 @@
-//! Where lines end: a form stays on one line if it fits, else its parts go below each other.
+//! Line breaks: a form stays on one line if it fits, else its parts go below each other.
 
 use super::LINE_CHARACTERS_MAX;
 use super::items::{Entry, Node, Piece};
@@ -162,7 +162,7 @@ impl Page {
         self.put(")");
     }
 
-    /// Where `entry` goes, `previous` being written.
+    /// Returns the position of `entry` after `previous`.
     fn place(&self, entry: &Entry, previous: &Entry, role: Role) -> Place {
         let Some(node) = entry.node() else {
             return if self.line_ended || entry.own_line { Place::Below } else { Place::SameLine };
@@ -189,10 +189,10 @@ impl Page {
     }
 }
 
-/// What an entry is to its list.
+/// Role of an entry in its list.
 #[derive(Clone, Copy)]
 struct Role {
-    /// It may stand on the first line.
+    /// True if it may be on the first line.
     in_header: bool,
     /// It is an option's keyword.
     leads: bool,
@@ -208,7 +208,7 @@ enum Place {
     Here,
     /// After a blank.
     SameLine,
-    /// On a new line below the first value of the option at hand, or as `Below` without an option.
+    /// On a new line below the first value of the present option, or as `Below` without an option.
     Aligned,
     /// On a new line below the head.
     Below,
@@ -240,7 +240,7 @@ fn always_broken(node: &Node, entries: &[Entry]) -> bool {
 /// Forms that may have a tag before what they are about.
 const TAGGED: &[&str] = &["step", ":episode", ":measurement", ":atomic-episode", ":cyclic"];
 
-/// How many entries of a broken form may stand on its first line, the head included.
+/// Returns the number of entries of a broken form that may be on its first line, the head included.
 fn header_count(entries: &[Entry], head: &str) -> usize {
     let is_plain_atom = |entry: &Entry| entry.node().is_some_and(|node| node.atom().is_some() && !leads(node));
     let atoms = 1 + entries.iter().skip(1).take_while(|entry| is_plain_atom(entry)).count();

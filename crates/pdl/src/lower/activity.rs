@@ -1,4 +1,4 @@
-//! What a step does: goals and built-in activities (`pdl.md`, Steps).
+//! Activities of steps: goals and built-in activities (`pdl.md`, Steps).
 
 use super::clauses::groups;
 use super::expression::constant;

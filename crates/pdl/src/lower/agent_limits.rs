@@ -20,7 +20,7 @@ impl Lowering {
             return self.missing_part(first.span, "here the name of a limit is expected", SHAPE);
         }
         let words: Vec<&str> = Limit::ALL.iter().map(|limit| limit.word()).collect();
-        // Values are looked at, too, where some names are refused.
+        // Values are checked, too, where some names are refused.
         let mut fine = self.check_groups(&options, &words, "`:limits`").is_some();
         let mut limits = Limits::default();
         for group in options.iter().filter(|group| words.contains(&group.name) && !group.values.is_empty()) {

@@ -221,7 +221,7 @@ impl Lowering {
         patterns.map(Topics::Matching)
     }
 
-    /// Reports names of agents, routers and bundles that nothing defines. Agents can be told only when some are declared:
+    /// Reports names of agents, routers and bundles that nothing defines. Agents are known only if some are declared:
     /// a library does not know who will use it.
     pub(crate) fn report_unknown_company(&mut self, library: &Library) {
         let bundles: Vec<&str> = self.bundle_names.iter().map(|name| name.printed()).collect();

@@ -100,7 +100,7 @@ impl Lowering {
         Some(())
     }
 
-    /// What is said to an outside simulator has no meaning without one. A text as `:start` is a mission's civil time.
+    /// Checks that options for an outside simulator are given only with one. A text as `:start` is a mission's civil time.
     fn check_cues(&mut self, options: &[Group<'_>], kind: &Symbol) -> Option<()> {
         if kind.is("foreign-sim") {
             return Some(());
@@ -116,7 +116,7 @@ impl Lowering {
         self.refuse(diagnostic)
     }
 
-    /// Is the option none that is misspelt or lacks its value? Options that nobody here knows are for the host program.
+    /// Is the option none that is misspelt or lacks its value? Options that the checker does not know are for the host program.
     fn is_application_option(&mut self, group: &super::clauses::Group<'_>) -> bool {
         let mark = |name: &str| format!(":{name}");
         let known = OPTIONS.contains(&group.name);

@@ -66,7 +66,7 @@ impl Lowering {
         fine.then_some(())
     }
 
-    /// Reports that `what` stands at `first` and again at `second`.
+    /// Reports that `what` occurs at `first` and again at `second`.
     pub(crate) fn report_twice(&mut self, what: &str, first: Span, second: Span) {
         let diagnostic = Diagnostic::error(codes::CLAUSE_TWICE, second, format!("{what} is given twice"))
             .label(first, "first given here")

@@ -43,7 +43,7 @@ const CONDITION_KEYWORDS: &[&str] = &[
 impl Lowering {
     /// Lowers a sequence of conditions; `:quality Q` may stand directly after an episode, as the paper prints it.
     pub(crate) fn conditions(&mut self, items: &[Datum]) -> Option<Vec<Condition>> {
-        // Conditions are large, and most clauses have one: no room is kept for more.
+        // Conditions are large, and most clauses have one: no space is kept for more.
         let mut lowered = Vec::with_capacity(items.len());
         let mut complete = true;
         let mut rest = items;
@@ -61,7 +61,7 @@ impl Lowering {
         complete.then_some(lowered)
     }
 
-    /// Lowers conditions that stand alone, each in a scope of its own.
+    /// Lowers conditions that stand alone, each in a separate scope.
     pub(crate) fn lone_conditions(&mut self, items: &[Datum]) -> Vec<Condition> {
         let goals = self.goals.len();
         let mut lowered = Vec::new();
@@ -76,7 +76,7 @@ impl Lowering {
             lowered.extend(condition);
             rest = next;
         }
-        // Nobody pursues goals here: they need not be served.
+        // No task pursues goals here: they need not be served.
         self.goals.truncate(goals);
         lowered
     }

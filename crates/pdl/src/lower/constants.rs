@@ -129,7 +129,7 @@ fn indexical_in(value: &Datum) -> Option<(Symbol, Span)> {
     }
 }
 
-/// The functions that change by themselves, and those that call them.
+/// The functions whose values change with time, and those that call them.
 fn changing_functions(callers: &BTreeMap<Symbol, Vec<Symbol>>) -> BTreeSet<Symbol> {
     let mut open: Vec<Symbol> = CHANGING.iter().map(|name| Symbol::new(name)).collect();
     let mut changing = BTreeSet::new();

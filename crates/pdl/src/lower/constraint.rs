@@ -73,7 +73,7 @@ impl Lowering {
         self.conform(expr, datum.span, expected)
     }
 
-    /// The right side of a comparison. A rate may be written `(20 P1S)`: so much per so long.
+    /// The right side of a comparison. A rate may be written `(20 P1S)`: an amount per duration.
     fn right_side(&mut self, datum: &Datum, expected: &Expected) -> Option<Expr> {
         if let ExpectedKind::Rate(dimension, unit) = expected.kind
             && let Some([amount, per]) = datum.as_list()

@@ -229,7 +229,7 @@ impl Lowering {
     }
 }
 
-/// What the expression reads, as far as it is known.
+/// Inputs of the expression, as far as they are known.
 struct Inputs {
     object: Symbol,
     found: Vec<DerivationInput>,

@@ -90,7 +90,7 @@ impl Lowering {
         self.probing(Condition { tag, kind, place: datum.span.place() }, &options)
     }
 
-    /// Is the word `:any` among the data, and what is left without it?
+    /// Returns whether the word `:any` is among the data, and the data without it.
     pub(super) fn without_any(&mut self, items: &[Datum]) -> (bool, Vec<Datum>) {
         let any = items.iter().any(|item| item.is(":any"));
         (any, items.iter().filter(|item| !item.is(":any")).cloned().collect())
@@ -281,7 +281,7 @@ impl Lowering {
     }
 }
 
-/// What a word of a trend asks of the rate or step.
+/// Returns the relation that a word of a trend requires of the rate or step.
 fn direction(word: &str) -> Option<Relation> {
     match word {
         "increasing" => Some(Relation::Greater),

@@ -1,4 +1,4 @@
-//! What the right side of a constraint may be: dimensions of literals, units of bare numbers.
+//! Permitted right sides of a constraint: dimensions of literals, units of bare numbers.
 
 use super::Lowering;
 use crate::codes;
@@ -10,19 +10,19 @@ use apex_model::symbol::Symbol;
 use apex_model::time::Duration;
 use apex_model::value::Value;
 
-/// What a constraint is about.
+/// Expectation of a constraint.
 #[derive(Clone)]
 pub(crate) struct Expected {
     /// For messages: `(altitude ..)` or `a duration`.
     pub(crate) subject: String,
     pub(crate) kind: ExpectedKind,
-    /// Where the dimension was declared.
+    /// Place of the declaration of the dimension.
     pub(crate) declared: Option<Span>,
     /// The declared type of the values.
     pub(crate) value_type: Option<Symbol>,
 }
 
-/// How literals are treated.
+/// Treatment of literals.
 #[derive(Clone, Copy)]
 pub(crate) enum ExpectedKind {
     /// Anything goes: objects, predicates' results.

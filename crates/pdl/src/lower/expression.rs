@@ -71,7 +71,7 @@ impl Lowering {
         ExprKind::Constant(Value::Symbol(name.clone()))
     }
 
-    /// As [`Lowering::check_quantity_name`], for every name in data that are not looked at otherwise.
+    /// As [`Lowering::check_quantity_name`], for every name in data that are not checked otherwise.
     pub(crate) fn check_quantity_names(&mut self, datum: &Datum) {
         match &datum.kind {
             DatumKind::Symbol(name) => self.check_quantity_name(name, datum.span),

@@ -1,4 +1,4 @@
-//! Who serves which goal: every goal of a step must have a procedure, primitive or solver that may match it.
+//! Service of goals: every goal of a step must have a procedure, primitive or solver that may match it.
 
 use super::Lowering;
 use crate::codes;
@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 /// A goal that some step, hook or agent pursues.
 pub(crate) struct Goal {
     pub(crate) template: Template,
-    /// Where it is written, or what implies it.
+    /// Place of the goal, or of the form that implies it.
     pub(crate) span: Span,
 }
 
@@ -26,7 +26,7 @@ pub(crate) struct Served {
     pub(crate) span: Span,
     /// The bundle of the procedure or primitive; none is the default bundle.
     pub(crate) bundle: Option<Symbol>,
-    /// A solver serves it: it is asked only where nothing else does.
+    /// A solver serves it: it is asked only if no other method does.
     pub(crate) by_solver: bool,
 }
 
@@ -51,7 +51,7 @@ impl Lowering {
 /// Indexes that are compared with one unserved goal.
 const COMPARED_MAX: usize = 200;
 
-/// How many words must be exchanged, added or left out for the goal to match.
+/// Returns the number of words to exchange, add or leave out for the goal to match.
 fn difference(goal: View<'_>, pattern: &Pattern) -> usize {
     let parts = goal.items().unwrap_or_default();
     let literals: Vec<Pattern>;
@@ -106,7 +106,7 @@ impl<'s> GoalIndex<'s> {
         index
     }
 
-    /// May anything serve this goal?
+    /// Returns true if a method may serve this goal.
     pub(super) fn serves(&self, goal: &Template) -> bool {
         let view = View::Template(goal);
         let Some(head) = view.head() else { return true };

@@ -61,7 +61,7 @@ impl Lowering {
                 if specific != other_specific || !overlap(&one.pattern, &other.pattern) {
                     continue;
                 }
-                // That the later one is never chosen is told by itself.
+                // A separate message says that the later one is never chosen.
                 if covers(&other.pattern, &one.pattern) || other_shape == shape {
                     continue;
                 }

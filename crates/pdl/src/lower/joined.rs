@@ -60,7 +60,7 @@ impl Lowering {
         }
     }
 
-    /// Can the variable have a value before the condition of this clause gives it one?
+    /// Returns true if the variable can have a value before the condition of this clause gives it one.
     fn has_value_before(&self, name: &Symbol, clause: Span) -> bool {
         self.scope.tags.contains(name)
             || self.scope.results.contains_key(name)
@@ -219,7 +219,7 @@ fn open_constraints(constraints: &mut [Constraint], bound: &Names) {
     }
 }
 
-/// What a sample is compared with in an earlier part's terms is asked of both together: the sample's value is bound.
+/// Compares a sample in terms of an earlier part with both together: the sample's value is bound.
 fn compare_together(condition: &mut Condition, bound: &Names, constraints: &mut Vec<Expr>) {
     let place = condition.place;
     let ConditionKind::Measurement(measurement) = &mut condition.kind else { return };

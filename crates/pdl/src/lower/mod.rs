@@ -55,7 +55,7 @@ use apex_model::symbol::Symbol;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// Messages kept; a text with more flaws is not read to the end by anyone.
+/// Messages kept; a text with more flaws is not read to its end.
 const DIAGNOSTICS_MAX: usize = 1_000;
 
 /// Everything that lowering needs to know and everything that it finds out.
@@ -66,7 +66,7 @@ pub(crate) struct Lowering {
     pub(crate) fragment: bool,
     /// Messages so far.
     pub(crate) diagnostics: Vec<Diagnostic>,
-    /// Computed constants met in the expression at hand.
+    /// Computed constants met in the present expression.
     pub(crate) constants_used: BTreeSet<Symbol>,
     /// Names of functions that nothing defines, with every use.
     pub(crate) unknown_functions: BTreeMap<Symbol, Vec<Span>>,
@@ -76,23 +76,23 @@ pub(crate) struct Lowering {
     pub(crate) goals: Vec<Goal>,
     /// Goals that procedures, primitives and solvers serve.
     pub(crate) served: Vec<Served>,
-    /// The procedure, primitive or function at hand.
+    /// The present procedure, primitive or function.
     pub(crate) scope: Scope,
-    /// Where effects are forbidden, as words for the message; none allows them.
+    /// Context in which effects are forbidden, as words for the message; `None` allows them.
     pub(crate) pure_in: Option<&'static str>,
     /// Functions called since the last reset, to find out which functions have effects.
     pub(crate) called: BTreeSet<Symbol>,
     /// An effect was seen since the last reset.
     pub(crate) had_effect: bool,
-    /// The bundle of the forms at hand; none is the default bundle.
+    /// The bundle of the present forms; none is the default bundle.
     pub(crate) bundle: Option<Symbol>,
-    /// The index at hand is a solver's.
+    /// True if the present index is a solver's.
     pub(crate) is_solver: bool,
     /// Names of agents, routers and bundles that other forms must define.
     pub(crate) named: Vec<NameUse>,
     /// Bundles that `in-apex-bundle` has opened.
     pub(crate) bundle_names: BTreeSet<Symbol>,
-    /// Words with the name of a variable that they stand beside.
+    /// Words with the name of a variable that is next to them.
     pub(crate) suspects: Vec<(Symbol, Span)>,
     /// A form was refused that may serve goals or define names: what it defines must not be missed.
     pub(crate) refused_form: bool,
@@ -154,7 +154,7 @@ impl Lowering {
         result
     }
 
-    /// Lowers every item; `None` if one of them fails, after all have been looked at.
+    /// Lowers every item; `None` if one of them fails, after all have been lowered.
     pub(crate) fn all<T>(
         &mut self,
         items: &[Datum],

@@ -7,13 +7,13 @@ use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 use std::collections::BTreeMap;
 
-/// What the checker must know of a function to check a call.
+/// Signature of a function, for checks of its calls.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Callable {
     pub(crate) min: usize,
     pub(crate) max: Option<usize>,
     pub(crate) pure: bool,
-    /// Where it is defined; none for built-in and host functions.
+    /// Place of the definition; `None` for built-in and host functions.
     pub(crate) place: Option<Span>,
 }
 
@@ -46,20 +46,20 @@ impl Names {
         self.functions.get(name).map(|callable| (name.clone(), *callable))
     }
 
-    /// Is `name` the name of a function or special form?
+    /// Returns true if `name` is the name of a function or special form.
     pub(crate) fn is_operator(&self, name: &Symbol) -> bool {
         builtins::SPECIAL_FORMS.binary_search(&name.folded()).is_ok()
             || builtins::built_in(name.folded()).is_some()
             || self.functions.contains_key(name)
     }
 
-    /// Is `+name+` a constant rather than an indexical?
+    /// Returns true if `+name+` is a constant rather than an indexical.
     pub(crate) fn computed_or_literal(&self, name: &Symbol) -> bool {
         let written = Symbol::new(&format!("+{name}+"));
         self.constants.contains_key(&written) || self.computed.contains_key(&written)
     }
 
-    /// Is `name` an indexical that every agent has, or one of the library?
+    /// Returns true if `name` is an indexical that every agent has, or one of the library.
     pub(crate) fn is_indexical(&self, name: &Symbol) -> bool {
         INDEXICALS.binary_search(&name.folded()).is_ok() || self.indexicals.contains_key(name)
     }

@@ -1,4 +1,4 @@
-//! How a goal that nothing serves differs from an index that nearly serves it: one word, two words in the wrong order,
+//! Differences between a goal that no method serves and an index that nearly serves it: one word, two words in the wrong order,
 //! one part too few or too many.
 
 use crate::read::{Datum, DatumKind};
@@ -18,7 +18,7 @@ pub(super) enum Difference {
     Extra(usize),
 }
 
-/// Items of a goal or an index beyond which nobody misses just one.
+/// Items of a goal or an index above which a mistake affects more than one.
 const ITEMS_MAX: usize = 24;
 const SWAPPED: u32 = 12;
 const MISSING_WORD: u32 = 14;
@@ -69,7 +69,7 @@ pub(super) fn difference(goal: &Datum, index: &Datum) -> Option<(u32, Difference
     Some((EXTRA, Difference::Extra(extra)))
 }
 
-/// Do all items fit, and is at least one word the same in both?
+/// Returns true if all items fit and at least one word is the same in both.
 fn agree(goal: &[&Datum], index: &[&Datum]) -> bool {
     let pairs = || goal.iter().zip(index);
     goal.len() == index.len()
@@ -93,7 +93,7 @@ fn equal(one: &Datum, other: &Datum) -> bool {
     one.as_symbol().is_some_and(|name| other.as_symbol().is_some_and(|other| name == other))
 }
 
-/// May the item of a goal match the item of an index?
+/// Returns true if the item of a goal may match the item of an index.
 fn may_equal(goal: &Datum, index: &Datum) -> bool {
     let open = |datum: &Datum| datum.as_symbol().is_none() && datum.has_holes();
     let any = matches!(index.kind, DatumKind::Variable(_) | DatumKind::Bound(_) | DatumKind::Anonymous);

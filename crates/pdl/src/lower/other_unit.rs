@@ -32,7 +32,7 @@ impl Lowering {
         number_and_unit(self.text_at(span)?)
     }
 
-    /// What is written at `span`.
+    /// Returns the text at `span`.
     pub(crate) fn text_at(&self, span: Span) -> Option<&str> {
         let text = self.texts.get(usize::try_from(span.file).ok()?)?;
         text.get(usize::try_from(span.start).ok()?..usize::try_from(span.end).ok()?)

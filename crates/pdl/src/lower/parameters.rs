@@ -9,7 +9,7 @@ use crate::read::Datum;
 use apex_model::expression::{Expr, Parameters};
 use apex_model::symbol::Symbol;
 
-/// Which parameters follow in a list of them.
+/// Part of a parameter list.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Part {
     Required,
@@ -20,7 +20,7 @@ enum Part {
 /// The marks between parameters.
 const MARKS: &[(&str, Part)] = &[("&optional", Part::Optional), ("&rest", Part::Rest), ("&body", Part::Rest)];
 
-/// Least and greatest number of arguments that a list of parameters takes, before its expressions are looked at.
+/// Least and greatest number of arguments that a list of parameters takes, before its expressions are checked.
 pub(crate) fn argument_counts(parameters: &[Datum]) -> (usize, Option<usize>) {
     let mark = |item: &Datum| item.as_symbol().is_some_and(|name| name.folded().starts_with('&'));
     let least = parameters.iter().take_while(|item| !mark(item)).count();

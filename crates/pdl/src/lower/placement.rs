@@ -1,4 +1,4 @@
-//! Clauses that left their step and steps that got into another one: the parentheses balance, but one stands in the
+//! Clauses that left their step and steps that got into another one: the parentheses balance, but one is in the
 //! wrong place.
 
 use super::Lowering;
@@ -62,8 +62,8 @@ impl Lowering {
     }
 }
 
-/// How many of the items after a step belong to it: those that only steps have, and after them what is indented as they
-/// are.
+/// Returns the number of items after a step that belong to it: those that only steps have, and after them those with the same
+/// indentation.
 fn left_the_step(step: &Datum, rest: &[Datum]) -> usize {
     let certain = rest.iter().take_while(|next| OF_STEPS_ONLY.contains(&next.head_name())).count();
     let column = rest.first().map_or(0, |first| first.span.column);

@@ -118,7 +118,7 @@ impl Lowering {
         Some((kind, rest))
     }
 
-    /// Finds the index: an `(index ..)` clause, or else the first list that is no clause.
+    /// Finds the index: an `(index ..)` clause, or else the first list that is not a clause.
     pub(crate) fn split_index<'d>(
         &mut self,
         datum: &Datum,
@@ -199,7 +199,7 @@ impl Lowering {
     }
 
     /// Parts steps from clauses. A procedure-level select goes to the nearest step before it. In a procedure that states
-    /// its kind a list that is no clause is a step without the word.
+    /// its kind a list that is not a clause is a step without the word.
     fn sort_clauses<'d>(
         &mut self,
         clauses: &[&'d Datum],

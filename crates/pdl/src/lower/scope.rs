@@ -1,4 +1,4 @@
-//! Variables of one procedure, primitive or function: who binds them, who uses them, who sees whom.
+//! Variables of one procedure, primitive or function: their binders, uses and visibility.
 //!
 //! A procedure's index, `=>` results and step tags are seen by all of its clauses; what a step's waitfor, select or
 //! forall binds is seen by that step only.
@@ -18,11 +18,11 @@ use std::collections::{BTreeMap, BTreeSet};
 pub(crate) struct Scope {
     /// Step tags of the procedure.
     pub(crate) tags: Lookup<Symbol, Span>,
-    /// Tags that no step has, but that some condition names; each is told once.
+    /// Tags that no step has, but that some condition names; each is reported once.
     pub(crate) unknown_tags: BTreeSet<Symbol>,
     /// The steps' tags in written order.
     pub(crate) tag_order: Vec<Symbol>,
-    /// How often each variable stands in the procedure.
+    /// Number of occurrences of each variable in the procedure.
     pub(crate) times_named: Lookup<Symbol, usize>,
     /// Words of the index.
     pub(crate) index_words: BTreeMap<Symbol, Span>,
@@ -38,13 +38,13 @@ pub(crate) struct Scope {
     pub(crate) in_condition: bool,
     /// Words of goals, which may be variables without their question mark.
     pub(crate) words: Vec<(Symbol, Option<usize>, Span)>,
-    /// How often each variable is written, and where first.
+    /// Number of occurrences of each variable in the text, with the first place.
     written: Lookup<Symbol, (usize, Span)>,
     binders: Lookup<Symbol, Binders>,
     uses: Vec<(Symbol, Option<usize>, Span)>,
 }
 
-/// Where a variable is bound.
+/// Binders of a variable.
 #[derive(Default)]
 struct Binders {
     /// For the whole procedure, where first.
@@ -81,12 +81,12 @@ impl Scope {
         Scope { has_variables: true, ..Scope::default() }
     }
 
-    /// Is `name` a parameter or `let` variable here?
+    /// Returns true if `name` is a parameter or `let` variable here.
     pub(crate) fn is_local(&self, name: &Symbol) -> bool {
         self.locals.iter().rev().any(|local| local == name)
     }
 
-    /// Notes that `name` is bound here, visible in the step at hand or, at procedure level, everywhere.
+    /// Notes that `name` is bound here, visible in the present step or, at procedure level, everywhere.
     pub(crate) fn bind(&mut self, name: &Symbol, span: Span) {
         let step = self.step;
         self.bind_in(name, step, span);
@@ -102,7 +102,7 @@ impl Scope {
         self.binders.or_insert(name, Binders::default()).add(step, span);
     }
 
-    /// Is `name` bound for the whole procedure by what has been lowered so far?
+    /// Returns true if the forms lowered so far bind `name` for the whole procedure.
     pub(crate) fn is_bound_everywhere(&self, name: &Symbol) -> bool {
         self.is_visible(name, None)
     }
@@ -144,7 +144,7 @@ impl Scope {
         odd
     }
 
-    /// Where `name` was bound first.
+    /// Returns the place of the first binder of `name`.
     pub(crate) fn first_binder(&self, name: &Symbol) -> Option<Span> {
         self.binders.get(name).and_then(Binders::first)
     }
@@ -154,7 +154,7 @@ impl Scope {
         self.uses.iter().find(|(used, _, span)| used == name && span.place() == place).map(|(.., span)| *span)
     }
 
-    /// The step other than the one at hand whose result binds `name`.
+    /// The step other than the present one whose result binds `name`.
     pub(crate) fn is_result_of_another_step(&self, name: &Symbol) -> bool {
         self.results.get(name).is_some_and(|step| Some(*step) != self.step)
     }

@@ -149,7 +149,7 @@ impl Lowering {
         }
     }
 
-    /// `(log (ATTR OBJ)..)` and `(log ((ATTR OBJ) :frequency-limit D ..)..)`; for messages `(:events HEAD)` stands for `(ATTR OBJ)`.
+    /// `(log (ATTR OBJ)..)` and `(log ((ATTR OBJ) :frequency-limit D ..)..)`; for messages `(:events HEAD)` replaces `(ATTR OBJ)`.
     pub(crate) fn log(&mut self, clause: &Datum) -> Option<Vec<LogPolicy>> {
         self.all(clause.tail(), |lowering, item| {
             let nested = Lowering::is_nested(item);
@@ -212,7 +212,7 @@ impl Lowering {
         self.refuse(Diagnostic::error(codes::NOTHING_TO_LOG, datum.span, message).help(help))
     }
 
-    /// A duration that is known at load time; a frequency stands for its interval.
+    /// A duration that is known at load time; a frequency means its interval.
     pub(crate) fn literal_duration(&mut self, datum: &Datum) -> Option<Duration> {
         let expr: Expr = self.interval_or_frequency(datum)?;
         match expr.kind {

@@ -11,7 +11,7 @@ use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 use std::collections::BTreeSet;
 
-/// Names of conditions that are no likely names of events.
+/// Names of conditions that are unlikely names of events.
 const CONDITIONS: &[&str] =
     &["episode", "atomic-episode", "measurement", "in-order", "cyclic", "timestamp", "and", "or", "not"];
 /// Words by which authors mean that a task has ended.
@@ -60,7 +60,7 @@ const RELATION_SIGNS: &[(&str, &str)] = &[
     (">", ">"),
     ("=", "="),
 ];
-/// What is said of a task in a condition.
+/// Words that conditions use about tasks.
 const OF_TASKS: &[&str] = &["end", "start", "terminated", "end-of"];
 
 impl Lowering {
@@ -266,7 +266,7 @@ impl Lowering {
     }
 }
 
-/// Words reported; who has so many means something by it.
+/// Maximum number of reported words: more of them have a meaning.
 const SUSPECTS_MAX: usize = 50;
 
 fn words_of(pattern: &Pattern, words: &mut BTreeSet<Symbol>) {

@@ -93,7 +93,7 @@ impl Lowering {
                 .help("its shape is `(TEST FORM..)`");
             return self.refuse(diagnostic);
         };
-        // `otherwise` is not a test of cond, but nobody who writes it means the symbol.
+        // `otherwise` is not a test of cond, but its author never means the symbol.
         let test =
             if test.is("otherwise") { Some(constant(Value::truth(true), test.span)) } else { self.expression(test) };
         let body = self.body(body);

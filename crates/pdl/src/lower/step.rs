@@ -33,7 +33,7 @@ impl<'d> StepSource<'d> {
     }
 }
 
-/// Does the word stand for a clause with another name?
+/// Returns true if the word is another name of a clause.
 pub(crate) fn is_meant_clause(name: &str) -> bool {
     name == "terminate-when" || MEANT.iter().any(|(word, _)| *word == name)
 }
@@ -113,7 +113,7 @@ impl Lowering {
             .map(Symbol::new)
     }
 
-    /// Lowers step `number` of the procedure at hand.
+    /// Lowers step `number` of the present procedure.
     pub(crate) fn step(&mut self, number: usize, source: &StepSource<'_>) -> Option<Step> {
         self.scope.step = Some(number);
         let step = self.step_parts(source);
@@ -284,7 +284,7 @@ impl Lowering {
 
     fn repetition(&mut self, clause: &Datum, repeating: bool) -> Option<Repetition> {
         let known: &[&str] = if repeating { REPEATING_OPTIONS } else { &["while", "until", "for-new"] };
-        // The clause's own name stands for the value of a keyword, so that the first word may be an option, too.
+        // The clause's own name is the value of a keyword, so that the first word may be an option, too.
         let of = format!("`{}`", clause.head_name());
         if self.report_missing_colon(clause.as_list().unwrap_or_default(), known, &of) {
             return None;

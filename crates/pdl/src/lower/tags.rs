@@ -15,7 +15,7 @@ use std::collections::{BTreeMap, BTreeSet};
 const OFFERED_MAX: usize = 3;
 
 impl Lowering {
-    /// Fixes for `?name`, which is the tag of no step: a misspelt tag, or a step that nobody waits for, the nearest
+    /// Fixes for `?name`, which is the tag of no step: a misspelt tag, or a step that no condition waits for, the nearest
     /// before it first.
     pub(crate) fn tags_for(&self, name: &Symbol, span: Span) -> Vec<Fix> {
         let tags = self.scope.tags.keys_in_order().into_iter().map(Symbol::printed);
@@ -31,7 +31,7 @@ impl Lowering {
             .collect()
     }
 
-    /// Several conditions agree on a tag that no step has, and one step has nearly that tag and is named by nobody: it is
+    /// Several conditions agree on a tag that no step has, and one step has nearly that tag and is named by no condition: it is
     /// the step that is misspelt. True if that was reported.
     pub(crate) fn report_odd_tag(&mut self, name: &Symbol, used: Span) -> bool {
         if self.scope.times_named.get(name).is_none_or(|count| *count < 2) {

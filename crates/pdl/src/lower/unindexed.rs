@@ -1,4 +1,4 @@
-//! Which index was forgotten: the one of the only goal that nothing serves.
+//! Forgotten indexes: the index of the only goal that no method serves.
 
 use super::Lowering;
 use super::goals::{Goal, GoalIndex};
@@ -13,13 +13,13 @@ use apex_model::symbol::Symbol;
 
 /// A procedure or primitive that does not say what it serves.
 pub(crate) struct Unindexed {
-    /// Where that is reported.
+    /// Place of the report.
     reported: Span,
-    /// What the index has to stand behind.
+    /// Place before the index.
     before: Span,
     /// Every variable inside.
     variables: Vec<Symbol>,
-    /// Variables that probably get their values from the index: they stand in an activity before anything else.
+    /// Variables that probably get their values from the index: they occur in an activity before anything else.
     given: Vec<Symbol>,
 }
 
@@ -66,7 +66,7 @@ fn given_to_steps(items: &[Datum]) -> Vec<Symbol> {
 }
 
 impl Lowering {
-    /// Where one form lacks its index and one kind of goal lacks what serves it, they belong together.
+    /// Joins the two reports if one form lacks its index and no method serves one kind of goal.
     pub(crate) fn suggest_index(&mut self, library: &Library) {
         let [form] = self.unindexed.as_slice() else { return };
         let index = GoalIndex::new(&self.served);
@@ -88,7 +88,7 @@ impl Lowering {
     }
 }
 
-/// Unserved goals that are looked at.
+/// Maximum number of unserved goals that are inspected.
 const GOALS_MAX: usize = 100;
 
 /// The pattern that serves all these goals, if they are of one kind, and whether nothing about it is guessed.
@@ -119,7 +119,7 @@ fn pattern_of(form: &Unindexed, goals: &[Datum]) -> Option<(String, bool)> {
             (None, Some(word)) if same => Some(word.printed().to_string()),
             _ => None,
         });
-        // Any word but the first may stand for many.
+        // Any word but the first may match many.
         is_certain &= at == 0 || variable.is_some();
     }
     // Variables that nothing gives a value, and no part of the goal for them: a word of the goal was one of many.

@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 
 /// Unserved goals reported; each costs a search for what was meant.
 const UNSERVED_MAX: usize = 100;
-/// Indexes that are looked at for what an unserved goal may have meant.
+/// Indexes that are compared for what an unserved goal may have meant.
 const CANDIDATES_MAX: usize = 2_000;
 /// Words that authors write for `terminate`.
 const ENDINGS: &[&str] = &["end", "finish", "stop", "done", "exit", "return", "quit", "complete"];
@@ -34,13 +34,13 @@ struct Nearest<'s> {
     is_only: bool,
 }
 
-/// What the search for nearly serving indexes needs.
+/// Input of the search for nearly serving indexes.
 struct Search<'s, 'l> {
     library: &'l Library,
     locator: Locator<'l>,
     served: &'s [Served],
     indexes: Vec<Option<Datum>>,
-    /// How often each word stands in goals and indexes.
+    /// Number of occurrences of each word in goals and indexes.
     counts: BTreeMap<Symbol, usize>,
     /// The shapes of the goals, with their places.
     shapes: Vec<(Place, Shape)>,
@@ -49,7 +49,7 @@ struct Search<'s, 'l> {
     odd: Vec<(Place, usize)>,
 }
 
-/// What goals have in common that one missing procedure would serve: their first words and their length.
+/// Common shape of goals that one missing procedure would serve: their first words and their length.
 #[derive(PartialEq, Eq)]
 struct Shape {
     head: Option<Symbol>,
@@ -195,7 +195,7 @@ impl<'s, 'l> Search<'s, 'l> {
         Some(Fix::look(format!("write a procedure for it: `(procedure (index {index}) ..)`")).insert_before(span, form))
     }
 
-    /// What an index says where a goal says this: the same word, or a variable for what the goal fills in.
+    /// Returns the part of an index for this item of a goal: the same word, or a variable for a part that the goal fills in.
     fn index_part(&self, item: &Datum, number: usize) -> Option<String> {
         match &item.kind {
             DatumKind::Variable(name) | DatumKind::Bound(name) | DatumKind::Indexical(name) => Some(format!("?{name}")),
@@ -252,7 +252,7 @@ impl<'s, 'l> Search<'s, 'l> {
                 let name = written.as_symbol()?.printed();
                 let agreeing = words(source).filter(|word| words(&nearest.index).any(|other| other == *word)).count();
                 let found = near(name, [wanted.printed()]);
-                // A slip in a word of two letters proves nothing by itself; two other words that agree do.
+                // A slip in a word of two letters alone proves nothing; two other words that agree do.
                 let certain = nearest.is_only && (is_certain(name, &found) || (agreeing >= 1 && !found.is_empty()));
                 let title = format!("replace `{name}` by `{wanted}`");
                 let fix = if certain { Fix::safe(title) } else { Fix::look(title) };
@@ -288,7 +288,7 @@ impl<'s, 'l> Search<'s, 'l> {
         source.text.get(range).map(str::to_string)
     }
 
-    /// Does the variable stand in the top-level form around the goal?
+    /// Returns true if the variable occurs in the top-level form around the goal.
     fn is_near(&self, goal: &Datum, variable: &str) -> bool {
         let Some(source) = usize::try_from(goal.span.file).ok().and_then(|file| self.library.sources.get(file)) else {
             return false;

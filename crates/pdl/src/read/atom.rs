@@ -4,7 +4,7 @@ use apex_model::quantity::{Dimension, Quantity, Unit, unit_named};
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, NANOSECONDS_PER_SECOND};
 
-/// What the text of an atom is. Names are parts of the text: the reader makes each symbol once.
+/// Kind of an atom. Names are parts of the text: the reader makes each symbol once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Atom<'t> {
     Integer(i64),
@@ -20,7 +20,7 @@ pub(crate) enum Atom<'t> {
     OutOfRange,
 }
 
-/// What `text` is. Every text is something: what is nothing else is a symbol.
+/// Classifies `text`. Every text has a kind: a symbol, if it is nothing else.
 pub(crate) fn classify(text: &str) -> Atom<'_> {
     if is_plain_word(text) {
         return Atom::Symbol(text);

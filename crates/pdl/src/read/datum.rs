@@ -14,7 +14,7 @@ pub(crate) struct Datum {
     pub(crate) span: Span,
 }
 
-/// What a datum is.
+/// Kind of a datum.
 #[derive(Clone, Debug)]
 pub(crate) enum DatumKind {
     Integer(i64),
@@ -61,7 +61,7 @@ impl Datum {
         }
     }
 
-    /// Is this the symbol with the folded name `name`?
+    /// Returns true if this is the symbol with the folded name `name`.
     pub(crate) fn is(&self, name: &str) -> bool {
         self.as_symbol().is_some_and(|symbol| symbol.is(name))
     }
@@ -81,7 +81,7 @@ impl Datum {
         self.head().map_or("", Symbol::folded)
     }
 
-    /// Where the first item of a list stands; for anything else, where it stands itself.
+    /// Returns the place of the first item of a list; for anything else, its own place.
     pub(crate) fn head_span(&self) -> Span {
         self.as_list().and_then(<[Datum]>::first).map_or(self.span, |first| first.span)
     }

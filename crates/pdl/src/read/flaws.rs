@@ -1,4 +1,4 @@
-//! Messages about a text that is no sequence of data: parentheses, strings and comments without partner.
+//! Messages about a text that is not a sequence of data: parentheses, strings and comments without partner.
 
 use super::quotes::{Forgotten, forgotten};
 use crate::codes;
@@ -7,7 +7,7 @@ use crate::fix::Fix;
 use crate::syntax::{Bracketed, Flaw, FlawKind, Repair, Repaired, repairs};
 use apex_model::limits::READ_DEPTH_MAX;
 
-/// One message for each flaw; where it can be told which parenthesis the author forgot or wrote twice, about that one.
+/// One message for each flaw; where it is known which parenthesis the author forgot or wrote twice, about that one.
 pub(super) fn describe(file: u32, text: &str, flaws: &[Flaw]) -> Vec<Diagnostic> {
     if flaws.iter().any(|flaw| flaw.kind == FlawKind::UnclosedText)
         && let Some(quote) = forgotten(text)

@@ -1,12 +1,12 @@
-//! Where a quotation mark was forgotten. Strings seldom go on over several lines, so the line with an odd number of marks
-//! is the one, and what stands directly beside a mark tells which of two is missing.
+//! Forgotten quotation marks. Strings seldom continue over several lines, so the line with an odd number of marks
+//! is the one, and the text directly next to a mark shows which of two is missing.
 
 use crate::syntax::{Position, Sink, SyntaxKind, parse_into};
 
 /// A forgotten `"`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Forgotten {
-    /// Where it belongs, in bytes.
+    /// Place of the missing mark, in bytes.
     pub(super) at: usize,
     /// The text as a whole is in order with it.
     pub(super) is_certain: bool,
@@ -61,11 +61,11 @@ fn in_line(line: &str) -> Option<Vec<usize>> {
         }
         previous = letter;
     }
-    // Marks beside words are only suspect where the line does not come out even.
+    // Marks next to words are only suspect where the line does not come out even.
     opened.map(|from| odd.unwrap_or_else(|| ends_of(line, from, line.len())))
 }
 
-/// Where a string that begins at `from` may end before `to`: without the blanks, then without parentheses.
+/// Returns the places at which a string that begins at `from` may end before `to`: without the blanks, then without parentheses.
 fn ends_of(line: &str, from: usize, to: usize) -> Vec<usize> {
     let mut inside = line.get(from..to).unwrap_or_default().trim_end();
     let mut places = vec![from + inside.len()];
@@ -76,7 +76,7 @@ fn ends_of(line: &str, from: usize, to: usize) -> Vec<usize> {
     places
 }
 
-/// Has the text no flaw with a mark at this place?
+/// Returns true if the text has no flaw with a mark at this place.
 fn is_in_order(text: &str, at: usize) -> bool {
     let (Some(before), Some(after)) = (text.get(..at), text.get(at..)) else { return false };
     let mended = format!("{before}\"{after}");

@@ -15,7 +15,7 @@ use std::sync::Arc;
 pub(crate) struct ReadFile {
     /// Top-level data in order.
     pub(crate) data: Vec<Datum>,
-    /// What is wrong with the text as text.
+    /// Defects of the text as text.
     pub(crate) diagnostics: Vec<Diagnostic>,
 }
 
@@ -45,13 +45,13 @@ fn read_parenthesised(file: u32, text: &str) -> ReadFile {
     ReadFile { data: reader.data, diagnostics }
 }
 
-/// Builds data as the structure of a text is told.
+/// Builds data from the structure of a text.
 struct Reader<'t> {
     file: u32,
     /// Top-level data, and behind them the parts of open lists, outer ones first: each list is then made in its size.
     data: Vec<Datum>,
     open: Vec<Open>,
-    /// Where the last token ended, in bytes.
+    /// End of the last token, in bytes.
     end: usize,
     /// Each name of the text once: equal names then are equal at a glance.
     symbols: FxHashMap<&'t str, Symbol>,
@@ -62,7 +62,7 @@ struct Reader<'t> {
 struct Open {
     at: Position,
     prefix: Option<SyntaxKind>,
-    /// How many data stood before its parts.
+    /// Number of data before its parts.
     before: usize,
 }
 

@@ -1,6 +1,6 @@
-//! Where the author meant a missing `)`, or which `)` is too many: by the indentation and the known shapes of forms.
+//! Repair of unbalanced parentheses: the place of a missing or surplus `)`, by the indentation and the known shapes of forms.
 //!
-//! Each form that begins in the first column is looked at by itself. Every place where one parenthesis could be added or
+//! Each form that begins in the first column is repaired separately. Every place where one parenthesis could be added or
 //! taken away is tried, and the one that leaves the least doubt is taken.
 
 use super::SyntaxKind;
@@ -29,7 +29,7 @@ pub(crate) struct Repaired {
     pub(crate) is_certain: bool,
 }
 
-/// Tokens of a form, times places that are tried, that are looked at in one text; beyond it no repair is proposed.
+/// Tokens of a form, times places that are tried, that are considered in one text; beyond it no repair is proposed.
 const WORK_MAX: usize = 20_000_000;
 
 /// The repairs of all forms that lack one parenthesis or have one too many.
@@ -120,7 +120,7 @@ fn balance(form: &[Piece<'_>]) -> Balance {
 }
 
 /// The change that leaves the least doubt, and whether it leaves none. Where misspelt clauses keep every change doubtful,
-/// the form is looked at as if they were written right: what is certain then is meant, whatever the words.
+/// the form is judged as if they were written right: what is certain then is meant, whatever the words.
 fn best(form: &[Piece<'_>], lacking: Balance) -> Option<(Repair, bool)> {
     let as_written = least_doubtful(form, lacking);
     if as_written.is_some_and(|(_, is_certain)| is_certain) {
@@ -225,7 +225,7 @@ impl Candidate {
     }
 }
 
-/// Where the innermost list begins that is open after these pieces.
+/// Returns the beginning of the innermost list that is open after these pieces.
 fn innermost(pieces: &[Piece<'_>]) -> Option<usize> {
     let mut open: Vec<usize> = Vec::new();
     for piece in pieces {

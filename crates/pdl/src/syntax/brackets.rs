@@ -12,13 +12,13 @@ const BRACKETS_MAX: usize = 50;
 /// A bracket and its partner, at least one of them not a parenthesis; in bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Bracketed {
-    /// Where a bracket opens, unless a `(` or nothing does.
+    /// Place of the opening bracket, unless it is `(` or absent.
     pub(crate) open: Option<usize>,
-    /// Where a bracket closes, unless a `)` or nothing does.
+    /// Place of the closing bracket, unless it is `)` or absent.
     pub(crate) close: Option<usize>,
 }
 
-/// What is written with brackets, in text order of the opening ones. Cheap for texts without any.
+/// Returns the forms written with brackets, in text order of the opening ones. Cheap for texts without any.
 pub(crate) fn brackets(text: &str) -> Vec<Bracketed> {
     if !text.bytes().any(|byte| matches!(byte, b'[' | b']' | b'{' | b'}')) {
         return Vec::new();
@@ -51,7 +51,7 @@ pub(crate) fn with_parentheses(text: &str, found: &[Bracketed]) -> String {
 }
 
 struct Search {
-    /// What is open: the place of a bracket, nothing for a parenthesis.
+    /// Open brackets: the place of a bracket, `None` for a parenthesis.
     stack: Vec<Option<usize>>,
     found: Vec<Bracketed>,
 }

@@ -1,7 +1,7 @@
-//! Text to structure. Total: every text has one, nothing of the text is lost, flaws are listed beside it.
+//! Text to structure. Total: every text has one, nothing of the text is lost, flaws are listed separately.
 //!
 //! One walk over the text tells a [`Sink`] of its structure: the formatter keeps all of it as a lossless tree, the
-//! checker only its data, which is quicker.
+//! checker only its data, which is faster.
 
 mod balance;
 mod brackets;
@@ -91,7 +91,7 @@ impl rowan::Language for Pdl {
 pub(crate) type SyntaxNode = rowan::SyntaxNode<Pdl>;
 pub(crate) type SyntaxElement = rowan::SyntaxElement<Pdl>;
 
-/// Where a token begins.
+/// Beginning of a token.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Position {
     /// In bytes.
@@ -102,7 +102,7 @@ pub(crate) struct Position {
     pub(crate) column: usize,
 }
 
-/// Is told the structure of a text, in text order. Opens and closes are balanced.
+/// Receives the structure of a text, in text order. Opens and closes are balanced.
 pub(crate) trait Sink<'t> {
     /// A list or a prefixed datum begins.
     fn open(&mut self, kind: SyntaxKind, at: Position);
@@ -112,16 +112,16 @@ pub(crate) trait Sink<'t> {
     fn close(&mut self);
 }
 
-/// What is wrong with a text as text.
+/// Defect of a text as text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum FlawKind {
     /// `)` closes nothing.
     UnmatchedClose,
     /// `(` is never closed.
     UnclosedList {
-        /// Where an inner list probably lacks its `)`.
+        /// Place at which an inner list probably lacks its `)`.
         suspect: Option<usize>,
-        /// Where the next form begins, if the text was cut there.
+        /// Beginning of the next form, if the text was cut there.
         next: Option<usize>,
     },
     /// A string is never closed.

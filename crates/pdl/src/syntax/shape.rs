@@ -1,4 +1,4 @@
-//! How little a balanced form looks like PDL: what stands where it cannot, and lines that contradict their indentation.
+//! Measure of how little a balanced form looks like PDL: misplaced items, and lines that contradict their indentation.
 //! Only for choosing among repairs; what a form means is decided elsewhere.
 
 use crate::suggest::{is_certain, near};
@@ -33,7 +33,7 @@ const MISALIGNED: usize = 3;
 /// A function with too few or too many arguments; the word may also be one of a goal.
 const ARITY: usize = 1;
 
-/// Is this a form of the top level, which stands nowhere else? An agent stands in applications too.
+/// Returns true for a form of the top level, which occurs nowhere else. An agent occurs in applications too.
 pub(super) fn is_form(word: &str) -> bool {
     FORMS.contains(&word) && word != "agent"
 }
@@ -48,17 +48,17 @@ pub(super) fn clause_meant(word: &str) -> Option<&'static str> {
     found.first().filter(|_| is_certain(word, &found)).map(|first| first.name)
 }
 
-/// Is this a clause that only steps have?
+/// Returns true if this is a clause that only steps have.
 fn of_steps(word: &str) -> bool {
     STEP_CLAUSES.contains(&word) && !of_procedures(word)
 }
 
-/// Is this a clause of procedures or primitives?
+/// Returns true if this is a clause of procedures or primitives.
 fn of_procedures(word: &str) -> bool {
     PROCEDURE_CLAUSES.contains(&word) || PRIMITIVE_CLAUSES.contains(&word)
 }
 
-/// What conditions stand in.
+/// Clauses that contain conditions.
 const AROUND_CONDITIONS: &[&str] = &[
     "waitfor",
     "end-when",
@@ -154,7 +154,7 @@ fn headed(head: &str, parent: Option<(&str, usize)>) -> usize {
     if fits { 0 } else { MISPLACED }
 }
 
-/// An item that is no list and not the first of its list.
+/// An item that is not a list and not the first of its list.
 fn item(text: &str, list: Option<&mut List<'_>>) -> usize {
     let Some(list) = list else { return MISPLACED };
     let after_list = list.lists > 0;
@@ -170,7 +170,7 @@ fn item(text: &str, list: Option<&mut List<'_>>) -> usize {
     if fits { 0 } else { MISPLACED }
 }
 
-/// A list has ended: has it the items that it needs?
+/// Counts the items that the ended list needs and lacks.
 fn closed(list: &List<'_>) -> usize {
     let exactly = |count: usize| if list.items == count { 0 } else { MISPLACED };
     match list.head {

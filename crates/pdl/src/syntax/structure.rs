@@ -1,4 +1,4 @@
-//! Which token opens and closes what. No recursion: nesting costs no stack here.
+//! Matching of opening and closing tokens. No recursion: nesting costs no stack here.
 
 use super::lexer::{Token, tokens};
 use super::{Flaw, FlawKind, Position, Sink, SyntaxKind};
@@ -9,7 +9,7 @@ const FLAWS_MAX: usize = 50;
 
 /// Tells a sink the structure of `text`; returns it and what is wrong with the text. Never fails.
 ///
-/// A text that is cut short is told a second time, to a new sink.
+/// A text that is cut short is reported a second time, to a new sink.
 pub(crate) fn parse_into<'t, S: Sink<'t>>(text: &'t str, sink: impl Fn() -> S) -> (S, Vec<Flaw>) {
     let mut balanced = run(text, sink(), false);
     let swallowed = |flaw: &Flaw| matches!(flaw.kind, FlawKind::UnclosedText | FlawKind::UnclosedComment);
@@ -191,7 +191,7 @@ impl<'t, S: Sink<'t>> Structure<S> {
     fn advance(&mut self, token: &Token<'t>) {
         let text = token.text;
         self.at.offset += text.len();
-        // Only these may go on over several lines; the others are most of a text.
+        // Only these may continue over several lines; the others are most of a text.
         let many_lines = matches!(token.kind, SyntaxKind::WhiteSpace | SyntaxKind::BlockComment | SyntaxKind::Text);
         let lines = if many_lines { text.rsplit_once('\n') } else { None };
         match lines {

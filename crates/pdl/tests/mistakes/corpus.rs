@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// A text that mistakes are made in, and the program through which it is checked: a library's mistakes are seen when the
 /// mission that uses all libraries is checked.
 pub struct Place {
-    /// The path from the root of the house, as in the sources of the program.
+    /// The path from the root of the repository, as in the sources of the program.
     pub file: String,
     pub program: String,
 }

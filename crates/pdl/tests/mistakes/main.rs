@@ -1,5 +1,5 @@
-//! Two hundred mistakes of authors, made by chance in the shipped missions and libraries: each must be found where it is,
-//! in at most two messages, and most must be mended by the fix that is offered.
+//! Two hundred mistakes of authors, made at random in the shipped missions and libraries: each must be found where it is,
+//! in at most two messages, and most must be fixed by the fix that is offered.
 
 #![expect(unreachable_pub, reason = "a test has no public face; `pub` says that another module uses it")]
 #![expect(
@@ -29,7 +29,7 @@ fn holds_the_bars(score: &Score) {
     let all = score.all;
     let report = format!("{}\n{}", score.failures, score.report());
     assert!(all.placed * 100 >= all.made * 90, "right line in less than 90 %\n{report}");
-    assert!(all.fixed * 100 >= all.made * 70, "mended in less than 70 %\n{report}");
+    assert!(all.fixed * 100 >= all.made * 70, "fixed in less than 70 %\n{report}");
     assert_eq!(all.wordy, 0, "more than two messages for one mistake\n{report}");
 }
 

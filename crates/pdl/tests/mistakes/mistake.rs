@@ -12,7 +12,7 @@ pub struct Mistake {
     pub lines: Vec<u32>,
     /// The same in other files of the program.
     pub elsewhere: Vec<(String, u32)>,
-    /// What was done, for reports.
+    /// Description of the change, for reports.
     pub what: String,
 }
 

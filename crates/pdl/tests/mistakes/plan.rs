@@ -1,10 +1,10 @@
-//! Which mistakes are made how often.
+//! Kinds of mistakes with their frequencies.
 //!
 //! The mix is meant to be that of a day of writing PDL, and is fixed here so that nothing can be chosen by its result:
 //! half of it misspelt words, more of those that are written more often; a fifth parentheses and quotation marks, the
-//! classic trouble of such a notation; the rest what is forgotten, given twice or put into the wrong order. Within a kind
+//! classic problem of such a notation; the rest what is forgotten, given twice or put into the wrong order. Within a kind
 //! every file is equally likely, and within a file every place. A change that leaves a program which means something
-//! else, legitimately, is no mistake and is not made: a word must be contradicted by another place of the program, or
+//! else, legitimately, is not a mistake and is not made: a word must be contradicted by another place of the program, or
 //! belong to the vocabulary of the language.
 
 use super::chance::Chance;

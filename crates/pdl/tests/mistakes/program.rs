@@ -1,4 +1,4 @@
-//! What else a program says about a word: a mistake that nothing disagrees with is none.
+//! Occurrences of a word in the rest of a program: a mistake that nothing contradicts does not count.
 
 use super::corpus::{Corpus, Place};
 use super::roles::{Goal, Role, Roles, Site};
@@ -30,7 +30,7 @@ impl<'c> Program<'c> {
         std::iter::once(&self.roles).chain(&self.others)
     }
 
-    /// How often the word stands in one of `roles` in the whole program.
+    /// Returns the number of occurrences of the word in one of `roles` in the whole program.
     pub fn count(&self, word: &str, roles: &[Role]) -> usize {
         let in_one = |each: &Roles<'c>| {
             each.sites.iter().filter(|site| roles.contains(&site.role) && each.word(site.node) == word).count()
@@ -38,7 +38,7 @@ impl<'c> Program<'c> {
         self.all().map(in_one).sum()
     }
 
-    /// How often the word stands in the top-level form of `site`, as atom.
+    /// Returns the number of occurrences of the word in the top-level form of `site`, as atom.
     pub fn count_in_form(&self, word: &str, site: &Site) -> usize {
         let range = &self.roles.tree.nodes[site.form].range;
         let nodes = self.roles.tree.nodes.iter().enumerate();
@@ -49,20 +49,20 @@ impl<'c> Program<'c> {
             .count()
     }
 
-    /// Does the word stand anywhere in the program?
+    /// Returns true if the word occurs anywhere in the program.
     pub fn knows(&self, word: &str) -> bool {
         let is_there =
             |each: &Roles<'c>| (0..each.tree.nodes.len()).any(|node| each.word(node).eq_ignore_ascii_case(word));
         self.all().any(is_there) || apex_model::builtins::built_in(&word.to_lowercase()).is_some()
     }
 
-    /// Does the index, a node of this text, serve a goal of the program?
+    /// Returns true if the index, a node of this text, serves a goal of the program.
     pub fn is_pursued(&self, index: usize) -> bool {
         self.all()
             .any(|other| other.goals.iter().any(|goal| !goal.is_index && matches(&self.roles, index, other, goal)))
     }
 
-    /// Where, in another file, the only place stands that contradicts a slip at `site`: then either is right.
+    /// Returns the only place in another file that contradicts a slip at `site`: then either is right.
     pub fn only_counterpart(&self, site: &Site) -> Vec<(String, u32)> {
         let word = self.roles.word(site.node);
         let wanted = match site.role {
@@ -90,7 +90,7 @@ impl<'c> Program<'c> {
         if self.others.iter().any(|other| !of(other).is_empty()) { Vec::new() } else { of(&self.roles) }
     }
 
-    /// Does nothing serve the goal, a node of this text, once the text has become `changed`?
+    /// Returns true if no method serves the goal, a node of this text, once the text has become `changed`.
     pub fn is_unserved_with(&self, changed: &str, goal: usize) -> bool {
         let start = self.roles.tree.nodes[goal].range.start;
         let changed = Roles::new(changed, &[]);
@@ -102,7 +102,7 @@ impl<'c> Program<'c> {
             .any(|other| other.goals.iter().any(|index| index.is_index && matches(other, index.node, &changed, goal)))
     }
 
-    /// Is the word of a goal at `site` a word of the index that serves it, and not the name of an object?
+    /// Returns true if the word of a goal at `site` is a word of the index that serves it, and not the name of an object.
     pub fn is_word_of_index(&self, site: &Site) -> bool {
         let Some(goal) = self.roles.tree.nodes[site.node].parent else { return false };
         let at = self.roles.tree.nodes[goal].children.iter().position(|item| *item == site.node);

@@ -1,4 +1,4 @@
-//! What each word of a program is there for. A mistake is made in a word of a known role, so that it is known whether
+//! Role of each word of a program. A mistake is made in a word of a known role, so that it is known whether
 //! anything can disagree with it.
 
 use super::tree::{NodeKind, Tree};

@@ -11,15 +11,15 @@ use std::collections::BTreeMap;
 /// Rounds of fixing one mistake: a fix may uncover what it hid.
 const ROUNDS_MAX: usize = 3;
 
-/// What became of some mistakes.
+/// Results of some mistakes.
 #[derive(Clone, Copy, Default)]
 pub struct Tally {
     pub made: usize,
-    /// A message stands on a right line.
+    /// A message names a right line.
     pub placed: usize,
     /// Following the first fix offered, again and again, leaves a program without errors and warnings.
     pub fixed: usize,
-    /// .. and the text is what it was, but for blanks.
+    /// .. and the text is what it was, except for blanks.
     pub restored: usize,
     /// Safe fixes alone leave a clean program.
     pub fixed_safely: usize,
@@ -32,7 +32,7 @@ pub struct Tally {
 pub struct Score {
     pub all: Tally,
     pub kinds: BTreeMap<&'static str, Tally>,
-    /// What went wrong, for who improves the checker.
+    /// Failures, for authors of the checker.
     pub failures: String,
 }
 
@@ -69,7 +69,7 @@ fn attempt(
     })
 }
 
-/// What each message says and the lines that it is about, to tell new ones from those that the shipped text has anyhow:
+/// Returns the text of each message with the lines that it concerns, to distinguish new ones from those of the shipped text:
 /// lines move, their text does not.
 fn messages(checked: &Checked) -> impl Iterator<Item = String> {
     checked.diagnostics.iter().map(|each| {
@@ -162,7 +162,7 @@ fn follow(
     (false, text)
 }
 
-/// Equal but for blanks.
+/// Equal except for blanks.
 fn same(one: &str, other: &str) -> bool {
     one.split_whitespace().eq(other.split_whitespace())
 }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-/// What a node is.
+/// Kind of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NodeKind {
     List,

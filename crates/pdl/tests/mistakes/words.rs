@@ -42,7 +42,7 @@ fn bare(word: &str) -> (&str, usize) {
 }
 
 /// The lines, other than its own, that contradict a slip in the word at `site`; none when nothing contradicts it, for
-/// then it is no mistake that anybody can know. Where several words agree against it, only its own line is right.
+/// then it is a mistake that no checker can know. Where several words agree against it, only its own line is right.
 fn lines_of_contradiction(program: &Program<'_>, site: &Site) -> Option<Vec<u32>> {
     let word = program.roles.word(site.node);
     let others: Vec<u32> = program
@@ -148,7 +148,7 @@ fn quantity<'t>(program: &Program<'t>, chance: &mut Chance, wanted: impl Fn(usiz
 }
 
 /// A quantity that stands where its dimension is known: after certain options, in a duration clause, compared with the
-/// time that a step takes, or defined as an indexical that stands in such a place.
+/// time that a step takes, or defined as an indexical in such a place.
 fn needs_dimension(program: &Program<'_>, node: usize) -> bool {
     let tree = &program.roles.tree;
     let Some(parent) = tree.nodes[node].parent else { return false };

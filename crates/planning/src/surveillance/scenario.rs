@@ -317,7 +317,7 @@ impl<'a> Scenario<'a> {
             .collect()
     }
 
-    /// Returns the effect on the cost of one visit of the target, at the least detour and where time is left at the
+    /// Returns the effect on the cost of one visit of the target, at the smallest detour and where time is left at the
     /// end.
     fn unwanted_reason(&self, word: &[usize], index: usize, cost: f64) -> String {
         let travel = &self.typical;

@@ -1,5 +1,5 @@
-//! What is missing: from a step that no task stands for, up through the procedures that nobody pursues, to the first task
-//! that exists. What that one waits for is what all wait for.
+//! Missing tasks: from a step without a task, up through the procedures that no task pursues, to the first task
+//! that exists. All of them wait for the requirements of that one.
 
 use super::answer::Missing;
 use super::log::Log;
@@ -202,7 +202,7 @@ fn told(
     missing
 }
 
-/// How the task at the end of the way stands to the step.
+/// Returns the relation of the task at the end of the path to the step.
 fn reached(agent: &Agent, site: &ProgramStep, task: &Task) -> String {
     let name = format!(
         "{} {}",

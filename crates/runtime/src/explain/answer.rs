@@ -1,4 +1,4 @@
-//! What an explanation is: plain data, which becomes JSON as it stands (`docs/reference/explanations.md`). Texts are made
+//! Explanations as plain data, which becomes JSON as it is (`docs/reference/explanations.md`). Texts are made
 //! from it in `text.rs`, so that both say the same.
 
 use super::{Link, Moment};
@@ -8,7 +8,7 @@ use serde::Serialize;
 /// The version of the JSON form. A new member is no new version; one that changes or goes is.
 pub const EXPLANATION_VERSION: u32 = 1;
 
-/// What every answer says first.
+/// Head of every answer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct About {
@@ -16,9 +16,9 @@ pub struct About {
     pub version: u32,
     /// `why` or `why-not`.
     pub question: &'static str,
-    /// What kind of thing was asked about: `task`, `resource`, `command`, `target`, `step`, `procedure`.
+    /// Kind of the subject: `task`, `resource`, `command`, `target`, `step`, `procedure`.
     pub kind: &'static str,
-    /// What was asked about, as the asker wrote it.
+    /// The subject, as written in the question.
     pub asked: String,
     /// The agent.
     pub agent: String,
@@ -40,7 +40,7 @@ pub enum Answer {
 }
 
 impl Answer {
-    /// Where several agents ran a task is named with its agent.
+    /// Names tasks with their agents, if several agents ran.
     pub(super) fn of_crew(mut self) -> Answer {
         if let Answer::Task(why) = &mut self {
             why.task = format!("{}/{}", why.about.agent, why.task);
@@ -49,20 +49,20 @@ impl Answer {
     }
 }
 
-/// Who has a resource, and why; who wants it too.
+/// Holders of a resource and its claimants, with reasons.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct ResourceAnswer {
-    /// What every answer says first.
+    /// Head.
     #[serde(flatten)]
     pub about: About,
     /// Its name.
     pub resource: String,
-    /// How much of it there is, with its unit.
+    /// Total amount, with its unit.
     pub total: String,
-    /// Who holds it then.
+    /// Holders at that instant.
     pub holders: Vec<Holder>,
-    /// Who waits for it then.
+    /// Waiting tasks at that instant.
     pub waiting: Vec<Holder>,
 }
 
@@ -74,28 +74,29 @@ pub struct Holder {
     pub task: String,
     /// Its goal.
     pub goal: String,
-    /// How much it holds; none for who waits.
+    /// Held amount; `None` for a waiting task.
     pub amount: Option<String>,
     /// Its priority then.
     pub priority: f64,
-    /// What it adds to that where it defends.
+    /// Addition to its priority when it defends the resource.
     pub interrupt_cost: f64,
-    /// How it got it, or why it was refused.
+    /// Reason of the grant or of the refusal.
     pub because: Option<Link>,
-    /// What it waits for at the instant of the question, who waits: for this resource, who has it and why it stays so.
+    /// For a waiting task: the requirements at the instant of the question, with the holders of this resource and the reasons. Empty for
+    /// a holder.
     pub waits_for: Vec<Unmet>,
 }
 
-/// Why a command was sent.
+/// Reason for which a command was sent.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct CommandAnswer {
-    /// What every answer says first.
+    /// Head.
     #[serde(flatten)]
     pub about: About,
     /// Its form.
     pub form: String,
-    /// Why, back to a sample, a message or a sentence of the program.
+    /// Cause, back to a sample, a message or a sentence of the program.
     pub because: Link,
 }
 
@@ -109,7 +110,7 @@ pub struct Choice {
     pub index: String,
     /// It matches the goal.
     pub matches: bool,
-    /// Why it is first, why it comes later, or why it does not match.
+    /// Reason for its order: first, later, or not matching.
     pub because: String,
 }
 
@@ -117,7 +118,7 @@ pub struct Choice {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct WhyNot {
-    /// What every answer says first.
+    /// Head.
     #[serde(flatten)]
     pub about: About,
     /// The answer in a sentence.
@@ -126,9 +127,9 @@ pub struct WhyNot {
     pub missing: Vec<Missing>,
     /// The task that all waits for, or that was asked about.
     pub task: Option<Box<Why>>,
-    /// What became of the target, if one was asked about.
+    /// History of the target, if the question is about one.
     pub target: Vec<TargetMoment>,
-    /// What else may have been meant.
+    /// Other possible meanings of the question.
     pub others: Vec<String>,
 }
 
@@ -142,23 +143,23 @@ pub struct Missing {
     pub activity: String,
     /// The procedure that the step belongs to: its index.
     pub procedure: String,
-    /// Where the step stands.
+    /// Position of the step in the PDL text.
     pub place: String,
     /// The text of that line.
     pub source: Option<String>,
-    /// What is missing, in a sentence.
+    /// Missing requirement, as a sentence.
     pub because: String,
 }
 
-/// What became of a target.
+/// Moment in the history of a target.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct TargetMoment {
-    /// When, in seconds of mission time.
+    /// Instant, in seconds of mission time.
     pub t: f64,
     /// `planned`, `observing`, `observed`, `skipped`.
     pub state: String,
-    /// Why, as text.
+    /// Reason, as text.
     pub detail: String,
 }
 
@@ -166,7 +167,7 @@ pub struct TargetMoment {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Why {
-    /// What every answer says first.
+    /// Head.
     #[serde(flatten)]
     pub about: About,
     /// The task, `T12`.
@@ -185,19 +186,19 @@ pub struct Why {
     pub priority: Option<f64>,
     /// Resources that it holds then.
     pub holds: Vec<String>,
-    /// How it is pursued, `procedure file.pdl:3:1`, if that was decided.
+    /// Method, `procedure file.pdl:3:1`, if it was decided.
     pub method: Option<String>,
     /// `file:line:column` of its step.
     pub place: Option<String>,
-    /// Why it came to its state, back to a sample, a message or a sentence of the program.
+    /// Cause of its state, back to a sample, a message or a sentence of the program.
     pub because: Option<Link>,
-    /// What else could have pursued its goal, and why it does not; the chosen one is the first that matches.
+    /// Methods for its goal with the reasons of their order; the chosen one is the first that matches.
     pub choices: Vec<Choice>,
-    /// What happened to it, oldest first.
+    /// History, oldest first.
     pub history: Vec<Moment>,
-    /// What it waits for then; empty when it waits for nothing.
+    /// Requirements at that instant; empty if it does not wait.
     pub waiting: Vec<Unmet>,
-    /// Who has its resource, when it lost a conflict and has not won since.
+    /// Holder of its resource, if it lost a conflict and has not won since.
     pub blocked: Option<Blocked>,
     /// Its subtasks that live then.
     pub subtasks: Vec<Subtask>,
@@ -207,22 +208,22 @@ pub struct Why {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Unmet {
-    /// What kind of thing.
+    /// Kind.
     #[cfg_attr(test, ts(type = "string"))]
     pub kind: ReasonKind,
     /// The part of the condition as PDL text, or the reason as text.
     pub what: String,
-    /// What is known about it then; empty where `what` says it all.
+    /// Present knowledge; empty if `what` is complete.
     pub now: String,
     /// Since when, in seconds of mission time, where that is known.
     pub since: Option<f64>,
-    /// When it comes true by time alone, in seconds of mission time, if nothing changes before.
+    /// Instant at which it comes true by time alone, in seconds of mission time, if nothing changes before.
     pub until: Option<f64>,
-    /// How far the newest sample is from the threshold, with its unit.
+    /// Distance of the newest sample from the threshold, with its unit.
     pub distance: Option<String>,
     /// The task concerned, `T4`, if another one is.
     pub task: Option<String>,
-    /// Where it stands in PDL.
+    /// Position in the PDL text.
     pub place: Option<String>,
 }
 

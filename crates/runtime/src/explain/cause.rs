@@ -12,9 +12,9 @@ use serde::Serialize;
 pub struct CauseDetail {
     /// The kind of cause; `docs/reference/trace.md` lists them.
     pub kind: String,
-    /// What the text names.
+    /// Things that the text names.
     pub parts: Vec<CausePart>,
-    /// What was observed, in the order of the text.
+    /// Observations, in the order of the text.
     pub evidence: Vec<Observation>,
 }
 
@@ -22,7 +22,7 @@ pub struct CauseDetail {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct CausePart {
-    /// What the part is to the cause: `parent`, `resource`, `clause`.
+    /// Role of the part in the cause: `parent`, `resource`, `clause`.
     pub role: &'static str,
     /// The part.
     #[serde(flatten)]
@@ -59,14 +59,14 @@ pub enum PartValue {
         /// Its length in seconds.
         seconds: f64,
     },
-    /// What a task brings to a conflict.
+    /// Strength of a task in a conflict.
     Strength {
         /// Its priority or rank.
         priority: f64,
         /// Its interrupt cost; 0 unless it holds the resource.
         interrupt_cost: f64,
     },
-    /// What a task was granted.
+    /// Granted share of a task.
     Share {
         /// The resource.
         resource: String,
@@ -91,14 +91,14 @@ pub enum Observation {
         variable: String,
         /// Its value with its unit.
         value: String,
-        /// When it was measured.
+        /// Instant of the measurement.
         at: f64,
     },
     /// A message.
     Event {
         /// Its form.
         form: String,
-        /// When it arrived.
+        /// Arrival.
         at: f64,
     },
     /// A change of a task's state.
@@ -107,14 +107,14 @@ pub enum Observation {
         task: String,
         /// The word of the state.
         word: String,
-        /// When it changed.
+        /// Instant of the change.
         at: f64,
     },
     /// The end of a task.
     TaskEnd {
         /// The task, `T3`.
         task: String,
-        /// When it ended.
+        /// Instant of the end.
         at: f64,
     },
     /// A run of samples.
@@ -125,7 +125,7 @@ pub enum Observation {
         from: f64,
         /// The last sample's instant.
         to: f64,
-        /// How many samples.
+        /// Number of samples.
         samples: u64,
     },
     /// An instant that was waited for.
@@ -141,7 +141,7 @@ pub enum Observation {
         expression: String,
         /// Its value.
         value: String,
-        /// When.
+        /// Instant.
         at: f64,
     },
     /// A condition that did not come true.
@@ -174,7 +174,7 @@ pub enum Observation {
         from: f64,
         /// End of its interval.
         to: f64,
-        /// How many samples are in it.
+        /// Number of samples.
         samples: u64,
     },
 }

@@ -98,7 +98,7 @@ impl<'a> Chain<'a> {
         }
     }
 
-    /// What was seen: leaves of the chain, and the decisions that are evidence themselves.
+    /// Adds the evidence: leaves of the chain, and the decisions that are evidence themselves.
     fn evidence(&self, link: &mut Link, row: &Row, because: &Because) -> Found {
         let mut rows = Vec::new();
         let here = |at: Time| (row.id, at);
@@ -226,7 +226,7 @@ impl<'a> Chain<'a> {
         Ok(found.into_iter().collect())
     }
 
-    /// What is waited for by probing, or what ended the waiting.
+    /// Returns the condition for which a task probes, or the event that ended the wait.
     fn of_probing(&self, cause: &Cause, here: (i64, Time)) -> Result<Option<Row>, RecordError> {
         match cause {
             Cause::ProbingStopped { waiting, reason: ProbingEnd::Satisfied, .. } => {
@@ -266,7 +266,7 @@ impl<'a> Chain<'a> {
         Ok(found.into_iter().collect())
     }
 
-    /// Why a grant came now: whoever was in the way left, and the task had been enabled.
+    /// Explains the instant of a grant: the blocking task left, and the task had been enabled.
     fn granted(&self, own: TaskId, row: &Row) -> Found {
         let mut rows = Vec::new();
         let enabled = self.log.decisions.transition_before(own, "enabled", row.id)?;

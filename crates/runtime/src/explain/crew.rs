@@ -1,11 +1,11 @@
-//! Why, where several agents ran: `pilot/T12` names a task, and so does a name that only one of them has.
+//! Questions about several agents: `pilot/T12` names a task, and so does a name that only one of them has.
 
 use super::{Question, find, find_task};
 use crate::error::RecordError;
 use crate::record::RecordReader;
 use apex_model::time::Time;
 
-/// Where several agents ran: the record of the one that is asked, and the question without its name. An agent is named
+/// For several agents: returns the record of the agent in question, and the question without its name. An agent is named
 /// (`pilot/T12`, `pilot/camera-1`), or it is the only one with such a task.
 ///
 /// # Errors

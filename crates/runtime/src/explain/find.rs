@@ -1,4 +1,4 @@
-//! Which task is meant: by number, or by words of its goal or tag.
+//! Identification of a task: by number, or by words of its goal or tag.
 
 use crate::error::RecordError;
 use crate::limits::CANDIDATES_MAX;

@@ -9,15 +9,15 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Link {
-    /// When, in seconds of mission time.
+    /// Instant, in seconds of mission time.
     pub t: f64,
     /// The task, `T3`, if it is about one.
     pub task: Option<String>,
-    /// What happened: `T3 (photograph fire) started`.
+    /// Event: `T3 (photograph fire) started`.
     pub what: String,
     /// The kind of cause; none for what came from outside.
     pub kind: Option<String>,
-    /// Why, as text; empty for what came from outside.
+    /// Reason, as text; empty for inputs from outside.
     pub because: String,
     /// The cause with its parts; none for what came from outside.
     pub cause: Option<CauseDetail>,
@@ -25,7 +25,7 @@ pub struct Link {
     pub place: Option<String>,
     /// The text of that line.
     pub source: Option<String>,
-    /// What it rests on.
+    /// Causes.
     pub causes: Vec<Link>,
     /// There is more below, which the asked depth leaves out.
     pub more: bool,

@@ -1,4 +1,4 @@
-//! What a chain of causes reads from the record: decisions, samples, and the lines of the program.
+//! Reader of the record for chains of causes: decisions, samples, and the lines of the program.
 
 use crate::error::RecordError;
 use crate::record::view::decisions::Decisions;

@@ -16,9 +16,9 @@ pub struct Moment {
     pub t: f64,
     /// The kind, as in the record's `effect` table.
     pub kind: String,
-    /// What happened, as text.
+    /// Event, as text.
     pub what: String,
-    /// Why, as text; empty where `what` says it all.
+    /// Reason, as text; empty if `what` is complete.
     pub because: String,
     /// `file:line:column` of the clause of PDL.
     pub place: Option<String>,
@@ -36,7 +36,7 @@ pub struct Moment {
     pub cause: Option<CauseDetail>,
 }
 
-/// How a goal is pursued.
+/// Method for a goal.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct MethodDetail {

@@ -90,7 +90,7 @@ impl Phrase {
         }
     }
 
-    /// Could both be the same goal, variables standing for anything?
+    /// Returns true if both can be the same goal, with variables that match anything.
     pub(super) fn fits(&self, other: &Phrase) -> bool {
         match (self, other) {
             (Phrase::Any | Phrase::Rest, _) | (_, Phrase::Any | Phrase::Rest) => true,
@@ -109,7 +109,7 @@ impl Phrase {
         }
     }
 
-    /// Does the word stand anywhere in it?
+    /// Returns true if the word occurs anywhere in it.
     pub(super) fn mentions(&self, word: &str) -> bool {
         match self {
             Phrase::Word(own) => same(own, word),

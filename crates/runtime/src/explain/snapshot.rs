@@ -17,14 +17,14 @@ const GOAL_CHARACTERS_MAX: usize = 60;
 /// Stands for what is cut.
 const CUT_SIGN: &str = " ..)";
 
-/// What is asked of a record.
+/// Question to a record.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Question {
     /// A task, resource, command, target, step, procedure, in the asker's words.
     pub what: String,
     /// The instant; past the record's end it is the end.
     pub at: Time,
-    /// How many links of a chain of causes stand below one another.
+    /// Number of links of a chain of causes below one another.
     pub depth: usize,
 }
 
@@ -91,7 +91,7 @@ impl<'a> RecordSnapshot<'a> {
         self.agent.is_some()
     }
 
-    /// What every answer says first.
+    /// Returns the head of an answer.
     pub(super) fn about(&self, question: &'static str, kind: &'static str, asked: &str) -> About {
         let t = self.at.seconds();
         About { version: EXPLANATION_VERSION, question, kind, asked: asked.trim().into(), agent: self.name.clone(), t }
@@ -102,7 +102,7 @@ impl<'a> RecordSnapshot<'a> {
         Decisions { reader: self.reader, until: self.at }
     }
 
-    /// What chains of causes read: decisions, samples, and the lines of the program and of plans.
+    /// Returns the reader for chains of causes: decisions, samples, and the lines of the program and of plans.
     pub(super) fn log(&self) -> Result<Log<'a>, RecordError> {
         let plans = self.agent().into_iter().flat_map(|agent| agent.generated.iter());
         let mut sources: Vec<SourceFile> = plans.map(|(_, plan)| plan.source.clone()).collect();

@@ -25,7 +25,7 @@ pub struct TaskExplanation {
     pub explanation: Why,
     /// True if older moments are left out.
     pub left_out: bool,
-    /// Why the instant could not be restored; the explanation is then made from the record's decisions alone.
+    /// Reason if the instant could not be restored; the explanation is then made from the record's decisions alone.
     pub explanation_error: Option<String>,
 }
 

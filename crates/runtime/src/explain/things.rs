@@ -1,4 +1,4 @@
-//! Why a resource belongs to a task, and why a command was sent.
+//! Explanation of resources (their holders) and of commands (their causes).
 
 use super::answer::{CommandAnswer, Holder, ResourceAnswer};
 use super::chain::Chain;
@@ -21,7 +21,7 @@ pub(super) fn resource<'a>(agent: &'a Agent, name: &str) -> Option<&'a Resource>
     agent.resources.iter().map(|(_, resource)| resource).find(same)
 }
 
-/// Who has the resource called `name`, and why; none when there is no such resource.
+/// Explains the holders of the resource called `name`; `None` if there is no such resource.
 pub(super) fn of_resource(
     snapshot: &RecordSnapshot<'_>,
     name: &str,
@@ -77,7 +77,7 @@ fn holder(
     }
 }
 
-/// Why the command `asked` was sent: `command 7`, or words of its form, of which the last one sent is meant.
+/// Explains the command `asked`: `command 7`, or words of its form, which mean the last such command.
 pub(super) fn of_command(snapshot: &RecordSnapshot<'_>, asked: &str) -> Result<Option<CommandAnswer>, RecordError> {
     let log = snapshot.log()?;
     let words = asked.trim();

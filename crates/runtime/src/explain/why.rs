@@ -1,4 +1,4 @@
-//! Why a task is as it is: its history, the chain behind its state, what it waits for, who has its resource.
+//! Explanation of a task: its history, the chain behind its state, its open requirements, the holder of its resource.
 
 use super::answer::{Blocked, Choice, Subtask, Unmet, Why};
 use super::chain::Chain;
@@ -85,7 +85,7 @@ fn blocked(snapshot: &RecordSnapshot<'_>, conflict: &Conflict) -> Blocked {
     }
 }
 
-/// What could have pursued the goal that was chosen for, best first; what is built in has no choice.
+/// Returns the methods for the goal, best first; a built-in activity has no choice.
 fn choices(agent: Option<&Agent>, chosen: Option<(Method, Value)>) -> Vec<Choice> {
     let (Some(agent), Some((method, goal))) = (agent, chosen) else { return Vec::new() };
     if method == Method::BuiltIn {
@@ -100,7 +100,7 @@ fn choices(agent: Option<&Agent>, chosen: Option<(Method, Value)>) -> Vec<Choice
     explanation::options(agent, &goal).into_iter().map(choice).collect()
 }
 
-/// What the agent says that the task waits for.
+/// Returns the requirements for which the task waits, by the agent.
 pub(super) fn waiting(agent: &Agent, task: TaskId) -> Vec<Unmet> {
     explanation::waiting(agent, task).into_iter().map(|reason| unmet(agent, reason)).collect()
 }

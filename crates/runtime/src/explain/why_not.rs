@@ -1,4 +1,4 @@
-//! Why something is not: not created, not started, not gone on, not chosen, not granted, not visited.
+//! Explanation of absent events: a task not created, started, resumed, chosen or granted, a target not visited.
 
 use super::absence::{self, ProgramStep};
 use super::answer::{Missing, TargetMoment, Why, WhyNot};
@@ -87,7 +87,7 @@ fn of_task(snapshot: RecordSnapshot<'_>, asked: &str, id: TaskId) -> Result<WhyN
     Ok(answer)
 }
 
-/// What the task has not done.
+/// States the event that the task lacks.
 fn sentence(task: &Why) -> String {
     let name = format!("{} {}", task.task, task.goal);
     let (t, since) = (Time::from_seconds(task.about.t), Time::from_seconds(task.since));

@@ -53,7 +53,7 @@ impl Flight<'_, '_> {
         self.pacer.set(Some(0.0), now).map_err(RunError::Options)
     }
 
-    /// Why the run cannot execute an order; none if it can.
+    /// Returns the reason for which the run cannot execute an order; `None` if it can.
     fn objection(&self, order: &Order) -> Option<String> {
         match order {
             Order::Input(agent, kind) => {

@@ -11,11 +11,11 @@ use apex_model::time::Time;
 /// An answer to a request that is open when a recorded flight is continued.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct OpenAnswer {
-    /// Who made it.
+    /// The solver.
     pub(crate) solver: Symbol,
     /// The request, numbered as outside of the agents.
     pub(crate) request: SolveRequestId,
-    /// When it takes effect.
+    /// Instant at which it takes effect.
     pub(crate) due: Time,
     /// The answer.
     pub(crate) report: SolverReport,

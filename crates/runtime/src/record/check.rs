@@ -8,7 +8,7 @@ use super::tables::{ALL, SCHEMA, TABLES, Table};
 use apex_model::time::Time;
 use rusqlite::{CachedStatement, Connection, Row, Rows};
 
-/// How far a record has been checked: everything up to here is as it was written.
+/// Progress of the check of a record: everything up to here is as it was written.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Position {
     pub(super) link: Link,
@@ -38,7 +38,7 @@ pub struct Damage {
     pub trusted_batches: i64,
     /// The instant of that batch.
     pub trusted_until: Time,
-    /// What does not fit.
+    /// Discrepancy.
     pub reason: String,
 }
 

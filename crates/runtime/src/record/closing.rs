@@ -12,7 +12,7 @@ use std::fs::File;
 use std::io::{Seek, SeekFrom, Write};
 use std::path::Path;
 
-/// Where SQLite's header keeps the versions that writers and readers need; 2 asks for a write-ahead log, 1 does not.
+/// Offset of the versions for writers and readers in SQLite's header; 2 requires a write-ahead log, 1 does not.
 const VERSIONS_OFFSET: u64 = 18;
 
 /// Closes the record. If another program reads it now, it stays a file with an empty log.

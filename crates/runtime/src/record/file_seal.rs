@@ -11,7 +11,7 @@ const SEAL_BYTES: u64 = 64;
 /// Bytes read at one time.
 const CHUNK_BYTES: usize = 1 << 20;
 
-/// What the end of a file says.
+/// Seal at the end of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileSeal {
     /// The file has no seal: its flight continues, or was cut off.

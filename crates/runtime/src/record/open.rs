@@ -217,7 +217,7 @@ impl Drop for Copied {
     }
 }
 
-/// What a check of a whole record has found.
+/// Result of a check of a whole record.
 #[derive(Clone, Debug)]
 pub struct Integrity {
     /// Whether the file is as it was sealed.
@@ -230,7 +230,7 @@ pub struct Integrity {
     pub until: apex_model::time::Time,
     /// The first group that does not fit.
     pub damage: Option<Damage>,
-    /// What else is wrong: schema, pages, indexes. Rows can be trusted nevertheless if `damage` is `None`.
+    /// Other defects: schema, pages, indexes. Rows can be trusted nevertheless if `damage` is `None`.
     pub fault: Option<String>,
 }
 

@@ -12,7 +12,7 @@ use rusqlite::{OptionalExtension, params};
 pub struct ProblemRow {
     /// The request, numbered as outside of the agents.
     pub request: SolveRequestId,
-    /// When it was made.
+    /// Instant of its creation.
     pub at: Time,
     /// The goal to plan for.
     pub goal: String,

@@ -55,9 +55,9 @@ pub struct TaskRow {
     pub tag: String,
     /// Its goal, as known last.
     pub goal: String,
-    /// When it was created.
+    /// Instant of its creation.
     pub created: Time,
-    /// When it ended, if it has.
+    /// Instant of its end, if it has ended.
     pub ended: Option<Time>,
     /// `success`, `failure` or `cut`, if it has ended.
     pub outcome: Option<String>,
@@ -70,7 +70,7 @@ pub struct TaskRow {
 /// A recorded sample.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sample {
-    /// When it was measured.
+    /// Instant of the measurement.
     pub at: Time,
     /// Its value.
     pub value: Value,
@@ -277,7 +277,7 @@ impl RecordReader {
         Ok(tasks.into_values().collect())
     }
 
-    /// What the shell itself decided, with times: dropped solver answers and the like.
+    /// Returns the decisions of the runtime, with times: dropped solver answers and the like.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].

@@ -15,7 +15,7 @@ use rusqlite::types::ToSqlOutput;
 use rusqlite::{Connection, Row, params, params_from_iter};
 use std::path::Path;
 
-/// What was recovered.
+/// Result of a recovery.
 #[derive(Clone, Debug)]
 pub struct Recovered {
     /// Groups that fit their seals.

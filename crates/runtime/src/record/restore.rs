@@ -10,7 +10,7 @@ use apex_model::source::SourceFile;
 use apex_model::time::Time;
 use std::sync::Arc;
 
-/// What the PDL sources in a record are checked into: library, the agent to run, and host functions.
+/// Checked form of the PDL sources in a record: library, the agent to run, and host functions.
 pub type Program = (Arc<Library>, AgentDeclaration, HostFunctions);
 
 /// Checks the recorded PDL sources again; passed in, because this crate knows no syntax.

@@ -14,9 +14,9 @@ pub const APPLICATION_ID: i64 = 0x4150_4558;
 /// The version of the format that this program writes, and the only one that it reads.
 pub const SCHEMA_VERSION: i64 = 6;
 
-/// How long to wait for another program that holds the file.
+/// Time to wait for another program that holds the file.
 pub(super) const BUSY_PATIENCE: Duration = Duration::from_secs(2);
-/// Where SQLite's header keeps the application id, big-endian.
+/// Offset of the application id in SQLite's header, big-endian.
 const APPLICATION_ID_OFFSET: usize = 68;
 const SQLITE_MARK: &[u8] = b"SQLite format 3\0";
 
@@ -81,7 +81,7 @@ fn refuse_when_written(path: &Path) -> Result<(), RecordError> {
     }
 }
 
-/// What stands at a path.
+/// Kind of file at a path.
 pub(super) enum Found {
     Nothing,
     Record,

@@ -14,7 +14,7 @@ pub(super) type Hash = [u8; 32];
 /// Begins every chained text, so that a later layout cannot be taken for this one.
 const MARK: &[u8] = b"apex record seal 1\0";
 
-/// Where a chain stands.
+/// Position in a chain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Link {
     /// Number of the last seal; 0 before the first.
@@ -106,7 +106,7 @@ fn put_cell(bytes: &mut Vec<u8>, cell: ValueRef<'_>) {
 }
 
 impl Seal {
-    /// Where the chain stands after it.
+    /// Returns the position in the chain after it.
     pub(super) fn link(&self) -> Link {
         Link { id: self.id, chain: self.chain }
     }

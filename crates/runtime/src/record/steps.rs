@@ -19,9 +19,9 @@ pub struct RecordedStep {
     pub agent: usize,
     /// The batch's number, from 1.
     pub batch_number: i64,
-    /// What went in.
+    /// Input.
     pub batch: Batch,
-    /// What came out, in order; empty after [`Steps::without_effects`].
+    /// Output, in order; empty after [`Steps::without_effects`].
     pub effects: Vec<RecordedEffect>,
 }
 

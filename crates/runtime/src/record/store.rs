@@ -65,7 +65,7 @@ pub(super) trait RowStore: Send {
     }
 }
 
-/// How safe a committed group is.
+/// Durability of a committed group.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Durability {
     /// Survives the end of the program, however it comes. A power cut may take the last groups, never the order.
@@ -233,7 +233,7 @@ impl RowStore for Store {
 }
 
 impl Drop for Store {
-    /// What was observed stays, also when nobody finished the record; it then says that it is incomplete.
+    /// Keeps the stored steps, also if the record was never finished; it then states that it is incomplete.
     fn drop(&mut self) {
         let _ = self.commit();
     }

@@ -20,7 +20,7 @@ const PAGE_ROWS: usize = 256;
 /// Characters of a cell that are shown.
 const SHOWN_MAX: usize = 300;
 
-/// What a replay can derive again.
+/// Tables that a replay can derive again.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Derivable {
     /// Situations, states of targets and planning problems: only with the record's mission.

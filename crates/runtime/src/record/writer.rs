@@ -21,14 +21,14 @@ use std::path::Path;
 /// The fact that names the vehicle whose measurements make the track.
 pub(super) const TRACK_OF: &str = "track_of";
 
-/// What to record, beyond inputs and effects.
+/// Options of a record, beyond inputs and effects.
 #[derive(Clone, Debug, Default)]
 pub struct RecordOptions {
     /// The vehicle whose measurements make the track, for example `aircraft-1`; none draws no track.
     pub vehicle: Option<String>,
     /// Largest size of the file in bytes; none is as much as the disk holds.
     pub bytes_max: Option<u64>,
-    /// How safe a committed group is.
+    /// Durability of a committed group.
     pub durability: Durability,
 }
 
@@ -36,7 +36,7 @@ pub struct RecordOptions {
 pub struct Recorder {
     pub(super) store: Box<dyn RowStore>,
     agents: Vec<RecordedAgent>,
-    /// Whose steps are stored.
+    /// Agent whose steps are stored.
     turn: usize,
     variables: Variables,
     track: Option<Track>,
@@ -49,13 +49,13 @@ pub struct Recorder {
     pub(super) stored_changes: usize,
 }
 
-/// What is kept of each agent while its steps are stored.
+/// Stored state of each agent while its steps are stored.
 struct RecordedAgent {
     describer: EffectDescriber,
     snapshots: Snapshots,
 }
 
-/// When the next snapshot is worth its bytes.
+/// Schedule of snapshots, by their size.
 #[derive(Default)]
 struct Snapshots {
     batches_since: u64,

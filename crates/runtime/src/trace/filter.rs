@@ -1,4 +1,4 @@
-//! Which lines of a trace are wanted.
+//! Selection of lines of a trace.
 
 use super::line::Line;
 use apex_model::time::Time;
@@ -66,7 +66,7 @@ impl TraceFilter {
         }
     }
 
-    /// Is this line wanted, as far as kind, time and object go?
+    /// Returns true if kind, time and object of this line are selected.
     pub(super) fn admits(&self, line: &Line) -> bool {
         let kind = if self.kinds.is_empty() { line.kind != "wake" } else { self.kinds.contains(line.kind) };
         let time = self.from.is_none_or(|from| line.at >= from) && self.to.is_none_or(|to| line.at <= to);
@@ -92,7 +92,7 @@ fn concerns(line: &Line, object: &str) -> bool {
     }
 }
 
-/// Is `found` (`missions/a/file.pdl:14:3`) within `wanted` (`file.pdl:14`)?
+/// Returns true if `found` (`missions/a/file.pdl:14:3`) is within `wanted` (`file.pdl:14`).
 pub(super) fn is_place_within(found: &str, wanted: &str) -> bool {
     let tails = std::iter::once(found).chain(found.match_indices('/').filter_map(|(index, _)| found.get(index + 1..)));
     let within = |tail: &str| tail.strip_prefix(wanted).is_some_and(|rest| rest.is_empty() || rest.starts_with(':'));

@@ -20,12 +20,12 @@ const TIME_COLUMNS: usize = 12;
 #[derive(Clone, Debug)]
 pub(super) struct Line {
     pub(super) at: Time,
-    /// Whose line it is, where several agents run.
+    /// Agent of the line, if several agents run.
     pub(super) agent: Option<Arc<str>>,
     pub(super) kind: &'static str,
     pub(super) task: Option<TaskId>,
     pub(super) goal: Arc<str>,
-    /// What the filter by object looks at in addition the goal.
+    /// Text in which the filter by object searches, in addition to the goal.
     pub(super) subject: String,
     pub(super) place: Option<String>,
     /// Keys between `goal` and `cause`, with their values.

@@ -23,7 +23,7 @@ use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::sync::Arc;
 
-/// How lines look.
+/// Format of lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TraceFormat {
     /// One JSON object a line; keys in a fixed order.
@@ -38,11 +38,11 @@ pub struct Tracer<W: Write> {
     format: TraceFormat,
     filter: TraceFilter,
     agents: Vec<AgentTrace>,
-    /// Whose steps are told.
+    /// Agent whose steps are written.
     turn: usize,
 }
 
-/// What must be known of an agent to tell its steps.
+/// State of an agent that its lines need.
 struct AgentTrace {
     /// Its name, where several agents run.
     name: Option<Arc<str>>,
@@ -50,7 +50,7 @@ struct AgentTrace {
     tasks: BTreeMap<TaskId, Ancestry>,
 }
 
-/// What the filter by procedure needs to know of a task.
+/// State of a task that the filter by procedure needs.
 #[derive(Default)]
 struct Ancestry {
     parent: Option<TaskId>,

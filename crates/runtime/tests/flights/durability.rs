@@ -1,4 +1,4 @@
-//! What survives: the end of the program at any moment, a plain copy of the file, and commands that only leave once they are
+//! Durability: records survive the end of the program at any moment, a plain copy of the file is complete, and commands leave only once
 //! recorded.
 
 use crate::support::{CAMERA, altitude, camera, camera_inputs, event, load, program};

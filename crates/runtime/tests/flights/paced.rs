@@ -165,7 +165,7 @@ impl Observer for Listener {
     }
 }
 
-/// What the record says after 100 s with this solver: its effects and notes.
+/// Returns the effects and notes of the record after 100 s with this solver.
 fn fly(name: &'static str, answer_comes: bool) -> String {
     let patron = Patron { answer_comes, ..Patron::default() };
     let (answered, gate) = (Arc::clone(&patron.answered), Arc::clone(&patron.gate));

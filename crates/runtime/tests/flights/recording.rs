@@ -1,4 +1,4 @@
-//! What a record is good for: traces, replay, restoring, plans that are never made again.
+//! Uses of a record: traces, replay, restoring, plans that are never made again.
 
 use crate::support::{CAMERA, altitude, camera, camera_inputs, load, program, record};
 use apex_model::effect::{Effect, SolveRequest};

@@ -23,18 +23,18 @@ pub(crate) struct MissionEntry {
     title: Option<String>,
     /// True if it can be read.
     loads: bool,
-    /// Why it does not load.
+    /// Failure to load, if any.
     failure: Option<Failure>,
 }
 
-/// What failed, why, where and what to do.
+/// Failure with reason, place and remedy.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Failure {
-    /// What failed.
+    /// Failure.
     pub(crate) message: String,
-    /// Why, if known.
+    /// Reason, if known.
     pub(crate) reason: Option<String>,
-    /// What to do, if known.
+    /// Remedy, if known.
     pub(crate) help: Option<String>,
     /// File, line or option at fault, if there is one.
     pub(crate) place: Option<String>,

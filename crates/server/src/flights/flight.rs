@@ -41,7 +41,7 @@ enum End {
     Failed(Failure),
 }
 
-/// What a flight needs in addition the mission.
+/// Input of a flight in addition to the mission.
 pub(crate) struct Preparation {
     pub(crate) mission: Arc<Mission>,
     pub(crate) means: PlanningResources,

@@ -80,7 +80,7 @@ pub(crate) struct Operation {
     commands: Vec<CommandState>,
 }
 
-/// What may be said about a target.
+/// Change of a target by an operator.
 #[derive(Debug, Serialize)]
 pub(crate) struct TargetNews {
     id: String,
@@ -178,7 +178,7 @@ impl FlightDoor {
         Some(seen.news.get(id).copied().unwrap_or(*from_start))
     }
 
-    /// How command `number` stands; one that is too old and open expires now.
+    /// Returns the state of command `number`; one that is too old and open expires now.
     pub(crate) fn command(&self, number: u64) -> Option<CommandState> {
         self.sent().entries.iter().find(|entry| entry.number == number).map(Entry::state)
     }

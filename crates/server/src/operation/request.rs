@@ -92,7 +92,7 @@ impl Wish {
         }
     }
 
-    /// What the command asks of a run of which `seen` was seen. A run that is paused continues at `running`; `known` says
+    /// Translates the command for a run whose observed state is `seen`. A run that is paused continues at `running`; `known` says
     /// whether a target is to be observed now, `None` for one that the mission does not have.
     ///
     /// # Errors

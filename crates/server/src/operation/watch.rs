@@ -1,4 +1,4 @@
-//! What an operator needs to know of a run under way, kept from its steps: open questions, planning, updates of targets.
+//! View of a run under way for operators, kept from its steps: open questions, planning, updates of targets.
 
 use apex_executive::state::agent::Agent;
 use apex_model::effect::{Effect, SolveRequest, SolveRequestId};
@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-/// What was seen of a run; shared by its observer and the door.
+/// State of a run as its steps show it; shared by its observer and the door.
 #[derive(Clone, Default)]
 pub(crate) struct Seen(Arc<Mutex<Kept>>);
 
@@ -22,7 +22,7 @@ struct Kept {
     planning: BTreeMap<SolveRequestId, (String, Instant)>,
 }
 
-/// What was seen of a run, as the API describes it.
+/// State of a run as the API describes it.
 #[derive(Clone, Debug, Default, Serialize)]
 pub(crate) struct SeenState {
     #[serde(skip)]
@@ -47,7 +47,7 @@ pub(crate) struct OpenQuestion {
     text: String,
     /// The choices as printed; none if any answer is taken.
     options: Vec<String>,
-    /// What is taken at the deadline; none fails the task.
+    /// Answer taken at the deadline; `None` fails the task.
     default: Option<String>,
     asked_ns: i64,
     /// The deadline.
@@ -70,7 +70,7 @@ impl Seen {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What was seen until now.
+    /// Returns the state until now.
     pub(crate) fn state(&self) -> SeenState {
         let kept = self.kept();
         let planning = kept.planning.values().next();

@@ -24,7 +24,7 @@ pub struct Writer {
 impl Writer {
     /// A new record at `path` with the mission's files and targets, and nothing flown.
     pub fn new(path: &Path, story: &Story) -> Writer {
-        // The tables are the recorder's; the rows are made up.
+        // The tables are the recorder's; the rows are invented.
         drop(Recorder::create(path, &Library::default(), RecordOptions::default()).unwrap());
         let connection = Connection::open(path).unwrap();
         let meta = [

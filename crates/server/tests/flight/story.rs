@@ -36,7 +36,7 @@ pub enum Entry {
     },
 }
 
-/// Where the aircraft was.
+/// Position sample of the aircraft.
 #[derive(Clone)]
 pub struct Sample {
     pub t_ns: i64,

@@ -164,7 +164,7 @@ pub(crate) struct Flown {
 }
 
 impl Flown {
-    /// What the agent said that begins so.
+    /// Returns the messages of the agent that begin with `head`.
     pub(crate) fn said(&self, head: &str) -> Vec<(f64, String)> {
         let of = self.said.iter().filter(|(_, form)| form.head().is_some_and(|word| word.is(head)));
         of.map(|(at_s, form)| (*at_s, form.to_string())).collect()
@@ -229,7 +229,7 @@ impl Flown {
         self.track().into_iter().filter(within).map(|(_, here, _)| apart_m(place, here)).fold(f64::INFINITY, f64::min)
     }
 
-    /// Where the first flight after an instant leads.
+    /// Returns the goal of the first flight after an instant.
     pub(crate) fn goal_after(&self, at_s: f64) -> (f64, f64) {
         let to = self.commands.iter().find(|(then_s, text)| *then_s >= at_s && text.starts_with("(fly-to ("));
         let text = &to.unwrap_or_else(|| panic!("no flight after {at_s} s\n{}", self.story())).1;
@@ -262,7 +262,7 @@ impl Flown {
         self.track().into_iter().filter(within).map(|(_, here, _)| apart_m(place, here)).fold(0.0, f64::max)
     }
 
-    /// How often the vehicle came within `near_m` of a place between two instants.
+    /// Returns the number of times that the vehicle came within `near_m` of a place between two instants.
     pub(crate) fn passes(&self, place: (f64, f64), near_m: f64, (from_s, until_s): (f64, f64)) -> usize {
         let mut was_near = false;
         let mut passes = 0;
@@ -283,7 +283,7 @@ impl Flown {
         self.events.iter().filter_map(on_ground).next_back() == Some(true)
     }
 
-    /// Why the last plan left a target out, as the report has it.
+    /// Returns the reason for which the last plan left a target out, from the report.
     pub(crate) fn reason_left_out(&self, target: &str) -> String {
         let changes = self.changes.iter().rev().filter(|change| change.target == target);
         changes.map(|change| change.detail.clone()).next().unwrap_or_default()

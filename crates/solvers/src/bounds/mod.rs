@@ -118,7 +118,7 @@ fn simplified(problem: &SurveillanceProblem) -> Cow<'_, SurveillanceProblem> {
     Cow::Owned(SurveillanceProblem { travel: problem.travel.least(), ..held.into_owned() })
 }
 
-/// Returns what the proof proves for `problem`, computed anew: any numbers prove something, good ones much.
+/// Returns what the proof proves for `problem`, computed again: any numbers prove something, good ones much.
 pub fn verified(problem: &SurveillanceProblem, proof: &Proof) -> f64 {
     let quickest = &*simplified(problem);
     match proof {

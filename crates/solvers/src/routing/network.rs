@@ -25,7 +25,7 @@ const NODES_MAX: usize = 6_000;
 const FINE_SPAN_S: f64 = 1e-3 * TICKS_MAX;
 /// Two times nearer than this share of a tick are the same.
 const SAME_TICKS: f64 = 1e-6;
-/// Greatest number of nodes in missions that are flown around zones: every pair of nodes has a path of its own.
+/// Greatest number of nodes in missions that are flown around zones: every pair of nodes has a separate path.
 const FLOWN_NODES_MAX: usize = 400;
 /// Work units of finding one of them, about.
 const UNITS_PER_WAY: u64 = 10;

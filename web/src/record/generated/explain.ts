@@ -31,7 +31,7 @@ explanation: Why,
  */
 left_out: boolean, 
 /**
- * Why the instant could not be restored; the explanation is then made from the record's decisions alone.
+ * Reason if the instant could not be restored; the explanation is then made from the record's decisions alone.
  */
 explanation_error: string | null, };
 
@@ -72,7 +72,7 @@ priority: number | null,
  */
 holds: Array<string>, 
 /**
- * How it is pursued, `procedure file.pdl:3:1`, if that was decided.
+ * Method, `procedure file.pdl:3:1`, if it was decided.
  */
 method: string | null, 
 /**
@@ -80,23 +80,23 @@ method: string | null,
  */
 place: string | null, 
 /**
- * Why it came to its state, back to a sample, a message or a sentence of the program.
+ * Cause of its state, back to a sample, a message or a sentence of the program.
  */
 because: Link | null, 
 /**
- * What else could have pursued its goal, and why it does not; the chosen one is the first that matches.
+ * Methods for its goal with the reasons of their order; the chosen one is the first that matches.
  */
 choices: Array<Choice>, 
 /**
- * What happened to it, oldest first.
+ * History, oldest first.
  */
 history: Array<Moment>, 
 /**
- * What it waits for then; empty when it waits for nothing.
+ * Requirements at that instant; empty if it does not wait.
  */
 waiting: Array<Unmet>, 
 /**
- * Who has its resource, when it lost a conflict and has not won since.
+ * Holder of its resource, if it lost a conflict and has not won since.
  */
 blocked: Blocked | null, 
 /**
@@ -112,11 +112,11 @@ version: number,
  */
 question: string, 
 /**
- * What kind of thing was asked about: `task`, `resource`, `command`, `target`, `step`, `procedure`.
+ * Kind of the subject: `task`, `resource`, `command`, `target`, `step`, `procedure`.
  */
 kind: string, 
 /**
- * What was asked about, as the asker wrote it.
+ * The subject, as written in the question.
  */
 asked: string, 
 /**
@@ -129,7 +129,7 @@ agent: string,
 t: number, };
 
 /**
- * What every answer says first.
+ * Head of every answer.
  */
 export type About = { 
 /**
@@ -141,11 +141,11 @@ version: number,
  */
 question: string, 
 /**
- * What kind of thing was asked about: `task`, `resource`, `command`, `target`, `step`, `procedure`.
+ * Kind of the subject: `task`, `resource`, `command`, `target`, `step`, `procedure`.
  */
 kind: string, 
 /**
- * What was asked about, as the asker wrote it.
+ * The subject, as written in the question.
  */
 asked: string, 
 /**
@@ -162,7 +162,7 @@ t: number, };
  */
 export type Link = { 
 /**
- * When, in seconds of mission time.
+ * Instant, in seconds of mission time.
  */
 t: number, 
 /**
@@ -170,7 +170,7 @@ t: number,
  */
 task: string | null, 
 /**
- * What happened: `T3 (photograph fire) started`.
+ * Event: `T3 (photograph fire) started`.
  */
 what: string, 
 /**
@@ -178,7 +178,7 @@ what: string,
  */
 kind: string | null, 
 /**
- * Why, as text; empty for what came from outside.
+ * Reason, as text; empty for inputs from outside.
  */
 because: string, 
 /**
@@ -194,7 +194,7 @@ place: string | null,
  */
 source: string | null, 
 /**
- * What it rests on.
+ * Causes.
  */
 causes: Array<Link>, 
 /**
@@ -219,11 +219,11 @@ t: number,
  */
 kind: string, 
 /**
- * What happened, as text.
+ * Event, as text.
  */
 what: string, 
 /**
- * Why, as text; empty where `what` says it all.
+ * Reason, as text; empty if `what` is complete.
  */
 because: string, 
 /**
@@ -256,7 +256,7 @@ method: MethodDetail | null,
 cause: CauseDetail | null, };
 
 /**
- * How a goal is pursued.
+ * Method for a goal.
  */
 export type MethodDetail = { 
 /**
@@ -281,11 +281,11 @@ export type CauseDetail = {
  */
 kind: string, 
 /**
- * What the text names.
+ * Things that the text names.
  */
 parts: Array<CausePart>, 
 /**
- * What was observed, in the order of the text.
+ * Observations, in the order of the text.
  */
 evidence: Array<Observation>, };
 
@@ -294,7 +294,7 @@ evidence: Array<Observation>, };
  */
 export type CausePart = { 
 /**
- * What the part is to the cause: `parent`, `resource`, `clause`.
+ * Role of the part in the cause: `parent`, `resource`, `clause`.
  */
 role: string, } & ({ "type": "task", 
 /**
@@ -396,7 +396,7 @@ variable: string,
  */
 value: string, 
 /**
- * When it was measured.
+ * Instant of the measurement.
  */
 at: number, } | { "type": "event", 
 /**
@@ -404,7 +404,7 @@ at: number, } | { "type": "event",
  */
 form: string, 
 /**
- * When it arrived.
+ * Arrival.
  */
 at: number, } | { "type": "task-state", 
 /**
@@ -416,7 +416,7 @@ task: string,
  */
 word: string, 
 /**
- * When it changed.
+ * Instant of the change.
  */
 at: number, } | { "type": "task-end", 
 /**
@@ -424,7 +424,7 @@ at: number, } | { "type": "task-end",
  */
 task: string, 
 /**
- * When it ended.
+ * Instant of the end.
  */
 at: number, } | { "type": "run", 
 /**
@@ -440,7 +440,7 @@ from: number,
  */
 to: number, 
 /**
- * How many samples.
+ * Number of samples.
  */
 samples: number, } | { "type": "instant", 
 /**
@@ -460,7 +460,7 @@ expression: string,
  */
 value: string, 
 /**
- * When.
+ * Instant.
  */
 at: number, } | { "type": "absence", 
 /**
@@ -508,7 +508,7 @@ from: number,
  */
 to: number, 
 /**
- * How many samples are in it.
+ * Number of samples.
  */
 samples: number, };
 
@@ -529,7 +529,7 @@ index: string,
  */
 matches: boolean, 
 /**
- * Why it is first, why it comes later, or why it does not match.
+ * Reason for its order: first, later, or not matching.
  */
 because: string, };
 
@@ -538,7 +538,7 @@ because: string, };
  */
 export type Unmet = { 
 /**
- * What kind of thing.
+ * Kind.
  */
 kind: string, 
 /**
@@ -546,7 +546,7 @@ kind: string,
  */
 what: string, 
 /**
- * What is known about it then; empty where `what` says it all.
+ * Present knowledge; empty if `what` is complete.
  */
 now: string, 
 /**
@@ -554,11 +554,11 @@ now: string,
  */
 since: number | null, 
 /**
- * When it comes true by time alone, in seconds of mission time, if nothing changes before.
+ * Instant at which it comes true by time alone, in seconds of mission time, if nothing changes before.
  */
 until: number | null, 
 /**
- * How far the newest sample is from the threshold, with its unit.
+ * Distance of the newest sample from the threshold, with its unit.
  */
 distance: string | null, 
 /**
@@ -566,7 +566,7 @@ distance: string | null,
  */
 task: string | null, 
 /**
- * Where it stands in PDL.
+ * Position in the PDL text.
  */
 place: string | null, };
 

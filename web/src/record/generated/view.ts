@@ -9,7 +9,7 @@ export type TaskState = "pending" | "enabled" | "ongoing" | "interrupted" | "ter
 export type RecordStatus = "complete" | "live" | "incomplete";
 
 /**
- * How far the record has grown.
+ * Growth of a record.
  */
 export type Growth = { 
 /**
@@ -26,11 +26,11 @@ batches: number,
 status: RecordStatus, };
 
 /**
- * How a flight ended.
+ * End of a flight.
  */
 export type Ending = { 
 /**
- * Why it ended.
+ * Reason.
  */
 reason: string, 
 /**
@@ -71,7 +71,7 @@ epoch_utc: string | null,
  */
 from_ns: number, 
 /**
- * How the flight ended; none before its end.
+ * End of the flight; `None` before.
  */
 ending: Ending | null, 
 /**
@@ -398,7 +398,7 @@ t_ns: number,
  */
 state: string, 
 /**
- * Why.
+ * Reason.
  */
 detail: string | null, };
 
@@ -435,7 +435,7 @@ geometry: GeoJSON.Geometry | GeoJSON.Feature | GeoJSON.FeatureCollection | null,
  */
 state: string | null, 
 /**
- * Why it is in this state: the reason of the change to it, and for `planned` the latest plan's.
+ * Reason for its state: the reason of the change to it, and for `planned` that of the latest plan.
  */
 detail: string | null, 
 /**
@@ -447,7 +447,7 @@ since_ns: number | null,
  */
 announced_ns: number | null, 
 /**
- * What was recorded about it up to that instant, oldest first, at most 500 entries.
+ * Recorded changes up to that instant, oldest first, at most 500 entries.
  */
 history: Array<TargetChange>, };
 
@@ -486,7 +486,7 @@ export type LeftOutTarget = {
  */
 target: string, 
 /**
- * Why.
+ * Reason.
  */
 reason: string, };
 
@@ -605,7 +605,7 @@ kind: TroubleKind,
  */
 subject: string, 
 /**
- * Why.
+ * Cause.
  */
 cause: string, 
 /**
@@ -651,7 +651,7 @@ altitude_m_min: number,
  */
 altitude_m_max: number | null, 
 /**
- * When it holds, hours of mission time from and until; empty if it always holds.
+ * Active intervals, hours of mission time from and until; empty if it is always active.
  */
 active_h: Array<[number, number]>, 
 /**
@@ -758,7 +758,7 @@ high: number | null,
  */
 duration_s: number | null, 
 /**
- * What else must hold, as PDL text; empty if nothing.
+ * Further conditions as PDL text; empty if there are none.
  */
 also: string, 
 /**
@@ -841,7 +841,7 @@ peak: number,
  */
 samples: number, 
 /**
- * When the executive found the condition satisfied in it, nanoseconds of mission time; none if it did not: too short,
+ * Instant at which the executive found the condition satisfied in it, nanoseconds of mission time; `None` if it did not: too short,
  * not watched then, or what else must hold did not.
  */
 raised_ns: number | null, };

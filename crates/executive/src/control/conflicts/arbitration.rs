@@ -1,5 +1,5 @@
 //! Outcome of an arbitration (TC)
-//! What: says who gets what, who loses it and who is refused, with the rule and the strengths that decided.
+//! What: states the grants, losses and refusals, with the rule and the strengths that decided.
 //! Runs: made in the contend phase, read in the commit phase.  Reads: nothing.  Writes: nothing.
 //! Bound: O(1).
 //! PDL: section 9, conflict.  Paper: section III, detecting and resolving conflicts.
@@ -9,7 +9,7 @@ use apex_model::because::{ConflictRule, Strength};
 use apex_model::task::TaskId;
 use std::rc::Rc;
 
-/// What arbitration decides.
+/// Decisions of an arbitration.
 #[derive(Default)]
 pub(crate) struct Arbitration {
     /// Claimants that get all they need.
@@ -20,7 +20,7 @@ pub(crate) struct Arbitration {
     pub(crate) refused: Vec<Refusal>,
     /// Claimants whose needs can never be met: resource, need, what there is.
     pub(crate) impossible: Vec<(TaskId, ResourceId, f64, f64)>,
-    /// Claimants that did not compete, as their parents would have stopped, and whose parents go on after all.
+    /// Claimants that did not compete, as their parents would have stopped, and whose parents continue after all.
     pub(crate) barred: Vec<TaskId>,
     /// Claimants that may win by the passing of time.
     pub(crate) watched: Vec<Watch>,
@@ -61,22 +61,22 @@ pub(crate) struct Loss {
 /// A claimant that gets nothing.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Refusal {
-    /// The conflict that is told.
+    /// The conflict that is reported.
     pub(crate) loss: Loss,
-    /// Whose priorities count for the loser: its own, and those of whom it goes before.
+    /// Tasks whose priorities count for the loser: itself, and those that it precedes.
     pub(crate) stands_for: Rc<[TaskId]>,
-    /// All who stand in its way: at least one of them would have to yield.
+    /// All tasks that block it: at least one of them would have to yield.
     pub(crate) rivals: Vec<Rival>,
 }
 
-/// One that stands in the way of a claimant.
+/// A task that blocks a claimant.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Rival {
     /// Its number.
     pub(crate) task: TaskId,
     /// It has the resource, and does not only claim it.
     pub(crate) holds: bool,
-    /// Whose priorities count for it.
+    /// Tasks whose priorities count for it.
     pub(crate) stands_for: Rc<[TaskId]>,
 }
 
@@ -85,7 +85,7 @@ pub(crate) struct Rival {
 pub(crate) struct Watch {
     /// The claimant.
     pub(crate) task: TaskId,
-    /// Whose priorities count for it.
+    /// Tasks whose priorities count for it.
     pub(crate) stands_for: Rc<[TaskId]>,
     /// All tasks that block it.
     pub(crate) rivals: Vec<Rival>,

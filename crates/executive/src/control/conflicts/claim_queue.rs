@@ -20,7 +20,7 @@ use apex_model::procedure::{PriorityClause, ProcedureKind, Step};
 use apex_model::task::{TaskId, TaskState};
 use std::iter::successors;
 
-/// How `id`, which needs `needs`, waits for them.
+/// Returns the claim of `id`, which needs `needs`.
 pub(crate) fn claim_of(cycle: &Cycle<'_>, id: TaskId, needs: &[Need]) -> Claim {
     let agent = &*cycle.agent;
     place_of(cycle, id, needs).map_or(Claim::Apart, |(place, varies)| {
@@ -64,7 +64,7 @@ fn shares_with_ancestors(agent: &Agent, id: TaskId, needs: &[Need]) -> bool {
     })
 }
 
-/// What a task and its ancestors bring to a conflict.
+/// Properties of a task and its ancestors in a conflict.
 #[derive(Default)]
 struct Brings<'a> {
     /// The only clause whose priority rises by urgency.
@@ -151,7 +151,7 @@ fn template<'a>(agent: &'a Agent, task: &Task) -> Option<(&'a Step, ProcedureKin
     Some((procedure.steps.get(step.step as usize)?, procedure.kind))
 }
 
-/// Can no change of a variable, and nothing that is measured, change what `id` defends the resource with?
+/// Returns true if no change of a variable or measurement can change the strength with which `id` defends the resource.
 pub(crate) fn is_steady(agent: &Agent, id: TaskId) -> bool {
     let cost = priority::cost_clause(agent, id);
     let brings = Brings::of(agent, id);

@@ -1,5 +1,5 @@
 //! Competition (TC)
-//! What: says who claims what, who is related to whom, and in which order claimants come before the arbiter.
+//! What: states the claims, the relations between claimants, and the order of arbitration.
 //! Runs: contend phase.  Reads: Task, priorities, ranks.  Writes: nothing.
 //! Bound: O(depth) per claimant.
 //! PDL: `rank`, `priority`, section 9.  Paper: section III, highest priority competitor.
@@ -23,18 +23,18 @@ use std::collections::{BTreeSet, VecDeque};
 pub(crate) struct Claimant {
     /// Its number.
     pub(crate) id: TaskId,
-    /// What it needs.
+    /// Required resources.
     pub(crate) needs: Vec<Need>,
-    /// Its priority now; where ranks count, not less than that of anybody it goes before.
+    /// Its priority now; where ranks count, not less than that of any task that it precedes.
     pub(crate) priority: f64,
     /// It has begun, and goes before its equals that have not.
     pub(crate) begun: bool,
     order: FamilyOrder,
-    /// Its place among all competitors where ranks count too; the same for all where nobody has one.
+    /// Its place among all competitors where ranks count too; the same for all where no task has one.
     pub(crate) turn: usize,
 }
 
-/// Are the tasks the same, or one the ancestor of the other?
+/// Returns true if the tasks are the same, or one is the ancestor of the other.
 pub(crate) fn related(agent: &Agent, a: TaskId, b: TaskId) -> bool {
     let depth = |id: TaskId| agent.task(id).map_or(0, |task| task.depth);
     let (mut low, high) = if depth(a) >= depth(b) { (a, b) } else { (b, a) };
@@ -47,7 +47,7 @@ pub(crate) fn related(agent: &Agent, a: TaskId, b: TaskId) -> bool {
     low == high
 }
 
-/// How the ranks of the two sibling ancestors compare, when both have one and they differ.
+/// Compares the ranks of the two sibling ancestors, if both have one and they differ.
 pub(crate) fn rank_order(agent: &Agent, a: TaskId, b: TaskId, now: Time) -> Option<(Ordering, f64, f64)> {
     let (mut a, mut b) = (agent.task(a)?, agent.task(b)?);
     while a.depth > b.depth {
@@ -94,7 +94,7 @@ pub(crate) fn in_order(
     let mut precedence = None;
     let mut everybody = found.claimants.iter().map(|each| each.id).chain(found.holders.iter().copied());
     if everybody.any(|id| priority::is_ranked(agent, id)) {
-        // Whom a holder goes before, or went before until now, may not claim what others wait for that the holder has.
+        // A task that a holder precedes, or preceded until now, may not claim what others wait for that the holder has.
         found = competitors(agent, now, dirty, orphans, true);
         let holders = found.holders.iter().map(|id| claimant_in(agent, *id, now));
         precedence = Some(Precedence::of(agent, now, found.claimants.iter().cloned().chain(holders).collect()));
@@ -107,16 +107,16 @@ pub(crate) fn in_order(
     (claimants.into(), precedence)
 }
 
-/// Who competes for some resources and for all that those need who do.
+/// Competitors for some resources and for all that these competitors need.
 #[derive(Default)]
 struct Competitors {
     /// Eligible claimants, best first.
     claimants: Vec<Claimant>,
-    /// Who has one of the resources.
+    /// Holders of one of the resources.
     holders: BTreeSet<TaskId>,
 }
 
-/// Everybody who competes for the resources in `dirty` and for all that claimants need in addition, and holders too if
+/// All tasks that compete for the resources in `dirty` and for all that claimants need in addition, and holders too if
 /// `through_holders`; without `orphans`.
 fn competitors(
     agent: &Agent,
@@ -149,7 +149,7 @@ fn competitors(
     found
 }
 
-/// What the task claims, and with what priority.
+/// Returns the claim of the task with its priority.
 pub(crate) fn as_claimant(cycle: &Cycle<'_>, id: TaskId) -> Claimant {
     claimant_in(cycle.agent, id, cycle.now)
 }
@@ -162,7 +162,7 @@ fn claimant_in(agent: &Agent, id: TaskId, now: Time) -> Claimant {
     Claimant { id, needs, priority, begun, order, turn: 0 }
 }
 
-/// Is the task at work, or was it interrupted there?
+/// Returns true if the task is at work, or was interrupted at work.
 pub(crate) fn has_begun(agent: &Agent, id: TaskId) -> bool {
     agent.task(id).is_some_and(|task| matches!(task.state, TaskState::Ongoing | TaskState::Interrupted))
 }
@@ -182,19 +182,19 @@ pub(crate) fn order_of(agent: &Agent, id: TaskId) -> FamilyOrder {
     (repeated_at(agent, task), task.parent.unwrap_or(id), step, id)
 }
 
-/// When the task, or the newest of those above it, was repeated last; the beginning of time if none was.
+/// Returns the last repetition of the task, or of the newest of its ancestors; the beginning of time if there was none.
 fn repeated_at(agent: &Agent, task: &Task) -> Time {
     let family = std::iter::successors(Some(task), |task| agent.task(task.parent?));
     let repeated = |task: &Task| task.extras.as_ref().and_then(|extras| extras.ended_before);
     family.filter_map(repeated).max().unwrap_or(Time::BEGINNING)
 }
 
-/// Who comes first.
+/// Compares claimants: the first in the order precedes.
 pub(crate) fn compare(a: &Claimant, b: &Claimant) -> Ordering {
     a.turn.cmp(&b.turn).then_with(|| by_priority(a, b))
 }
 
-/// Who comes first where ranks do not count.
+/// Compares claimants without their ranks.
 pub(crate) fn by_priority(a: &Claimant, b: &Claimant) -> Ordering {
     b.priority.total_cmp(&a.priority).then(b.begun.cmp(&a.begun)).then(a.order.cmp(&b.order))
 }

@@ -1,5 +1,5 @@
 //! Resource conflict resolution (TC)
-//! What: decides which claimants get their resources, who loses them, and by which rule.
+//! What: decides which claimants get their resources, which holders lose them, and by which rule.
 //! Runs: contend phase, over the whole batch.  Reads: ResourceTable, priorities, ranks, ancestors.  Writes: nothing.
 //! Bound: O(c log c) for c claimants of the resources concerned, O(c^2) where ranks are stated; plus O(h^2) for a
 //! claimant that has to displace some of h holders.
@@ -26,13 +26,13 @@ use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
-/// Who would begin although the task that it is a step of stops working, in the order in which they come before the arbiter.
+/// Returns the tasks that would begin although their parents stop working, in the order of arbitration.
 pub(crate) fn orphans<'a>(cycle: &'a Cycle<'_>, result: &'a Arbitration) -> impl Iterator<Item = TaskId> + 'a {
     let granted = result.granted.iter().copied().filter(|_| !result.displaced.is_empty());
     granted.filter(move |id| !has_begun(cycle.agent, *id) && parent_stops(cycle, result, *id))
 }
 
-/// Does the task that it is a step of stop working?
+/// Returns true if the parent of the task stops working.
 fn parent_stops(cycle: &Cycle<'_>, result: &Arbitration, id: TaskId) -> bool {
     let stops =
         |task: TaskId| result.displaced.iter().any(|loss| loss.loser == task) && !result.granted.contains(&task);
@@ -68,8 +68,8 @@ pub(crate) fn arbitrate_all(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> 
     }
 }
 
-/// What displaced tasks have in addition to what they lost, and what is held above who displaced them without having begun: whoever
-/// waits for that may stop them in turn. Only where somebody waits.
+/// Returns the resources that displaced tasks hold in addition to those that they lost, and those held above their winners by tasks
+/// that have not begun: a task that waits for them may stop the winners in turn. Only if a task waits.
 pub(crate) fn left_behind<'a>(cycle: &'a Cycle<'_>, result: &'a Arbitration) -> impl Iterator<Item = ResourceId> + 'a {
     let awaited = |id: &ResourceId| cycle.agent.resources.get(*id).is_some_and(|each| !each.waiting.is_empty());
     let needs = |id: TaskId| needs_of(cycle, id).into_iter().map(|need| need.resource);
@@ -102,25 +102,25 @@ fn arbitrate_without(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, orphans: &
     result
 }
 
-/// What becomes of one claimant.
+/// Result for one claimant.
 pub(crate) enum Placement {
     Granted(Vec<Loss>),
     Refused(Refusal),
     Impossible(Need, f64),
 }
 
-/// Uses of resources while an arbitration goes on.
+/// Uses of resources during an arbitration.
 pub(crate) struct Field<'a, 'c> {
     cycle: &'a Cycle<'c>,
     uses: BTreeMap<ResourceId, Vec<Use>>,
-    /// Who has lost all it held, also of resources that are not looked at yet.
+    /// Tasks that have lost everything they held, also resources that are not arbitrated yet.
     displaced: BTreeSet<TaskId>,
-    /// None where nobody has a rank.
+    /// `None` if no task has a rank.
     precedence: Option<Precedence>,
     notes: Notes,
 }
 
-/// How the claims of those that are refused are noted.
+/// Kind of notes about refused claims.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Notes {
     /// Each one.
@@ -132,7 +132,7 @@ enum Notes {
 }
 
 impl<'a, 'c> Field<'a, 'c> {
-    /// Nothing has been looked at.
+    /// Nothing has been arbitrated.
     pub(crate) fn empty(cycle: &'a Cycle<'c>) -> Field<'a, 'c> {
         Field { cycle, uses: BTreeMap::new(), displaced: BTreeSet::new(), precedence: None, notes: Notes::Each }
     }
@@ -161,7 +161,7 @@ impl<'a, 'c> Field<'a, 'c> {
         Strength { priority: self.precedence.as_ref().map_or(own.priority, lifted), ..own }
     }
 
-    /// What a holder defends its resources with.
+    /// Returns the strength with which a holder defends its resources.
     pub(crate) fn defence(&self, id: TaskId) -> Strength {
         self.lifted(id, priority::defence(self.cycle.agent, id, self.cycle.now))
     }
@@ -186,8 +186,8 @@ impl<'a, 'c> Field<'a, 'c> {
         });
     }
 
-    /// Gives the claimant all it needs, or notes what it waits for. As few as possible lose something for it: nobody
-    /// who beats it, and nobody where weaker ones suffice.
+    /// Gives the claimant all it needs, or notes what it waits for. As few as possible lose something for it: no task
+    /// that beats it, and no task where weaker ones suffice.
     pub(crate) fn place(&mut self, claimant: &Claimant) -> Placement {
         for need in &claimant.needs {
             self.load(need.resource);
@@ -265,7 +265,7 @@ impl<'a, 'c> Field<'a, 'c> {
         }
     }
 
-    /// What there is of a resource.
+    /// Returns the total of a resource.
     pub(crate) fn total(&self, id: ResourceId) -> f64 {
         self.cycle.agent.resources.get(id).map_or(0.0, |resource| resource.total)
     }
@@ -277,7 +277,7 @@ impl<'a, 'c> Field<'a, 'c> {
         let counts = |each: &&Use| match each.kind {
             UseKind::Held => losses.iter().all(|loss| loss.loser != each.task),
             UseKind::Granted => true,
-            // Nobody is displaced for the sake of a gap.
+            // No task is displaced for the sake of a gap.
             UseKind::Awaited(_) => {
                 !(related(agent, each.task, claimant.id) || losses.is_empty() && self.leaves_a_gap(claimant, each))
             }
@@ -330,7 +330,7 @@ impl<'a, 'c> Field<'a, 'c> {
         ordered
     }
 
-    /// The conflict that the claimant loses over `need`, and all who stand in its way. It claims on.
+    /// The conflict that the claimant loses over `need`, and all tasks that block it. It claims on.
     fn refuse(&mut self, claimant: &Claimant, need: Need, losses: &[Loss]) -> Refusal {
         let agent = &*self.cycle.agent;
         let present = self.present(claimant, need.resource, losses);
@@ -346,7 +346,7 @@ impl<'a, 'c> Field<'a, 'c> {
         };
         let all = rivals.iter().map(rival).collect();
         let conflicts = rivals.iter().filter_map(|each| self.confront(claimant, need.resource, each).err());
-        // Told is who would have to yield first: the weakest who has it, or else the best who claims it.
+        // The cause names the task that would have to yield first: the weakest who has it, or else the best who claims it.
         let told = conflicts.reduce(|a, b| match (a.winner_holds, b.winner_holds) {
             (true, true) if b.winner_strength.total() < a.winner_strength.total() => b,
             (false, true) => b,
@@ -370,7 +370,7 @@ impl<'a, 'c> Field<'a, 'c> {
         refusal
     }
 
-    /// When a rival is expected to be done with the resource, if somebody said; one that only claims it cannot be done
+    /// Returns the expected end of a rival's use of the resource, if stated; a rival that only claims it cannot end
     /// before it begins.
     pub(crate) fn expected_end(&self, rival: &Use) -> Option<Time> {
         if let UseKind::Awaited(earliest) = rival.kind {

@@ -1,12 +1,12 @@
 //! Crossings of priorities (TC)
 //! What: finds the instant at which a waiting task would beat one in its way by nothing but the passing of time.
 //! Runs: contend phase, for claimants that were refused.  Reads: priorities, interrupt costs.  Writes: nothing.
-//! Bound: at most `PRIORITY_SEARCH_MAX` looks at all contests of one refusal together.
+//! Bound: at most `PRIORITY_SEARCH_MAX` evaluations of all contests of one refusal together.
 //! PDL: `priority`, `interrupt-cost`, section 9.  Paper: section III, priority of competitors.
 //!
 //! Priorities are enclosed between bounds over spans of time. A contest in which the challenger's greatest is not above the
 //! defender's least is left out of that span; a span that keeps a contest is halved, the earlier half first, down to a
-//! microsecond. So the first crossing of all contests is found, however often the priorities cross. Where nothing is known
+//! microsecond. So the first crossing of all contests is found, however often the priorities cross. If nothing is known
 //! of an expression, or the looks are used up, the next look is taken when they were last known apart.
 
 use crate::control::conflicts::curve::Curve;
@@ -20,9 +20,9 @@ use std::cell::Cell;
 
 /// Spans are not divided further than this: a shorter advantage may be missed.
 const FINEST: Duration = Duration(1_000);
-/// As far as anybody looks ahead: some 34 years.
+/// Horizon of the search: some 34 years.
 const FARTHEST: Duration = Duration(1 << 60);
-/// Where nothing is known of a span of this length, dividing it further is of no use.
+/// Shortest unknown span that is divided further.
 const COARSEST_UNKNOWN: Duration = Duration(100_000_000);
 const FIRST_LOOK: Duration = Duration(1_000_000_000);
 
@@ -36,7 +36,7 @@ pub(crate) struct Defender<'a> {
 }
 
 impl<'a> Defender<'a> {
-    /// Whose priority counts for the task in the way, and that task if it has what both want.
+    /// Creates the defender whose priority counts for the task in the way; `holder` is that task if it has the contested resource.
     pub(crate) fn new(agent: &'a Agent, rival: TaskId, holder: Option<TaskId>, now: Time) -> Defender<'a> {
         Defender {
             curve: Curve::new(agent, rival, now),
@@ -58,7 +58,7 @@ impl<'a> Defender<'a> {
 /// One whose priority counts for the task that waits, and one in its way.
 type Contest<'s, 'a> = (&'s Curve<'a>, &'s Defender<'a>);
 
-/// When the priorities are to be compared again because time has passed; none when time alone changes nothing.
+/// Returns the instant at which the passing of time requires a new comparison of priorities; `None` if it changes nothing.
 pub(crate) fn next_look(
     agent: &Agent,
     challengers: &[Curve<'_>],
@@ -94,7 +94,7 @@ struct CrossingSearch<'a> {
     agent: &'a Agent,
     now: Time,
     looks: Cell<u32>,
-    /// When to compare again what could not be searched.
+    /// Instant of the new comparison if a span could not be searched.
     given_up: Cell<Option<Time>>,
 }
 
@@ -105,12 +105,12 @@ impl CrossingSearch<'_> {
         self.given_up.set(Some(self.given_up.get().map_or(at, |before| before.min(at))));
     }
 
-    /// Is everything compared again before `at` anyway?
+    /// Returns true if everything is compared again before `at` anyway.
     fn is_over(&self, at: Time) -> bool {
         self.given_up.get().is_some_and(|again| again <= at)
     }
 
-    /// Does the challenger beat the defender at `at`?
+    /// Returns true if the challenger beats the defender at `at`.
     fn ahead(&self, (own, other): &Contest<'_, '_>, at: Time) -> bool {
         let cost = match other.holder {
             Some(holder) if other.cost_moves => priority::interrupt_cost_at(self.agent, holder, at),

@@ -16,15 +16,15 @@ use std::cell::Cell;
 /// The priority of a task while nothing but time passes: the greatest of its parts.
 pub(crate) struct Curve<'a> {
     agent: &'a Agent,
-    /// Whose it is.
+    /// The task.
     pub(crate) id: TaskId,
-    /// What it is now.
+    /// Present value.
     pub(crate) value_now: f64,
     /// The greatest of the parts that stay; 0 for a task without any clause, as in [`priority::priority`].
     steady: Option<f64>,
     rises: Vec<RisingTerm>,
     others: Vec<(&'a Task, &'a PriorityClause)>,
-    /// The bounds of the span that was looked at last: each span is looked at for many contests.
+    /// The bounds of the last evaluated span: each span is evaluated for many contests.
     last: Cell<Option<(Time, Time, Bounds)>>,
 }
 
@@ -33,7 +33,7 @@ pub(crate) struct Curve<'a> {
 pub(crate) struct RisingTerm {
     /// From 0 to 10.
     pub(crate) importance: f64,
-    /// When its urgency is greatest.
+    /// Instant of its greatest urgency.
     pub(crate) due: Time,
 }
 
@@ -57,12 +57,12 @@ impl<'a> Curve<'a> {
         curve
     }
 
-    /// Does it change by the passing of time?
+    /// Returns true if it changes with time.
     pub(crate) fn moves(&self) -> bool {
         !self.rises.is_empty() || !self.others.is_empty()
     }
 
-    /// Will it stay as it is from `at` on?
+    /// Returns true if it stays constant from `at` on.
     pub(crate) fn is_settled(&self, at: Time) -> bool {
         self.others.is_empty() && self.rises.iter().all(|rise| rise.due <= at)
     }

@@ -18,15 +18,15 @@ use apex_model::value::Value;
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-/// A claim that was refused: each resource that it lacks, with who holds it.
+/// A claim that was refused: each resource that it lacks, with its holders.
 type Lacks = Vec<(ResourceId, Vec<Holding>)>;
 
-/// What was found from one claim on.
+/// Waits found from one claim on.
 #[derive(Default)]
 struct Waits {
     /// Claims that wait for the work of others.
     claims: BTreeMap<TaskId, Lacks>,
-    /// The claims below each holder: it goes on no sooner than they do.
+    /// The claims below each holder: it continues no sooner than they do.
     below: BTreeMap<TaskId, Vec<TaskId>>,
 }
 
@@ -49,7 +49,7 @@ pub(crate) fn look(cycle: &mut Cycle<'_>) {
     }
 }
 
-/// Does the task claim a resource that it does not get?
+/// Returns true if the task claims a resource that it does not get.
 fn is_waiting(agent: &Agent, id: TaskId) -> bool {
     let waits = |need: &Need| agent.resources.get(need.resource).is_some_and(|resource| resource.waiting.contains(id));
     resources::needs_in(agent, id).iter().any(waits)
@@ -131,7 +131,7 @@ fn claims_below(agent: &Agent, top: TaskId) -> Vec<TaskId> {
     found
 }
 
-/// Do these holders leave too little for `id`?
+/// Returns true if these holders leave too little for `id`.
 fn is_short(agent: &Agent, id: TaskId, resource: ResourceId, holders: &[Holding]) -> bool {
     let total = agent.resources.get(resource).map_or(f64::INFINITY, |resource| resource.total);
     let kept: f64 = holders.iter().map(|holding| holding.amount).sum();

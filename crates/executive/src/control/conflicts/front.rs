@@ -2,7 +2,7 @@
 //! What: arbitrates resources by looking only at those claimants in their queues that could get something.
 //! Runs: contend phase, before conflict resolution, which arbitrates what cannot be decided so.
 //! Reads: ResourceTable, priorities, ancestors.  Writes: nothing.
-//! Bound: O((f + n) * r * log c) for c claimants, f of which find room at the front, n that claim since this round, and r
+//! Bound: O((f + n) * r * log c) for c claimants, f of which fit at the front, n that claim since this round, and r
 //! resources of one claimant; plus O(q) for q resources that claimants need together, where tasks say how long they take.
 //! PDL: section 9, conflict.  Paper: section III, detecting and resolving conflicts.
 //!
@@ -61,7 +61,7 @@ struct Front<'a, 'c> {
 /// A queue, as far as it was gone through.
 struct Queue<'a> {
     rest: Peekable<Box<dyn Iterator<Item = QueueKey> + 'a>>,
-    /// What all need together that were passed.
+    /// Joint needs of the claimants that were passed.
     claimed: f64,
     /// The last one that was passed.
     last: Option<QueueKey>,

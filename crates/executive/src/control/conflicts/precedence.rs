@@ -1,8 +1,8 @@
 //! Precedence (TC)
-//! What: puts competitors into one order that keeps to ranks and to priorities. Who goes before another one by its rank is
+//! What: puts competitors into one order that keeps to ranks and to priorities. A task that precedes another one by rank is
 //! as important as that one, so ranks and priorities never contradict one another in a ring.
 //! Runs: contend phase, where ranks are stated.  Reads: ranks, priorities, needs.  Writes: nothing.
-//! Bound: O(c^2 * depth) for c competitors; as much for each one that is asked whom it stands for, where priorities move.
+//! Bound: O(c^2 * depth) for c competitors; as much for each one for which represented tasks are computed, where priorities move.
 //! PDL: `rank`, `priority`, section 9, conflict; decision 0023.  Paper: section III, detecting and resolving conflicts.
 
 use crate::control::conflicts::competition::{Claimant, by_priority};
@@ -18,9 +18,9 @@ use std::rc::Rc;
 pub(crate) struct Precedence {
     competitors: Vec<Competitor>,
     places: BTreeMap<TaskId, OrderKey>,
-    /// Priorities of some of them can change without anybody claiming or giving up.
+    /// Priorities of some of them can change without a new or withdrawn claim.
     varies: bool,
-    /// What was found for who was asked about: each one stands in the way of many.
+    /// Results for the tasks that were queried: each one blocks many.
     stand_for: RefCell<BTreeMap<TaskId, Rc<[TaskId]>>>,
 }
 
@@ -107,7 +107,7 @@ impl Precedence {
         self.places.get(&id).map_or(own, |place| own.max(place.priority))
     }
 
-    /// Whose priority counts for the task, if it is not its own.
+    /// Returns the task whose priority counts for the task, if it is not the task itself.
     pub(crate) fn instead_of_own(&self, id: TaskId) -> Option<TaskId> {
         let own = self.competitors.iter().find(|each| each.claimant.id == id)?.claimant.priority;
         self.places.get(&id).filter(|place| place.priority > own).map(|place| place.whom)
@@ -149,8 +149,8 @@ impl Competitor {
     }
 }
 
-/// Which of them go first among equals because they have begun: not those that one goes before which has not begun. It would
-/// come before its own equals with them: who fills a gap would make space for who had to leave it.
+/// For each competitor: true if it precedes equals because it has begun. Not true for those that a task precedes which has not begun: that
+/// task would precede its own equals with them, and a task that fills a gap would displace the one that had to leave it.
 fn begun_first(competitors: &[Competitor]) -> Vec<bool> {
     let mut counts: Vec<bool> = competitors.iter().map(|each| each.claimant.begun).collect();
     let mut changed = true;

@@ -25,7 +25,7 @@ use apex_model::value::Value;
 /// Added to the priority of an ongoing task when it defends a resource, if nothing else is stated.
 pub(crate) const INTERRUPT_COST_DEFAULT: f64 = 0.1;
 
-/// The priority of `id` at `at`: the greatest of its own clauses and of its ancestors that are not interrupted.
+/// The priority of `id` at `at`: the greatest of its clauses and of its ancestors that are not interrupted.
 pub(crate) fn priority(agent: &Agent, id: TaskId, at: Time) -> f64 {
     let mut greatest: Option<f64> = None;
     let mut next = Some(id);
@@ -40,12 +40,12 @@ pub(crate) fn priority(agent: &Agent, id: TaskId, at: Time) -> f64 {
     greatest.unwrap_or(0.0)
 }
 
-/// What an ongoing task defends its resources with.
+/// Returns the strength with which an ongoing task defends its resources.
 pub(crate) fn defence(agent: &Agent, id: TaskId, at: Time) -> Strength {
     Strength { priority: priority(agent, id, at), interrupt_cost: interrupt_cost_at(agent, id, at) }
 }
 
-/// What it costs to interrupt the task. Less than nothing counts as nothing: two equals would interrupt one another forever.
+/// Returns the cost to interrupt the task, at least zero: else two equals would interrupt one another forever.
 pub(crate) fn interrupt_cost_at(agent: &Agent, id: TaskId, at: Time) -> f64 {
     let selection = agent.task(id).and_then(|task| task.selection.as_ref());
     let at_choice = selection.map_or(INTERRUPT_COST_DEFAULT, |selection| selection.interrupt_cost);
@@ -76,8 +76,8 @@ fn own_priority(agent: &Agent, task: &Task, at: Time) -> Option<f64> {
     values.map(|value| recovered * value).reduce(f64::max)
 }
 
-/// What is wrong with the step's priority clauses and its rank as they stand now: they count as absent, and that must
-/// be said.
+/// Returns the faults of the step's priority clauses and of its rank at present: they count as absent, and each must
+/// be reported.
 pub(crate) fn troubles(cycle: &Cycle<'_>, id: TaskId, step: &Step) -> Vec<(String, Place)> {
     let view = cycle.view(id, Level::Step);
     let trouble = |(what, expr): (&str, &Expr)| match evaluate(expr, &view) {
@@ -93,7 +93,7 @@ pub(crate) fn troubles(cycle: &Cycle<'_>, id: TaskId, step: &Step) -> Vec<(Strin
     priorities.chain(step.rank.iter().map(|expr| ("rank", &**expr))).filter_map(trouble).collect()
 }
 
-/// A clause that cannot be evaluated counts as absent; [`troubles`] has said so.
+/// A clause that cannot be evaluated counts as absent; [`troubles`] has reported it.
 fn clause_priority(clause: &PriorityClause, task: &Task, view: &View<'_>, at: Time) -> Option<f64> {
     match clause {
         PriorityClause::Number(expr) => number(expr, view),
@@ -113,7 +113,7 @@ fn number(expr: &Expr, view: &View<'_>) -> Option<f64> {
     value.as_number().map(|(number, _)| number).filter(|number| number.is_finite())
 }
 
-/// When the task was made; to start over makes no new one.
+/// Returns the creation of the task; starting over creates no new task.
 fn created(task: &Task) -> Time {
     task.extras.as_ref().and_then(|extras| extras.first_created).unwrap_or(task.created_at)
 }
@@ -200,7 +200,7 @@ pub(crate) fn clauses_that_count(agent: &Agent, id: TaskId) -> impl Iterator<Ite
     clauses_above(agent, id).filter(move |(task, _)| task.id == id || task.state != TaskState::Interrupted)
 }
 
-/// How a priority clause goes on while nothing but time passes.
+/// Change of a priority clause while only time passes.
 pub(crate) enum Kind {
     /// It has no number.
     Absent,
@@ -212,7 +212,7 @@ pub(crate) enum Kind {
     Other,
 }
 
-/// How the clause goes on from `now`.
+/// Returns the change of the clause from `now` on.
 pub(crate) fn kind(agent: &Agent, task: &Task, clause: &PriorityClause, now: Time) -> Kind {
     let parts: &[&Expr] = match clause {
         PriorityClause::Number(expr) => &[expr],
@@ -234,7 +234,7 @@ pub(crate) fn kind(agent: &Agent, task: &Task, clause: &PriorityClause, now: Tim
     found.unwrap_or(Kind::Absent)
 }
 
-/// What a priority that rises with its urgency is at `at`.
+/// Returns the value at `at` of a priority that rises with its urgency.
 pub(crate) fn risen(agent: &Agent, rise: RisingTerm, at: Time) -> f64 {
     combined(urgency_before(rise.due, at), rise.importance, agent.workload)
 }
@@ -320,7 +320,7 @@ pub(crate) fn rank(agent: &Agent, id: TaskId, now: Time) -> Option<f64> {
     }
 }
 
-/// Does the task have a rank, or one of those above it?
+/// Returns true if the task or one of its ancestors has a rank.
 pub(crate) fn is_ranked(agent: &Agent, id: TaskId) -> bool {
     let mut family = std::iter::successors(agent.task(id), |task| agent.task(task.parent?));
     family.any(|task| rank(agent, task.id, agent.now).is_some())
@@ -329,7 +329,7 @@ pub(crate) fn is_ranked(agent: &Agent, id: TaskId) -> bool {
 /// The value of an `interrupt-cost` clause.
 ///
 /// # Errors
-/// A message when it is no number.
+/// A message if it is not a number.
 pub(crate) fn interrupt_cost(expr: &Expr, context: &dyn EvalContext) -> Result<f64, String> {
     let value = evaluate(expr, context).map_err(|error| error.message)?;
     let number = value.as_number().map(|(number, _)| number);

@@ -22,7 +22,7 @@ use apex_model::task::TaskId;
 use apex_model::time::Time;
 use std::iter::successors;
 
-/// Can the queues of this resource decide by themselves, as far as it alone can say?
+/// Returns true if this resource permits a decision by its queues alone.
 pub(crate) fn is_queued(cycle: &Cycle<'_>, id: ResourceId) -> bool {
     let agent = &*cycle.agent;
     let Some(resource) = agent.resources.get(id) else { return false };
@@ -60,7 +60,7 @@ pub(crate) fn usable<'a>(cycle: &'a Cycle<'_>, id: ResourceId) -> Option<&'a Res
     cycle.agent.resources.get(id).filter(|_| is_queued(cycle, id))
 }
 
-/// What a priority of this importance that rises until `due` is now.
+/// Returns a function for the present value of a priority of a given importance that rises until `due`.
 fn risen_to<'a>(cycle: &'a Cycle<'_>) -> impl Fn(f64, Time) -> f64 + 'a {
     let (agent, now): (&'a Agent, Time) = (cycle.agent, cycle.now);
     move |importance, due| priority::risen(agent, RisingTerm { importance, due }, now)
@@ -71,7 +71,7 @@ pub(crate) fn in_turn<'a>(cycle: &'a Cycle<'_>, waiting: &'a Waiting) -> InTurn<
     waiting.in_turn(cycle.now, risen_to(cycle))
 }
 
-/// Where a task that loses what it holds stands among those that claim it; none if its place is not in a queue.
+/// Returns the position of a task that loses its resource among its claimants; `None` if that position is not in a queue.
 pub(crate) fn key_of_loser(cycle: &Cycle<'_>, loss: &Loss) -> Option<QueueKey> {
     let claimant = as_claimant(cycle, loss.loser);
     let takes_in = |key: &QueueKey| {

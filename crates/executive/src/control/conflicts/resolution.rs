@@ -42,7 +42,7 @@ fn says_the_same(one: &Arbitration, other: &Arbitration) -> bool {
     granted(one) == granted(other) && losses(one) == losses(other) && never(one) == never(other)
 }
 
-/// Are there so many claimants that assertions would take most of the time?
+/// Returns true if there are so many claimants that assertions would take most of the time.
 fn are_many(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> bool {
     const MANY: usize = 64;
     let waiting = |id: &ResourceId| cycle.agent.resources.get(*id).map_or(0, |resource| resource.waiting.len());

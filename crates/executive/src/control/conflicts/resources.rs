@@ -20,7 +20,7 @@ use apex_model::value::Value;
 /// The needs that `profile` states.
 ///
 /// # Errors
-/// Message and place when a name or an amount cannot be evaluated, or an amount makes no sense for its resource.
+/// Message and place when a name or an amount cannot be evaluated, or an amount is invalid for its resource.
 pub(crate) fn needs(
     cycle: &mut Cycle<'_>,
     profile: &[ResourceNeed],
@@ -99,7 +99,7 @@ pub(crate) fn take(cycle: &mut Cycle<'_>, id: TaskId, needs: &[Need]) {
     }
 }
 
-/// How a task lets go of what it holds.
+/// Kind of release of a task's resources.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Release {
     /// It was used: amounts of depletable resources are gone.
@@ -108,7 +108,7 @@ pub(crate) enum Release {
     Unused,
 }
 
-/// How a task lets go when its work ends by itself or fails: what was reserved for work that never began is there again.
+/// Returns the kind of release if the work ends without interruption or fails: reservations for work that never began are free again.
 pub(crate) fn at_the_end(cycle: &Cycle<'_>, id: TaskId) -> Release {
     let begun = cycle.task(id).and_then(|task| task.selection.as_ref()).is_some_and(|selection| selection.begun);
     if begun { Release::Used } else { Release::Unused }
@@ -171,7 +171,7 @@ pub(crate) fn release_one(cycle: &mut Cycle<'_>, id: TaskId, resource_id: Resour
     }
 }
 
-/// Does it matter to anybody that `id` leaves the resource? To who waits for it; and to who has it and has a rank too,
+/// Returns true if a task is affected when `id` leaves the resource: one that waits for it, or one that has it and has a rank too,
 /// because the priority of `id` may have counted for that one, and then no longer does where others wait for what it has.
 fn somebody_cares(cycle: &Cycle<'_>, id: TaskId, resource: ResourceId) -> bool {
     let Some(resource) = cycle.agent.resources.get(resource) else { return false };
@@ -180,7 +180,7 @@ fn somebody_cares(cycle: &Cycle<'_>, id: TaskId, resource: ResourceId) -> bool {
         || (!resource.holders.is_empty() && has_rank(id) && resource.holders.iter().any(|other| has_rank(other.task)))
 }
 
-/// What a task consumed comes out of what its ancestors had reserved: they have used that much already.
+/// Takes the consumed amount out of the reservations of the task's ancestors: they have used that much already.
 fn take_from_ancestors(cycle: &mut Cycle<'_>, id: TaskId, consumed: Need) {
     let mut above = cycle.task(id).and_then(|task| task.parent);
     while let Some(ancestor) = above {
@@ -198,7 +198,7 @@ fn take_from_ancestors(cycle: &mut Cycle<'_>, id: TaskId, consumed: Need) {
     }
 }
 
-/// What the task must have to be ongoing: its profile and what it holds for its steps.
+/// Returns the resources that the task needs to be ongoing: its profile and those that it holds for its steps.
 pub(crate) fn needs_of(cycle: &Cycle<'_>, id: TaskId) -> Vec<Need> {
     needs_in(cycle.agent, id)
 }

@@ -15,9 +15,9 @@ pub(crate) const TOLERANCE: f64 = 1e-9;
 /// A share of a resource that counts against later claimants.
 #[derive(Clone)]
 pub(crate) struct Use {
-    /// Whose.
+    /// The task.
     pub(crate) task: TaskId,
-    /// How much.
+    /// Amount.
     pub(crate) amount: f64,
     /// By what right.
     pub(crate) kind: UseKind,
@@ -30,7 +30,7 @@ pub(crate) enum UseKind {
     Held,
     /// Granted in this arbitration.
     Granted,
-    /// Claimed by an earlier claimant that is itself refused, which cannot go on before this instant if it is known.
+    /// Claimed by an earlier claimant that is itself refused, which cannot continue before this instant if it is known.
     Awaited(Option<Time>),
 }
 
@@ -47,14 +47,14 @@ pub(crate) fn has_room(agent: &Agent, total: f64, present: &[&Use], task: TaskId
     after <= total + TOLERANCE || after <= before + TOLERANCE
 }
 
-/// Is one of the users an ancestor of another? Where none is, everybody's use counts by itself.
+/// Returns true if one of the users is an ancestor of another. If none is, each use counts separately.
 pub(crate) fn any_related(agent: &Agent, present: &[&Use]) -> bool {
     let users: BTreeSet<TaskId> = present.iter().map(|each| each.task).collect();
     let parent = |id: TaskId| agent.task(id).and_then(|task| task.parent);
     users.iter().any(|user| std::iter::successors(parent(*user), |id| parent(*id)).any(|above| users.contains(&above)))
 }
 
-/// Would less be used without `each`?
+/// Returns true if less would be used without `each`.
 pub(crate) fn matters(agent: &Agent, present: &[&Use], each: &Use) -> bool {
     let amounts = |uses: &mut dyn Iterator<Item = &&Use>| uses.map(|it| (it.task, it.amount)).collect::<Vec<_>>();
     let all = amounts(&mut present.iter());
@@ -62,7 +62,7 @@ pub(crate) fn matters(agent: &Agent, present: &[&Use], each: &Use) -> bool {
     used(agent, &others) + TOLERANCE < used(agent, &all)
 }
 
-/// How much is used: what a task uses and what its descendants use together is the greater of both, because they do not
+/// Returns the used amount: the greater of a task's own use and the sum of its descendants' uses, because these do not
 /// compete; strangers add up.
 fn used(agent: &Agent, uses: &[(TaskId, f64)]) -> f64 {
     if let [] | [_] = uses {

@@ -56,7 +56,7 @@ impl Bounds {
     }
 }
 
-/// May the value change by nothing but the passing of time?
+/// Returns true if the value may change with time alone.
 pub(crate) fn moves(expr: &Expr, library: &Library) -> bool {
     reads_time(expr, library, 0)
 }
@@ -181,7 +181,7 @@ fn times(a: Bounds, b: Bounds) -> Bounds {
     Bounds::of(&[a.low * b.low, a.low * b.high, a.high * b.low, a.high * b.high])
 }
 
-/// What the test is all the time; none when it changes, or that is not known.
+/// Returns the constant truth of the test; `None` if it changes or is unknown.
 fn truth(test: &Expr, view: &View<'_>, until: Time) -> Option<bool> {
     if !moves(test, &view.agent.library) {
         return Some(evaluate(test, view).ok()?.is_true());

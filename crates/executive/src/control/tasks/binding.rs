@@ -117,7 +117,7 @@ pub(crate) fn result(cycle: &mut Cycle<'_>, id: TaskId, value: &Value) -> Result
     Ok(())
 }
 
-/// What the pattern after the step's `=>` binds of `value`, and where the step stands; none without such a pattern.
+/// Returns the bindings of `value` by the pattern after the step's `=>`, with the step's position; `None` without a pattern.
 ///
 /// # Errors
 /// The cause when the value does not match.
@@ -198,7 +198,7 @@ fn procedure_above(cycle: &Cycle<'_>, id: TaskId) -> Option<TaskId> {
     None
 }
 
-/// The task that the tag of a step stands for from now on.
+/// The task that the tag of a step names from now on.
 pub(crate) fn set_current(cycle: &mut Cycle<'_>, parent: TaskId, step: StepRef, task: TaskId) {
     let controller = cycle.agent.task_mut(parent).and_then(|task| task.controller.as_deref_mut());
     if let Some(Controller::Procedure(controller)) = controller

@@ -19,7 +19,7 @@ use crate::state::wake::Wake;
 use apex_model::event::StateVariable;
 use std::borrow::Cow;
 
-/// Shows the stimulus to the bank of its variable. Whoever must be told of it in the general way joins `found`.
+/// Shows the stimulus to the bank of its variable. Monitors that must receive it in the general way join `found`.
 pub(crate) fn notice(cycle: &mut Cycle<'_>, stimulus: &Stimulus, found: &mut Found) {
     let Stimulus::Sample { variable, value, at, newest, .. } = stimulus else { return };
     let Some(bank) = cycle.agent.interests.episodes_mut(variable) else { return };

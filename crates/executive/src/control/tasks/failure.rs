@@ -29,7 +29,7 @@ pub(crate) fn handle(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) -> bo
     let cut = Because::new(Cause::ParentFailed { parent: id }, because.place);
     termination::end_children(cycle, id, &cut);
     primitive::withdraw_commands(cycle, id, "its task failed");
-    // What was at work has ended, and says so; the step goes on with its handler.
+    // The failed work has ended, and the trace reports it; the step continues with its handler.
     interruption::run_inner_hook(cycle, id, "on-end", |hooks| &hooks.on_end);
     if cycle.state(id) == TaskState::Terminated {
         return true;

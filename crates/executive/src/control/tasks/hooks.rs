@@ -17,7 +17,7 @@ use apex_model::task::TaskId;
 use apex_model::time::Duration;
 use apex_model::value::Value;
 
-/// What the forms of a primitive want for the primitive itself.
+/// Requests of a primitive's forms for the primitive itself.
 #[derive(Default)]
 pub(crate) struct HookRequests {
     /// `(complete [value])`.
@@ -30,7 +30,7 @@ pub(crate) struct HookRequests {
 pub(crate) struct CommandRequest {
     /// The ground form.
     pub(crate) form: Value,
-    /// How long to wait for the answer; none is the default.
+    /// Time limit for the answer; `None`: the default.
     pub(crate) timeout: Option<Duration>,
     /// The clause and the place of the form.
     pub(crate) because: Because,

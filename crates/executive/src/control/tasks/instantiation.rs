@@ -21,7 +21,7 @@ use apex_model::symbol::Symbol;
 use apex_model::task::{TaskId, TaskState};
 use smallvec::SmallVec;
 
-/// What a new task is made from.
+/// Input for a new task.
 pub(crate) struct Seed {
     /// Its parent; none for the root.
     pub(crate) parent: Option<TaskId>,
@@ -33,7 +33,7 @@ pub(crate) struct Seed {
     pub(crate) by_predecessor: bool,
     /// Arrivals that it must not take for an answer.
     pub(crate) after_sequence: Option<u64>,
-    /// Why.
+    /// Cause.
     pub(crate) cause: Cause,
 }
 
@@ -75,7 +75,7 @@ pub(crate) fn create(cycle: &mut Cycle<'_>, seed: Seed) -> Result<TaskId, Cause>
 }
 
 /// Is there space for one more task, at this depth? For what handles a failure there is always: it takes the place of the
-/// work that failed, and there is one for each task at the most.
+/// work that failed, and there is one for each task at most.
 fn room(cycle: &Cycle<'_>, origin: Origin, depth: u32) -> Result<(), Cause> {
     let limits = &cycle.agent.limits;
     if matches!(origin, Origin::OnFailure(_)) {

@@ -40,7 +40,7 @@ fn stop(cycle: &mut Cycle<'_>, id: TaskId, trigger: Trigger, because: Because) {
     inheritance_changed(cycle, id);
 }
 
-/// The task stopped or goes on: what it brings to its descendants' priorities counts no longer, or again.
+/// The task stopped or continues: what it brings to its descendants' priorities counts no longer, or again.
 pub(crate) fn inheritance_changed(cycle: &mut Cycle<'_>, id: TaskId) {
     cycle.work.inheritance_changed |= cycle.task(id).is_some_and(Task::has_children);
 }
@@ -185,7 +185,7 @@ pub(crate) fn offer_children(cycle: &mut Cycle<'_>, id: TaskId) {
     }
 }
 
-/// Steps that claimed before the task stopped do not until it goes on: they are offered then.
+/// Steps that claimed before the task stopped do not until it continues: they are offered then.
 pub(crate) fn hold_children(cycle: &mut Cycle<'_>, id: TaskId) {
     let children = cycle.task(id).and_then(|task| task.controller.as_deref()).map(Controller::children);
     for child in children.unwrap_or_default() {
@@ -226,7 +226,7 @@ pub(crate) fn watch_step_suspension(cycle: &mut Cycle<'_>, id: TaskId) -> Result
     Ok(())
 }
 
-/// Has every variable of the clauses about suspension a value?
+/// Returns true if every variable of the suspension clauses has a value.
 fn all_known(cycle: &Cycle<'_>, id: TaskId, clauses: &Transitions) -> bool {
     let view = cycle.view(id, Level::Step);
     let mut known = true;
@@ -236,7 +236,7 @@ fn all_known(cycle: &Cycle<'_>, id: TaskId, clauses: &Transitions) -> bool {
     known
 }
 
-/// Does the task watch, or wait out, its step's suspension?
+/// Returns true if the task watches for its step's suspension or for the end of it.
 fn has_suspension(cycle: &Cycle<'_>, id: TaskId) -> bool {
     let monitors = cycle.task(id).map(|task| task.monitors.as_slice()).unwrap_or_default();
     monitors.iter().filter_map(|id| cycle.agent.watches.get(id.0)).any(|watch| {
@@ -255,14 +255,14 @@ pub(crate) fn watch_step_restart(cycle: &mut Cycle<'_>, id: TaskId) -> Result<()
     Ok(())
 }
 
-/// Does the task watch for a reason to start over?
+/// Returns true if the task watches for a reason to start over.
 pub(crate) fn may_start_over(cycle: &Cycle<'_>, id: TaskId) -> bool {
     let monitors = cycle.task(id).map(|task| task.monitors.as_slice()).unwrap_or_default();
     let mut watches = monitors.iter().filter_map(|id| cycle.agent.watches.get(id.0));
     watches.any(|watch| watch.clause == Clause::RestartWhen)
 }
 
-/// The clauses of the step that the task was made from, if it has any; items and handlers have none of their own.
+/// The clauses of the step that the task was made from, if it has any; items and handlers have none.
 fn step_clauses(cycle: &Cycle<'_>, id: TaskId) -> Option<Transitions> {
     let task = cycle.task(id).filter(|task| task.clauses.has(StepClauses::TRANSITIONS))?;
     let is_step = matches!(task.origin, Origin::Step(_));
@@ -314,17 +314,17 @@ fn clauses(cycle: &Cycle<'_>, id: TaskId, level: Level) -> Option<Transitions> {
     }
 }
 
-/// Is the task's work that of the way that was chosen, and not what handles its failure?
+/// Returns true if the task executes its chosen method, and not the handler of its failure.
 fn works_itself(task: &Task) -> bool {
     task.controller.as_deref().is_some_and(|controller| !matches!(controller, Controller::Handling(_)))
 }
 
-/// What counts for a clause that begins to watch in the middle of a task's life: everything after this moment.
+/// Returns the window of a clause that begins to watch in the middle of a task's life: everything after this moment.
 pub(crate) fn window_from_here(cycle: &Cycle<'_>) -> Window {
     window_after(cycle, cycle.now, None)
 }
 
-/// What counts for a clause that begins to watch when another came true at `at`, with `answered` as its newest arrival:
+/// Returns the window of a clause that begins to watch when another one was satisfied at `at`, with `answered` as its newest arrival:
 /// everything after that, also where it was found by looking back.
 pub(crate) fn window_after(cycle: &Cycle<'_>, at: Time, answered: Option<u64>) -> Window {
     let newest = cycle.agent.next.arrival.checked_sub(1).filter(|_| at >= cycle.now);
@@ -332,7 +332,7 @@ pub(crate) fn window_after(cycle: &Cycle<'_>, at: Time, answered: Option<u64>) -
 }
 
 /// The task's work is over before the task is: what its procedure watched is forgotten, with a suspension that the
-/// procedure brought about. What the step watches about ends, and about a suspension that goes on, stays.
+/// procedure brought about. What the step watches about ends, and about a suspension that continues, stays.
 pub(crate) fn forget_clauses(cycle: &mut Cycle<'_>, id: TaskId) {
     let by_procedure = cycle.task(id).is_some_and(|task| {
         let mut watches = task.monitors.iter().filter_map(|id| cycle.agent.watches.get(id.0));

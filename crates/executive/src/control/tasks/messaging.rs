@@ -20,7 +20,7 @@ use apex_model::symbol::Symbol;
 use apex_model::task::TaskId;
 use apex_model::value::Value;
 
-/// `(inform FORM)`: for whoever listens outside, for this agent, and for the agents that hear it on this agent's routers.
+/// `(inform FORM)`: for all listeners outside, for this agent, and for the agents that hear it on this agent's routers.
 /// `(inform FORM router)`: for outside and that router alone; the author does not hear itself.
 ///
 /// # Errors

@@ -1,5 +1,5 @@
 //! Monitors of clauses (TC)
-//! What: makes, feeds, judges and removes the monitors of tasks' clauses, and files them by what they must be told.
+//! What: makes, feeds, judges and removes the monitors of tasks' clauses, and files them by the stimuli that they must receive.
 //! Runs: notice phase, and whenever a task gains or loses a clause.  Reads: Condition, histories, interests.
 //! Writes: Watch, Interests, wakes, firings.
 //! Bound: touches only the monitors interested in a stimulus; O(log n) to find them.
@@ -63,7 +63,7 @@ pub(crate) fn watch(
     Ok(id)
 }
 
-/// What must be written down to find the monitor again in the table of interests.
+/// Returns the entry by which the monitor is found again in the table of interests.
 fn filing(monitor: &Monitor, second: Option<Value>) -> Option<Box<Filing>> {
     let lasts = second.is_none() && interest::lasting_interest(monitor).is_some();
     (!lasts).then(|| Box::new(Filing { interests: interest::interests(monitor), second }))
@@ -92,7 +92,7 @@ fn take_out(interests: &mut Interests, watch: &Watch, id: MonitorId) {
     for_each_interest(watch, |interest, narrowed| interests.remove(interest, narrowed, id));
 }
 
-/// Can the variable of the clause get another value than it has?
+/// Returns true if the variable of the clause can get another value.
 fn may_change(view: &View<'_>, name: &Symbol) -> bool {
     let Some(task) = view.agent.task(view.task) else { return false };
     let procedure = match view.level {
@@ -192,7 +192,7 @@ pub(crate) fn notice(cycle: &mut Cycle<'_>) {
     }
 }
 
-/// Is this a sample that touches nobody? Then there is nothing to notice.
+/// Returns true for a sample that affects no monitor: then there is nothing to notice.
 pub(crate) fn is_unheard(cycle: &Cycle<'_>, stimulus: &Stimulus) -> bool {
     let Stimulus::Sample { variable, value, newest, .. } = stimulus else { return false };
     let interests = &cycle.agent.interests;
@@ -210,7 +210,7 @@ fn tell(cycle: &mut Cycle<'_>, id: MonitorId, stimulus: &Stimulus) {
     cycle.work.touched.push(id);
 }
 
-/// A verdict may have found out which task is meant, or that it is another one now: the monitor is told of that one.
+/// A verdict may have found out which task is meant, or that it is another one now: the monitor receives the stimuli of that one.
 fn refile(interests: &mut Interests, watch: &mut Watch, id: MonitorId) {
     let Some(filing) = &watch.filing else { return };
     if let Some(sole) = task_state::sole_interest(&watch.monitor) {
@@ -228,7 +228,7 @@ fn refile(interests: &mut Interests, watch: &mut Watch, id: MonitorId) {
     }
 }
 
-/// The tag of a step stands for another task than `before` now: whoever watches it looks again, before that one changes.
+/// The tag of a step names another task than `before` now: its monitors are evaluated again, before that one changes.
 pub(crate) fn tag_moved(cycle: &mut Cycle<'_>, before: TaskId) {
     let mut found = Found::new();
     cycle.agent.interests.of_task(before, &mut found);

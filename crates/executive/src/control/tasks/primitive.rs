@@ -158,7 +158,7 @@ fn send(cycle: &mut Cycle<'_>, id: TaskId, form: Value, timeout: Option<Duration
     }
 }
 
-/// Sends a command. Where nobody waits for its answer, its failure is told, and that is all.
+/// Sends a command. If no task waits for its answer, its failure is only reported.
 pub(crate) fn command(
     cycle: &mut Cycle<'_>,
     id: TaskId,
@@ -313,7 +313,7 @@ pub(crate) fn pause(cycle: &mut Cycle<'_>, id: TaskId) {
     }
 }
 
-/// Lets the primitive go on: its clock runs, `on-resume` runs, and commands are sent again unless it sent others.
+/// Lets the primitive continue: its clock runs, `on-resume` runs, and commands are sent again unless it sent others.
 pub(crate) fn resume(cycle: &mut Cycle<'_>, id: TaskId) {
     let Some(primitive) = template(cycle, id) else { return };
     let wants = match hooks::run_forms(cycle, id, Level::Procedure, "on-resume", &primitive.hooks.on_resume) {

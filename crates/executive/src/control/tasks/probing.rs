@@ -160,7 +160,7 @@ pub(crate) fn woken(cycle: &mut Cycle<'_>, monitor: MonitorId) {
     }
 }
 
-/// No other probe begins. One that lives is cut unless it ends by itself before the instant is over.
+/// No other probe begins. One that lives is cut unless it ends before the instant is over.
 fn end(cycle: &mut Cycle<'_>, id: ProbingId, reason: ProbingEnd) {
     let Some(probing) = cycle.agent.probings.get_mut(&id) else { return };
     probing.end.get_or_insert(reason);
@@ -170,7 +170,7 @@ fn end(cycle: &mut Cycle<'_>, id: ProbingId, reason: ProbingEnd) {
     cycle.work.probings.push(id);
 }
 
-/// A limit is reached: the waiting task goes on waiting, and that is said.
+/// A limit is reached: the waiting task continues to wait, and that is reported.
 fn stop(cycle: &mut Cycle<'_>, id: ProbingId, reason: ProbingEnd) {
     end(cycle, id, reason);
     let Some(probing) = cycle.agent.probings.get(&id) else { return };
@@ -180,7 +180,7 @@ fn stop(cycle: &mut Cycle<'_>, id: ProbingId, reason: ProbingEnd) {
     cycle.decide(Some(waiting), DecisionKind::Trouble { message }, because);
 }
 
-/// A probe has ended, well or not: nobody can refer to it any longer, and the next one may come.
+/// A probe has ended, well or not: no clause can refer to it any longer, and the next one may come.
 pub(crate) fn ended(cycle: &mut Cycle<'_>, id: ProbingId, host: TaskId, probe: TaskId) {
     procedure::disown(cycle, host, probe);
     cycle.agent.tasks.remove(probe.0);
@@ -194,7 +194,7 @@ pub(crate) fn ended(cycle: &mut Cycle<'_>, id: ProbingId, host: TaskId, probe: T
 }
 
 /// Begins and ends probes when nothing else is left to do at this instant: what a probe measured as it ended is seen
-/// before the next one begins, and who ends by itself is not cut.
+/// before the next one begins, and a probe that ends is not cut.
 pub(crate) fn pursue(cycle: &mut Cycle<'_>) {
     if cycle.work.probings.is_empty() || !cycle.work.has_only_probings() {
         return;
@@ -229,7 +229,7 @@ fn look(cycle: &mut Cycle<'_>, id: ProbingId) {
     schedule(cycle, id);
 }
 
-/// Ends the probe that lives, and forgets what nobody asks for any longer.
+/// Ends the probe that lives, and forgets what no clause can refer to any longer.
 fn cut(cycle: &mut Cycle<'_>, id: ProbingId, reason: ProbingEnd) {
     let Some(probing) = cycle.agent.probings.get(&id) else { return };
     let cause = Cause::ProbingStopped { waiting: probing.waiting, probes: probing.begun, reason };
@@ -260,7 +260,7 @@ fn probe(cycle: &mut Cycle<'_>, id: ProbingId) {
     let Some(probing) = cycle.agent.probings.get(&id) else { return };
     let Some(host) = host(cycle, probing) else { return };
     let (waiting, place, level) = (probing.waiting, probing.place, probing.level);
-    // What the waiting task itself has bound may stand in the goal, as in its other clauses.
+    // What the waiting task itself has bound may occur in the goal, as in its other clauses.
     let own = cycle.task(waiting).filter(|_| level == Level::Step).map(|task| task.bindings.clone());
     let seed = Seed {
         parent: Some(host),

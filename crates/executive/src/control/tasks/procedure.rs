@@ -104,7 +104,7 @@ fn state_variable(value: &Value) -> Option<StateVariable> {
     Some(StateVariable::new(attribute.clone(), object))
 }
 
-/// Makes the tasks of all steps, then arms them: tags may stand in the conditions of earlier steps.
+/// Makes the tasks of all steps, then arms them: tags may occur in the conditions of earlier steps.
 fn instantiate_steps(cycle: &mut Cycle<'_>, id: TaskId, reference: ProcedureRef, procedure: &Procedure, cause: Cause) {
     let index = cycle.agent.procedure_index(reference).cloned();
     let mut created = Vec::with_capacity(procedure.steps.len());
@@ -263,7 +263,7 @@ pub(crate) fn start_items(cycle: &mut Cycle<'_>, id: TaskId, items: &[Value]) {
     }
 }
 
-/// An item's task ended: nobody can refer to it, so it is forgotten; the last one ends the whole.
+/// An item's task ended: no clause can refer to it, so it is forgotten; the last one ends the whole.
 pub(crate) fn item_ended(cycle: &mut Cycle<'_>, id: TaskId, child: TaskId) {
     let Some(Controller::Items(controller)) = controller(cycle, id) else { return };
     controller.open = controller.open.saturating_sub(1);
@@ -280,7 +280,7 @@ fn items_done(cycle: &mut Cycle<'_>, id: TaskId, items: u64, last: Option<TaskId
     termination::end(cycle, id, Outcome::Success(Value::nil()), because);
 }
 
-/// What was done while a plan was late has ended: the plan is still awaited.
+/// Handles the end of the work that replaced a late plan: the plan is still awaited.
 pub(crate) fn meanwhile_ended(cycle: &mut Cycle<'_>, id: TaskId, child: TaskId) {
     if let Some(Controller::Planning(controller)) = controller(cycle, id) {
         controller.meanwhile = None;

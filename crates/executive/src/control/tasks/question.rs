@@ -74,7 +74,7 @@ pub(crate) fn pause(cycle: &mut Cycle<'_>, id: TaskId) {
     withdraw(cycle, id, "its task was interrupted");
 }
 
-/// The task goes on: it asks again, under a new number, unless the operator's time is over.
+/// The task continues: it asks again, under a new number, unless the operator's time is over.
 pub(crate) fn resume(cycle: &mut Cycle<'_>, id: TaskId) {
     let (now, ongoing) = (cycle.now, cycle.state(id) == TaskState::Ongoing);
     let Some(state) = controller(cycle, id).filter(|state| ongoing && !state.open) else { return };

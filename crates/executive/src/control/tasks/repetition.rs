@@ -50,7 +50,7 @@ pub(crate) fn count_instance(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), Ca
     extras.instant = now;
     let (instances, instants) = (u64::from(extras.instances), u64::from(extras.instants));
     let limits = &cycle.agent.limits;
-    // Each message from outside is answered: a burst of them is no loop.
+    // Each message from outside is answered: a burst of them is not a loop.
     if instances > limits.of(Limit::RepetitionsPerInstant).saturating_mul(cycle.agent.outside_messages_at(now)) {
         return Err(limits.reached(Limit::RepetitionsPerInstant));
     }
@@ -77,7 +77,7 @@ fn condition(cycle: &Cycle<'_>, id: TaskId, expr: Option<&Expr>, default: bool) 
     }
 }
 
-/// Do `:while` and `:until` allow another instance?
+/// Returns true if `:while` and `:until` allow another instance.
 fn is_allowed(cycle: &Cycle<'_>, id: TaskId, clause: &Repetition) -> Result<bool, Because> {
     Ok(condition(cycle, id, clause.while_true.as_ref(), true)? && !condition(cycle, id, clause.until.as_ref(), false)?)
 }
@@ -90,7 +90,7 @@ pub(crate) fn ended_for_good(cycle: &mut Cycle<'_>, id: TaskId, outcome: &Outcom
     }
 }
 
-/// Makes the ended task pending again when its step says so. False when it has ended for good.
+/// Makes the ended task pending again when its step repeats. False when it has ended for good.
 pub(crate) fn repeat(cycle: &mut Cycle<'_>, id: TaskId, outcome: &Outcome) -> bool {
     let Some(task) = cycle.task(id) else { return false };
     if !task.clauses.has(StepClauses::REPETITION) {
@@ -119,7 +119,7 @@ pub(crate) fn repeat(cycle: &mut Cycle<'_>, id: TaskId, outcome: &Outcome) -> bo
     true
 }
 
-/// How a repetition begins.
+/// Beginning of a repetition.
 struct Again {
     /// It does not wait for its conditions.
     skip: bool,
@@ -137,7 +137,7 @@ fn again(cycle: &Cycle<'_>, id: TaskId, clause: &Repetition) -> Result<Option<Ag
     }
     let skip = clause.enabled.is_some() && condition(cycle, id, clause.enabled.as_ref(), false)?;
     let interval = clause.minimum_interval.as_ref().map(|expr| span(cycle, id, expr)).transpose()?;
-    // Priorities look at the recovery later; whether it has a value is found out here.
+    // Priorities evaluate the recovery later; whether it has a value is found out here.
     clause.recovery.as_ref().map(|expr| span(cycle, id, expr)).transpose()?;
     Ok(Some(Again { skip, interval }))
 }
@@ -147,7 +147,7 @@ fn report(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
     cycle.decide(Some(id), apex_model::effect::DecisionKind::Trouble { message }, because);
 }
 
-/// A repetition that nobody can decide, or a loop that takes no time, is an error of the procedure that holds it.
+/// A repetition whose condition cannot be evaluated, or a loop that takes no time, is an error of the procedure that holds it.
 fn fail_parent(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
     report(cycle, id, because.clone());
     if let Some(parent) = cycle.task(id).and_then(|task| task.parent) {
@@ -237,7 +237,7 @@ pub(crate) fn listen(cycle: &mut Cycle<'_>, id: TaskId, evidence: &EvidenceList)
     agent.listening.begin(id, interests, answered, of_now);
 }
 
-/// What satisfied a clause of the task is answered for the tasks above it, too: the message that ended an instance does
+/// Marks the evidence of a clause as answered for the ancestors of the task, too: the message that ended an instance does
 /// not begin the next one.
 pub(crate) fn answer(cycle: &mut Cycle<'_>, id: TaskId, evidence: &EvidenceList) {
     let agent = &mut *cycle.agent;
@@ -291,7 +291,7 @@ pub(crate) fn is_known(cycle: &mut Cycle<'_>, id: TaskId, bindings: &Bindings) -
     cycle.agent.task_mut(id).is_some_and(|task| !task.extras_mut().answered.insert(combination))
 }
 
-/// Goes on waiting for a combination that was not answered before.
+/// Continues to wait for a combination that was not answered before.
 pub(crate) fn wait_for_new(cycle: &mut Cycle<'_>, id: TaskId, answered: Option<u64>) {
     let Some(task) = cycle.agent.task_mut(id) else { return };
     task.after_sequence = task.after_sequence.max(answered);

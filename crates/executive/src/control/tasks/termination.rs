@@ -1,6 +1,6 @@
 //! Task termination (TC)
 //! What: ends tasks with their subtrees, hands values up, and lets parents react: next step, completion, failure.
-//! Runs: enable, commit and act phases; parents react before anything else goes on.
+//! Runs: enable, commit and act phases; parents react before anything else continues.
 //! Reads: Task, Controller.  Writes: Task, ResourceTable, contexts, Decision.
 //! Bound: O(size of the subtree) per end.  PDL: sections 4 and 9.  Paper: section III, task termination.
 
@@ -65,7 +65,7 @@ pub(crate) fn end(cycle: &mut Cycle<'_>, id: TaskId, outcome: Outcome, because: 
     cycle.work.ended.push_back(id);
 }
 
-/// Ends the children that live, and forgets all: nobody can refer to them any longer.
+/// Ends the children that live, and forgets all: no clause can refer to them any longer.
 pub(crate) fn end_children(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) {
     let children = cycle.task(id).and_then(|task| task.controller.as_deref()).map(Controller::children);
     for child in children.unwrap_or_default() {

@@ -1,10 +1,10 @@
 //! Event detection (M&I)
-//! What: has a message arrived whose form matches?
+//! What: detects a message whose form matches.
 //! Runs: on every message that may match; once over the remembered messages.
 //! Reads: histories, evaluation context.
 //! Writes: the event part of a monitor.
 //! Bound: one bounded match per message.
-//! PDL: any list that is no known form; `(:atomic-episode ..)`.
+//! PDL: any list that is not a known form; `(:atomic-episode ..)`.
 //! Paper: Appendix B, atomic episodes.
 
 use crate::expression::{EvalContext, EvaluationError};
@@ -93,7 +93,7 @@ pub(crate) fn patterns<'a>(condition: &'a Condition, found: &mut Vec<&'a Pattern
     }
 }
 
-/// Puts messages that came before the window, and that nobody has answered, before what was found.
+/// Puts messages that came before the window, and that no step has answered, before what was found.
 pub(crate) fn hear(
     part: &mut EventPart,
     site: PartContext,
@@ -116,7 +116,7 @@ pub(crate) fn hear(
     }
 }
 
-/// Which messages may match.
+/// Returns the messages that may match.
 pub(crate) fn interest(pattern: &Pattern) -> Interest {
     let head = match pattern {
         Pattern::Literal(value) => Some(value),

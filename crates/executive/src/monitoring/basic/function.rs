@@ -1,7 +1,7 @@
 //! Function conditions (M&I)
-//! What: is a pure expression true?
+//! What: detects that a pure expression is true.
 //! Runs: at every instant at which anything happens to the agent: what an expression reads (histories, tasks, time,
-//! host functions) cannot be told from its text in all cases, and a missed change would be worse than an evaluation.
+//! host functions) cannot be derived from its text in all cases, and a missed change would be worse than an evaluation.
 //! Reads: evaluation context.
 //! Writes: the function part of a monitor.
 //! Bound: one bounded evaluation per instant.

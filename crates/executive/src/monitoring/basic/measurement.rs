@@ -1,5 +1,5 @@
 //! Measurement (M&I)
-//! What: is there one sample whose value, object and time satisfy the constraints?
+//! What: detects one sample whose value, object and time satisfy the constraints.
 //! Runs: on every sample of the watched variable; once over the remembered samples.
 //! Reads: histories, evaluation context.
 //! Writes: the measurement part of a monitor.
@@ -47,7 +47,7 @@ pub(crate) fn create(
     })
 }
 
-/// The comparison that no sample can do without, where nothing but the value decides and nothing else is remembered.
+/// The comparison that no sample can do without, if only the value decides and nothing else is remembered.
 pub(crate) fn threshold(part: &MeasurementPart) -> Option<Threshold> {
     let plain = part.variable.is_some() && part.condition.object.is_empty() && part.condition.timestamp.is_empty();
     match part.tests.first().filter(|_| plain)? {
@@ -79,7 +79,7 @@ pub(crate) fn notice(
     }
 }
 
-/// A sample that is older than another of its variable: it stands for itself, and in the place of one of its instant.
+/// A sample that is older than another of its variable: it counts itself, and in the place of one of its instant.
 fn feed_late(
     part: &mut MeasurementPart,
     site: PartContext,
@@ -217,7 +217,7 @@ fn holds(
         && all(&condition.timestamp, &stamp, Reading::Instant, bindings, context, site.place)?)
 }
 
-/// All results up to now, earliest first; those of one instant in the order in which their objects were heard of.
+/// All results up to now, earliest first; those of one instant in the order in which their objects were first known.
 pub(crate) fn results(part: &MeasurementPart) -> Vec<Satisfaction> {
     ordered(part).into_iter().cloned().collect()
 }
@@ -234,7 +234,7 @@ pub(crate) fn ordered(part: &MeasurementPart) -> Vec<&Satisfaction> {
     all
 }
 
-/// Whose sample the result is.
+/// Returns the variable of the result's sample.
 fn variable_of(result: &Satisfaction) -> Option<&StateVariable> {
     match result.evidence.iter().next() {
         Some(Evidence::Sample { variable, .. }) => Some(variable),
@@ -251,14 +251,14 @@ pub(crate) fn first_result(part: &MeasurementPart) -> Option<Satisfaction> {
     }
 }
 
-/// Is there any result?
+/// Returns true if a result exists.
 pub(crate) fn any(part: &MeasurementPart) -> bool {
     let found =
         |seen: &SeenSamples| !seen.settled.is_empty() || seen.newest.samples().any(|newest| newest.result.is_some());
     part.seen.as_deref().is_some_and(found)
 }
 
-/// The newest sample of `variable` that counts for the part, told of or not.
+/// The newest sample of `variable` that counts for the part, received or not.
 fn newest_seen(
     part: &MeasurementPart,
     window: Window,

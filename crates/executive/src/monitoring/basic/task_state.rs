@@ -1,5 +1,5 @@
 //! Task conditions (M&I)
-//! What: has a task ended, or entered a state?
+//! What: detects that a task has ended or entered a state.
 //! Runs: on transitions of the task; once on the task as it is when the monitor is made.
 //! Reads: evaluation context.
 //! Writes: the task parts of a monitor.
@@ -46,7 +46,7 @@ pub(crate) fn ended_result(part: &TaskEndedPart) -> Option<Satisfaction> {
     Some(Satisfaction { interval: (at, at), recognised_at: at, bindings: Bindings::new(), evidence })
 }
 
-/// Learns which task is meant; its present state counts if the part says so, and where a tag stands for another task now.
+/// Learns which task is meant; its present state counts if the part includes it, and if a tag names another task now.
 pub(crate) fn advance_state(
     part: &mut TaskStatePart,
     site: PartContext,
@@ -120,7 +120,7 @@ pub(crate) fn sole_interest(monitor: &Monitor) -> Option<Interest> {
     }
 }
 
-/// Whose transitions matter.
+/// Returns the tasks whose transitions matter.
 pub(crate) fn interest(task: Option<TaskId>) -> Interest {
     task.map_or(Interest::AnyTask, Interest::Task)
 }

@@ -1,5 +1,5 @@
 //! Time conditions (M&I)
-//! What: has an instant come, or has so much time passed?
+//! What: detects that an instant has arrived or that a time has passed.
 //! Runs: whenever the verdict is asked; wakes the agent at the instant.
 //! Reads: evaluation context.
 //! Writes: the time part of a monitor.
@@ -20,7 +20,7 @@ use apex_model::evidence_list::EvidenceList;
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::time::{Duration, Time};
 
-/// Which of the two forms a part is.
+/// Form of a part: instant or delay.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// `:timestamp`.
@@ -29,8 +29,8 @@ pub(crate) enum Kind {
     Delay,
 }
 
-/// Evaluates the instants again, until one of them was reached. An instant that cannot be told yet (the end of a task
-/// that goes on) is no error: it is not reached.
+/// Evaluates the instants again, until one of them was reached. An instant that is not known yet (the end of a task
+/// that continues) is not an error: it is not reached.
 pub(crate) fn advance(part: &mut TimePart, kind: Kind, site: PartContext, context: &dyn EvalContext) {
     if part.reached.is_some() {
         return;
@@ -60,7 +60,7 @@ pub(crate) fn check(
     Ok(())
 }
 
-/// Does the expression depend on nothing that is still to come?
+/// Returns true if the value of the expression cannot change any longer.
 fn is_settled(expr: &Expr, context: &dyn EvalContext) -> bool {
     let library = context.library();
     let mut settled = true;
@@ -128,7 +128,7 @@ pub(crate) fn result(part: &TimePart, kind: Kind, start: Time) -> Option<Satisfa
     Some(Satisfaction { interval: (at, at), recognised_at: at, bindings: Bindings::new(), evidence })
 }
 
-/// When the instant comes.
+/// Returns the instant for which the part waits.
 pub(crate) fn next_wake(part: &TimePart, kind: Kind, after: Time) -> Option<(Time, WakeReason)> {
     let (from, to) = part.span.filter(|_| part.reached.is_none())?;
     let what = match kind {

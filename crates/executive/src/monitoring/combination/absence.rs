@@ -1,9 +1,9 @@
 //! Absence (M&I)
-//! What: did a whole window of this length pass without the part?
+//! What: detects that a whole window of this length passed without the part.
 //! Runs: whenever the verdict is asked, and at the instant at which the window is over.
 //! Reads: what the part has found, evaluation context.
 //! Writes: the absent part of a monitor.
-//! Bound: O(new results) per look; while it is in doubt, memory for results that a whole window lies between.
+//! Bound: O(new results) per look; while it is undecided, memory for results that a whole window lies between.
 //! PDL: `(:absent C :for D)`.
 //! Paper: Table 1 row 10 (not); `condition-rules.md`, rule 14.
 
@@ -62,7 +62,7 @@ pub(crate) fn forget(part: &mut AbsentPart, site: PartContext) {
     part.decides_at = Some(part.since + part.length);
 }
 
-/// What was so from `known` on is judged again, because a sample came late: one of `at`, if it lies in the window. Then windows
+/// Judges again what was absent from `known` on, because a late sample came: one of `at`, if it lies in the window. Then windows
 /// that reached it, and those that were found since `known`, have not passed yet.
 pub(crate) fn take_back(part: &mut AbsentPart, at: Option<Time>, known: Time) {
     if part.broken.is_some_and(|since| since >= known) {
@@ -82,7 +82,7 @@ pub(crate) fn is_done(part: &AbsentPart, site: PartContext) -> bool {
     site.keep == Keep::First && !part.found.is_empty()
 }
 
-/// Looks at what the part has found, after it has caught up with the present. The window is open at its start: it
+/// Considers the results of the part, after it has caught up with the present. The window is open at its start: it
 /// begins after the last result; what happens at the very instant at which it would be over prevents it.
 pub(crate) fn advance(
     part: &mut AbsentPart,
@@ -106,7 +106,7 @@ pub(crate) fn advance(
             || at_instants && rests_on_now(&part.part, &extent.result, query.now)
     };
     let goes_on = extents.passing.iter().any(lasts) && !planted::is(Bug::AbsentWhileItGoesOn);
-    // While the part goes on it is certain that nothing is absent; in doubt, nobody knows.
+    // While the part continues it is certainly not absent; while it is undecided, so is its absence.
     part.goes_on = goes_on;
     part.unknown = !goes_on && (extents.doubt || is_blind(&part.part));
     let quiet = !goes_on && !part.unknown;
@@ -125,7 +125,7 @@ pub(crate) fn advance(
     }
     let over = part.since + part.length;
     let waits = extents.passing.iter().filter_map(|extent| expires(&extent.result)).chain([over]);
-    // Doubt breaks absence of what holds at instants: the instant at which it comes is looked at.
+    // Doubt breaks absence of what holds at instants: the instant at which it comes is evaluated.
     let silent = if at_instants { part_results::silent_after(&part.part, query.now) } else { None };
     let waits = waits.chain(silent);
     part.decides_at = waits.chain(extents.changes_at).chain(query.wake).filter(|at| *at > query.now).min();
@@ -153,8 +153,8 @@ fn pass(part: &mut AbsentPart, extents: &part_results::PartResults, site: PartCo
     part.since_final = part.since_final.max(last.unwrap_or(part.since_final));
 }
 
-/// Keeps evidence that is looked at when it is known what else there was. What lies closer together than the length of
-/// the window is one; where there is too much of it, what comes last is taken for one, which is told.
+/// Keeps evidence that is evaluated when it is known what else there was. What lies closer together than the length of
+/// the window is one; where there is too much of it, what comes last is taken for one, which is reported.
 fn see(part: &mut AbsentPart, site: PartContext, found: Vec<(Time, Time)>, troubles: &mut ConditionFaults) {
     let mut seen = std::mem::take(&mut part.seen);
     seen.extend(found);
@@ -187,7 +187,7 @@ fn expires(result: &Satisfaction) -> Option<Time> {
     persisted.min()
 }
 
-/// Does the part hold at instants, so that a result may be gone at the next look?
+/// Returns true if the part holds at instants, so that the next evaluation may end its result.
 pub(crate) fn holds_at_instants(part: &Part) -> bool {
     match &part.kind {
         PartKind::Not(_) | PartKind::Function(_) | PartKind::Regression(_) => true,
@@ -199,7 +199,7 @@ pub(crate) fn holds_at_instants(part: &Part) -> bool {
     }
 }
 
-/// Was the result made of something that holds at this instant, and may not at the next?
+/// Returns true if the result contains something that holds at this instant and may not hold at the next.
 fn rests_on_now(part: &Part, result: &Satisfaction, now: Time) -> bool {
     result.evidence.iter().any(|evidence| match evidence {
         Evidence::Absence { what, at } => *at == now && !is_window_without(part, what),
@@ -209,14 +209,14 @@ fn rests_on_now(part: &Part, result: &Satisfaction, now: Time) -> bool {
     })
 }
 
-/// Is `what` the part of an `:absent` within, which stays absent?
+/// Returns true if `what` is the part of an inner `:absent`, which stays absent.
 fn is_window_without(part: &Part, what: &str) -> bool {
     let mut is = matches!(&part.kind, PartKind::Absent(inner) if unmet::text(&inner.part) == what);
     part_results::for_each_inner(part, &mut |inner| is |= is_window_without(inner, what));
     is
 }
 
-/// Is there less remembered than the part's window asks for?
+/// Returns true if less is remembered than the part's window requires.
 fn is_blind(part: &Part) -> bool {
     match &part.kind {
         PartKind::Measurement(leaf) => leaf.blind,
@@ -247,7 +247,7 @@ pub(crate) fn truth(part: &AbsentPart) -> Truth {
     Truth::of(!part.found.is_empty(), part.unknown)
 }
 
-/// How long the part has been absent at `now`, and when that is long enough.
+/// Returns the time for which the part has been absent at `now`, and the instant at which that is long enough.
 pub(crate) fn state(part: &AbsentPart, now: Time) -> (Duration, Time) {
     (now - part.since, part.since + part.length)
 }

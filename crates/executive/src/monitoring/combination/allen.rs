@@ -1,10 +1,10 @@
 //! Allen relations (M&I)
-//! What: do results of adjacent parts stand in the relation, each to the next?
+//! What: relates results of adjacent parts, each to the next.
 //! Runs: whenever the verdict is asked, and at the instant at which a gap ends a run that matters.
 //! Reads: what the parts have found, evaluation context.
 //! Writes: the Allen part of a monitor.
 //! Bound: O(new results x results kept) for two parts; at most `MONITOR_RESULTS_MAX` results of a part are kept, and
-//! only those that a run that goes on, or one to come, could still be related to; one where no constraint chooses.
+//! only those that an open run, or one to come, could still be related to; one where no constraint chooses.
 //! PDL: `:before` .. `:cotemporal`, `:tolerance`, `:constraint`.
 //! Paper: Table 1 row 11, Allen temporal predicates; Appendix B.
 
@@ -59,7 +59,7 @@ pub(crate) fn replace(part: &mut AllenPart, variable: &StateVariable, at: Time) 
     part.passing.retain(|chain| stands(&chain.result));
 }
 
-/// Looks at what the parts have found, after they have caught up with the present.
+/// Considers the results of the parts, after they have caught up with the present.
 pub(crate) fn advance(
     part: &mut AllenPart,
     site: PartContext,
@@ -258,7 +258,7 @@ impl<'a> Join<'a> {
         decision == Decision::Holds
     }
 
-    /// Do both bind shared variables alike?
+    /// Returns true if both bind shared variables to equal values.
     fn agree(&self, left: &Item<'_>, right: &Item<'_>) -> bool {
         let bound = |name: &Symbol| right.result.bindings.get(name);
         !self.part.shares

@@ -20,13 +20,13 @@ use crate::state::monitors::monitor::{AbsentPart, Part, PartKind, Satisfaction};
 use apex_model::evidence_list::EvidenceList;
 use apex_model::time::Time;
 
-/// Are these parts whose results all go together, each an interval that stays?
+/// Returns true if the results of these parts all fit together, each an interval that stays.
 pub(crate) fn is_together(part: &Part) -> bool {
     let stays = |part: &Part| matches!(part.kind, PartKind::Measurement(_) | PartKind::Episode(_) | PartKind::Event(_));
     matches!(&part.kind, PartKind::And(composite) if !composite.combines && composite.parts.iter().all(stays))
 }
 
-/// What the parts have found together: one result, as far as it reaches.
+/// Returns the common result of the parts: one result that grows.
 pub(crate) fn take(absent: &mut AbsentPart, query: &mut VerdictQuery<'_>) -> PartResults {
     let mut together = PartResults::default();
     let PartKind::And(composite) = &mut absent.part.kind else { return together };
@@ -34,7 +34,7 @@ pub(crate) fn take(absent: &mut AbsentPart, query: &mut VerdictQuery<'_>) -> Par
     let (mut hull, mut all, mut open, mut doubt) = (None, Truth::True, false, false);
     for (each, reached) in composite.parts.iter_mut().zip(&mut absent.reached) {
         let found = found(each, query);
-        // What is final was known by the newest sample, before which no instant is looked at again.
+        // What is final was known by the newest sample, before which no instant is evaluated again.
         debug_assert!(found.settled.iter().all(|result| result.recognised_at <= query.now), "known before it came");
         *reached = found.settled.iter().fold(*reached, |hull, result| joined(hull, result.interval));
         let own = found.passing.iter().fold(*reached, |hull, extent| joined(hull, extent.result.interval));
@@ -53,7 +53,7 @@ pub(crate) fn take(absent: &mut AbsentPart, query: &mut VerdictQuery<'_>) -> Par
     together.doubt = match all {
         Truth::False => false,
         Truth::Unknown => true,
-        // What was found stays true; whether it goes on, only its episodes can say.
+        // What was found stays true; whether it continues, only its episodes can say.
         Truth::True => doubt,
     };
     if let Some(interval) = hull.filter(|_| all == Truth::True) {
@@ -64,8 +64,8 @@ pub(crate) fn take(absent: &mut AbsentPart, query: &mut VerdictQuery<'_>) -> Par
     together
 }
 
-/// What a part has found up to this instant. Messages stay with it: no history need remember them, so who looks at the past again
-/// asks the part.
+/// Returns the results of a part up to this instant. The part keeps its messages: no history need remember them, so a later
+/// evaluation of the past asks the part.
 fn found(part: &mut Part, query: &mut VerdictQuery<'_>) -> PartResults {
     let now = query.now;
     let mut found = match &part.kind {

@@ -31,7 +31,7 @@ use apex_model::time::{Duration, Time};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// How a part stands within the whole.
+/// Role of a part within the whole.
 #[derive(Clone, Copy)]
 struct Role {
     window: Window,
@@ -314,7 +314,7 @@ fn backfill_kind(part: &mut Part, context: &dyn EvalContext, troubles: &mut Cond
         }
         PartKind::Not(inner) => backfill(inner, context, troubles),
         PartKind::Allen(leaf) => {
-            // This says what is not remembered any longer; then all is looked at in order.
+            // This says what is not remembered any longer; then everything is evaluated in order.
             leaf.parts.iter_mut().for_each(|part| backfill(part, context, troubles));
             replay::replay(part, None, context, troubles);
         }

@@ -61,8 +61,8 @@ pub(crate) fn keep_best(
     best
 }
 
-/// Of results that one to come could be related to, those that no other one stands for: one that every such result would
-/// be related to as well, that binds the same and that would be told before. Where the one to come begins is not known
+/// Of results that one to come could be related to, those that no other one represents: one that every such result would
+/// be related to as well, that binds the same and that would be reported before. Where the one to come begins is not known
 /// yet, so a result that ends first may fail where a later one holds.
 pub(crate) fn keep_first_choices(
     settled: &[Satisfaction],
@@ -82,7 +82,7 @@ pub(crate) fn keep_first_choices(
     }
 }
 
-/// Is everything that `other` could be related to also related to `one`?
+/// Returns true if everything that can be related to `other` can also be related to `one`.
 pub(crate) fn easier(relation: AllenRelation, is_left: bool, one: &Satisfaction, other: &Satisfaction) -> bool {
     // A partner stands to the left of the own results, or to their right.
     let own = |edge: Edge, result: &Satisfaction| match (edge, is_left) {
@@ -97,7 +97,7 @@ pub(crate) fn easier(relation: AllenRelation, is_left: bool, one: &Satisfaction,
     })
 }
 
-/// Do both bind the same, except for tags, which are intervals?
+/// Returns true if both have equal bindings, except for tags, which are intervals.
 fn binds_alike(left: &Satisfaction, right: &Satisfaction) -> bool {
     let bound = |result: &Satisfaction| {
         let free = |(_, value): &(&Symbol, &Value)| !matches!(value, Value::Interval(..));

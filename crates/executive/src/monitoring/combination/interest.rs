@@ -1,5 +1,5 @@
 //! Interests (M&I)
-//! What: what a monitor must be told of, so that everything else costs it nothing.
+//! What: the stimuli that a monitor must receive, so that everything else costs it nothing.
 //! Runs: when a monitor is filed, and when a verdict has found out more.
 //! Reads: the monitor's tree.
 //! Writes: nothing.
@@ -13,7 +13,7 @@ use crate::state::thresholds::Threshold;
 use apex_model::event::StateVariable;
 use apex_model::symbol::Symbol;
 
-/// What `monitor` must be told of, sorted, each once. Changes only when a task becomes known by a verdict.
+/// Returns the stimuli that `monitor` must receive, sorted and without repetitions. Changes only when a verdict makes a task known.
 pub(crate) fn interests(monitor: &Monitor) -> Vec<Interest> {
     let mut interests = Vec::new();
     collect_interests(&monitor.root, &mut |interest| interests.push(interest));

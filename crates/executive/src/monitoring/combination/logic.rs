@@ -1,5 +1,5 @@
 //! Logic and order (M&I)
-//! What: combines the results of parts: all, one, none, one after the other.
+//! What: combines the results of parts: all, one, none, in sequence.
 //! Runs: whenever the verdict is asked.
 //! Reads: the monitor's tree, evaluation context.
 //! Writes: nothing.
@@ -169,7 +169,7 @@ fn alternatives(part: &Part, composite: &Composite, query: &mut VerdictQuery<'_>
     all
 }
 
-/// Do the constraints of an `:or` with this tag hold of the result of one of its parts?
+/// Returns true if the constraints of an `:or` with this tag hold of the result of one of its parts.
 pub(crate) fn alternative_holds(
     tag: Option<&Symbol>,
     constraints: &[Expr],
@@ -249,7 +249,7 @@ impl<'a> Combination<'a> {
         for part in &self.composite.parts {
             match &part.kind {
                 PartKind::Delay(leaf) if self.ordered => match delays(leaf, query.context) {
-                    // One after the other they add up.
+                    // In sequence they add up.
                     Ok((least, most)) => {
                         let (before, before_most) = delay.unwrap_or((Duration::ZERO, Duration::ZERO));
                         delay = Some((before + least, before_most + most));
@@ -311,7 +311,7 @@ impl<'a> Combination<'a> {
                 return;
             }
             if self.ordered && !self.follows(&partial, step, result) {
-                // Time alone will put it behind the part before: at that very instant it is looked at again.
+                // Time alone will put it behind the part before: at that very instant it is evaluated again.
                 let due = partial.end + step.delay.map_or(TICK, |(least, _)| least);
                 if step.stands && due > query.now {
                     query.wake_at(due);
@@ -354,7 +354,7 @@ impl<'a> Combination<'a> {
         query: &mut VerdictQuery<'_>,
     ) {
         let excluded = nots.iter().flatten().any(|result| joined(&partial.bindings, &result.bindings).is_some());
-        // Where nothing but time has to pass, that is an instant.
+        // If only time has to pass, that is an instant.
         let instant = last_delay.map_or(query.now, |(least, _)| partial.end + least);
         let interval = partial.hull.unwrap_or((instant, instant));
         let constraints = &self.composite.constraints;

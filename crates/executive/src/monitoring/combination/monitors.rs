@@ -99,7 +99,7 @@ fn hear_part(part: &mut Part, heard: &[Occurrence], context: &dyn EvalContext, t
     }
 }
 
-/// Finds out again which tasks the monitor is about: a tag stands for another one now.
+/// Finds out again which tasks the monitor is about: a tag names another one now.
 pub(crate) fn look_for_tasks(monitor: &mut Monitor, context: &dyn EvalContext) {
     let mut troubles = ConditionFaults::none(context);
     advance(&mut monitor.root, context, &mut troubles);
@@ -131,7 +131,7 @@ pub(crate) fn verdict(monitor: &mut Monitor, context: &dyn EvalContext) -> Verdi
     }
 }
 
-/// When the verdict can change by time alone, strictly after the last `verdict`, and why.
+/// Returns the first instant after the last `verdict` at which time alone can change the verdict, with the reason.
 pub(crate) fn next_wake(monitor: &Monitor) -> Option<(Time, WakeReason)> {
     let after = monitor.asked_at;
     let delay = monitor.notes.as_ref().and_then(|notes| notes.delay_over_at).filter(|at| *at > after);

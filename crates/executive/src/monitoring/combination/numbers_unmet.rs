@@ -1,6 +1,6 @@
 //! Explanation of what is computed (M&I)
 //! What: what is known about a persisted value, a line, a statistic or a trend that is waited for.
-//! Runs: when a person asks (`apex why`).
+//! Runs: on request (`apex why`).
 //! Reads: the part, histories, evaluation context.
 //! Writes: nothing.
 //! Bound: linear in the objects that are followed and in the criteria.

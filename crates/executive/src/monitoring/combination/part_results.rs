@@ -24,35 +24,35 @@ use apex_model::value::Value;
 
 /// A result that may still change.
 pub(crate) struct TentativeResult {
-    /// What is known of it now, with the part's tag bound.
+    /// Present knowledge, with the part's tag bound.
     pub(crate) result: Satisfaction,
-    /// A run in it goes on: its end is not known.
+    /// A run in it is open: its end is not known.
     pub(crate) open: bool,
 }
 
-/// What a part has found since the last look.
+/// Results of a part since the last evaluation.
 #[derive(Default)]
 pub(crate) struct PartResults {
     /// New results that nothing can change any longer.
     pub(crate) settled: Vec<Satisfaction>,
     /// Results that are not final, all of them at every look.
     pub(crate) passing: Vec<TentativeResult>,
-    /// First and last evidence of runs that go on, whether they are results already or not.
+    /// First and last evidence of open runs, whether they are results already or not.
     pub(crate) runs: Vec<(Time, Time)>,
     /// The same of runs that the lack of samples has ended: one that is still on its way continues them.
     pub(crate) silent: Vec<(Time, Time)>,
-    /// Later results begin here or later, if they are no runs that go on.
+    /// Later results begin here or later, if they are not open runs.
     pub(crate) from: Time,
     /// Later results may lie anywhere.
     pub(crate) anywhere: bool,
-    /// Nobody knows whether an episode in it goes on: nothing was measured, no sample shows where its run began, or
+    /// It is unknown whether an episode in it continues: nothing was measured, no sample shows where its run began, or
     /// samples fail to come.
     pub(crate) doubt: bool,
-    /// When time alone can change what is listed here.
+    /// Instant at which time alone can change these results.
     pub(crate) changes_at: Option<Time>,
 }
 
-/// What `part` has found; of measurements, only what no sample of the same instant can replace any longer is settled.
+/// Returns the results of `part`; of measurements, only those that no sample of the same instant can replace any longer are settled.
 pub(crate) fn take_final(part: &mut Part, query: &mut VerdictQuery<'_>) -> PartResults {
     let PartKind::Measurement(leaf) = &mut part.kind else { return take(part, query) };
     let mut extents = PartResults::default();
@@ -64,7 +64,7 @@ pub(crate) fn take_final(part: &mut Part, query: &mut VerdictQuery<'_>) -> PartR
     extents
 }
 
-/// What `part` has found.
+/// Returns the results of `part`.
 pub(crate) fn take(part: &mut Part, query: &mut VerdictQuery<'_>) -> PartResults {
     let site = site(part);
     let mut extents = PartResults { from: query.now, ..PartResults::default() };
@@ -138,7 +138,7 @@ fn silent_from(leaf: &EpisodePart, last: Time) -> Option<Time> {
     leaf.gap_max.map(|gap| last + gap + TICK)
 }
 
-/// Results of a composite are all passing: they are made again at every look. One that rests on a run that goes on is open.
+/// Results of a composite are all passing: they are made again at every look. One that rests on an open run is open.
 fn composite(part: &Part, query: &mut VerdictQuery<'_>, extents: &mut PartResults) {
     let mut runs = Runs::default();
     runs.collect(part, query, &mut extents.changes_at);
@@ -146,7 +146,7 @@ fn composite(part: &Part, query: &mut VerdictQuery<'_>, extents: &mut PartResult
     let mut without = runs.results_without_open(part, query);
     for result in results {
         let mut open = result.evidence.iter().any(|evidence| rests_on(evidence, &runs.open));
-        // The same run may go on for one part and be over for another: what is a result without the former rests on the latter.
+        // The same run may continue for one part and be over for another: what is a result without the former rests on the latter.
         if let Some(place) = without.iter().position(|other| open && *other == result) {
             without.swap_remove(place);
             open = false;
@@ -160,19 +160,19 @@ fn composite(part: &Part, query: &mut VerdictQuery<'_>, extents: &mut PartResult
     extents.doubt = match logic::truth(part, query) {
         Truth::False => false,
         Truth::Unknown => true,
-        // What was found stays true; whether it goes on, only its episodes can say.
+        // What was found stays true; whether it continues, only its episodes can say.
         Truth::True => is_in_doubt(part, query),
     };
     extents.runs.extend(open.iter().map(|run| run.interval));
 }
 
-/// Is it certain that a combination does not hold? Then nothing within it is in doubt.
+/// Returns true if a combination certainly does not hold: then nothing within it is undecided.
 fn certainly_not(part: &Part, query: &mut VerdictQuery<'_>) -> bool {
     let combines = matches!(part.kind, PartKind::And(_) | PartKind::Or(_) | PartKind::InOrder(_) | PartKind::Allen(_));
     combines && logic::truth(part, query) == Truth::False
 }
 
-/// Is any episode within the part in doubt?
+/// Returns true if an episode within the part is undecided.
 fn is_in_doubt(part: &Part, query: &mut VerdictQuery<'_>) -> bool {
     let mut doubt = match &part.kind {
         PartKind::Episode(leaf) => {
@@ -187,7 +187,7 @@ fn is_in_doubt(part: &Part, query: &mut VerdictQuery<'_>) -> bool {
         PartKind::Function(leaf) => leaf.value.is_none(),
         // Windows that have passed stay; whether another passes, the absence itself knows.
         PartKind::Absent(leaf) => return leaf.unknown,
-        // Where its part is true it is false, whatever is in doubt within.
+        // Where its part is true it is false, whatever is undecided within.
         PartKind::Not(inner) => return query.of_everything(|query| logic::truth(inner, query)) == Truth::Unknown,
         _ => false,
     };
@@ -204,7 +204,7 @@ fn rests_on(evidence: &Evidence, open: &[PartRun]) -> bool {
     }
 }
 
-/// The first instant after `now` at which some part within is in doubt because no sample has come for too long.
+/// The first instant after `now` at which some part within is undecided because no sample has arrived for too long.
 pub(crate) fn silent_after(part: &Part, now: Time) -> Option<Time> {
     let after = |newest: Time, most: Duration| newest.0.checked_add(most.0).map(|last| Time(last) + TICK);
     let mut first = match &part.kind {
@@ -238,9 +238,9 @@ struct PartRun {
 /// The newest runs of all episodes within a composite that are results.
 #[derive(Default)]
 struct Runs {
-    /// They go on.
+    /// They continue.
     open: Vec<PartRun>,
-    /// No sample has come for too long.
+    /// No sample has arrived for too long.
     silent: Vec<PartRun>,
 }
 
@@ -275,7 +275,7 @@ impl Runs {
         for_each_inner(part, &mut |inner| self.collect(inner, query, changes_at));
     }
 
-    /// What `part` would have found without the runs that go on, where it can be doubtful which run a result rests on.
+    /// Returns the results of `part` without the open runs, if it is undecided which run a result rests on.
     fn results_without_open(&self, part: &Part, query: &mut VerdictQuery<'_>) -> Vec<Satisfaction> {
         let alike = |run: &PartRun| {
             self.silent.iter().any(|other| other.variable == run.variable && other.interval.1 == run.interval.1)
@@ -292,7 +292,7 @@ impl Runs {
     }
 }
 
-/// Are results of parts within remembered as they were found, and not made again at every look?
+/// Returns true if results of inner parts are kept as found, and not computed again at every evaluation.
 fn keeps_results(part: &Part) -> bool {
     let mut keeps = matches!(part.kind, PartKind::Allen(_) | PartKind::Absent(_));
     for_each_inner(part, &mut |inner| keeps |= keeps_results(inner));

@@ -247,7 +247,7 @@ impl<'a> ChainSearch<'a> {
     }
 }
 
-/// What is bound, tags aside.
+/// Returns the bindings without tags.
 fn plain(bindings: &Bindings) -> Vec<(Symbol, Value)> {
     let values = bindings.iter().filter(|(_, value)| !matches!(value, Value::Interval(..)));
     values.map(|(name, value)| (name.clone(), value.clone())).collect()
@@ -294,7 +294,7 @@ fn is_used(step: &Step<'_>, result: &Satisfaction, used: Option<&Used>) -> bool 
     used.is_some_and(|used| used.contains(step.part.place, result))
 }
 
-/// Does a point precede this one, which is a result of step `number`? Of the first step: does it fit to the order's start?
+/// Returns true if a point precedes this one, a result of step `number`. For the first step: if it fits to the order's start.
 fn is_preceded(steps: &[Step<'_>], number: usize, result: &Satisfaction, start: Time, used: Option<&Used>) -> bool {
     let Some(step) = steps.get(number) else { return false };
     let Some(before) = number.checked_sub(1).and_then(|before| steps.get(before)) else {

@@ -1,5 +1,5 @@
 //! Relations of intervals (M&I)
-//! What: are two intervals so related, are they not, or does only the end of a run that goes on decide?
+//! What: decides whether two intervals are so related, are not, or wait for the end of an open run.
 //! Runs: for pairs of results of related parts.
 //! Reads: nothing.
 //! Writes: nothing.
@@ -15,7 +15,7 @@ use apex_model::time::{Duration, Time};
 pub(crate) enum Point {
     /// It is this.
     Known(Time),
-    /// The end of a run that goes on: the first, if no sample continues it, else after the second.
+    /// The end of an open run: the first, if no sample continues it, else after the second.
     Growing(Time, Time),
     /// Of a result that is still to come: this or later.
     Coming(Time),
@@ -34,7 +34,7 @@ impl Span {
         Span { start: Point::Known(start), end: Point::Known(end) }
     }
 
-    /// A run that goes on, by samples that come after `after`.
+    /// An open run, continued by samples that come after `after`.
     pub(crate) fn growing((start, end): (Time, Time), after: Time) -> Span {
         Span { start: Point::Known(start), end: Point::Growing(end, after) }
     }
@@ -45,12 +45,12 @@ impl Span {
     }
 }
 
-/// What is known of a relation.
+/// Knowledge of a relation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Decision {
     /// It cannot hold any longer.
     Fails,
-    /// What comes decides.
+    /// Decided by later inputs.
     Open,
     /// It holds, whatever comes.
     Holds,
@@ -104,13 +104,13 @@ pub(crate) fn links(relation: AllenRelation) -> &'static [(Edge, Link, Edge)] {
     }
 }
 
-/// Does `first` stand in `relation` to `second`?
+/// Decides whether `first` is in `relation` to `second`.
 pub(crate) fn decide(relation: AllenRelation, tolerance: Duration, first: Span, second: Span) -> Decision {
     let all = links(relation).iter().map(|link| decide_link(*link, tolerance, first, second));
     all.min().unwrap_or(Decision::Holds)
 }
 
-/// Does one of the comparisons hold?
+/// Decides whether one of the comparisons holds.
 pub(crate) fn decide_link(
     (left, link, right): (Edge, Link, Edge),
     tolerance: Duration,

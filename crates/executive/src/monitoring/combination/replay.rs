@@ -77,7 +77,7 @@ impl EvalContext for Then<'_> {
 }
 
 /// Forgets what `part` has found, and finds it again from what is remembered; only arrivals up to `newest` count, where
-/// it is given, because later ones are still to be told.
+/// it is given, because later ones are still to be shown.
 pub(crate) fn replay(part: &mut Part, newest: Option<u64>, context: &dyn EvalContext, troubles: &mut ConditionFaults) {
     let stimuli = remembered(part, newest, context);
     forget(part, context, troubles);
@@ -100,7 +100,7 @@ pub(crate) fn replay(part: &mut Part, newest: Option<u64>, context: &dyn EvalCon
         }
         let then = Then { below: context, now: at };
         group.iter().for_each(|(.., stimulus)| notice_part(part, stimulus, &then, troubles));
-        // What has come at this instant is looked at when all of it was told.
+        // The arrivals of this instant are evaluated when all of them were shown.
         if at < now {
             advance(part, &then, troubles);
             asked = at;
@@ -116,7 +116,7 @@ pub(crate) fn replay(part: &mut Part, newest: Option<u64>, context: &dyn EvalCon
 /// before may have been related otherwise.
 pub(crate) fn changes_the_past(part: &Part, stimulus: &Stimulus, context: &dyn EvalContext) -> Option<u64> {
     let Stimulus::Sample { variable, sequence, newest, at, .. } = stimulus else { return None };
-    // The present instant is looked at when all of it was told.
+    // The present instant is evaluated when all of it was shown.
     let past = *at < context.now();
     let relates = match part.kind {
         PartKind::Allen(_) => past && !newest,
@@ -126,7 +126,7 @@ pub(crate) fn changes_the_past(part: &Part, stimulus: &Stimulus, context: &dyn E
     (relates && watches(part, variable) && covers(part, context)).then_some(*sequence)
 }
 
-/// Looks at an absence as it was when this sample, which comes late, was taken, or the newest that is known, where not enough
+/// Evaluates an absence as it was when this sample, which comes late, was taken, or the newest that is known, where not enough
 /// is remembered to begin again. What passed up to then has passed; what passed since may not have.
 pub(crate) fn look_at(part: &mut Part, stimulus: &Stimulus, context: &dyn EvalContext, troubles: &mut ConditionFaults) {
     let Stimulus::Sample { at, variable, sequence, .. } = stimulus else { return };
@@ -172,8 +172,8 @@ fn asks_functions(part: &Part) -> bool {
     asks
 }
 
-/// The instant of the newest sample that the part was told of, up to this arrival: what came after it at the same instant is
-/// still to be told.
+/// The instant of the newest sample that the part has received, up to this arrival: what came after it at the same instant is
+/// still to be shown.
 pub(crate) fn newest_known(part: &Part, told: u64, context: &dyn EvalContext) -> Option<Time> {
     let histories = context.histories();
     let newest =
@@ -192,7 +192,7 @@ pub(crate) fn newest_known(part: &Part, told: u64, context: &dyn EvalContext) ->
     known
 }
 
-/// The instant before `now` that decides about an absence and was not looked at: a sample that came late has made it.
+/// The instant before `now` that decides about an absence and was not evaluated: a sample that came late has made it.
 pub(crate) fn overdue(part: &Part, now: Time) -> Option<Time> {
     match &part.kind {
         PartKind::Absent(leaf)
@@ -205,12 +205,12 @@ pub(crate) fn overdue(part: &Part, now: Time) -> Option<Time> {
     .filter(|at| *at < now)
 }
 
-/// Looks at the part as it was at `at`.
+/// Evaluates the part as it was at `at`.
 pub(crate) fn look_then(part: &mut Part, at: Time, context: &dyn EvalContext, troubles: &mut ConditionFaults) {
     advance(part, &Then { below: context, now: at }, troubles);
 }
 
-/// Does `part` watch `variable`?
+/// Returns true if `part` watches `variable`.
 fn watches(part: &Part, variable: &StateVariable) -> bool {
     let mut watched = false;
     collect_interests(part, &mut |interest| {
@@ -223,7 +223,7 @@ fn watches(part: &Part, variable: &StateVariable) -> bool {
     watched
 }
 
-/// Are all samples that the part watches still there, since its window began, and those that persist into it?
+/// Returns true if no sample that the part watches was dropped, from the start of its window on and of those that persist into it.
 fn covers(part: &Part, context: &dyn EvalContext) -> bool {
     let (start, histories) = (part.window.start, context.histories());
     let mut covers = true;
@@ -260,7 +260,7 @@ fn remembered(part: &Part, newest: Option<u64>, context: &dyn EvalContext) -> Ve
     let start = first_window(part);
     let histories = context.histories();
     let counts = |sequence: u64| newest.is_none_or(|newest| sequence <= newest);
-    // Who asks for what came after a number is told the numbers of what counts.
+    // A query for arrivals after a number needs the numbers of those that count.
     let windowed = part.window.after_sequence.is_some();
     let mut stimuli = Vec::new();
     let mut samples = |variable: &StateVariable, history: &History| {

@@ -30,7 +30,7 @@ pub(crate) struct ResultReport {
     pub(crate) kind: ResultReportKind,
 }
 
-/// What about a result is reported.
+/// Kind of report about a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ResultReportKind {
     /// It is new; its interval may still grow when it is open.
@@ -39,8 +39,8 @@ pub(crate) enum ResultReportKind {
     Closed,
 }
 
-/// What is to be told at `context.now()`, after all stimuli of the instant were noticed. `lateness` is how late
-/// samples may come at most.
+/// Returns the reports at `context.now()`, after all stimuli of the instant were noticed. `lateness` is the maximum lateness
+/// of samples.
 pub(crate) fn report_results(
     monitor: &mut Monitor,
     told: &mut ReportedResults,
@@ -128,7 +128,7 @@ impl ResultCollector<'_> {
         query.used = Some(std::mem::take(&mut branch.used));
         let mut fresh = logic::results(part, query);
         branch.used = query.used.take().unwrap_or_default();
-        // Each window of an `:absent` is a result of its own.
+        // Each window of an `:absent` is a separate result.
         let once = !matches!(part.kind, PartKind::Absent(_));
         if branch.absence && once {
             fresh.retain(|result| !is_absence(result));
@@ -173,7 +173,7 @@ impl ResultCollector<'_> {
         branch.open.retain(|key| open_now.contains(key));
     }
 
-    /// What is known of the parts now makes up no further result.
+    /// Uses up the present knowledge of the parts, so that it makes no further result.
     fn use_up(&self, part: &mut Part, used: &mut Used, query: &mut VerdictQuery<'_>) {
         let horizon = query.now - self.lateness;
         match self.lateness {
@@ -210,7 +210,7 @@ fn one_for_each_binding(fresh: &mut Vec<Satisfaction>) {
     fresh.retain(|result| seen.insert(bound(&result.bindings)));
 }
 
-/// The results of an episode that goes on.
+/// The results of an open episode.
 fn open_keys(part: &Part, query: &mut VerdictQuery<'_>) -> Vec<Key> {
     let open = match &part.kind {
         PartKind::Episode(leaf) => {

@@ -1,6 +1,6 @@
 //! Explanation of conditions (M&I)
 //! What: the parts of a condition that do not hold, with what is known about each and since when.
-//! Runs: when a person asks (`apex why`).
+//! Runs: on request (`apex why`).
 //! Reads: the monitor, histories, evaluation context.
 //! Writes: nothing.
 //! Bound: linear in the condition and in the objects it follows.
@@ -30,7 +30,7 @@ use apex_model::task::TaskId;
 use apex_model::time::Time;
 use apex_model::value::Value;
 
-/// What is known about an unmet part.
+/// Known facts about an unmet part.
 #[derive(Default)]
 pub(crate) struct Known {
     pub(crate) now: String,
@@ -157,7 +157,7 @@ fn related(part: &Part, leaf: &AllenPart, query: &mut VerdictQuery<'_>, list: &m
     list.push(Known { until: leaf.decides_at, ..known }.unmet(text(part), part.place));
 }
 
-/// How long something has been absent, and when that is long enough.
+/// Returns the time for which something has been absent, and the instant at which that is long enough.
 fn absence_state(leaf: &AbsentPart, query: &VerdictQuery<'_>) -> Known {
     let (silence, over) = absence::state(leaf, query.now);
     let since = Some(leaf.since);
@@ -169,7 +169,7 @@ fn absence_state(leaf: &AbsentPart, query: &VerdictQuery<'_>) -> Known {
     Known { until: until.filter(|at| *at > query.now), ..Known::words(now).since(since) }
 }
 
-/// What is known about a part.
+/// Returns the known facts about a part.
 fn state(part: &Part, query: &mut VerdictQuery<'_>) -> Known {
     let start = part.window.start;
     match &part.kind {
@@ -214,7 +214,7 @@ fn event_state(leaf: &EventPart, part: &Part, query: &VerdictQuery<'_>) -> Known
     Known::words(format!("no such event yet; the last one like it was {form} at {at}: {reason}")).since(since)
 }
 
-/// Has the form the first word of the pattern?
+/// Returns true if the form begins with the first word of the pattern.
 fn begins_alike(pattern: &Pattern, form: &Value) -> bool {
     let wanted = match pattern {
         Pattern::Literal(literal) => literal.head(),
@@ -260,7 +260,7 @@ fn measurement_state(leaf: &MeasurementPart, window: Window, query: &VerdictQuer
     Known { now, since: Some(sample.at), distance, ..Known::default() }
 }
 
-/// How far a value is from the nearest threshold that it misses.
+/// Returns the distance of a value from the nearest threshold that it misses.
 pub(crate) fn distance(tests: &[Test], value: &Value) -> Option<Value> {
     let (own, dimension) = value.as_number()?;
     let missed = tests.iter().filter_map(|test| match test {

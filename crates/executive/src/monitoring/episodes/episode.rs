@@ -1,5 +1,5 @@
 //! Episode detection (M&I)
-//! What: is there a run of samples that satisfies value, timing and sampling constraints?
+//! What: detects runs of samples that satisfy constraints on value, time and sampling.
 //! Runs: on every sample of the watched variable, and at the instant at which a duration is reached.
 //! Reads: histories, evaluation context.
 //! Writes: the episode part of a monitor.
@@ -174,7 +174,7 @@ fn feed(
             troubles.reached(Limit::MonitorObjects, context, site.place);
             return;
         }
-        // Of the one object of a known variable nothing need be told apart.
+        // Of the one object of a known variable nothing need be distinguished.
         None => {
             let rank = if part.variable.is_some() { 0 } else { sample.sequence };
             ObjectRun { rank, ..ObjectRun::default() }
@@ -190,7 +190,7 @@ fn feed(
     }
 }
 
-/// Makes the newest sample part of the past, because one of a later instant, `next`, has come.
+/// Makes the newest sample part of the past, because one of a later instant, `next`, has arrived.
 fn settle(
     part: &mut EpisodePart,
     site: PartContext,
@@ -215,7 +215,7 @@ fn settle(
     ObjectRun { run, found, contradicted, gap, ..object_run }
 }
 
-/// Does the sample satisfy the value constraints, together with what the run before it binds or on its own?
+/// Returns true if the sample satisfies the value constraints, with the bindings of the run before it or on its own.
 fn judge(
     part: &EpisodePart,
     site: PartContext,
@@ -298,7 +298,7 @@ pub(crate) fn results(
         results.extend(judged.closed_by_time);
         results.extend(judged.found);
     }
-    // Those of one instant in the order in which their objects were heard of.
+    // Those of one instant in the order in which their objects were first known.
     let rank = |result: &Satisfaction| match result.evidence.iter().next() {
         Some(Evidence::Run { variable, .. }) => part.runs.get(&variable.object).map(|run| run.rank),
         _ => None,
@@ -307,7 +307,7 @@ pub(crate) fn results(
     results
 }
 
-/// The results of runs that go on: their intervals may still grow.
+/// The results of open runs: their intervals may still grow.
 pub(crate) fn open_results(
     part: &EpisodePart,
     site: PartContext,

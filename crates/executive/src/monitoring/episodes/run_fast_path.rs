@@ -57,8 +57,8 @@ pub(crate) fn notice(part: &mut EpisodePart, site: PartContext, sample: SampleVi
     true
 }
 
-/// When it is plain that the run has no result at `now`: is its outcome unknown (true) or contradicted (false)?
-/// None when that needs the long way.
+/// For a run that plainly has no result at `now`: returns true if its outcome is unknown, false if it is contradicted. Returns
+/// `None` if that needs the full evaluation.
 pub(crate) fn undecided(part: &EpisodePart, state: &ObjectRun, now: Time) -> Option<bool> {
     if part.any_pair || part.at_close || state.found.is_some() {
         return None;

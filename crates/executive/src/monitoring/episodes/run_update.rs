@@ -1,6 +1,6 @@
 //! Run update (M&I)
 //! What: computes the state of a run of samples after its newest sample and at a later instant.
-//! Runs: from episode detection, for the past (a later sample has come) and for the present (a verdict is asked).
+//! Runs: from episode detection, for the past (a later sample has arrived) and for the present (a verdict is asked).
 //! Reads: the episode part, evaluation context.
 //! Writes: nothing; the caller keeps what is final.
 //! Bound: O(1); any pair of samples: O(run).
@@ -25,7 +25,7 @@ use apex_model::value::Value;
 pub(crate) struct Judged {
     /// The run that the newest sample belongs to.
     pub(crate) run: Option<Run>,
-    /// Its result, if it has one while it goes on.
+    /// Its result, if it has one while it is open.
     pub(crate) found: Option<Satisfaction>,
     /// Results of runs that the newest sample ended, or that it completes as a pair.
     pub(crate) over: Vec<Satisfaction>,
@@ -71,7 +71,7 @@ pub(crate) fn advance_run(
     }
 }
 
-/// Of pairs of samples: is the first sample of the run forgotten, because there are too many to begin with?
+/// Of pairs of samples: returns true if the first sample of the run is forgotten, because there are too many to begin with.
 fn forgets_a_start(part: &EpisodePart, state: &ObjectRun, run: Option<&Run>) -> bool {
     let full = |old: &Run| part.any_pair && old.instants.len() >= MONITOR_RESULTS_MAX;
     state.run.as_ref().is_some_and(|old| full(old) && run.is_some_and(|new| new.samples > old.samples))

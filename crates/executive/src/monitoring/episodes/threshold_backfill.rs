@@ -48,7 +48,7 @@ pub(crate) fn backfill(
         if let Some((due, _)) = bank.due().filter(|(due, _)| *due < sample.at) {
             bank.pass_time(due, &mut told);
         }
-        // Whoever wants one result only is not told of what comes after it.
+        // A monitor that needs one result only does not receive later samples.
         if site.keep == Keep::First && !told.is_empty() {
             break;
         }

@@ -42,8 +42,8 @@ pub(crate) fn variable(monitor: &Monitor) -> Option<&StateVariable> {
     }
 }
 
-/// What a bank must know of the monitor, with what it has seen so far, when a bank can watch it: a task's while nothing is
-/// decided, one that is harvested after all that it knows was told.
+/// Returns the state of the monitor with its samples until now, if a bank can watch it: a task's monitor while it is undecided, or
+/// one whose results were all reported.
 pub(crate) fn bankable<'a>(
     monitor: &'a Monitor,
     context: &dyn EvalContext,
@@ -58,9 +58,9 @@ pub(crate) fn bankable<'a>(
 
 /// An episode that a bank can watch.
 pub(crate) struct Bankable<'a> {
-    /// What the bank must know of it.
+    /// The episode to watch.
     pub(crate) wanted: ThresholdEpisode,
-    /// What it has seen.
+    /// Its run until now.
     pub(crate) run: Option<&'a ObjectRun>,
     /// The result of the run that the newest sample has ended.
     pub(crate) over: Option<Satisfaction>,
@@ -158,7 +158,7 @@ pub(crate) fn give_back(leaf: &mut EpisodePart, seen: Option<IndexedRun>) {
     leaf.runs = runs.into_iter().collect::<BTreeMap<Value, ObjectRun>>();
 }
 
-/// What a bank told of the monitor, as a result.
+/// Returns the result that a bank reported of the monitor.
 pub(crate) fn told_result(monitor: &Monitor, told: &EpisodeUpdate) -> Option<Satisfaction> {
     match &monitor.root.kind {
         PartKind::Episode(leaf) => told_of(leaf, told),
@@ -166,7 +166,7 @@ pub(crate) fn told_result(monitor: &Monitor, told: &EpisodeUpdate) -> Option<Sat
     }
 }
 
-/// What a bank told of the episode, as a result.
+/// Returns the result that a bank reported of the episode.
 pub(crate) fn told_of(leaf: &EpisodePart, told: &EpisodeUpdate) -> Option<Satisfaction> {
     let run = Run {
         start: told.start,
@@ -180,7 +180,7 @@ pub(crate) fn told_of(leaf: &EpisodePart, told: &EpisodeUpdate) -> Option<Satisf
     Some(result(leaf, &leaf.variable.as_ref()?.object, &run, told.recognised_at))
 }
 
-/// What was told of a monitor that a bank has watched: of the run before the newest sample what stands in it, and of the
+/// Returns the reported results of a monitor that a bank has watched: those of the run before the newest sample, and of the
 /// run with the newest sample the result that was recognised at `open_at`.
 pub(crate) fn told(monitor: &Monitor, open_at: Option<Time>) -> crate::monitoring::reported_results::ReportedResults {
     let PartKind::Episode(leaf) = &monitor.root.kind else {

@@ -30,20 +30,20 @@ struct Leaf {
     variable: StateVariable,
     /// It has an unused result; under `:not`, any result.
     counts: bool,
-    /// It is an alternative of its own: the end of its runs is told.
+    /// It is a separate alternative: the end of its runs is reported.
     alternative: bool,
     /// The result of the run that ended last, while the sample that ended it may be the newest.
     over: Option<Satisfaction>,
 }
 
 impl Leaves {
-    /// Whose samples decide each leaf.
+    /// Returns the variables whose samples decide the leaves.
     pub(crate) fn variables(&self) -> impl ExactSizeIterator<Item = &StateVariable> {
         self.0.iter().map(|leaf| &leaf.variable)
     }
 }
 
-/// The leaf as its part stands in the tree, and where.
+/// The leaf with its part in the tree and its position.
 #[derive(Clone, Copy, PartialEq)]
 enum LeafRole {
     /// Only `:or`s are above it.
@@ -80,7 +80,7 @@ fn for_each_leaf<'a>(part: &'a Part, place: LeafRole, act: &mut dyn FnMut(&'a Pa
     }
 }
 
-/// Is there a `:not` in it?
+/// Returns true if the part contains a `:not`.
 fn denies(part: &Part) -> bool {
     match &part.kind {
         PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {
@@ -133,7 +133,7 @@ pub(crate) fn bankable<'a>(monitor: &'a Monitor, context: &dyn EvalContext) -> O
         let PartKind::Episode(leaf) = &part.kind else { return None };
         let mut bankable = threshold_episode::of_part(part, context).filter(|_| part.keep == Keep::Every)?;
         bankable.wanted.negated = place == LeafRole::Negated;
-        // The first sample that contradicts it would not be told.
+        // The first sample that contradicts it would not be reported.
         if bankable.wanted.negated && bankable.run.is_none() {
             return None;
         }
@@ -177,7 +177,7 @@ pub(crate) fn stand_up(
     troubles.tell(monitor);
 }
 
-/// After a harvest in place: what counts from here on. All results are used up if the harvest has `told` any.
+/// After a harvest in place: what counts from here on. All results are used up if the harvest reported any.
 pub(crate) fn harvested(monitor: &Monitor, leaves: &mut Leaves, told: bool) {
     let alternatives = matches!(monitor.root.kind, PartKind::Or(_));
     let mut each = leaves.0.iter_mut();
@@ -190,7 +190,7 @@ pub(crate) fn harvested(monitor: &Monitor, leaves: &mut Leaves, told: bool) {
     });
 }
 
-/// A bank has told of leaf number `leaf`. Must the combination be harvested at this instant?
+/// Takes the report of a bank about leaf number `leaf`. Returns true if the formula must be evaluated at this instant.
 pub(crate) fn told(
     monitor: &mut Monitor,
     leaves: &mut Leaves,
@@ -225,7 +225,7 @@ pub(crate) fn told(
     may_be_true(&monitor.root, &mut each)
 }
 
-/// Could a result be new, as far as the leaves' results go?
+/// Returns true if the results of the leaves permit a new result.
 fn may_be_true<'a>(part: &Part, leaves: &mut impl Iterator<Item = &'a Leaf>) -> bool {
     match &part.kind {
         // Each part takes its own leaves, also where the answer is known before.

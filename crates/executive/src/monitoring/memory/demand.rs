@@ -11,7 +11,7 @@ use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use apex_model::time::Duration;
 
-/// What is remembered.
+/// Remembered data.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Subject {
     /// Samples of one attribute, for each object.
@@ -24,14 +24,14 @@ pub enum Subject {
     MessagesOf(Symbol),
 }
 
-/// How much of it.
+/// Amount of remembered data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reach {
-    /// So long before the newest.
+    /// A duration before the newest.
     Span(Duration),
     /// Everything, up to the hard limit.
     Unbounded,
-    /// What a log policy keeps while its procedure is at work.
+    /// Data that a log policy keeps while its procedure is at work.
     Log {
         /// Not longer.
         time: Option<Duration>,
@@ -40,7 +40,7 @@ pub enum Reach {
     },
 }
 
-/// Why it is remembered.
+/// Reason to remember.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Why {
     /// A query or a constraint on time names its window.
@@ -55,9 +55,9 @@ pub enum Why {
     EventTimes,
     /// A condition counts from its task's creation, but can be watched later only.
     SinceCreation,
-    /// How far back a query asks is known only then.
+    /// A query whose depth is known only at its evaluation.
     QueryTime,
-    /// Which variable a query asks for is known only then.
+    /// A query whose variable is known only at its evaluation.
     QueryVariable,
     /// The fit interval of a line begins at a time that is not written out.
     FitInterval,
@@ -72,7 +72,7 @@ pub enum Why {
 }
 
 impl Why {
-    /// Why the clause needs what it needs, and what to write where it should need less.
+    /// Returns the reason of the clause's demand, and the PDL to write for a smaller one.
     fn words(self) -> (&'static str, &'static str) {
         match self {
             Why::Window => ("it names its window", "a shorter window"),
@@ -116,33 +116,33 @@ impl Why {
     }
 }
 
-/// What one clause needs.
+/// Demand of one clause.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Demand {
-    /// What it looks at.
+    /// Data that it reads.
     pub subject: Subject,
-    /// How far.
+    /// Depth.
     pub reach: Reach,
-    /// Why.
+    /// Reason.
     pub why: Why,
     /// The clause as PDL.
     pub text: String,
-    /// Where it stands.
+    /// Position in the PDL text.
     pub place: Place,
 }
 
 impl Demand {
-    /// Is it without a bound of its own?
+    /// Returns true if the demand has no stated bound.
     pub fn is_unbounded(&self) -> bool {
         matches!(self.reach, Reach::Unbounded | Reach::Log { time: None, count: None })
     }
 
-    /// Why the clause needs what it needs.
+    /// Returns the reason of the clause's demand.
     pub fn reason(&self) -> &'static str {
         self.why.words().0
     }
 
-    /// What to write instead, so that it needs less.
+    /// Returns the PDL to write for a smaller demand.
     pub fn help(&self) -> &'static str {
         self.why.words().1
     }

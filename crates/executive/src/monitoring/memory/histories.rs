@@ -19,16 +19,16 @@ use apex_model::library::Library;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
-/// What became of a measurement that arrived.
+/// Result of recording a measurement that arrived.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Recording {
     /// To be shown to the monitors interested; none when it changes nothing (repeated, missing, too late, refused).
     pub(crate) stimulus: Option<Stimulus>,
-    /// A sentence for the trace when the sample was refused or kept aside.
+    /// A message for the trace when the sample was refused or kept aside.
     pub(crate) trouble: Option<String>,
-    /// What the history did with it; none when it was refused.
+    /// Effect on the history; `None` if the measurement was refused.
     pub(crate) recorded: Option<Recorded>,
-    /// A sample that somebody may ask for was dropped for it, the first of its variable.
+    /// A sample that a condition may need was dropped for it, the first of its variable.
     pub(crate) overflows: bool,
 }
 
@@ -89,20 +89,20 @@ pub(crate) fn obey(histories: &mut Histories, demands: Vec<Demand>) {
     }
 }
 
-/// Puts a message into the memory of events. Also true when one that somebody may ask for was dropped for it, the first.
+/// Puts a message into the memory of events. Also true when one that a condition may need was dropped for it, the first.
 pub(crate) fn record_event(histories: &mut Histories, form: Value, at: Time, sequence: u64) -> (Stimulus, bool) {
     let overflows = histories.record_event(Occurrence { at, sequence, form: form.clone() });
     (Stimulus::Event { form, at, sequence }, overflows)
 }
 
-/// What is told when the first sample of `variable` was dropped that somebody may still ask for.
+/// Returns the message for a dropped first sample of `variable` that a condition may still need.
 pub(crate) fn overflow_of_samples(variable: &StateVariable, limits: &Limits) -> String {
     let most = limits.of(Limit::HistorySamples);
     let over = format!("more than {most} samples of {variable} within what conditions or logs ask for");
     forgotten(&over, Limit::HistorySamples, limits)
 }
 
-/// What is told when the first message was dropped that somebody may still ask for.
+/// Returns the message for a dropped first message that a condition may still need.
 pub(crate) fn overflow_of_messages(limits: &Limits) -> String {
     let most = limits.of(Limit::EventHistory);
     forgotten(

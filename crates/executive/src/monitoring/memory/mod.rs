@@ -1,4 +1,4 @@
-//! What histories must keep for the conditions that look back.
+//! Depth of histories that conditions on the past require.
 
 pub(crate) mod absence_retention;
 pub(crate) mod demand;

@@ -30,7 +30,7 @@ pub(crate) fn of_constraints(constraints: &[Constraint], library: &Library) -> O
     earliest.min()
 }
 
-/// How long before now the instant lies that `expr` names, where that is written out: `+now+`, `(- +now+ P10M)`.
+/// Returns the time between the instant that `expr` names and now, if that is a literal: `+now+`, `(- +now+ P10M)`.
 pub(crate) fn before_now(expr: &Expr, library: &Library) -> Option<Duration> {
     match &expr.kind {
         ExprKind::Indexical(name) if name.is("now") => Some(Duration::ZERO),

@@ -38,20 +38,20 @@ pub(crate) fn prepare(histories: &mut Histories, library: &Library, index: Optio
     obey(histories, survey.demands);
 }
 
-/// How late samples of the variable may come.
+/// Returns the maximum lateness of samples of the variable.
 pub(crate) fn lateness(declaration: &StateVariableDeclaration) -> Option<Duration> {
     let late = declaration.lateness.as_ref().and_then(|value| duration(value).ok());
     late.filter(|late| *late > Duration::ZERO)
 }
 
-/// What each clause of `library` needs of the past, in the order of definitions.
+/// Returns the demands of each clause of `library`, in the order of definitions.
 pub(crate) fn demands(library: &Library) -> Vec<Demand> {
     let mut survey = Survey { library, index: None, wordless: false, demands: Vec::new() };
     survey.everything();
     survey.demands
 }
 
-/// What one condition needs of the past.
+/// Returns the demands of one condition.
 pub(crate) fn demands_of(library: &Library, condition: &Condition) -> Vec<Demand> {
     let mut survey = Survey { library, index: None, wordless: true, demands: Vec::new() };
     survey.condition(condition);
@@ -66,9 +66,9 @@ pub(crate) fn prepare_condition(histories: &mut Histories, library: &Library, co
 /// Walks through definitions and notes what looks back.
 pub(crate) struct Survey<'a> {
     pub(crate) library: &'a Library,
-    /// What is known of the procedures, where it is known already.
+    /// Index of the procedures, if it exists already.
     index: Option<&'a LibraryIndex>,
-    /// Nobody reads the texts of the demands.
+    /// The texts of the demands are not used.
     wordless: bool,
     demands: Vec<Demand>,
 }
@@ -100,7 +100,7 @@ impl Survey<'_> {
         library.functions.values().for_each(|function| self.exprs(&function.body));
     }
 
-    /// What a derived variable reads: on a line the samples between the neighbours, else the newest two, which are always kept.
+    /// Returns the inputs of a derived variable: on a line the samples between the neighbours, else the newest two, which are always kept.
     fn derivation(&mut self, attribute: &Symbol, derivation: &Derivation) {
         self.expr(&derivation.value);
         let Join::Interpolate(most) = derivation.join else { return };
@@ -178,7 +178,7 @@ impl Survey<'_> {
         }
     }
 
-    /// What a condition waits for counts from the creation of its task, and it can be watched only later: until then
+    /// Adds the demand of a condition that counts from the creation of its task and can be watched only later: until then
     /// everything that it could mean is kept.
     fn since_creation(&mut self, condition: &Condition) {
         match &condition.kind {

@@ -93,7 +93,7 @@ pub(crate) fn name(measure: &Measure) -> &'static str {
     }
 }
 
-/// What a bare number means on a right side: factor to SI and dimension.
+/// Returns the meaning of a bare number on a right side: factor to SI and dimension.
 fn bare(measure: &Measure, unit: Option<&'static Unit>) -> Option<(f64, Dimension)> {
     let unit = unit?;
     match measure {
@@ -142,7 +142,7 @@ pub(crate) struct RunStatistics {
     pub(crate) interval: (Time, Time),
 }
 
-/// What a criterion says.
+/// Verdict of a criterion.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum CriterionResult {
     /// It holds of this value.
@@ -153,7 +153,7 @@ pub(crate) enum CriterionResult {
     Undefined(&'static str),
 }
 
-/// Where a criterion is judged.
+/// Context in which a criterion is judged.
 pub(crate) struct CriterionContext<'a> {
     pub(crate) variable: &'a StateVariable,
     pub(crate) dimension: Dimension,
@@ -203,7 +203,7 @@ impl CriterionContext<'_> {
         Ok(if holds { CriterionResult::Holds(value) } else { CriterionResult::Fails(value) })
     }
 
-    /// Does the step between two numbers satisfy the constraints on steps?
+    /// Returns true if the step between two numbers satisfies the constraints on steps.
     ///
     /// # Errors
     /// When a right side cannot be evaluated or compared.

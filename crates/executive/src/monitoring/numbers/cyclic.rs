@@ -1,5 +1,5 @@
 //! Cyclic patterns (M&I)
-//! What: does a value go up and down in cycles of the wanted period and amplitude, often enough one after the other?
+//! What: detects that a value rises and falls in cycles of the required period and amplitude, often enough in sequence.
 //! Runs: on every sample of the watched variable.
 //! Reads: histories, evaluation context.
 //! Writes: the cyclic part of a monitor.
@@ -38,7 +38,7 @@ const CYCLES_DEFAULT: u64 = 2;
 /// The part for a condition, not yet looked back. The hysteresis is evaluated now.
 ///
 /// # Errors
-/// When it cannot be, or is no number of the variable's unit.
+/// When it cannot be, or is not a number of the variable's unit.
 pub(crate) fn create(
     condition: &Arc<CyclicCondition>,
     context: &dyn EvalContext,
@@ -136,7 +136,7 @@ fn feed(
     state.newest = (sample.at, number);
 }
 
-/// Makes the newest sample of an object part of the past, because one of a later instant has come.
+/// Makes the newest sample of an object part of the past, because one of a later instant has arrived.
 fn settle(
     part: &mut CyclicPart,
     site: PartContext,
@@ -171,7 +171,7 @@ pub(crate) fn results(part: &CyclicPart, site: PartContext, query: &mut VerdictQ
     results
 }
 
-/// Does nobody know whether cycles go on as is asked for?
+/// Returns true if it is undecided whether the required cycles continue.
 pub(crate) fn in_doubt(part: &CyclicPart, site: PartContext, query: &mut VerdictQuery<'_>) -> bool {
     let judge = Judge { part, site, context: query.context };
     let mut open = part.blind || part.objects.is_empty();
@@ -199,7 +199,7 @@ pub(crate) fn truth(part: &CyclicPart, site: PartContext, query: &mut VerdictQue
     if open { Truth::Unknown } else { Truth::False }
 }
 
-/// What is known, for `apex why`: turning points, the last cycle, how many in a row.
+/// Returns the known facts for `apex why`: turning points, the last cycle, the number in sequence.
 pub(crate) fn words(part: &CyclicPart, site: PartContext, query: &mut VerdictQuery<'_>) -> String {
     let judge = Judge { part, site, context: query.context };
     let wanted = part.objects.iter().filter(|(_, state)| state.bindings.is_some());
@@ -232,7 +232,7 @@ struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    /// What the samples have done with the newest one among them, and the result that it completes.
+    /// Returns the state of the samples including the newest one, and the result that it completes.
     fn with_newest(
         &self,
         object: &Value,
@@ -243,7 +243,7 @@ impl Judge<'_> {
         let (at, number) = state.newest;
         let Some(bindings) = &state.bindings else { return (swing, None) };
         if !number.is_finite() {
-            // What is no number interrupts every cycle.
+            // A value that is not a number interrupts every cycle.
             let Swing { dimension, contradicted, .. } = swing;
             return (Swing { dimension, contradicted, ..Swing::default() }, None);
         }
@@ -343,8 +343,8 @@ impl Judge<'_> {
     }
 }
 
-/// Takes a value in. The turning point that it reveals: an extreme that it has come back from by the hysteresis. The
-/// first extreme is none, because nobody knows what was before it.
+/// Takes a value in. The turning point that it reveals: an extreme from which it has returned by the hysteresis. The
+/// first extreme is none, because the values before it are unknown.
 fn turn(swing: &mut Swing, sample: Extreme, hysteresis: f64) -> Option<Extreme> {
     let highest = swing.highest.filter(|highest| highest.value >= sample.value).unwrap_or(sample);
     let lowest = swing.lowest.filter(|lowest| lowest.value <= sample.value).unwrap_or(sample);

@@ -48,7 +48,7 @@ impl Band {
     }
 }
 
-/// What a right side is compared with: values of this dimension, where bare numbers are in this unit.
+/// Scale of a right side: values of this dimension, with bare numbers in this unit.
 #[derive(Clone, Copy)]
 pub(crate) struct Scale {
     pub(crate) unit: Option<&'static Unit>,
@@ -73,7 +73,7 @@ pub(crate) fn number_of(expr: &Expr, scale: Scale, context: &dyn EvalContext) ->
 /// The values that all `constraints` leave.
 ///
 /// # Errors
-/// When a side cannot be evaluated, or a constraint is no bound (the checker refuses those).
+/// When a side cannot be evaluated, or a constraint is not a bound (the checker refuses those).
 pub(crate) fn band(
     constraints: &[Constraint],
     scale: Scale,
@@ -169,7 +169,7 @@ pub(crate) fn earliest(moments: &Moments, band: &Band, from: Time, to: Time) -> 
     Some((first, moments.line_at(first)?))
 }
 
-/// When a line has a value: an instant, or between it and the next tick.
+/// Instant at which a line has a value: exact, or between it and the next tick.
 struct Crossing {
     /// The last tick that is not after the crossing.
     tick: Time,

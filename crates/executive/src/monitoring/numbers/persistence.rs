@@ -1,5 +1,5 @@
 //! Persistence (M&I)
-//! What: does a sample that holds until the next one, or until it expires, satisfy the constraints at some instant?
+//! What: detects a sample that holds until the next one, or until it expires, and satisfies the constraints at some instant.
 //! Runs: on every sample of the watched variable, and at the instant at which the window begins.
 //! Reads: histories, evaluation context.
 //! Writes: the persisted part of a monitor.
@@ -263,7 +263,7 @@ pub(crate) fn results(part: &PersistedPart, site: PartContext, query: &mut Verdi
     results
 }
 
-/// Does nobody know the value now?
+/// Returns true if the present value is unknown.
 pub(crate) fn in_doubt(part: &PersistedPart, now: Time) -> bool {
     part.blind || !part.objects.values().any(|sample| now <= sample.at + part.timeout)
 }

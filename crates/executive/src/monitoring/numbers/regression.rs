@@ -1,5 +1,5 @@
 //! Linear regression (M&I)
-//! What: does the line of least squares through the samples satisfy the constraints at some instant of the window?
+//! What: detects that the line of least squares through the samples satisfies the constraints at some instant of the window.
 //! Runs: on every sample of the watched variable, and at the instant at which the line meets the constraint.
 //! Reads: histories, evaluation context.
 //! Writes: the regression part of a monitor.
@@ -38,7 +38,7 @@ use std::sync::Arc;
 /// A line needs two points.
 const POINTS_MIN: u64 = 2;
 
-/// Why there is no line to trust.
+/// Reason for which there is no reliable line.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum FitFailure {
     /// No sample of the variable is in the fit interval.
@@ -170,7 +170,7 @@ impl Sampled for RegressionPart {
         fit_window(self, site)
     }
 
-    // It takes the place of one that does not stand apart any longer, since what is no number came after it.
+    // It takes the place of one that does not stand apart any longer, since a value that is not a number came after it.
     fn must_backfill(&self, sample: SampleView<'_>) -> bool {
         let fit = self.objects.get(&sample.variable.object);
         fit.is_some_and(|fit| fit.newest.is_none() && fit.last().map(|(at, _)| at) == Some(sample.at))
@@ -200,7 +200,7 @@ fn feed(
         fit.miss(sample.at);
         return troubles.add(no_number(sample, site));
     };
-    // What is not finite is a missing measurement here: it opens a gap. What is no number at all replaces nothing.
+    // What is not finite is a missing measurement here: it opens a gap. A value that is not a number replaces nothing.
     if number.is_nan() {
         return;
     }
@@ -261,7 +261,7 @@ fn line(part: &RegressionPart, fit: &Fit, context: &dyn EvalContext) -> Result<L
     }
 }
 
-/// What one object's line says at `now`.
+/// Statement of one object's line at `now`.
 pub(crate) enum Saying {
     /// It meets the constraints in the window.
     Met(Satisfaction),
@@ -269,11 +269,11 @@ pub(crate) enum Saying {
     WillBe(Time, f64, Line),
     /// It does not.
     Unmet(Line),
-    /// There is no line, or the window cannot be told.
+    /// There is no line, or the window is not known.
     Unknown(FitFailure),
 }
 
-/// What the line of `object` says at `now`.
+/// Returns the statement of the line of `object` at `now`.
 ///
 /// # Errors
 /// When a bound cannot be evaluated.
@@ -296,7 +296,7 @@ pub(crate) fn says(
         Time::BEGINNING => stated.from.unwrap_or(first_at),
         start => stated.from.map_or(start, |from| from.max(start)),
     };
-    // What lies after now is predicted only where the window says so.
+    // What lies after now is predicted only if the window includes it.
     let reach = Time(i64::MAX / 2);
     let Some((at, value)) = earliest(&line.moments, &wanted, from, stated.to.unwrap_or(reach.max(from))) else {
         return Ok(unmet(part, line, now));
@@ -338,7 +338,7 @@ pub(crate) fn says(
     Ok(Saying::Met(Satisfaction { interval: (first_at, last_at), recognised_at, bindings, evidence: evidence.into() }))
 }
 
-/// The line does not meet the constraints, or nobody knows since samples stopped coming.
+/// The line does not meet the constraints, or this is unknown since samples stopped coming.
 fn unmet(part: &RegressionPart, line: Line, now: Time) -> Saying {
     let gap = now.min(part.fit.1.unwrap_or(Time::END)) - line.last.0;
     match part.gap_max.filter(|most| gap > *most) {
@@ -347,7 +347,7 @@ fn unmet(part: &RegressionPart, line: Line, now: Time) -> Saying {
     }
 }
 
-/// What the lines of all wanted objects say, in order of first appearance.
+/// Returns the statements of the lines of all wanted objects, in order of first appearance.
 pub(crate) fn all(part: &RegressionPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Vec<Saying> {
     let wanted = |fit: &Fit| fit.bindings.is_some() && fit.last().is_some();
     let mut objects: Vec<(&Value, &Fit)> = part.objects.iter().filter(|(_, fit)| wanted(fit)).collect();
@@ -362,7 +362,7 @@ pub(crate) fn all(part: &RegressionPart, site: PartContext, query: &mut VerdictQ
     sayings
 }
 
-/// What the lines say now, earliest recognised first.
+/// Returns the present results of the lines, earliest recognised first.
 pub(crate) fn results(part: &RegressionPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Vec<Satisfaction> {
     let met = |saying| match saying {
         Saying::Met(result) => Some(result),
@@ -373,7 +373,7 @@ pub(crate) fn results(part: &RegressionPart, site: PartContext, query: &mut Verd
     results
 }
 
-/// Is there no line to trust for some object?
+/// Returns true if an object has no reliable line.
 pub(crate) fn in_doubt(part: &RegressionPart, site: PartContext, query: &mut VerdictQuery<'_>) -> bool {
     let silent = part.objects.values().all(|fit| fit.last().is_none());
     silent || all(part, site, query).iter().any(|saying| matches!(saying, Saying::Unknown(_)))
@@ -383,7 +383,7 @@ pub(crate) fn in_doubt(part: &RegressionPart, site: PartContext, query: &mut Ver
 /// constraint is waited for.
 pub(crate) fn truth(part: &RegressionPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Truth {
     let sayings = all(part, site, query);
-    // An object that is not wanted was heard of, as for other conditions.
+    // An object that is not wanted was known, as for other conditions.
     let mut unknown = part.objects.values().all(|fit| fit.last().is_none());
     let mut met = false;
     for saying in sayings {

@@ -12,7 +12,7 @@ use crate::state::monitors::moments::Moments;
 /// Enough for any degrees of freedom: the fraction converges in about their square root, or in a few terms far out.
 const FRACTION_TERMS_MAX: u32 = 10_000;
 
-/// Probability of a slope at least so far from zero by chance alone; none with fewer than three samples or two
+/// Probability of a slope at least so far from zero at random; none with fewer than three samples or two
 /// distinct instants.
 pub(crate) fn slope_by_chance(moments: &Moments) -> Option<f64> {
     let slope = moments.slope_per_s()? / 1e9;

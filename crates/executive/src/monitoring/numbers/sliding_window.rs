@@ -1,5 +1,5 @@
 //! Sliding window (M&I)
-//! What: the numbers of the last so long, with their moments, as samples come and leave.
+//! What: holds the numbers of the latest interval of fixed length, with their moments, as samples come and leave.
 //! Runs: from statistics, on every sample.
 //! Reads: nothing.
 //! Writes: the window.
@@ -11,7 +11,7 @@ use crate::state::monitors::moments::{HeldMoments, Moments};
 use crate::state::monitors::numbers::{Point, SlidingWindow};
 use apex_model::time::{Duration, Time};
 
-/// What a window holds.
+/// Content of a window.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Contents {
     pub(crate) moments: Moments,
@@ -36,7 +36,7 @@ fn add(moments: &mut Moments, held: &mut HeldMoments, point: Point) {
     held.add(number, point.held);
 }
 
-/// Drops the numbers before `start`; `leaves` is told of each. Weights over time are kept where `holds` says so.
+/// Drops the numbers before `start`; `leaves` receives each. Weights over time are kept if `holds` is true.
 pub(crate) fn drop_before(window: &mut SlidingWindow, start: Time, holds: bool, mut leaves: impl FnMut(f64)) {
     loop {
         if window.front.is_empty() {
@@ -73,7 +73,7 @@ fn turn_over(window: &mut SlidingWindow, holds: bool) {
     window.back_held = HeldMoments::default();
 }
 
-/// What the window holds from `start` on. Changes nothing, so that it does not matter how often it is asked.
+/// Returns the content of the window from `start` on. Changes nothing, so that the number of calls does not matter.
 pub(crate) fn contents(window: &SlidingWindow, start: Time) -> Contents {
     let mut contents = Contents::default();
     let mut edge = window.edge;
@@ -121,7 +121,7 @@ pub(crate) fn contents(window: &SlidingWindow, start: Time) -> Contents {
     contents
 }
 
-/// When numbers leave a window of this length, after one instant and up to another, at most `count`.
+/// Returns the instants at which numbers leave a window of this length, after one instant and up to another, at most `count`.
 pub(crate) fn leaving(
     window: &SlidingWindow,
     length: Duration,

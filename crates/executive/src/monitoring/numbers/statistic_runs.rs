@@ -1,6 +1,6 @@
 //! Statistic runs (M&I)
-//! What: evaluates the criteria of an episode over a run, or over the window at its end, as samples and time go on.
-//! Runs: from statistics, for the past (a later sample has come) and for the present (a verdict is asked).
+//! What: evaluates the criteria of an episode over a run, or over the window at its end, as samples arrive and time passes.
+//! Runs: from statistics, for the past (a later sample has arrived) and for the present (a verdict is asked).
 //! Reads: the statistical part, evaluation context.
 //! Writes: the totals of a run, when a sample becomes past.
 //! Bound: amortised O(1) per sample; instants at which samples leave a window O(1) each.
@@ -38,7 +38,7 @@ fn gap_cut(part: &StatisticalPart, state: &NumberRun) -> Option<Duration> {
     part.gap_max.filter(|most| gap > *most).map(|_| gap)
 }
 
-/// Has a value that is out of the constraints been seen since the last gap, the newest sample included?
+/// Returns true if a value outside the constraints was seen since the last gap, the newest sample included.
 pub(crate) fn contradicted(part: &StatisticalPart, state: &NumberRun) -> bool {
     let newest = &state.newest;
     let departs = state.run.is_some() && !newest.joins;
@@ -108,7 +108,7 @@ pub(crate) fn take_in(
     }
 }
 
-/// What the criteria say together at the end.
+/// Joint verdict of the criteria at the end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum CriteriaVerdict {
     /// The newest sample belongs to no run.
@@ -123,23 +123,23 @@ pub(crate) enum CriteriaVerdict {
     Fails,
 }
 
-/// What came of an evaluation.
+/// Result of an evaluation.
 pub(crate) struct Evaluated {
-    /// The result that goes on holding.
+    /// The result that continues to hold.
     pub(crate) found: Option<Satisfaction>,
     /// Results that are over.
     pub(crate) over: Vec<Satisfaction>,
     /// The result of a run that silence has ended; the next sample ends it with the same result.
     pub(crate) closed_by_time: Option<Satisfaction>,
-    /// What the criteria say at the end.
+    /// Verdict of the criteria at the end.
     pub(crate) outcome: CriteriaVerdict,
 }
 
-/// What is known of a run, for explanations.
+/// Known facts of a run, for explanations.
 pub(crate) struct RunSummary {
     pub(crate) start: Time,
     pub(crate) samples: u64,
-    /// When the run or window is long enough, if that is to come.
+    /// Instant at which the run or window is long enough, if that lies ahead.
     pub(crate) long_enough_at: Option<Time>,
     pub(crate) gap: Option<Duration>,
     pub(crate) judgements: Vec<(Criterion, CriterionResult)>,
@@ -164,7 +164,7 @@ impl Evaluation<'_> {
         StateVariable { attribute, object: self.object.clone() }
     }
 
-    /// Does the step between two numbers satisfy all constraints on steps?
+    /// Returns true if the step between two numbers satisfies all constraints on steps.
     pub(crate) fn step_holds(&self, before: f64, after: f64, troubles: &mut ConditionFaults) -> bool {
         let steps = self.part.criteria.iter().filter(|criterion| criterion.measure == Measure::Step);
         let mut holds = true;
@@ -178,7 +178,7 @@ impl Evaluation<'_> {
         holds
     }
 
-    /// Where the run that the newest sample belongs to began.
+    /// Returns the start of the run that contains the newest sample.
     fn start(&self, state: &NumberRun) -> Option<Time> {
         state.newest.holds.as_ref()?;
         Some(state.run.as_ref().filter(|_| state.newest.joins).map_or(state.newest.at, |run| run.start))
@@ -229,14 +229,14 @@ impl Evaluation<'_> {
         Ok(())
     }
 
-    /// Evaluates at an instant: a result begins, goes on or ends.
+    /// Evaluates at an instant: a result begins, continues or ends.
     fn step(&self, state: &NumberRun, at: Time, evaluated: &mut Evaluated) -> Result<(), EvaluationError> {
         let (outcome, result) = self.at(state, true, at, at)?;
         evaluated.outcome = outcome;
         match (result, &mut evaluated.found) {
             (None, found) => evaluated.over.extend(found.take()),
             (Some(result), None) => evaluated.found = Some(result),
-            // What goes on holding is one result, from the first sample of the run or of the first window on.
+            // A result that continues to hold is one result, from the first sample of the run or of the first window on.
             (Some(result), Some(found)) => {
                 let interval = (found.interval.0, result.interval.1);
                 *found = Satisfaction { interval, recognised_at: found.recognised_at, ..result };
@@ -293,7 +293,7 @@ impl Evaluation<'_> {
         }
     }
 
-    /// What the criteria say of the run up to `at`, with or without the newest sample, and the result if they hold.
+    /// Returns the verdict of the criteria about the run up to `at`, with or without the newest sample, and the result if they hold.
     fn at(
         &self,
         state: &NumberRun,
@@ -410,7 +410,7 @@ impl Evaluation<'_> {
         numbers
     }
 
-    /// What is known of the run now; none when the newest sample belongs to none.
+    /// Returns the known facts of the present run; `None` if the newest sample belongs to no run.
     pub(crate) fn standing(&self, state: &NumberRun, now: Time) -> Option<RunSummary> {
         let start = self.start(state)?;
         let numbers = self.gather(state, true, state.newest.at);

@@ -1,5 +1,5 @@
 //! Statistics (M&I)
-//! What: is there a run, or a window of the wanted length, whose statistics and trends satisfy the constraints?
+//! What: detects a run, or a window of the required length, whose statistics and trends satisfy the constraints.
 //! Runs: on every sample of the watched variable, and at instants that the sampling quality licenses.
 //! Reads: histories, evaluation context.
 //! Writes: the statistical part of a monitor.
@@ -146,7 +146,7 @@ fn feed(
     }
 }
 
-/// Makes the newest sample part of the past, because one of a later instant, `next`, has come.
+/// Makes the newest sample part of the past, because one of a later instant, `next`, has arrived.
 fn settle(
     part: &mut StatisticalPart,
     site: PartContext,
@@ -171,7 +171,7 @@ fn settle(
     state
 }
 
-/// Does the sample belong to the run, and which number is it?
+/// Returns true if the sample belongs to the run, with its number.
 fn judge(
     part: &mut StatisticalPart,
     site: PartContext,
@@ -219,7 +219,7 @@ fn judge(
     newest
 }
 
-/// What the sample binds when it satisfies the value constraints, and whether it agrees with the run before it.
+/// Returns the bindings of a sample that satisfies the value constraints, and whether it agrees with the run before it.
 fn held_values(
     part: &StatisticalPart,
     site: PartContext,
@@ -286,7 +286,7 @@ pub(crate) fn results(part: &StatisticalPart, site: PartContext, query: &mut Ver
         results.extend(evaluated.closed_by_time);
         results.extend(evaluated.found);
     }
-    // Those of one instant in the order in which their objects were heard of.
+    // Those of one instant in the order in which their objects were first known.
     let rank = |result: &Satisfaction| {
         let object = result.evidence.iter().find_map(|evidence| match evidence {
             Evidence::Run { variable, .. } => Some(&variable.object),
@@ -299,7 +299,7 @@ pub(crate) fn results(part: &StatisticalPart, site: PartContext, query: &mut Ver
     results
 }
 
-/// Results that grow as long as their statistics go on holding.
+/// Results that grow as long as their statistics hold.
 pub(crate) fn open_results(
     part: &StatisticalPart,
     site: PartContext,
@@ -332,7 +332,7 @@ pub(crate) fn open_of_variables(
     open(part, site, query).into_iter().map(|(object, result)| (variable(object), result)).collect()
 }
 
-/// Does nobody know whether the newest run of some object is what is asked for?
+/// Returns true if it is undecided whether the newest run of an object satisfies the constraints.
 pub(crate) fn in_doubt(part: &StatisticalPart, site: PartContext, query: &mut VerdictQuery<'_>) -> bool {
     let mut doubt = part.blind || part.objects.is_empty();
     for (object, state) in &part.objects {
@@ -377,7 +377,7 @@ pub(crate) fn truth(part: &StatisticalPart, site: PartContext, query: &mut Verdi
     Truth::of(met, open)
 }
 
-/// What is known about the newest run, for explanations: each criterion with what it says, and since when the run is.
+/// Returns the known facts of the newest run, for explanations: each criterion with its verdict, and the start of the run.
 pub(crate) fn standing(
     part: &StatisticalPart,
     site: PartContext,
@@ -387,7 +387,7 @@ pub(crate) fn standing(
     Evaluation { part, site, object, context: query.context }.standing(state, query.now)
 }
 
-/// One criterion in words: `mean = 3 does not satisfy (> 5)`.
+/// One criterion as text: `mean = 3 does not satisfy (> 5)`.
 pub(crate) fn judgement_words(
     criterion: &crate::state::monitors::numbers::Criterion,
     judgement: &CriterionResult,
@@ -400,7 +400,7 @@ pub(crate) fn judgement_words(
             format!("{name} {wanted} is false")
         }
         CriterionResult::Holds(value) => format!("{name} = {}", computed(value)),
-        // Only the level of significance has no constraints of its own.
+        // Only the level of significance has no constraints.
         CriterionResult::Fails(value) if wanted.is_empty() => {
             format!("such a slope comes by chance with probability {}", computed(value))
         }

@@ -1,4 +1,4 @@
-//! What a condition forgets at its limits is told, once.
+//! A condition reports once that it forgets data at its limits.
 
 use super::*;
 use apex_model::condition::AllenRelation;
@@ -13,7 +13,7 @@ fn results_limit() -> Vec<String> {
     vec![format!("the limit MONITOR_RESULTS_MAX = {MONITOR_RESULTS_MAX} of a condition was reached")]
 }
 
-/// An episode of the values from 5 on that lasts at least so long; with `any`, between any two samples.
+/// An episode of the values from 5 on that lasts at least this duration; with `any`, between any two samples.
 fn warm(attribute: &str, least: i64, any: bool) -> Condition {
     let value = vec![compare(Relation::GreaterOrEqual, int(5))];
     let lasting = vec![compare(Relation::GreaterOrEqual, span(least))];
@@ -21,7 +21,7 @@ fn warm(attribute: &str, least: i64, any: bool) -> Condition {
     condition(ConditionKind::Episode(Arc::new(episode)))
 }
 
-/// Tells samples of `a`, one an instant, and asks after each; what was told as trouble up to `quiet`, and after it.
+/// Shows samples of `a`, one per instant, and asks after each; returns the faults reported up to `quiet`, and after it.
 fn over(world: &mut World, values: impl Fn(i64) -> i64, quiet: i64, end: i64) -> (Vec<String>, Vec<String>) {
     let mut before = Vec::new();
     for at in 0..end {
@@ -42,7 +42,7 @@ fn that_the_first_sample_of_a_pair_is_forgotten_is_told_once() {
 
 #[test]
 fn that_windows_of_an_absence_are_forgotten_is_told_once() {
-    // Each second sample fits, so that between them something is absent for an instant. Nobody sees the event.
+    // Each second sample fits, so that between them something is absent for an instant. No monitor sees the event.
     let absent = condition(ConditionKind::Absent(Box::new(points("a", false)), span(1)));
     let seen = condition(event(vec![word("seen")]));
     let later = call(">", vec![call("start-of", vec![variable("gone")]), constant(Value::Time(Time(1_000_000)))]);

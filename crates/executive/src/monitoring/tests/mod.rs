@@ -118,7 +118,7 @@ fn free(name: &str) -> Pattern {
 }
 
 /// A monitor with its world: time, histories, arrival numbers. Wherever a bank can watch the monitor, one does; a twin is
-/// told of everything, and must be in the same state whenever somebody asks.
+/// shown everything, and must be in the same state at every query.
 struct World {
     view: View,
     monitor: Monitor,
@@ -141,7 +141,7 @@ impl World {
         world
     }
 
-    /// Goes on with another monitor.
+    /// Continues with another monitor.
     fn watch(&mut self, condition: &Condition, window: Window) {
         self.monitor = create(condition, window, &self.view).unwrap();
         (self.told, self.bank) = (self.monitor.clone(), None);
@@ -223,7 +223,7 @@ impl World {
         verdict
     }
 
-    /// When time alone decides, as monitor or bank say.
+    /// Returns the instant at which time alone decides, as monitor or bank states it.
     fn wake(&self) -> Option<Time> {
         match &self.bank {
             Some(bank) => bank.due().map(|(at, _)| at),

@@ -1,4 +1,4 @@
-//! Allen relations and absence against their definitions: over all runs, with all ways in which runs could go on.
+//! Allen relations and absence against their definitions: over all runs, with all ways in which runs could continue.
 
 use super::*;
 use crate::monitoring::combination::allen::SWEEP_AT_LEAST;
@@ -46,12 +46,12 @@ fn stands(relation: AllenRelation, a: Interval, b: Interval, near: i64) -> bool 
     }
 }
 
-/// What one part asks of its variable.
+/// Constraint of one part on its variable.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Side {
     /// Each sample of at least 5 is a point.
     Points,
-    /// Whole runs of at least 5, without larger gaps, that last at least so long.
+    /// Whole runs of at least 5, without larger gaps, that last at least this duration.
     Runs { gap: Option<i64>, least: i64 },
 }
 
@@ -70,7 +70,7 @@ impl Side {
         )
     }
 
-    /// The intervals known at `now`, and whether each can go on. A run counts once its duration is reached, by a sample
+    /// The intervals known at `now`, and whether each can continue. A run counts once its duration is reached, by a sample
     /// or while the gap says that the last value holds.
     pub(super) fn intervals(self, samples: &[(i64, i64)], now: i64) -> Vec<(Interval, bool)> {
         let Side::Runs { gap, least } = self else {
@@ -109,7 +109,7 @@ fn ends((interval, open): (Interval, bool), now: i64) -> Vec<Interval> {
     std::iter::once(interval).chain(later.into_iter().filter(|_| open)).collect()
 }
 
-/// Pairs that stand in the relation however runs go on, in order.
+/// Pairs that are in the relation however runs continue, in order.
 pub(super) fn decided(
     relation: AllenRelation,
     near: i64,
@@ -130,7 +130,7 @@ pub(super) fn decided(
     pairs.into_iter().map(|(a, b)| (a.0.min(b.0), a.1.max(b.1))).collect()
 }
 
-/// What arrives: the variable, the instant, the value. Both variables often have samples at the same instant.
+/// Samples: the variable, the instant, the value. Both variables often have samples at the same instant.
 pub(super) fn traces() -> impl Strategy<Value = Vec<(bool, i64, i64)>> {
     proptest::collection::vec((0..4_i64, 0..3_u8, 3..7_i64, 3..7_i64), 1..16).prop_map(|steps| {
         let mut at = 0;
@@ -178,7 +178,7 @@ fn a_result_that_ends_first_does_not_stand_for_one_that_begins_later() {
         vec![Side::Points.condition("a"), Side::Runs { gap: None, least: 0 }.condition("b")],
     );
     let mut world = World::new(&condition);
-    // What is told of b comes later than what is told of a: its run begins with the first point.
+    // The samples of b come later than those of a: its run begins with the first point.
     tell(&mut world, &[(false, 2, 3), (true, 3, 5), (true, 7, 5), (true, 8, 3)]);
     assert_eq!(world.answer(8), None);
     tell(&mut world, &[(false, 3, 5)]);
@@ -381,7 +381,7 @@ proptest! {
     }
 }
 
-/// How many results an Allen relation keeps of its parts.
+/// Returns the number of results of its parts that an Allen relation keeps.
 fn kept(world: &World) -> usize {
     let PartKind::Allen(leaf) = &world.monitor.root.kind else { return 0 };
     leaf.sides.iter().map(|side| side.settled.len()).sum()

@@ -88,7 +88,7 @@ impl Wanted {
         if self.above { left > right } else { left < right }
     }
 
-    /// What holds of the numbers in the interval that ends at `end`; none when nothing is defined.
+    /// Returns the truth for the numbers in the interval that ends at `end`; `None` if it is undefined.
     fn holds(self, samples: &[(i64, i64)], before: Option<i64>, from: i64, end: i64) -> Option<bool> {
         let count = samples.len() as i128;
         let values = || samples.iter().map(|(_, value)| i128::from(*value));
@@ -165,7 +165,7 @@ impl Wanted {
         &samples[start..]
     }
 
-    /// What the definition says at instant `end`: interval and truth; the outer none means not long enough.
+    /// Returns interval and truth by the definition at instant `end`; the outer `None` means not long enough.
     fn at(self, samples: &[(i64, i64)], end: i64) -> Option<Option<((i64, i64), bool)>> {
         let known: Vec<(i64, i64)> = samples.iter().copied().filter(|(at, _)| *at <= end).collect();
         let run = self.run(&known);
@@ -195,7 +195,7 @@ impl Wanted {
         if self.gap.is_none_or(|gap| end - newest > gap) {
             return false;
         }
-        // Weights over time change at every tick: only where samples come and leave are they looked at.
+        // Weights over time change at every tick: they are evaluated only where samples come and leave.
         let known: Vec<(i64, i64)> = samples.iter().copied().filter(|(at, _)| *at <= newest).collect();
         let run = self.run(&known);
         let Some(start) = run.first().map(|sample| sample.0) else { return false };

@@ -1,4 +1,4 @@
-//! Monitors that are told only of samples on their side of a bound say the same as monitors that are told of all.
+//! Monitors that receive only samples on their side of a bound give the verdicts of monitors that receive all.
 
 use super::*;
 use crate::state::clause::MonitorId;
@@ -67,13 +67,13 @@ fn conditions() -> impl Strategy<Value = Condition> {
     })
 }
 
-/// How long before now a sample was measured, its attribute, its value; and whether time goes on after it.
+/// Samples: age now, attribute, value, and whether time advances after it.
 fn samples() -> impl Strategy<Value = Vec<(i64, usize, Value, bool)>> {
     let late = prop_oneof![5 => Just(0_i64), 1 => 1..5_i64];
     proptest::collection::vec((late, 0..2_usize, values(), proptest::bool::weighted(0.7)), 1..14)
 }
 
-/// The same monitor twice: `routed` is told what the table of interests says, `told` of everything.
+/// The same monitor twice: `routed` receives the stimuli of the table of interests, the other one everything.
 struct Pair {
     routed: Monitor,
     told: Monitor,

@@ -3,7 +3,7 @@
 use super::*;
 use proptest::prelude::*;
 
-/// What arrives: instants may repeat (a later value replaces), and a value may be missing.
+/// Arrivals: instants may repeat (a later value replaces), and a value may be missing.
 pub(super) type Trace = Vec<(i64, Option<i64>)>;
 
 /// The samples that count: the last valid arrival of each instant.
@@ -34,7 +34,7 @@ pub(super) fn traces(most: i64, present: u32) -> impl Strategy<Value = Trace> {
     })
 }
 
-/// They arrive, one after the other.
+/// They arrive in sequence.
 pub(super) fn tell(world: &mut World, trace: &[(i64, Option<i64>)]) {
     for (at, value) in trace {
         let value = value.map_or(Value::Real(f64::NAN), Value::Integer);

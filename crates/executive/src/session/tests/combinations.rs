@@ -40,7 +40,7 @@ fn condition() -> impl Strategy<Value = String> {
     })
 }
 
-/// All results of `conditions` over samples of three variables, and what is said of each where `asked` says so.
+/// All results of `conditions` over samples of three variables, and what is said of each where `asked` is true.
 fn run(
     samples: &[(u8, i64, i64)],
     conditions: &[String],

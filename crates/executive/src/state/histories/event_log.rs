@@ -30,7 +30,7 @@ struct Log {
     overflowed: bool,
 }
 
-/// What all open policies and queries together want of one first word: the least restrictive of them counts.
+/// Demand of all open policies and queries for one first word: the least restrictive of them counts.
 #[derive(Clone, Copy, Debug, Default)]
 struct Wanted {
     lookback: Option<Duration>,
@@ -49,7 +49,7 @@ pub(crate) struct EventLogs {
 }
 
 impl EventLogs {
-    /// Somebody may ask for messages that begin with `head`, up to `lookback` before the newest of them.
+    /// A clause may need messages that begin with `head`, up to `lookback` before the newest of them.
     pub(crate) fn require(&mut self, head: &Symbol, lookback: Duration) {
         let slot = self.asked.entry(head.clone()).or_default();
         *slot = (*slot).max(lookback);
@@ -85,7 +85,7 @@ impl EventLogs {
         }
     }
 
-    /// Takes in a message, if somebody wants it; at most `most` of one first word are kept. True when one that is wanted
+    /// Takes in a message, if a clause needs it; at most `most` of one first word are kept. True when one that is wanted
     /// was dropped for it, and none was before.
     pub(crate) fn record(&mut self, event: &Occurrence, most: usize) -> bool {
         let Some(head) = event.head().filter(|head| self.logs.contains_key(*head)) else { return false };
@@ -108,7 +108,7 @@ impl EventLogs {
         wanted
     }
 
-    /// Messages that begin with `head`, oldest first, and whether all of them since `start` are there; none where nobody asked
+    /// Messages that begin with `head`, oldest first, and whether all of them since `start` are there; `None` without a demand
     /// for them before.
     pub(crate) fn of<'a>(
         &'a self,
@@ -167,7 +167,7 @@ mod tests {
         OpenEventLog { head: Symbol::new("seen"), spacing: Duration(spacing), time: Duration(time), count }
     }
 
-    /// What a log with `policies` keeps of messages at `instants`, and up to when it is incomplete.
+    /// Returns the messages at `instants` that a log with `policies` keeps, and the instant up to which it is incomplete.
     fn kept(policies: &[OpenEventLog], instants: &[i64]) -> (Vec<i64>, Option<Time>) {
         let mut logs = EventLogs::default();
         for (number, policy) in (0..).zip(policies) {

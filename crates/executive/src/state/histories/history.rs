@@ -1,4 +1,4 @@
-//! Histories: what was measured and what happened, as far back as somebody may still ask (paper, section III).
+//! Histories: what was measured and what happened, as far back as a clause may still ask (paper, section III).
 //!
 //! A history is a ring of samples in order of time. How much is kept follows from what conditions, queries and log
 //! policies ask for, within the hard limits of [`apex_model::limits`]. What was dropped is remembered as one instant, so
@@ -19,7 +19,7 @@ use std::collections::{BTreeMap, VecDeque};
 /// One measurement.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
-    /// When it was measured.
+    /// Instant of the measurement.
     pub at: Time,
     /// Arrival number of its event.
     pub sequence: u64,
@@ -30,7 +30,7 @@ pub struct Sample {
 /// One message.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Occurrence {
-    /// When it happened.
+    /// Instant of the message.
     pub at: Time,
     /// Arrival number of its event.
     pub sequence: u64,
@@ -49,7 +49,7 @@ impl Occurrence {
     }
 }
 
-/// The samples of one state variable and what became of the odd ones.
+/// The samples of one state variable and the counts of odd ones.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct History {
     samples: VecDeque<Sample>,
@@ -71,7 +71,7 @@ pub struct History {
     retention: Retention,
 }
 
-/// How much of a history is kept.
+/// Amount of history that is kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Retention {
     lookback: Duration,
@@ -85,7 +85,7 @@ struct Retention {
 /// Limits of one open `(log ..)` policy.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OpenLog {
-    /// Whose samples are logged.
+    /// Variable whose samples are logged.
     pub variable: StateVariable,
     /// Not more often than this; zero keeps all.
     pub spacing: Duration,
@@ -95,7 +95,7 @@ pub struct OpenLog {
     pub count: u64,
 }
 
-/// How much is kept whatever is asked for; by default the limits of the executive.
+/// Upper limits of what is kept; by default the limits of the executive.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Most {
     samples: usize,
@@ -170,7 +170,7 @@ impl History {
         self.samples.range(first..last)
     }
 
-    /// Has a sample been dropped that somebody may still ask for, because there were more than the limit?
+    /// Returns true if the limit forced out a sample that a condition may still need.
     pub fn has_overflowed(&self) -> bool {
         self.overflowed
     }
@@ -180,7 +180,7 @@ impl History {
         self.forgotten_until.is_none_or(|forgotten| forgotten < instant)
     }
 
-    /// When the variable was first heard of at the instant of `sample`: the arrival number of the first sample of its
+    /// Returns the arrival at which the variable was first known at the instant of `sample`: the arrival number of the first sample of its
     /// instant, which is its own unless it replaced another.
     pub fn first_arrival(&self, sample: &Sample) -> u64 {
         if self.first_arrivals.is_empty() {
@@ -235,7 +235,7 @@ impl History {
         Recorded::Inserted
     }
 
-    /// Drops what nobody may ask for any longer; constant time on average.
+    /// Drops samples that no clause can need any longer; constant time on average.
     fn trim(&mut self, samples_max: usize) {
         self.thin();
         let Some(newest) = self.samples.back().map(|sample| sample.at) else { return };
@@ -318,7 +318,7 @@ impl Histories {
     }
 
     /// Puts a sample into the history of `variable`. `lateness` is how late it may come (zero: not at all). Also true when
-    /// a sample that somebody may ask for was dropped for it, because of the limit, and none was before.
+    /// a sample that a clause may need was dropped for it, because of the limit, and none was before.
     pub fn record(&mut self, variable: &StateVariable, sample: Sample, lateness: Duration) -> (Recorded, bool) {
         if let Some(history) = self.variables.get_mut(variable) {
             history.retention.lateness = lateness;
@@ -345,7 +345,7 @@ impl Histories {
         })
     }
 
-    /// Somebody may ask for samples of `attribute` up to `lookback` before the newest.
+    /// A clause may need samples of `attribute` up to `lookback` before the newest.
     pub fn require_lookback(&mut self, attribute: &Symbol, lookback: Duration) {
         let slot = self.lookbacks.entry(attribute.clone()).or_default();
         *slot = (*slot).max(lookback);
@@ -354,7 +354,7 @@ impl Histories {
         self.variables.change(of_attribute, |history| history.retention.lookback = lookback);
     }
 
-    /// Somebody may ask for samples of any attribute up to `lookback` before the newest.
+    /// A clause may need samples of any attribute up to `lookback` before the newest.
     pub fn require_lookback_of_all(&mut self, lookback: Duration) {
         self.lookback_of_all = self.lookback_of_all.max(lookback);
         self.variables

@@ -1,4 +1,4 @@
-//! What was measured and what happened.
+//! Histories of measurements and messages.
 
 pub mod event_log;
 pub mod history;

@@ -31,8 +31,8 @@ impl<T> VariableMap<T> {
         self.0.get_key_value(variable)
     }
 
-    /// All entries, to change each by itself: they come in any order, so nothing may depend on it.
-    #[allow(clippy::iter_over_hash_type, reason = "whoever changes entries one by one sees no order")]
+    /// All entries, to change each separately: they come in any order, so nothing may depend on it.
+    #[allow(clippy::iter_over_hash_type, reason = "separate changes of entries do not depend on their order")]
     pub fn each_mut(&mut self) -> impl Iterator<Item = (&StateVariable, &mut T)> {
         self.0.iter_mut()
     }
@@ -55,7 +55,7 @@ impl<T> VariableMap<T> {
         self.0.remove(variable)
     }
 
-    /// How many entries there are.
+    /// Returns the number of entries.
     pub fn len(&self) -> usize {
         self.0.len()
     }

@@ -14,17 +14,17 @@ use std::sync::Arc;
 /// State of a cyclic condition.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CyclicPart {
-    /// What is wanted.
+    /// The condition.
     pub condition: Arc<CyclicCondition>,
     /// The state variable when its object is known, else none.
     pub variable: Option<StateVariable>,
-    /// How far a value must come back from an extreme to make it a turning point, SI.
+    /// Return from an extreme that makes it a turning point, SI.
     pub hysteresis: f64,
     /// The window reaches before the oldest sample that was kept when the monitor was made.
     pub blind: bool,
     /// Results that no later arrival of the same instant can take back.
     pub settled: Vec<Satisfaction>,
-    /// What the samples of each object have done.
+    /// State of each object.
     #[serde(with = "crate::state::pairs")]
     pub objects: BTreeMap<Value, CyclicObject>,
 }
@@ -34,11 +34,11 @@ pub struct CyclicPart {
 pub struct CyclicObject {
     /// Order of the object's first appearance.
     pub rank: u64,
-    /// What its name binds; none when it is not wanted.
+    /// Bindings by its name; `None` if the object is not wanted.
     pub bindings: Option<Bindings>,
     /// The newest sample; not a number when its value is none.
     pub newest: (Time, f64),
-    /// What the samples before the newest have done.
+    /// State before the newest sample.
     pub swing: Swing,
 }
 
@@ -49,11 +49,11 @@ pub struct Extreme {
     pub at: Time,
     /// The value, SI.
     pub value: f64,
-    /// Which sample it is, counted from 1.
+    /// Number of the sample, from 1.
     pub number: u64,
 }
 
-/// Where the values go.
+/// Direction of the values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Heading {
     /// They have not moved by the hysteresis yet.
@@ -65,10 +65,10 @@ pub enum Heading {
     Falling,
 }
 
-/// What the samples of one object have done so far.
+/// State of one object's samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Swing {
-    /// Where the values go.
+    /// Direction of the values.
     pub heading: Heading,
     /// The least value since the last turning point, or since the beginning.
     pub lowest: Option<Extreme>,
@@ -76,7 +76,7 @@ pub struct Swing {
     pub highest: Option<Extreme>,
     /// The last two turning points, the older first.
     pub turns: [Option<Extreme>; 2],
-    /// How many samples there were.
+    /// Number of samples.
     pub samples: u64,
     /// The dimension of the values.
     pub dimension: Dimension,
@@ -88,17 +88,17 @@ pub struct Swing {
     pub last: Option<(Time, Time, f64)>,
 }
 
-/// Cycles one after the other that all satisfy the constraints.
+/// Successive cycles that all satisfy the constraints.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CycleRun {
     /// The first turning point.
     pub start: Extreme,
     /// The last turning point.
     pub end: Extreme,
-    /// How many half cycles.
+    /// Number of half cycles.
     pub halves: u64,
     /// Sum of the amplitudes of all cycles that begin at one of its turning points, SI.
     pub amplitudes: f64,
-    /// It has been told.
+    /// It has been reported.
     pub told: bool,
 }

@@ -123,7 +123,7 @@ impl Moments {
         self.last_at = self.last_at.max(last_at);
     }
 
-    /// How many samples.
+    /// Returns the number of samples.
     pub fn count(&self) -> u64 {
         self.count
     }
@@ -173,8 +173,8 @@ impl Moments {
         Some(self.anchor + (self.mean + self.slope_per_ns()? * (time - self.mean_time_ns)))
     }
 
-    /// How long before or after the anchor's instant the line has this value, in nanoseconds, and that instant; none
-    /// when it is level.
+    /// Returns the time between the anchor's instant and the point at which the line has this value, in nanoseconds, and that instant;
+    /// `None` if it is level.
     pub fn line_reaches(&self, value: f64) -> Option<(Time, f64)> {
         let slope = self.slope_per_ns().filter(|slope| *slope != 0.0)?;
         Some((self.anchor_at, self.mean_time_ns + ((value - self.anchor) - self.mean) / slope))
@@ -215,7 +215,7 @@ pub struct HeldMoments {
 }
 
 impl HeldMoments {
-    /// Adds a value that held for so long.
+    /// Adds a value that held for this duration.
     pub fn add(&mut self, number: f64, held: Duration) {
         if held > Duration::ZERO {
             self.merge(&HeldMoments { weight_ns: held.0 as f64, anchor: number, mean: 0.0, spread: 0.0 });

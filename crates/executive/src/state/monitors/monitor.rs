@@ -25,7 +25,7 @@ pub use crate::state::monitors::parts::{
     AbsentPart, AllenPart, Chain, EventPart, FunctionPart, Side, TaskEndedPart, TaskStatePart, TimePart,
 };
 
-/// From when on evidence counts.
+/// Instant from which evidence counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Window {
     /// The first instant that counts; closed.
@@ -39,7 +39,7 @@ impl Window {
     pub fn from(start: Time) -> Window {
         Window { start, ..Window::default() }
     }
-    /// Does evidence of this instant and arrival count?
+    /// Returns true if evidence of this instant and arrival counts.
     pub fn contains(&self, at: Time, sequence: u64) -> bool {
         at >= self.start && self.after_sequence.is_none_or(|after| sequence > after)
     }
@@ -54,11 +54,11 @@ pub struct Satisfaction {
     pub recognised_at: Time,
     /// Pattern variables, object variables and tags (as intervals).
     pub bindings: Bindings,
-    /// What was seen.
+    /// Evidence.
     pub evidence: EvidenceList,
 }
 
-/// What a monitor says about its condition.
+/// Verdict of a monitor.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
     /// True, in this way: the earliest recognised; among those, the first in written order of parts.
@@ -69,7 +69,7 @@ pub enum Verdict {
     Unknown,
 }
 
-/// What wakes a monitor's attention.
+/// Stimulus for a monitor.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Interest {
     /// Samples of one variable.
@@ -91,39 +91,39 @@ pub enum Interest {
 /// The state of one condition.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Monitor {
-    /// When it was made.
+    /// Instant of its creation.
     pub created_at: Time,
-    /// From when on evidence counts.
+    /// Instant from which evidence counts.
     pub window: Window,
     /// The condition's tree.
     pub root: Part,
-    /// When the verdict was last asked.
+    /// Instant of the last verdict.
     pub asked_at: Time,
-    /// What few monitors have.
+    /// Data that few monitors have.
     pub notes: Option<Box<Notes>>,
 }
 
 /// Rarely used parts of a monitor.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Notes {
-    /// When a delay at the end of an order is over, as the last verdict found.
+    /// End of a delay at the end of an order, as the last verdict found it.
     pub delay_over_at: Option<Time>,
     /// Errors met while judging, not yet reported.
     pub troubles: Vec<ConditionFault>,
-    /// Errors already reported: each is told once.
+    /// Errors already reported: each is reported once.
     pub told: Vec<ConditionFault>,
 }
 
 /// An error inside a condition's expression.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ConditionFault {
-    /// What went wrong, for operators.
+    /// Failure, human-readable.
     pub message: String,
-    /// Where.
+    /// Position in the PDL text.
     pub place: Place,
 }
 
-/// Which results a part must remember.
+/// Results that a part must remember.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Keep {
     /// The first is enough: nothing else depends on it.
@@ -137,11 +137,11 @@ pub enum Keep {
 pub struct Part {
     /// Bound to the result's interval.
     pub tag: Option<Symbol>,
-    /// Where it stands.
+    /// Position in the PDL text.
     pub place: Place,
-    /// From when on evidence counts.
+    /// Instant from which evidence counts.
     pub window: Window,
-    /// What it remembers.
+    /// Remembered results.
     pub keep: Keep,
     /// A limit was reached in it or within it: a result may be missing.
     pub forgotten: bool,
@@ -180,7 +180,7 @@ pub enum PartKind {
     Not(Box<Part>),
     /// An instant, or a span of instants, has arrived.
     Timestamp(Box<TimePart>),
-    /// So long after the window's start.
+    /// A duration after the window's start.
     Delay(Box<TimePart>),
     /// Each part has an Allen relation to the next.
     Allen(Box<AllenPart>),
@@ -197,7 +197,7 @@ pub struct Composite {
     pub parts: Vec<Part>,
     /// All must be true of a combination of results.
     pub constraints: Vec<Expr>,
-    /// Results of the parts must be combined: they share variables, or stand under constraints or an order.
+    /// Results of the parts must be combined: they share variables, or have constraints or an order.
     pub combines: bool,
     /// The variables that occur in more than one part.
     pub shared: Vec<Symbol>,
@@ -236,7 +236,7 @@ pub type Tests = SmallVec<[Test; 1]>;
 /// State of a measurement condition.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MeasurementPart {
-    /// What is wanted.
+    /// The condition.
     pub condition: Arc<MeasurementCondition>,
     /// The value tests, prepared.
     pub tests: Tests,
@@ -244,11 +244,11 @@ pub struct MeasurementPart {
     pub variable: Option<StateVariable>,
     /// The window reaches before the oldest sample that was kept when the monitor was made.
     pub blind: bool,
-    /// What it was told of; nothing for most of those that wait, because they are not told of samples in vain.
+    /// Received samples; `None` for most monitors that wait, because they receive only samples that may matter.
     pub seen: Option<Box<SeenSamples>>,
 }
 
-/// Samples that a measurement condition was told of.
+/// Samples that a measurement condition has received.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SeenSamples {
     /// Results that no later arrival of the same instant can take back.
@@ -258,7 +258,7 @@ pub struct SeenSamples {
 }
 
 /// The newest samples of the objects that a measurement condition follows. One that follows a known variable is not
-/// told of samples that cannot satisfy it; what it missed stands in the variable's history.
+/// shown samples that cannot satisfy it; the samples that it missed are in the variable's history.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Newest {
     /// No sample yet.
@@ -271,7 +271,7 @@ pub enum Newest {
 }
 
 impl Newest {
-    /// How many objects there are.
+    /// Returns the number of objects.
     pub fn len(&self) -> usize {
         match self {
             Newest::None => 0,
@@ -354,17 +354,17 @@ pub struct NewestSample {
 /// State of an episode condition.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EpisodePart {
-    /// What is wanted.
+    /// The condition.
     pub condition: Arc<EpisodeCondition>,
     /// The value tests, prepared.
     pub tests: Tests,
     /// The state variable when its object is known, else none.
     pub variable: Option<StateVariable>,
-    /// The greatest gap between samples; none is no constraint.
+    /// The greatest gap between samples; `None` does not constrain.
     pub gap_max: Option<Duration>,
-    /// The run lasts at least so long; one tick more than D for `(> D)`.
+    /// Minimum duration of the run; one tick more than D for `(> D)`.
     pub duration_min: Duration,
-    /// Some constraint on end or duration is no lower bound: it is decided when the run is over.
+    /// True if a constraint on end or duration is not a lower bound: it is decided when the run is over.
     pub at_close: bool,
     /// Any two samples of a run bound an episode, not only the whole run.
     pub any_pair: bool,
@@ -399,7 +399,7 @@ pub struct ObjectRun {
 pub struct RunSample {
     /// Its instant.
     pub at: Time,
-    /// What it binds, if it satisfies the value constraints.
+    /// Bindings, if it satisfies the value constraints.
     pub holds: Option<Bindings>,
     /// It agrees with what the run before it binds.
     pub joins: bool,
@@ -416,9 +416,9 @@ pub struct Run {
     pub start: Time,
     /// Last sample's instant.
     pub last: Time,
-    /// How many samples.
+    /// Number of samples.
     pub samples: u64,
-    /// What its samples bind.
+    /// Bindings of its samples.
     pub bindings: Bindings,
     /// Its first sample satisfies the constraints on first values.
     pub first_holds: bool,

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// What is computed over the samples of an episode.
+/// Measure over the samples of an episode.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Measure {
     /// Arithmetic mean.
@@ -57,20 +57,20 @@ pub enum Measure {
 /// A measure and what must hold of it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Criterion {
-    /// What is computed.
+    /// Measure.
     pub measure: Measure,
     /// All must hold of it.
     pub constraints: Vec<Constraint>,
     /// The constraints, prepared.
     pub tests: Tests,
-    /// What a bare number on a right side means: its factor to SI and its dimension.
+    /// Meaning of a bare number on a right side: its factor to SI and its dimension.
     pub bare: Option<(f64, Dimension)>,
 }
 
 /// State of an episode condition with statistics or trends.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StatisticalPart {
-    /// What is wanted.
+    /// The condition.
     pub condition: Arc<EpisodeCondition>,
     /// The value tests, prepared.
     pub tests: Tests,
@@ -80,13 +80,13 @@ pub struct StatisticalPart {
     pub variable: Option<StateVariable>,
     /// The dimension of the values, as soon as it is known.
     pub dimension: Option<Dimension>,
-    /// The greatest gap between samples; none is no constraint.
+    /// The greatest gap between samples; `None` does not constrain.
     pub gap_max: Option<Duration>,
     /// The least duration; of a sliding window the duration.
     pub duration_min: Duration,
     /// Evaluated over a window of `duration_min`, not over the whole run.
     pub slides: bool,
-    /// Some constraint on end or duration is no lower bound: the run is evaluated when it is over.
+    /// True if a constraint on end or duration is not a lower bound: the run is evaluated when it is over.
     pub at_close: bool,
     /// The window reaches before the oldest sample that was kept when the monitor was made.
     pub blind: bool,
@@ -121,9 +121,9 @@ pub struct NumberRun {
 pub struct NumberSample {
     /// Its instant.
     pub at: Time,
-    /// Its value in SI; none when it is no finite number.
+    /// Its value in SI; `None` if it is not a finite number.
     pub number: Option<f64>,
-    /// What it binds, if it satisfies the value constraints.
+    /// Bindings, if it satisfies the value constraints.
     pub holds: Option<Bindings>,
     /// It continues the run before it.
     pub joins: bool,
@@ -135,14 +135,14 @@ pub struct NumberSample {
     pub bad_step: bool,
 }
 
-/// What is known of a run.
+/// Known facts of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Totals {
     /// First sample's instant.
     pub start: Time,
     /// Last sample's instant.
     pub last: Time,
-    /// What its samples bind.
+    /// Bindings of its samples.
     pub bindings: Bindings,
     /// Its first sample satisfies the constraints on first values.
     pub first_holds: bool,
@@ -172,7 +172,7 @@ pub struct Totals {
 pub struct Point {
     /// Its instant.
     pub at: Time,
-    /// Its value; none where it is no finite number, which is in the window and in no statistic.
+    /// Its value; `None` if it is not a finite number, which is in the window and in no statistic.
     pub number: Option<f64>,
     /// Until the next sample.
     pub held: Duration,
@@ -202,7 +202,7 @@ pub struct SlidingWindow {
 /// State of a measurement condition under persistence.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PersistedPart {
-    /// What is wanted.
+    /// The condition.
     pub condition: Arc<MeasurementCondition>,
     /// The value tests, prepared.
     pub tests: Tests,
@@ -228,14 +228,14 @@ pub struct PersistedSample {
     pub at: Time,
     /// Its value.
     pub value: Value,
-    /// What it binds, if value and object satisfy the constraints.
+    /// Bindings, if value and object satisfy the constraints.
     pub holds: Option<Bindings>,
 }
 
 /// State of a measurement condition under linear regression.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RegressionPart {
-    /// What is wanted.
+    /// The condition.
     pub condition: Arc<MeasurementCondition>,
     /// The state variable when its object is known, else none.
     pub variable: Option<StateVariable>,
@@ -259,7 +259,7 @@ pub struct RegressionPart {
 }
 
 /// Samples of one object within the fit interval. The newest stands apart, because a later arrival of its instant may
-/// still replace it, also by what is no number.
+/// still replace it, also by a value that is not a number.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Fit {
     /// Order of the object's first appearance.
@@ -270,9 +270,9 @@ pub struct Fit {
     pub first: f64,
     /// The last value of `moments`.
     pub before: f64,
-    /// The newest sample; none where what is no number has taken its place.
+    /// The newest sample; `None` if a value that is not a number has taken its place.
     pub newest: Option<(Time, f64)>,
-    /// What the object binds; none when it is not wanted.
+    /// Bindings of the object; `None` if it is not wanted.
     pub bindings: Option<Bindings>,
     /// The greatest gap between the samples of `moments`.
     pub gap: Duration,
@@ -292,7 +292,7 @@ impl Fit {
         self.newest = Some((at, number));
     }
 
-    /// What is no number has arrived at this instant: if the newest sample is of it, the fit is without that again.
+    /// Notes that a value that is not a number arrived at this instant: if the newest sample is of it, the fit is without that again.
     pub fn miss(&mut self, at: Time) {
         self.newest = self.newest.filter(|(newest_at, _)| *newest_at != at);
     }

@@ -43,7 +43,7 @@ fn take(half: &mut BTreeMap<i64, u64>, count: &mut u64, key: i64) -> bool {
 }
 
 impl OrderedNumbers {
-    /// How many numbers.
+    /// Returns the number of numbers.
     pub fn count(&self) -> u64 {
         self.low_count + self.high_count
     }

@@ -16,11 +16,11 @@ use std::sync::Arc;
 pub struct AllenPart {
     /// The relation that each part has to the next.
     pub relation: AllenRelation,
-    /// End points that are no further apart than this are equal; `less` means earlier by more than this.
+    /// End points that are at most this far apart are equal; `less` means earlier by more than this.
     pub tolerance: Duration,
     /// The parts in written order.
     pub parts: Vec<Part>,
-    /// What each part has found, in the same order.
+    /// Results of each part, in the same order.
     pub sides: Vec<Side>,
     /// All must be true of the related results.
     pub constraints: Vec<Expr>,
@@ -28,11 +28,11 @@ pub struct AllenPart {
     pub shares: bool,
     /// Results that nothing can change any longer; the first where one is enough.
     pub found: Vec<Chain>,
-    /// Results in which a run goes on, as last looked at.
+    /// Results with an open run, as last evaluated.
     pub passing: Vec<Chain>,
-    /// Results of parts stand so that only the end of a run that goes on can decide.
+    /// Results of parts stand so that only the end of an open run can decide.
     pub undecided: bool,
-    /// When time alone can decide next: a run without samples is over, or a delay within a part.
+    /// Next instant at which time alone can decide: a run without samples is over, or a delay within a part.
     pub decides_at: Option<Time>,
 }
 
@@ -45,14 +45,14 @@ pub struct Chain {
     pub result: Satisfaction,
 }
 
-/// What a part of a relation has found.
+/// Results of a part of a relation.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Side {
     /// Final results that a later result of a neighbour could still be related to.
     pub settled: Vec<Satisfaction>,
-    /// How many results were ever final.
+    /// Number of results that were ever final.
     pub count: u64,
-    /// The newest result, for explanations, and whether its run goes on.
+    /// The newest result, for explanations, and whether its run is open.
     pub newest: Option<((Time, Time), bool)>,
     /// The number of kept results at which those of no more use are looked for.
     pub sweep_at: usize,
@@ -61,7 +61,7 @@ pub struct Side {
 /// State of `(:absent C :for D)`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AbsentPart {
-    /// What must not be.
+    /// The part that must be absent.
     pub part: Part,
     /// For how long.
     pub length: Duration,
@@ -73,12 +73,12 @@ pub struct AbsentPart {
     pub goes_on: bool,
     /// The data do not say whether the part holds.
     pub unknown: bool,
-    /// Since when the part, which holds at instants (`:not`, `:function`, a line), has done so or was in doubt at every look:
-    /// absence begins with the look at which it does not.
+    /// Since when the part, which holds at instants (`:not`, `:function`, a line), has held or was undecided at every evaluation:
+    /// absence begins with the evaluation at which it does not.
     pub broken: Option<Time>,
-    /// How far the parts of an `:and` reach whose results all go together: instead of their final results.
+    /// Spans of the parts of an `:and` whose results all fit together: instead of their final results.
     pub reached: Vec<Option<(Time, Time)>>,
-    /// Evidence of the part that came while it went on or was in doubt: windows between are judged when that is over.
+    /// Evidence of the part that came while it held or was undecided: windows between are judged when that is over.
     pub seen: Vec<(Time, Time)>,
     /// The start of the newest window that passed without it.
     pub told: Option<Time>,
@@ -86,7 +86,7 @@ pub struct AbsentPart {
     pub taken_back: Option<Time>,
     /// The windows that passed without it; the first where one is enough.
     pub found: Vec<Satisfaction>,
-    /// When time alone can decide next.
+    /// Next instant at which time alone can decide.
     pub decides_at: Option<Time>,
 }
 
@@ -110,7 +110,7 @@ pub struct EventPart {
     pub timing: Arc<Timing>,
     /// The window reaches before the oldest message that was remembered when the monitor was made.
     pub blind: bool,
-    /// What was found.
+    /// Results.
     pub settled: Vec<Satisfaction>,
 }
 
@@ -123,7 +123,7 @@ pub struct TaskEndedPart {
     pub standing: bool,
     /// The task, as soon as it is known.
     pub task: Option<TaskId>,
-    /// When it ended.
+    /// Instant of the end.
     pub ended: Option<Time>,
 }
 
@@ -138,7 +138,7 @@ pub struct TaskStatePart {
     pub standing: bool,
     /// The task, as soon as it is known.
     pub task: Option<TaskId>,
-    /// What was found.
+    /// Results.
     pub settled: Vec<Satisfaction>,
 }
 

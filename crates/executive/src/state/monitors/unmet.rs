@@ -1,4 +1,4 @@
-//! What a waiting condition lacks, for `apex why`.
+//! Unmet requirements of a waiting condition, for `apex why`.
 
 use apex_model::source::Place;
 use apex_model::time::Time;
@@ -10,14 +10,14 @@ use serde::{Deserialize, Serialize};
 pub struct Unmet {
     /// The part as PDL text.
     pub what: String,
-    /// What is known about it now.
+    /// Present state.
     pub now: String,
     /// Since when that is so.
     pub since: Option<Time>,
-    /// When it comes true by time alone, if nothing changes before.
+    /// Instant at which it comes true by time alone, if nothing changes before.
     pub until: Option<Time>,
-    /// How far the newest sample is from the threshold.
+    /// Distance of the newest sample from the threshold.
     pub distance: Option<Value>,
-    /// Where it stands.
+    /// Position in the PDL text.
     pub place: Place,
 }

@@ -3,7 +3,7 @@
 use super::Twin;
 
 impl Twin {
-    /// Does `a` go before `b` by its rank?
+    /// Returns true if `a` precedes `b` by its rank.
     pub(super) fn goes_before(&self, a: usize, b: usize) -> bool {
         !self.related(a, b) && self.share(a, b) && self.before_by_rank(a, b) == Some(true)
     }
@@ -35,7 +35,8 @@ impl Twin {
         order
     }
 
-    /// Who yields first: who beats none of the others by rank; of these the least defence; of these the latest at work.
+    /// Orders holders by who yields first: a task that beats none of the others by rank; of these the least defence; of these the latest
+    /// at work.
     pub(super) fn weakest_first(&self, mut holders: Vec<usize>, defence: &impl Fn(usize) -> f64) -> Vec<usize> {
         let mut ordered = Vec::new();
         while !holders.is_empty() {

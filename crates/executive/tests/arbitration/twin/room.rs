@@ -3,16 +3,16 @@
 use super::{Awaited, State, Twin};
 
 impl Twin {
-    /// Who was refused before `task` and keeps its place, but for relatives and, where nobody has to yield, for those who
-    /// cannot begin before `task` is done.
+    /// Returns the tasks that were refused before `task` and keep their place, except for relatives and, if no task has to yield, for
+    /// those that cannot begin before `task` is done.
     pub(super) fn counts(&self, task: usize, awaited: &[Awaited], fills_gaps: bool) -> Vec<usize> {
         let done = self.nodes[task].expected.map(|expected| i64::from(self.now + expected));
         let in_gap = |each: &Awaited| fills_gaps && done.zip(each.earliest).is_some_and(|(done, begin)| done <= begin);
         awaited.iter().filter(|each| !self.related(task, each.task) && !in_gap(each)).map(|each| each.task).collect()
     }
 
-    /// When a refused task can begin at the earliest: when the first of those is done who are in its way for what it lacks
-    /// first, if all of them say when.
+    /// Returns the earliest instant at which a refused task can begin: the first end of a task that blocks the resource it lacks
+    /// first, if all of these tasks state their ends.
     pub(super) fn earliest(
         &self,
         task: usize,
@@ -43,14 +43,14 @@ impl Twin {
         ends?.into_iter().min()
     }
 
-    /// Is there space for what the task needs of this resource, or does it stay within what its family has?
+    /// Returns true if the task's need of this resource fits, or stays within the share of its family.
     pub(super) fn fits(&self, task: usize, which: usize, uses: &[usize]) -> bool {
         let before = self.used(uses, which);
         let after = self.used(&[uses, &[task]].concat(), which);
         self.needs[task][which] == 0.0 || after <= self.totals[which] + 1e-9 || after <= before + 1e-9
     }
 
-    /// How much is used: a task and what is below it do not compete, strangers add up.
+    /// Returns the used amount: a task and those below it do not compete, strangers add up.
     fn used(&self, users: &[usize], which: usize) -> f64 {
         let children =
             |parent: Option<usize>| (0..self.nodes.len()).filter(move |each| self.nodes[*each].parent == parent);

@@ -19,7 +19,7 @@ fn mission(name: &str) -> Arc<Mission> {
     Arc::new(Mission::load(&folder).unwrap())
 }
 
-/// Where planning was to begin, and what was planned.
+/// The plan from which planning was to begin, and the resulting plan.
 type Asked = (Option<Plan>, Plan);
 
 /// Remembers where it was to begin and what it has planned, as 2-Opt does.

@@ -1,4 +1,4 @@
-//! When late targets were announced: a target of the mission's files with `announced` = `by-event` is unknown before
+//! Announcements of late targets: a target of the mission's files with `announced` = `by-event` is unknown before
 //! the first event `(new-target ID)`.
 //!
 //! GeoJSON says which targets are late. Tables and KML only say that some are: then every announced target counts as

@@ -1,4 +1,4 @@
-//! Which task held which resource when, from the decisions that granted it.
+//! Holders of resources over time, from the decisions that granted them.
 
 use super::RecordView;
 use super::holding_index::Held;
@@ -45,7 +45,7 @@ pub struct Holding {
 }
 
 impl RecordView {
-    /// Who held which resource in the window `from_ns ..= to_ns`, as known at `at_ns` (nanoseconds of mission time; none means
+    /// Returns the holders of resources in the window `from_ns ..= to_ns`, as known at `at_ns` (nanoseconds of mission time; `None`:
     /// the record's end).
     ///
     /// # Errors

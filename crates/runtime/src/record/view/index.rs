@@ -26,7 +26,7 @@ pub(super) struct IndexedTask {
 pub(super) struct Change {
     pub(super) at_ns: i64,
     pub(super) state: StateWord,
-    /// How it ended, when it did. A step that repeats leaves the ended state again.
+    /// Outcome, if it has ended. A step that repeats leaves the ended state again.
     pub(super) outcome: Option<Box<str>>,
 }
 

@@ -31,7 +31,7 @@ impl RecordStatus {
     }
 }
 
-/// How far the record has grown.
+/// Growth of a record.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Growth {
@@ -43,11 +43,11 @@ pub struct Growth {
     pub status: RecordStatus,
 }
 
-/// How a flight ended.
+/// End of a flight.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Ending {
-    /// Why it ended.
+    /// Reason.
     pub reason: String,
     /// True if its initial task failed, or a fault ended it.
     pub failed: bool,
@@ -71,9 +71,9 @@ pub struct Mission {
     pub epoch_utc: Option<String>,
     /// Mission time in nanoseconds of the first thing recorded.
     pub from_ns: i64,
-    /// How the flight ended; none before its end.
+    /// End of the flight; `None` before.
     pub ending: Option<Ending>,
-    /// How far the record has grown.
+    /// Growth of the record.
     #[serde(flatten)]
     pub growth: Growth,
     /// Number of tasks created so far.
@@ -126,7 +126,7 @@ impl RecordView {
         growth.status.is_final() && at_ns >= growth.end_ns
     }
 
-    /// How far the record has grown.
+    /// Returns the growth of the record.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].

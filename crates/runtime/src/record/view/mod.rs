@@ -59,9 +59,9 @@ pub struct RecordView {
     reader: RecordReader,
     /// The states of all tasks over time, brought up to date before each use.
     index: TaskIndex,
-    /// Who held which resource when, brought up to date before each use.
+    /// Holders of resources over time, brought up to date before each use.
     holdings: HoldingIndex,
-    /// When late targets became known, brought up to date before each use.
+    /// Announcements of late targets, brought up to date before each use.
     announcements: Announcements,
     /// The samples, shared by all views of one record.
     samples: Arc<Mutex<SampleIndex>>,

@@ -44,7 +44,7 @@ pub struct PlannedVisit {
 pub struct LeftOutTarget {
     /// The target's identifier.
     pub target: String,
-    /// Why.
+    /// Reason.
     pub reason: String,
 }
 

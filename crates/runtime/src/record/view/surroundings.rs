@@ -28,7 +28,7 @@ pub struct Zone {
     pub altitude_m_min: f64,
     /// Upper face, metres above mean sea level; none if the file states none.
     pub altitude_m_max: Option<f64>,
-    /// When it holds, hours of mission time from and until; empty if it always holds.
+    /// Active intervals, hours of mission time from and until; empty if it is always active.
     pub active_h: Vec<[f64; 2]>,
     /// GeoJSON.
     #[cfg_attr(test, ts(type = "GeoJSON.Geometry"))]

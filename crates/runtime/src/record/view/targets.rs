@@ -38,13 +38,13 @@ pub struct Target {
     pub geometry: Option<Value>,
     /// `planned`, `observing`, `observed` or `skipped` at the instant asked for; none before the first.
     pub state: Option<String>,
-    /// Why it is in this state: the reason of the change to it, and for `planned` the latest plan's.
+    /// Reason for its state: the reason of the change to it, and for `planned` that of the latest plan.
     pub detail: Option<String>,
     /// Mission time in nanoseconds at which this state began. A later plan that keeps the state does not change it.
     pub since_ns: Option<i64>,
     /// Mission time in nanoseconds at which it was announced; none if it was known from the start.
     pub announced_ns: Option<i64>,
-    /// What was recorded about it up to that instant, oldest first, at most 500 entries.
+    /// Recorded changes up to that instant, oldest first, at most 500 entries.
     pub history: Vec<TargetChange>,
 }
 
@@ -56,7 +56,7 @@ pub struct TargetChange {
     pub t_ns: i64,
     /// The state.
     pub state: String,
-    /// Why.
+    /// Reason.
     pub detail: Option<String>,
 }
 
@@ -117,7 +117,7 @@ fn state_of(history: &[TargetChange]) -> Option<TargetChange> {
     Some(TargetChange { t_ns: first.t_ns, state: first.state.clone(), detail: detail.clone() })
 }
 
-/// What was recorded of each target up to `at_ns`.
+/// Returns the recorded changes of each target up to `at_ns`.
 fn histories(connection: &Connection, at_ns: i64) -> rusqlite::Result<BTreeMap<String, Vec<TargetChange>>> {
     let sql = "SELECT target, t_ns, state, detail FROM target_state WHERE t_ns <= ?1 ORDER BY t_ns, position";
     let mut statement = connection.prepare_cached(sql)?;

@@ -62,7 +62,7 @@ pub fn expected_cost(problem: &SurveillanceProblem, meter: &mut Meter<'_>) -> Op
     for round in 0..ROUNDS_MAX {
         let step_ns = model.program.step_ns();
         let steps_max = (meter.left_ns() / step_ns).min(f64::from(STEPS_MAX)) as u32;
-        // A program that is interrupted before it has come near to its optimum proves next to nothing.
+        // A program that is interrupted far from its optimum proves next to nothing.
         if round > 0 && f64::from(steps_max) < STEPS_USUAL {
             meter.cut();
             break;

@@ -2,7 +2,7 @@
 //! planners).
 //!
 //! An operator's choices are taken as they are, what follows is computed here: [`scored`] takes visits with their times
-//! and computes worth, cost and left-out targets anew; [`retimed`] takes the order alone (of single visits the
+//! and computes worth, cost and left-out targets again; [`retimed`] takes the order alone (of single visits the
 //! manoeuvres too) and makes the times. Neither states that the plan may be flown: that is the task of the checker.
 //! Bound: O(visits x targets), and what [`Human`] takes.
 

@@ -6,7 +6,7 @@ use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 
 impl Histories {
-    /// Puts a message into the memory of events. True when an earlier one that somebody may ask for was dropped for it,
+    /// Puts a message into the memory of events. True when an earlier one that a clause may need was dropped for it,
     /// because of the limit, and none was before.
     pub fn record_event(&mut self, event: Occurrence) -> bool {
         let before = self.events_overflowed;
@@ -50,12 +50,12 @@ impl Histories {
         self.events_forgotten_until.is_none_or(|forgotten| forgotten < instant)
     }
 
-    /// Somebody may ask for messages up to `lookback` before the newest.
+    /// A clause may need messages up to `lookback` before the newest.
     pub fn require_event_lookback(&mut self, lookback: Duration) {
         self.event_lookback = self.event_lookback.max(lookback);
     }
 
-    /// Somebody may ask for messages that begin with `head`, up to `lookback` before the newest of them.
+    /// A clause may need messages that begin with `head`, up to `lookback` before the newest of them.
     pub fn require_events_of(&mut self, head: &Symbol, lookback: Duration) {
         self.event_logs.require(head, lookback);
     }

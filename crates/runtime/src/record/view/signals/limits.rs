@@ -21,7 +21,7 @@ use std::collections::BTreeMap;
 
 /// Maximum number of excursions of an answer; those that the executive answered and the longest are kept.
 const EXCURSIONS_MAX: usize = 300;
-/// How deep indexicals and functions may refer to one another.
+/// Maximum depth of references between indexicals and functions.
 const DEPTH_MAX: usize = 16;
 
 /// A limit, or a threshold, of a signal. Values beyond it satisfy the condition.
@@ -34,7 +34,7 @@ pub struct SignalLimit {
     pub high: Option<f64>,
     /// For how many seconds values must be beyond it; none if one sample is enough.
     pub duration_s: Option<f64>,
-    /// What else must hold, as PDL text; empty if nothing.
+    /// Further conditions as PDL text; empty if there are none.
     pub also: String,
     /// True if a step that repeats or responds watches it; false for a threshold that is waited for once.
     pub guarded: bool,
@@ -58,7 +58,7 @@ pub struct Excursion {
     pub peak: f64,
     /// Number of samples.
     pub samples: usize,
-    /// When the executive found the condition satisfied in it, nanoseconds of mission time; none if it did not: too short,
+    /// Instant at which the executive found the condition satisfied in it, nanoseconds of mission time; `None` if it did not: too short,
     /// not watched then, or what else must hold did not.
     pub raised_ns: Option<i64>,
 }
@@ -137,7 +137,7 @@ fn is_about(pattern: &VariablePattern, variable: &StateVariable) -> bool {
         }
 }
 
-/// What the constraints on a value say about it, in SI.
+/// Bounds of a value by its constraints, in SI.
 #[derive(Default)]
 struct Bounds {
     low: Option<f64>,
@@ -263,7 +263,7 @@ fn si(value: &Value) -> Option<f64> {
     value.as_number().map(|(si, _)| si).filter(|si| si.is_finite())
 }
 
-/// When the executive found the conditions of limits satisfied, by the place of the condition.
+/// Instants at which the executive found the conditions of limits satisfied, by the place of the condition.
 #[derive(Default)]
 pub(in crate::record::view) struct Raised(BTreeMap<String, Vec<i64>>);
 

@@ -3,7 +3,7 @@
 /// One sample. Words are their places in the list of words.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::record::view) struct StoredSample {
-    /// When it was measured.
+    /// Instant of the measurement.
     pub(in crate::record::view) at_ns: i64,
     /// The instant of the step that it came in.
     pub(in crate::record::view) arrived_ns: i64,

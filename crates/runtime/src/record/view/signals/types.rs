@@ -1,4 +1,4 @@
-//! What is asked and answered about signals.
+//! Queries about signals and their answers.
 
 use super::limits::{Excursion, SignalLimit};
 use serde::Serialize;

@@ -1,4 +1,4 @@
-//! What a lane of the timeline is drawn with: bars and bands.
+//! Shapes of a lane of the timeline: bars and bands.
 
 use super::super::state::StateWord;
 use serde::Serialize;
