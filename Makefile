@@ -7,7 +7,7 @@ SHELL := bash
 MAKEFLAGS += --no-builtin-rules
 
 MISSION ?= western-states
-MISSIONS := first-picture stand-off structure-watch pipeline-inspection day-and-night western-states
+MISSIONS := first-picture stand-off diagnosis structure-watch pipeline-inspection day-and-night western-states
 SEED ?= 1
 ROUNDS ?= 20
 # Random worlds with about 13 trips each: a million trips that must not enter a zone.
@@ -117,6 +117,7 @@ deny: ## Check licences, sources, doubled versions and, where their database can
 nightly: test build ## What is too slow for every change: many seeds, replay across builds, properties with new cases, a million random programs, ten million conditions, planted bugs, the planners' profile, measurements.
 	for seed in 1 2 3 4 5 6 7 8; do $(MAKE) sim SEED=$$seed; done
 	APEX_GUARDED_SEEDS=200 APEX_GUARDED_MISSIONS=200 cargo test --locked $(CI_PROFILE) --package apex-simulation --test guarded_flights
+	APEX_FAULT_HOURS=50000 APEX_FAULT_SEED=100000 cargo test --locked $(CI_PROFILE) --package apex-spec --test fault_simulator
 	for mission in $(MISSIONS); do $(APEX) replay $(FLIGHTS)/$$mission.apex; done
 	$(MAKE) deny
 	$(MAKE) wheel
