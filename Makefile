@@ -131,6 +131,7 @@ nightly: test build ## What is too slow for every change: many seeds, replay acr
 	$(APEX) profile compare $(TARGET)/profile-subset.txt
 	$(APEX) profile compare --regret --missions 1
 	APEX_BRUTE_FORCE_PROBLEMS=100000 APEX_BRUTE_FORCE_SEED=1000000 cargo test --locked $(CI_PROFILE) --package apex-solvers --test brute_force
+	APEX_KILL_POINTS=10000 APEX_POWER_CUTS=100000 cargo test --locked $(CI_PROFILE) --package apex-runtime --test flights crash::
 	PROPTEST_CASES=$(TRAVEL_WORLDS) cargo test --locked $(CI_PROFILE) --package apex-geo --lib travel::tests::random::no_way
 	$(MAKE) golden-travel
 	$(MAKE) bench

@@ -9,11 +9,12 @@ pub(crate) use resume::OpenAnswer;
 
 use crate::agent_group::{AgentGroup, Numbering};
 use crate::error::RunError;
+use crate::input_stream::InputStream;
 use crate::limits::{LATENESS_TOLD_MIN, STEPS_PER_INSTANT_MAX};
 use crate::outbox;
 use crate::pacing::Pacer;
 use crate::pool::{Arrival, SolverPool};
-use crate::ports::{Deliberator, Input, Observer, SolverQueue, Vehicle};
+use crate::ports::{Deliberator, Input, News, Observer, SolverQueue, Vehicle};
 use crate::terms::{Control, EndReason, FlyOptions, Lateness, RunEnd, ScriptedAnswer};
 use apex_executive::Agent;
 use apex_model::effect::{Effect, SolveRequest};
@@ -34,6 +35,7 @@ pub(crate) struct Flight<'a, 'o> {
     pacer: Pacer,
     /// Latest first, so that the next one is popped off the end.
     scheduled: Vec<Input>,
+    stream: Option<InputStream>,
     answers: Vec<ScriptedAnswer>,
     controls: Option<Receiver<Control>>,
     /// Somebody outside may still say something in addition `stop`.
@@ -78,6 +80,9 @@ impl<'a, 'o> Flight<'a, 'o> {
         scheduled.reverse();
         let group = AgentGroup::new(agents);
         scheduled.iter().try_for_each(|input| group.check(input))?;
+        for agent in options.stream.iter().flat_map(InputStream::agents) {
+            group.check(&Input { agent: Some(agent.clone()), ..Input::new(Time::ZERO, EventKind::Woken) })?;
+        }
         let late = Lateness::default();
         Ok(Flight {
             step,
@@ -87,6 +92,7 @@ impl<'a, 'o> Flight<'a, 'o> {
             observers,
             pacer,
             scheduled,
+            stream: options.stream,
             answers: options.answers,
             controls: options.controls,
             expecting: true,
@@ -206,7 +212,8 @@ impl<'a, 'o> Flight<'a, 'o> {
         let scheduled = self.scheduled.last().map(|input| input.at);
         let people = self.controls.is_some() && self.expecting && self.pacer.is_paced();
         let listening = (people || self.pool.is_expecting()).then_some(Time::END);
-        let all = [report, poll, wake, self.pool.next_due(), scheduled, listening];
+        let streamed = self.stream.as_ref().and_then(InputStream::next_at);
+        let all = [report, poll, wake, self.pool.next_due(), scheduled, streamed, listening];
         all.into_iter().flatten().min().map(|at| at.max(self.now))
     }
 
@@ -280,6 +287,11 @@ impl<'a, 'o> Flight<'a, 'o> {
         while let Some(input) = self.scheduled.pop_if(|input| input.at <= now) {
             inputs.push(input);
         }
+        if let Some(stream) = &mut self.stream {
+            while let Some(input) = stream.take_due(now).map_err(RunError::Options)? {
+                inputs.push(input);
+            }
+        }
         for mut input in inputs {
             // A vehicle that runs ahead of us must not make the executive believe in the future.
             input.at = input.at.min(now);
@@ -321,6 +333,7 @@ impl<'a, 'o> Flight<'a, 'o> {
         for text in sent.notes.iter().chain(&undelivered) {
             self.each_observer(now, |observer| observer.note(now, text))?;
         }
+        self.hear_observers(now)?;
         if let Some(agent) = self.group.agent(index) {
             for observer in self.observers.iter_mut() {
                 let inspected = observer.inspect(agent, &*self.deliberator, now);
@@ -373,6 +386,15 @@ impl<'a, 'o> Flight<'a, 'o> {
             let place = self.scheduled.partition_point(|input| input.at > at);
             self.scheduled.insert(place, Input { at, kind, agent: Some(agent), command_form: None });
         }
+    }
+
+    /// Tells the agents and all observers what an observer has to say, such as that the disk is full.
+    pub(super) fn hear_observers(&mut self, now: Time) -> Result<(), RunError> {
+        while let Some(News { message, note }) = self.observers.iter_mut().find_map(|observer| observer.take_news()) {
+            self.each_observer(now, |observer| observer.note(now, &note))?;
+            self.group.deliver(Input::new(now, EventKind::Occurrence(message)))?;
+        }
+        Ok(())
     }
 
     fn each_observer(

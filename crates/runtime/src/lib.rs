@@ -16,6 +16,7 @@ pub mod foreign;
 pub mod fork;
 pub mod inbox;
 pub mod input_lines;
+pub mod input_stream;
 pub mod invocation;
 pub mod limits;
 pub mod live_lines;
@@ -30,6 +31,7 @@ pub mod record;
 pub mod replay;
 #[cfg(test)]
 mod samples;
+pub mod solver_process;
 pub mod solver_thread;
 pub mod target_state;
 pub mod terms;

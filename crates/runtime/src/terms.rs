@@ -1,6 +1,7 @@
 //! The terms of a run: what it is told beforehand, what people may say while it goes on, how it ends.
 
 use crate::commands::Command;
+use crate::input_stream::InputStream;
 use crate::limits::{SOLVER_GRACE, SOLVER_TIMEOUT};
 use crate::pacing::{Clock, WallClock};
 use crate::ports::Input;
@@ -22,6 +23,8 @@ pub struct FlyOptions {
     pub clock: Arc<dyn Clock>,
     /// Inputs that come at known times, in addition the vehicle's: a scenario, an operator's answers. Any order.
     pub inputs: Vec<Input>,
+    /// Further inputs, which are read while they are needed. At one instant they come after the others.
+    pub stream: Option<InputStream>,
     /// Answers of the operator to future questions; each answers one.
     pub answers: Vec<ScriptedAnswer>,
     /// Orders of operators while it runs.
@@ -42,6 +45,7 @@ impl Default for FlyOptions {
             pace: None,
             clock: Arc::new(WallClock::new()),
             inputs: Vec::new(),
+            stream: None,
             answers: Vec::new(),
             controls: None,
             poll: None,

@@ -25,6 +25,8 @@ impl Flight<'_, '_> {
             if wait != Wait::Over && !flushed {
                 self.each_observer(instant, |observer| observer.flush())?;
                 flushed = true;
+                self.hear_observers(self.pacer.now(self.now, instant))?;
+                continue;
             }
             match self.hear(wait)? {
                 Some(Control::Stop) => {
