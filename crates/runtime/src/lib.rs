@@ -6,6 +6,7 @@
 pub mod agent_group;
 pub mod answer_lines;
 pub mod asker;
+pub mod authority;
 pub mod commands;
 pub mod effect_describer;
 pub mod error;
@@ -18,6 +19,7 @@ pub mod inbox;
 pub mod input_lines;
 pub mod invocation;
 pub mod limits;
+pub mod live;
 pub mod live_lines;
 pub mod mission_loop;
 
