@@ -8,9 +8,11 @@ mod waiting;
 pub(crate) use resume::OpenAnswer;
 
 use crate::agent_group::{AgentGroup, Numbering};
+use crate::authority::AuthorityBoard;
 use crate::error::RunError;
 use crate::input_stream::InputStream;
 use crate::limits::{LATENESS_TOLD_MIN, STEPS_PER_INSTANT_MAX};
+use crate::live::LiveSources;
 use crate::outbox;
 use crate::pacing::Pacer;
 use crate::pool::{Arrival, SolverPool};
@@ -21,6 +23,7 @@ use apex_model::effect::{Effect, SolveRequest};
 use apex_model::event::{Batch, EventKind};
 use apex_model::time::{Duration, Time};
 use std::sync::mpsc::Receiver;
+use std::time::Instant;
 
 /// The executive's door, as a value so that tests can stand in for it.
 pub(crate) type Step = fn(&mut Agent, &Batch) -> Vec<Effect>;
@@ -38,6 +41,10 @@ pub(crate) struct Flight<'a, 'o> {
     stream: Option<InputStream>,
     answers: Vec<ScriptedAnswer>,
     controls: Option<Receiver<Control>>,
+    live: Option<HeardSources>,
+    /// Wall time at which observers have written out last.
+    flushed_at: Instant,
+    authority: AuthorityBoard,
     /// Somebody outside may still say something in addition `stop`.
     expecting: bool,
     until: Time,
@@ -51,6 +58,15 @@ pub(crate) struct Flight<'a, 'o> {
     /// The first instant is still to come.
     is_new: bool,
     end: RunEnd,
+}
+
+/// The live sources of a flight; dropping it tells their readers that the flight is over.
+struct HeardSources(LiveSources);
+
+impl Drop for HeardSources {
+    fn drop(&mut self) {
+        self.0.close();
+    }
 }
 
 /// Result of waiting for an instant.
@@ -95,6 +111,9 @@ impl<'a, 'o> Flight<'a, 'o> {
             stream: options.stream,
             answers: options.answers,
             controls: options.controls,
+            live: options.live.map(HeardSources),
+            flushed_at: Instant::now(),
+            authority: options.authority,
             expecting: true,
             until: options.until,
             poll: options.poll,
@@ -210,7 +229,8 @@ impl<'a, 'o> Flight<'a, 'o> {
         let poll = self.poll.filter(|_| report.is_none()).map(|poll| self.now + poll.max(Duration(1)));
         let wake = self.group.next_wake();
         let scheduled = self.scheduled.last().map(|input| input.at);
-        let people = self.controls.is_some() && self.expecting && self.pacer.is_paced();
+        let has_live = || self.live.as_ref().is_some_and(|live| live.0.has_waiting());
+        let people = self.controls.is_some() && self.pacer.is_paced() && (self.expecting || has_live());
         let listening = (people || self.pool.is_expecting()).then_some(Time::END);
         let streamed = self.stream.as_ref().and_then(InputStream::next_at);
         let all = [report, poll, wake, self.pool.next_due(), scheduled, streamed, listening];

@@ -6,6 +6,7 @@
 pub mod agent_group;
 pub mod answer_lines;
 pub mod asker;
+pub mod authority;
 pub mod commands;
 pub mod effect_describer;
 pub mod error;
@@ -19,6 +20,7 @@ pub mod input_lines;
 pub mod input_stream;
 pub mod invocation;
 pub mod limits;
+pub mod live;
 pub mod live_lines;
 pub mod mission_loop;
 

@@ -44,6 +44,16 @@ pub const INPUT_MESSAGES_MAX: usize = 20;
 pub const INPUT_LINE_BYTES_MAX: usize = 1 << 20;
 /// Tasks that have ended whose goals are remembered for words about them: what is told of an ended task is told soon after.
 pub const ENDED_GOALS_MAX: usize = 10_000;
+/// Live sources other than operators and safing programs at a time.
+pub const LIVE_SOURCES_MAX: usize = 64;
+/// Inputs of live sources in one step: it is over in some milliseconds, and operators are heard again.
+pub const LIVE_TAKE_MAX: usize = 256;
+/// Time between two steps that take from vehicles and feeds, where they flood; operators do not wait for it.
+pub const LIVE_REST: std::time::Duration = std::time::Duration::from_millis(2);
+/// Time after which a run that is never idle lets its observers write out what they hold back.
+pub const FLUSH_INTERVAL: std::time::Duration = std::time::Duration::from_millis(20);
+/// Time between two reports of what a live source has lost.
+pub const LIVE_REPORT_INTERVAL: std::time::Duration = std::time::Duration::from_secs(1);
 /// Batches that are committed together: a crash loses no more.
 pub const GROUP_BATCHES_MAX: u32 = 256;
 /// Milliseconds of wall time after which a group is committed even when it is small, so that live readers see it.

@@ -1,8 +1,10 @@
 //! The terms of a run: what it is told beforehand, what people may say while it goes on, how it ends.
 
+use crate::authority::AuthorityBoard;
 use crate::commands::Command;
 use crate::input_stream::InputStream;
 use crate::limits::{SOLVER_GRACE, SOLVER_TIMEOUT};
+use crate::live::LiveSources;
 use crate::pacing::{Clock, WallClock};
 use crate::ports::Input;
 use apex_model::event::EventKind;
@@ -29,6 +31,10 @@ pub struct FlyOptions {
     pub answers: Vec<ScriptedAnswer>,
     /// Orders of operators while it runs.
     pub controls: Option<Receiver<Control>>,
+    /// Sources that are heard by class and in turn; they wake the run by [`Control::Look`].
+    pub live: Option<LiveSources>,
+    /// Authority over the run, shared with those that show it.
+    pub authority: AuthorityBoard,
     /// Largest step of time for a vehicle that does not know when it reports next; none trusts the other instants.
     pub poll: Option<Duration>,
     /// Let mission time stand still while a solver works, also where the run is paced: a simulated flight then depends on no
@@ -48,6 +54,8 @@ impl Default for FlyOptions {
             stream: None,
             answers: Vec::new(),
             controls: None,
+            live: None,
+            authority: AuthorityBoard::default(),
             poll: None,
             hold_for_solvers: false,
             solver_timeout: SOLVER_TIMEOUT + 10 * SOLVER_GRACE,
@@ -79,6 +87,8 @@ pub enum Control {
     Pace(Option<f64>),
     /// An operator's command, which ends as accepted, rejected or expired.
     Command(Arc<Command>),
+    /// Live sources have something to say.
+    Look,
     /// Nothing more will be said but [`Control::Stop`]: the run need not wait for inputs.
     Quiet,
     /// End the run cleanly.

@@ -5,13 +5,15 @@
 //! written is read the same way and polled, so that live and recorded flights have one path. With a folder of missions it also
 //! flies them, through `apex-simulation`. Out of scope: SQL, decisions, planning, writing into the served record.
 
+mod access;
 mod answer;
 mod assets;
 mod flights;
 mod guard;
+mod hardening;
+mod listening;
 mod live;
 mod operation;
-mod own_pages;
 mod params;
 mod router;
 mod seen;
@@ -20,7 +22,9 @@ mod serve;
 mod state;
 mod why;
 
+pub use access::{AccessToken, TokenError};
 pub use flights::FlightOptions;
+pub use listening::{TlsError, TlsIdentity};
 pub use operation::{FlightDoor, FlightWatch, ReadDatum};
-pub use serve::{ServeError, ServeOptions, serve};
+pub use serve::{AccessOptions, ServeError, ServeOptions, serve};
 pub use state::LoadSources;

@@ -1,5 +1,6 @@
 //! State that request handlers share: connections to the record, flights, and checks of parameters and of blocking work.
 
+use crate::access::Sessions;
 use crate::answer::{Answer, ApiError};
 use crate::flights::Tower;
 use crate::operation::FlightDoor;
@@ -13,9 +14,10 @@ use axum::extract::{Query, State};
 use axum::http::StatusCode;
 use std::path::PathBuf;
 use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError};
+use tokio::sync::Semaphore;
 
 /// Questions that are answered at the same time.
-const CONNECTIONS: usize = 4;
+const CONNECTIONS: usize = 8;
 
 /// Checks the PDL sources of a record again, so that an instant can be restored; the server knows no syntax.
 pub type LoadSources = Arc<dyn Fn(&[SourceFile]) -> Result<Program, String> + Send + Sync>;
@@ -38,8 +40,14 @@ pub(crate) struct AppState {
     pub(crate) seen: SeenGround,
     /// The flights of this server, if it may fly.
     pub(crate) tower: Option<Arc<Tower>>,
-    /// True if only this machine can reach the server.
-    pub(crate) loopback: bool,
+    /// Callers with their roles.
+    pub(crate) sessions: Sessions,
+    /// Names of this server in addition to its addresses.
+    pub(crate) names: Vec<String>,
+    /// True if connections are encrypted.
+    pub(crate) is_encrypted: bool,
+    /// Places for WebSockets.
+    pub(crate) live_places: Arc<Semaphore>,
 }
 
 impl AppState {
@@ -94,7 +102,6 @@ impl Views {
         for _ in 1..CONNECTIONS {
             views.push(first.reopened()?);
         }
-        // The last one is taken first: while one question comes at a time, one index of tasks is built.
         views.push(first);
         Ok(Views { free: Mutex::new(views), returned: Condvar::new() })
     }

@@ -13,9 +13,9 @@ use apex_model::time::{Duration, Time};
 use apex_planning::Registry;
 use apex_runtime::ports::Observer;
 use apex_runtime::{Control, EndReason};
-use apex_server::FlightDoor;
+use apex_server::{AccessOptions, FlightDoor};
 use indicatif::{ProgressBar, ProgressStyle};
-use std::net::{IpAddr, Ipv4Addr, TcpListener};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{self, Receiver};
@@ -57,8 +57,12 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult {
         serve_beside(&path, door.clone(), options.port)
     });
     let mut watch = door.as_ref().map(FlightDoor::watch);
-    let terms =
-        apex_runtime::FlyOptions { pace: begin, controls: Some(controls), ..MissionFlight::terms(&mission, until) };
+    let terms = apex_runtime::FlyOptions {
+        pace: begin,
+        controls: Some(controls),
+        authority: door.as_ref().map(FlightDoor::authority).unwrap_or_default(),
+        ..MissionFlight::terms(&mission, until)
+    };
     let means = means(options, planners)?;
     let mut progress = Progress::new(terms.until, options.no_progress || options.json);
     let mut observers: Vec<&mut dyn Observer> = vec![&mut progress];
@@ -151,12 +155,13 @@ fn means(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult<PlanningRe
 fn serve_beside(path: &Path, door: FlightDoor, port: u16) -> JoinHandle<()> {
     let path = path.to_path_buf();
     std::thread::spawn(move || {
-        let address = IpAddr::V4(Ipv4Addr::LOCALHOST);
+        let address = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port);
         let ready = |url: &str| {
             // The page is served whether anybody reads this line or not.
             output::print_line(format_args!("Sherpa: {url}")).ok();
         };
-        match commands::serve::serve((Some((&path, 0)), Some(door.clone())), None, address, port, ready) {
+        let access = AccessOptions::default();
+        match commands::serve::serve((Some((&path, 0)), Some(door.clone())), None, access, address, ready) {
             // Without effect if the flight is over already.
             Ok(()) => door.stop(),
             Err(error) => {

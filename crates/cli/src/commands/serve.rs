@@ -2,11 +2,11 @@
 
 use crate::error::{CliError, CliResult};
 use crate::options::ServeOptions;
-use crate::{output, recording, sources};
+use crate::{access, output, recording, sources};
 use apex_mission::deliberation::PlanningResources;
 use apex_planning::Registry;
-use apex_server::{FlightDoor, FlightOptions, ReadDatum};
-use std::net::IpAddr;
+use apex_server::{AccessOptions, FlightDoor, FlightOptions, ReadDatum};
+use std::net::{IpAddr, SocketAddr};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -25,9 +25,11 @@ pub fn run(options: &ServeOptions, planners: &Arc<Registry>) -> CliResult {
         options.record.as_deref().map(|record| Ok::<_, CliError>((record, agent_of(record, options)?))).transpose()?;
     let flights = options.missions.as_deref().map(|missions| flights(missions, options, planners)).transpose()?;
     let open = options.open;
-    serve((record, None), flights, address, options.port, move |url| {
+    let (access, said) = access::access(options, address)?;
+    serve((record, None), flights, access, SocketAddr::new(address, options.port), move |url| {
         // The page is served whether anybody reads this line or not.
         output::print_line(format_args!("Sherpa: {url}  (Ctrl-C ends it)")).ok();
+        said.into_iter().for_each(|line| output::print_line(line).unwrap_or_default());
         if open {
             open_browser(url);
         }
@@ -73,18 +75,19 @@ pub fn read_datum() -> ReadDatum {
 pub fn serve(
     (record, door): (Option<(&Path, usize)>, Option<FlightDoor>),
     flights: Option<FlightOptions>,
-    address: IpAddr,
-    port: u16,
+    access: AccessOptions,
+    address: SocketAddr,
     ready: impl FnOnce(&str) + Send + 'static,
 ) -> CliResult {
     apex_server::serve(apex_server::ServeOptions {
         record: record.map(|(record, _)| record.to_path_buf()),
         agent: record.map_or(0, |(_, agent)| agent),
-        address,
-        port,
+        address: address.ip(),
+        port: address.port(),
         load: Some(Arc::new(sources::load_recorded)),
         door,
         flights,
+        access,
         ready: Box::new(ready),
     })
     .map_err(|error| CliError::failure(error.to_string()))
