@@ -11,7 +11,7 @@ use apex_model::value::Value;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// The head of the event that records a command.
-const HEAD: &str = "operator-command";
+pub(crate) const HEAD: &str = "operator-command";
 
 /// What a command asks of the run.
 #[derive(Clone, Debug, PartialEq)]
