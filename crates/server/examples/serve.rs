@@ -19,6 +19,8 @@ fn main() -> ExitCode {
         port,
         load: None,
         door: None,
+        others: Vec::new(),
+        what_if: None,
         flights: None,
         ready: Box::new(|url| println!("{url}")),
     };

@@ -1,10 +1,13 @@
 //! Serving: opens the record, binds, runs until Ctrl-C. Owns its tokio runtime, so that callers need none.
 
 use crate::flights::{FlightOptions, Tower};
-use crate::operation::FlightDoor;
+use crate::operation::{FlightDoor, ReadDatum};
 use crate::router::router;
 use crate::seen_ground::SeenGround;
+use crate::shelf::Shelf;
 use crate::state::{AppState, LoadSources, Views};
+use crate::what_if::WhatIf;
+use apex_mission::deliberation::PlanningResources;
 use apex_runtime::RecordError;
 use apex_runtime::record::view::RecordView;
 use std::future::Future;
@@ -31,6 +34,10 @@ pub struct ServeOptions {
     pub load: Option<LoadSources>,
     /// The way to the run that writes the record; without it the page only looks.
     pub door: Option<FlightDoor>,
+    /// Further records that the page can show.
+    pub others: Vec<PathBuf>,
+    /// Planners and the reader of forms, for continuing flights with changes and for drafts of plans.
+    pub what_if: Option<(PlanningResources, ReadDatum)>,
     /// The missions that the server may fly; `None`: it only reads.
     pub flights: Option<FlightOptions>,
     /// Called once with the page's address (`http://127.0.0.1:8040/`) when requests are answered.
@@ -68,9 +75,18 @@ pub enum ServeError {
 /// # Errors
 /// When the record cannot be read, the port cannot be had, or the network fails; each says what to do.
 pub fn serve(options: ServeOptions) -> Result<(), ServeError> {
-    let ServeOptions { record, agent, load, door, flights, ready, .. } = options;
+    let ServeOptions { record, agent, load, door, others, what_if, flights, ready, .. } = options;
     let view = record.as_ref().map(|record| RecordView::open(record, agent)).transpose()?;
     let views = view.map(Views::new).transpose()?;
+    let shelf = Shelf::default();
+    if let Some(record) = &record {
+        shelf.stand(record, Some(agent))?;
+    }
+    for other in &others {
+        shelf.stand(other, None)?;
+    }
+    let what_if = what_if.map(|(means, read)| WhatIf::new(means, read));
+    let forks = what_if.as_ref().map(|what_if| Arc::clone(&what_if.forks));
     let tower = flights.map(|flights| Arc::new(Tower::new(flights)));
     let asked = SocketAddr::new(options.address, options.port);
     let runtime = tokio::runtime::Builder::new_multi_thread()
@@ -101,10 +117,16 @@ pub fn serve(options: ServeOptions) -> Result<(), ServeError> {
             door,
             seen: SeenGround::default(),
             tower,
+            routes: router,
+            shelf,
+            what_if,
             loopback: bound.ip().is_loopback(),
         };
         axum::serve(listener, router(Arc::new(state))).with_graceful_shutdown(stop).await.map_err(ServeError::Stopped)
     });
+    if let Some(forks) = forks {
+        forks.close();
+    }
     // However serving ended: no flight is cut off.
     if let Some(tower) = flown {
         tower.close();

@@ -28,6 +28,8 @@ fn options(record: &Path) -> ServeOptions {
         port: 0,
         load: Some(Arc::new(unloadable)),
         door: None,
+        others: Vec::new(),
+        what_if: None,
         flights: None,
         ready: Box::new(|_| ()),
     }

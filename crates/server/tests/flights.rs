@@ -41,6 +41,8 @@ fn start(missions: Option<PathBuf>, records: &Path, address: Ipv4Addr) -> Socket
         port: 0,
         load: None,
         door: None,
+        others: Vec::new(),
+        what_if: None,
         flights: missions.map(|missions| FlightOptions {
             missions,
             records: records.into(),
@@ -357,6 +359,8 @@ fn plans_ground_seen_and_holders_are_those_of_the_instant_also_for_many_callers(
         port: 0,
         load: None,
         door: None,
+        others: Vec::new(),
+        what_if: None,
         flights: None,
         ready: Box::new(move |url| sender.send(url.to_owned()).unwrap()),
     };
