@@ -8,6 +8,7 @@ import { Operator } from './player/operator.svelte';
 import { Player } from './player/player.svelte';
 import { ServedFlight } from './record/operation';
 import { ServedRecord } from './record/source';
+import { Workshop } from './record/whatif';
 import { applyColours } from './theme/colours';
 import './theme/theme.css';
 
@@ -20,9 +21,10 @@ await Promise.allSettled([
 ]);
 const target = document.getElementById('app');
 if (!target) throw new Error('index.html has no element #app');
-const source = new ServedRecord(window.location.origin);
+const source = new ServedRecord(window.location.origin, address.record ?? 0);
 if (new URLSearchParams(window.location.search).get('print') === '1') {
   applyColours(document.documentElement, 'light');
+  document.documentElement.dataset.paper = '';
   mount(Paper, { target, props: { source, atNs: typeof address.atNs === 'number' ? address.atNs : null } });
 } else {
   start(target);
@@ -31,7 +33,8 @@ if (new URLSearchParams(window.location.search).get('print') === '1') {
 function start(target: HTMLElement): void {
   const player = new Player(source);
   const operator = new Operator(new ServedFlight(window.location.origin));
-  mount(App, { target, props: { player, operator, theme: address.theme, faults } });
+  const workshop = new Workshop(window.location.origin);
+  mount(App, { target, props: { player, operator, workshop, theme: address.theme, faults } });
   void player.open(address);
   void operator.watch();
 }
