@@ -309,7 +309,9 @@ test('two agents of one record: each has its own tasks, and both are on one time
     const answer = await fetch(`${crew.url}/api/records/1/mission`);
     const { agent } = (await answer.json()) as Mission;
     expect(
-      execFileSync(apexProgram(), ['trace', path, '--agent', agent ?? '', '--json']).toString(),
+      execFileSync(apexProgram(), ['trace', path, '--agent', agent ?? '', '--json'], {
+        maxBuffer: 1 << 28,
+      }).toString(),
     ).toContain('transition');
     await page.getByTestId('tab-compare').click();
     await page.getByTestId('compare-with').selectOption('0');
