@@ -10,6 +10,7 @@ import { Player } from './player/player.svelte';
 import { ServedFlight } from './record/operation';
 import { beginSession, currentSession, tokenIn } from './record/session';
 import { ServedRecord } from './record/source';
+import { Workshop } from './record/whatif';
 import { applyColours } from './theme/colours';
 import './theme/theme.css';
 
@@ -23,7 +24,7 @@ await Promise.allSettled([
 const target = document.getElementById('app');
 if (!target) throw new Error('index.html has no element #app');
 const base = window.location.origin;
-const source = new ServedRecord(base);
+const source = new ServedRecord(base, address.record ?? 0);
 const token = tokenIn(window.location.hash);
 let fault: string | null = null;
 if (token !== null) {
@@ -48,7 +49,8 @@ if (session === null) {
 function start(target: HTMLElement): void {
   const player = new Player(source);
   const operator = new Operator(new ServedFlight(base));
-  mount(App, { target, props: { player, operator, theme: address.theme, faults } });
+  const workshop = new Workshop(base);
+  mount(App, { target, props: { player, operator, workshop, theme: address.theme, faults } });
   void player.open(address);
   void operator.watch();
 }

@@ -395,6 +395,9 @@ pub enum ExportFormat {
 pub struct ServeOptions {
     /// The flight record; can be left out with `--missions`.
     pub record: Option<PathBuf>,
+    /// Another flight record that the page can show next to the first one; can be given several times.
+    #[arg(long, value_name = "RECORD", requires = "record")]
+    pub with: Vec<PathBuf>,
     /// Let programs and pages of this machine fly the missions in this folder: its sub-folders with a `mission.pdl`.
     #[arg(long, value_name = "FOLDER")]
     pub missions: Option<PathBuf>,

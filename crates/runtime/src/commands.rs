@@ -12,7 +12,7 @@ use apex_model::value::Value;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// The head of the event that records a command.
-const HEAD: &str = "operator-command";
+pub(crate) const HEAD: &str = "operator-command";
 
 /// Order of a command to the run.
 #[derive(Clone, Debug, PartialEq)]

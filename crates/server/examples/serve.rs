@@ -20,6 +20,8 @@ fn main() -> ExitCode {
         load: None,
         door: None,
         access: AccessOptions::default(),
+        others: Vec::new(),
+        what_if: None,
         flights: None,
         ready: Box::new(|url| println!("{url}")),
     };

@@ -19,7 +19,10 @@ mod router;
 mod seen;
 mod seen_ground;
 mod serve;
+mod shelf;
+mod shelf_routes;
 mod state;
+mod what_if;
 mod why;
 
 pub use access::{AccessToken, TokenError};

@@ -2,10 +2,11 @@
 
 use crate::answer::{Answer, ApiError};
 use crate::params::{
-    AtParams, EventsParams, SamplesParams, SourceParams, TasksParams, TimelineParams, TrackParams, WhyParams,
+    AtParams, EventsParams, MonitorsParams, ProgramTextParams, SamplesParams, SourceParams, TasksParams,
+    TimelineParams, TrackParams, WhyParams,
 };
 use crate::state::{AppState, QueryParams, Shared, blocking, checked, no_record};
-use crate::{access, assets, flights, guard, hardening, live, operation, seen, why};
+use crate::{access, assets, flights, guard, hardening, live, operation, seen, shelf_routes, what_if, why};
 use apex_runtime::RecordError;
 use apex_runtime::record::view::{Mission, RecordView, SourceLine};
 use axum::Json;
@@ -42,10 +43,16 @@ pub(crate) fn router(state: Arc<AppState>) -> Router {
         .route("/api/report", get(report))
         .route("/api/source", get(source))
         .route("/api/live", get(live))
+        .route("/api/monitors", get(monitors))
+        .route("/api/program", get(program))
+        .route("/api/program-text", get(program_text))
+        .route("/api/command-log", get(command_log))
         .merge(flights::routes::routes())
         .merge(operation::routes::routes())
         .merge(access::routes::routes())
         .merge(seen::routes())
+        .merge(shelf_routes::routes())
+        .merge(what_if::routes::routes())
         .route_layer(from_fn_with_state(Arc::clone(&state), access::check))
         .fallback(assets::page)
         .method_not_allowed_fallback(other_method)
@@ -90,6 +97,32 @@ async fn why(State(state): Shared, params: QueryParams<WhyParams>) -> Answer<Res
     let WhyParams { task, at, explain } = checked(params)?;
     let answer = blocking(move || why::why(&state, task, at, explain.unwrap_or(true))).await?;
     Ok(Json(answer).into_response())
+}
+
+async fn monitors(State(state): Shared, params: QueryParams<MonitorsParams>) -> Answer<Response> {
+    let MonitorsParams { at, task } = checked(params)?;
+    let answer = blocking(move || why::monitors(&state, at, task)).await?;
+    Ok(Json(answer).into_response())
+}
+
+async fn program(State(state): Shared) -> Answer<Response> {
+    let program = state.program();
+    read(state, move |view| Ok(view.program(program.as_ref().map(|program| &*program.0))?)).await
+}
+
+async fn program_text(State(state): Shared, params: QueryParams<ProgramTextParams>) -> Answer<Response> {
+    let name = checked(params)?.name;
+    read(state, move |view| {
+        view.program_text(&name)?.ok_or_else(|| {
+            ApiError::not_found(format!("the record has no file `{name}`"), "`/api/program` lists the files")
+        })
+    })
+    .await
+}
+
+async fn command_log(State(state): Shared, params: QueryParams<AtParams>) -> Answer<Response> {
+    let at = checked(params)?.at;
+    read(state, move |view| Ok(view.operator_commands(at)?)).await
 }
 
 async fn targets(State(state): Shared, params: QueryParams<AtParams>) -> Answer<Response> {

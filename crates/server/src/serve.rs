@@ -3,10 +3,13 @@
 use crate::access::{AccessToken, Sessions};
 use crate::flights::{FlightOptions, Tower};
 use crate::listening::{TlsError, TlsIdentity, serve_connections};
-use crate::operation::FlightDoor;
+use crate::operation::{FlightDoor, ReadDatum};
 use crate::router::router;
 use crate::seen_ground::SeenGround;
+use crate::shelf::Shelf;
 use crate::state::{AppState, LoadSources, Views};
+use crate::what_if::WhatIf;
+use apex_mission::deliberation::PlanningResources;
 use apex_runtime::RecordError;
 use apex_runtime::record::view::RecordView;
 use std::future::Future;
@@ -52,6 +55,10 @@ pub struct ServeOptions {
     pub load: Option<LoadSources>,
     /// The way to the run that writes the record; without it the page only looks.
     pub door: Option<FlightDoor>,
+    /// Further records that the page can show.
+    pub others: Vec<PathBuf>,
+    /// Planners and the reader of forms, for continuing flights with changes and for drafts of plans.
+    pub what_if: Option<(PlanningResources, ReadDatum)>,
     /// The missions that the server may fly; `None`: it only reads.
     pub flights: Option<FlightOptions>,
     /// Tokens, names and encryption.
@@ -104,13 +111,22 @@ pub enum ServeError {
 /// # Errors
 /// When the record cannot be read, the port cannot be had, or the network fails; each says what to do.
 pub fn serve(options: ServeOptions) -> Result<(), ServeError> {
-    let ServeOptions { record, agent, load, door, flights, access, ready, address, port } = options;
+    let ServeOptions { record, agent, load, door, others, what_if, flights, access, ready, address, port } = options;
     let view = record.as_ref().map(|record| RecordView::open(record, agent)).transpose()?;
     let background = view.as_ref().map(RecordView::reopened).transpose()?;
     let views = view.map(Views::new).transpose()?;
     if let Some(view) = background {
         std::thread::spawn(move || index_log(&view));
     }
+    let shelf = Shelf::default();
+    if let Some(record) = &record {
+        shelf.stand(record, Some(agent))?;
+    }
+    for other in &others {
+        shelf.stand(other, None)?;
+    }
+    let what_if = what_if.map(|(means, read)| WhatIf::new(means, read));
+    let forks = what_if.as_ref().map(|what_if| Arc::clone(&what_if.forks));
     let tower = flights.map(|flights| Arc::new(Tower::new(flights)));
     let asked = SocketAddr::new(address, port);
     let loopback = address.is_loopback();
@@ -149,7 +165,10 @@ pub fn serve(options: ServeOptions) -> Result<(), ServeError> {
             door,
             seen: SeenGround::default(),
             tower,
-            sessions: Sessions::new(access.tokens, loopback, bound.port()),
+            routes: router,
+            shelf,
+            what_if,
+            sessions: Arc::new(Sessions::new(access.tokens, loopback, bound.port())),
             names: access.names,
             is_encrypted: tls.is_some(),
             live_places: Arc::new(Semaphore::new(LIVE_PLACES)),
@@ -157,6 +176,9 @@ pub fn serve(options: ServeOptions) -> Result<(), ServeError> {
         serve_connections(listener, router(Arc::new(state)), tls, stop, STOP_PATIENCE).await;
         Ok(())
     });
+    if let Some(forks) = forks {
+        forks.close();
+    }
     // However serving ended: no flight is cut off.
     if let Some(tower) = flown {
         tower.close();

@@ -5,10 +5,13 @@ use crate::answer::{Answer, ApiError};
 use crate::flights::Tower;
 use crate::operation::FlightDoor;
 use crate::seen_ground::SeenGround;
+use crate::shelf::Shelf;
+use crate::what_if::WhatIf;
 use apex_model::source::SourceFile;
 use apex_runtime::RecordError;
 use apex_runtime::record::Program;
 use apex_runtime::record::view::{Growth, RecordStatus, RecordView};
+use axum::Router;
 use axum::extract::rejection::QueryRejection;
 use axum::extract::{Query, State};
 use axum::http::StatusCode;
@@ -40,8 +43,14 @@ pub(crate) struct AppState {
     pub(crate) seen: SeenGround,
     /// The flights of this server, if it may fly.
     pub(crate) tower: Option<Arc<Tower>>,
+    /// The routes on a state; for the records on the shelf.
+    pub(crate) routes: fn(Arc<AppState>) -> Router,
+    /// Further records that the page can show.
+    pub(crate) shelf: Shelf,
+    /// Means of continuing flights and of drafting plans; without them the server does neither.
+    pub(crate) what_if: Option<WhatIf>,
     /// Callers with their roles.
-    pub(crate) sessions: Sessions,
+    pub(crate) sessions: Arc<Sessions>,
     /// Names of this server in addition to its addresses.
     pub(crate) names: Vec<String>,
     /// True if connections are encrypted.
@@ -70,6 +79,19 @@ impl AppState {
         let load = self.load.as_deref()?;
         let loaded = || self.read(|view| Ok(view.reader().load(load)?)).ok();
         self.program.get_or_init(loaded).clone()
+    }
+
+    /// The means of continuing flights and of drafting plans.
+    ///
+    /// # Errors
+    /// The server was started without them.
+    pub(crate) fn what_if(&self) -> Answer<&WhatIf> {
+        self.what_if.as_ref().ok_or_else(|| {
+            ApiError::not_found(
+                "this record cannot be continued from here",
+                "ask the record that the server was started with: `apex serve RECORD`",
+            )
+        })
     }
 
     /// The flights of this server.

@@ -29,6 +29,8 @@ fn options(record: &Path) -> ServeOptions {
         load: Some(Arc::new(unloadable)),
         door: None,
         access: AccessOptions::default(),
+        others: Vec::new(),
+        what_if: None,
         flights: None,
         ready: Box::new(|_| ()),
     }

@@ -42,6 +42,8 @@ fn start(missions: Option<PathBuf>, records: &Path, address: Ipv4Addr) -> Socket
         load: None,
         door: None,
         access: AccessOptions::default(),
+        others: Vec::new(),
+        what_if: None,
         flights: missions.map(|missions| FlightOptions {
             missions,
             records: records.into(),
@@ -354,6 +356,8 @@ fn plans_ground_seen_and_holders_are_those_of_the_instant_also_for_many_callers(
         load: None,
         door: None,
         access: AccessOptions::default(),
+        others: Vec::new(),
+        what_if: None,
         flights: None,
         ready: Box::new(move |url| sender.send(url.to_owned()).unwrap()),
     };

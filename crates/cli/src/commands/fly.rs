@@ -54,7 +54,7 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult {
     };
     let sherpa = door.as_ref().map(|door| {
         door.continues_at(pace);
-        serve_beside(&path, door.clone(), options.port)
+        serve_beside(&path, door.clone(), options.port, planners)
     });
     let mut watch = door.as_ref().map(FlightDoor::watch);
     let terms = apex_runtime::FlyOptions {
@@ -152,16 +152,17 @@ fn means(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult<PlanningRe
 }
 
 /// Serves the growing record on a thread of its own. Ctrl-C, which the server hears, ends the flight in good order.
-fn serve_beside(path: &Path, door: FlightDoor, port: u16) -> JoinHandle<()> {
-    let path = path.to_path_buf();
+fn serve_beside(path: &Path, door: FlightDoor, port: u16, planners: &Arc<Registry>) -> JoinHandle<()> {
+    let (path, planners) = (path.to_path_buf(), Arc::clone(planners));
     std::thread::spawn(move || {
         let address = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port);
         let ready = |url: &str| {
             // The page is served whether anybody reads this line or not.
             output::print_line(format_args!("Sherpa: {url}")).ok();
         };
-        let access = AccessOptions::default();
-        match commands::serve::serve((Some((&path, 0)), Some(door.clone())), None, access, address, ready) {
+        let (record, door_of_page) = (Some((path.as_path(), 0)), Some(door.clone()));
+        let served = commands::serve::Served { record, door: door_of_page, others: Vec::new(), flights: None };
+        match commands::serve::serve(served, &planners, AccessOptions::default(), address, ready) {
             // Without effect if the flight is over already.
             Ok(()) => door.stop(),
             Err(error) => {

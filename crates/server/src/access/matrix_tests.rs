@@ -10,11 +10,13 @@ use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpStream};
 use std::sync::mpsc;
 
 /// Files in which routes are written.
-const ROUTERS: [&str; 5] = [
+const ROUTERS: [&str; 7] = [
     include_str!("../router.rs"),
     include_str!("../flights/routes.rs"),
     include_str!("../operation/routes.rs"),
     include_str!("../seen.rs"),
+    include_str!("../shelf_routes.rs"),
+    include_str!("../what_if/routes.rs"),
     include_str!("routes.rs"),
 ];
 
@@ -32,6 +34,8 @@ fn start() -> SocketAddr {
         port: 0,
         load: None,
         door: None,
+        others: Vec::new(),
+        what_if: None,
         flights: None,
         access: AccessOptions { tokens: ActorRole::ALL.map(token).into(), ..AccessOptions::default() },
         ready: Box::new(move |url| sender.send(url.to_owned()).unwrap()),
@@ -57,7 +61,7 @@ fn every_route_takes_every_role_as_the_table_says() {
     let server = start();
     let mut cells = 0;
     for (method, route, least) in rows() {
-        let path = route.replace("{id}", "1").replace("{name}", "none");
+        let path = route.replace("{id}", "1").replace("{name}", "none").replace("{*what}", "mission");
         for role in [None, Some(ActorRole::Observer), Some(ActorRole::Operator), Some(ActorRole::PilotInCommand)] {
             let status = status(server, method.as_str(), &path, role);
             let expected = match (least, role) {

@@ -7,12 +7,14 @@
 //! An answer for an instant holds what was known at that instant and nothing that was recorded later: decision 0088.
 
 mod announcements;
+mod commands;
 pub(crate) mod decisions;
 mod effect_index;
 mod events;
 mod holding_index;
 mod holdings;
 mod index;
+mod library;
 mod mission;
 mod plan;
 mod report;
@@ -28,8 +30,10 @@ mod track;
 mod trouble_index; // english: allow
 mod troubles;
 
+pub use commands::{RecordedCommand, RecordedCommands};
 pub use events::{EventRow, Events, EventsQuery};
 pub use holdings::{Holding, Holdings, ResourceRow};
+pub use library::{DeclaredName, ProcedureRow, ProgramContents, ProgramFile, ProgramText, StepRow};
 pub use mission::{Ending, Growth, Mission, RecordStatus};
 pub use plan::{LeftOutTarget, PLANS_MAX, PlanInForce, PlannedVisit, Plans};
 pub use report::{Report, Section};
