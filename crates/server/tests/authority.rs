@@ -26,6 +26,8 @@ fn start(records: &Path) -> SocketAddr {
         port: 0,
         load: None,
         door: None,
+        others: Vec::new(),
+        what_if: None,
         flights: Some(FlightOptions {
             missions: Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions"),
             records: records.into(),
