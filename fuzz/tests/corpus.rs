@@ -1,0 +1,60 @@
+//! Every target runs over its corpus without a violation, also in a build with planted bugs: the fuzzer has to find these by itself.
+
+use std::path::PathBuf;
+
+/// Largest corpus of a target: it is committed.
+const CORPUS_BYTES_MAX: u64 = 65_536;
+
+fn files(target: &str) -> Vec<PathBuf> {
+    let folder = apex_fuzz::corpus(target);
+    let listed = std::fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+    let mut files: Vec<PathBuf> = listed.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    files.sort();
+    files
+}
+
+#[test]
+fn every_target_runs_over_its_corpus() {
+    for target in apex_fuzz::TARGETS {
+        let files = files(target.name);
+        assert!(files.len() >= 3, "the corpus of `{}` has {} files", target.name, files.len());
+        for file in files {
+            let bytes = std::fs::read(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+            println!("{}: {}", target.name, file.display());
+            (target.run)(&bytes);
+        }
+    }
+}
+
+#[test]
+fn corpora_are_small() {
+    for target in apex_fuzz::TARGETS {
+        let bytes: u64 = files(target.name).iter().filter_map(|file| Some(file.metadata().ok()?.len())).sum();
+        assert!(bytes <= CORPUS_BYTES_MAX, "the corpus of `{}` has {bytes} bytes", target.name);
+    }
+}
+
+#[test]
+fn the_readme_lists_every_target() {
+    let readme = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("README.md");
+    let readme = std::fs::read_to_string(readme).unwrap_or_default();
+    for target in apex_fuzz::TARGETS {
+        assert!(readme.contains(&format!("| `{}` |", target.name)), "the README does not list `{}`", target.name);
+    }
+}
+
+#[path = "../../adapters/logs/tests/builders/mod.rs"]
+mod builders;
+
+/// `UPDATE=1` writes these seeds: small logs of all formats, each behind the number of its format.
+#[test]
+fn the_seeds_of_logs_are_those_of_the_tests_of_logs() {
+    for (number, (name, bytes)) in (0_u8..).zip(builders::all(4)) {
+        let seed = [&[number], bytes.as_slice()].concat();
+        let path = apex_fuzz::corpus("logs").join(format!("seed-{number}"));
+        if std::env::var_os("UPDATE").is_some() {
+            std::fs::write(&path, &seed).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        }
+        assert!(std::fs::read(&path).is_ok_and(|read| read == seed), "{name} differs from {}", path.display());
+    }
+}
