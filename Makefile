@@ -7,7 +7,7 @@ SHELL := bash
 MAKEFLAGS += --no-builtin-rules
 
 MISSION ?= western-states
-MISSIONS := first-picture stand-off structure-watch pipeline-inspection day-and-night western-states
+MISSIONS := first-picture stand-off diagnosis structure-watch pipeline-inspection day-and-night western-states
 SEED ?= 1
 ROUNDS ?= 20
 # Random worlds with about 13 trips each: a million trips that must not enter a zone.
@@ -48,6 +48,8 @@ EXTREMITY = $(TARGET)/extremity/bin/python -W ignore benches/peers/extremity_pee
 WEB_SOURCES := $(shell find web -type f -not -path '*/node_modules/*' -not -path '*/dist/*' -not -path '*/test-results/*' -not -path '*/tests/*' 2>/dev/null)
 
 .PHONY: audit coverage fuzz fuzz-planted help quality sbom build fly test quick check web python wheel bench bench-orienteering bench-planners bench-units bench-curves bench-travel golden-travel spec sim properties deny nightly clean
+# Not part of `test`: the pictures are committed.
+.PHONY: pictures
 .PHONY: rust-lints rust-tests web-checks web-tests python-checks python-tests flights page-tests chromium
 
 help: ## List the commands.
@@ -197,6 +199,7 @@ quality: coverage audit sbom ## Measure coverage, packages and bills of material
 nightly: test build ## What is too slow for every change: many seeds, replay across builds, properties with new cases, a million random programs, ten million conditions, planted bugs, the planners' profile, measurements.
 	for seed in 1 2 3 4 5 6 7 8; do $(MAKE) sim SEED=$$seed; done
 	APEX_GUARDED_SEEDS=200 APEX_GUARDED_MISSIONS=200 cargo test --locked $(CI_PROFILE) --package apex-simulation --test guarded_flights
+	APEX_FAULT_HOURS=50000 APEX_FAULT_SEED=100000 cargo test --locked $(CI_PROFILE) --package apex-spec --test fault_simulator
 	for mission in $(MISSIONS); do $(APEX) replay $(FLIGHTS)/$$mission.apex; done
 	$(MAKE) deny
 	$(MAKE) fuzz fuzz-planted
@@ -212,6 +215,7 @@ nightly: test build ## What is too slow for every change: many seeds, replay acr
 	$(APEX) profile compare $(TARGET)/profile-subset.txt
 	$(APEX) profile compare --regret --missions 1
 	APEX_BRUTE_FORCE_PROBLEMS=100000 APEX_BRUTE_FORCE_SEED=1000000 cargo test --locked $(CI_PROFILE) --package apex-solvers --test brute_force
+	APEX_KILL_POINTS=10000 APEX_POWER_CUTS=100000 cargo test --locked $(CI_PROFILE) --package apex-runtime --test flights crash::
 	PROPTEST_CASES=$(TRAVEL_WORLDS) cargo test --locked $(CI_PROFILE) --package apex-geo --lib travel::tests::random::no_way
 	$(MAKE) golden-travel
 	$(MAKE) bench
@@ -308,6 +312,10 @@ flights: $(CI_APEX)
 page-tests: $(CI_APEX) web/node_modules/.installed chromium
 	[ -f $(FLIGHTS)/western-states.apex ] || $(MAKE) flights
 	cd web && APEX_BINARY=$(abspath $(CI_APEX)) APEX_RECORD=$(abspath $(FLIGHTS)/western-states.apex) npm run --silent e2e
+
+pictures: $(CI_APEX) web/node_modules/.installed chromium ## Take the pictures of Sherpa and of each of its panels in docs/pictures.
+	[ -f $(FLIGHTS)/western-states.apex ] || $(MAKE) flights
+	cd web && APEX_BINARY=$(abspath $(CI_APEX)) node scripts/picture.mjs $(abspath $(FLIGHTS)/western-states.apex) ../docs/pictures
 
 chromium:
 	@if ! command -v chromium > /dev/null; then \

@@ -14,9 +14,11 @@ const ROOMS = {
   units: [],
   words: [],
   record: ['time'],
-  player: ['record', 'time'],
-  panels: ['files', 'player', 'record', 'time', 'theme', 'units', 'words'],
-  app: ['panels', 'player', 'record', 'time', 'theme'],
+  parts: ['theme', 'time'],
+  player: ['record', 'time', 'words'],
+  panels: ['files', 'parts', 'player', 'record', 'time', 'theme', 'units', 'words'],
+  layout: ['panels', 'player', 'record'],
+  app: ['layout', 'panels', 'player', 'record', 'time', 'theme'],
 };
 /** Package -> where it may be imported. */
 const PACKAGES = {

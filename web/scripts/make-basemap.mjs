@@ -9,8 +9,8 @@ const root = new URL('..', import.meta.url);
 const folder = new URL('public/basemap/', root);
 /** The US comes finer from its own atlas. */
 const UNITED_STATES = '840';
-/** About 10 m on the ground: finer than the outlines are. */
-const DECIMALS = 4;
+/** About 100 m on the ground: finer than the outlines are. */
+const DECIMALS = 3;
 
 function read(name) {
   return JSON.parse(readFileSync(new URL(`node_modules/${name}`, root), 'utf8'));

@@ -1,29 +1,78 @@
-// Takes the picture of the README: node scripts/picture.mjs URL FILE.png [SHARE OF THE FLIGHT] [TEXT OF A TASK]
+// Takes pictures of the page and of each panel: node scripts/picture.mjs RECORD|URL FOLDER [SECONDS OF MISSION TIME] [TARGET]
+// APEX_BINARY serves the record; default is the release build of this repository.
 
+import { spawn } from 'node:child_process';
+import { once } from 'node:events';
+import { join } from 'node:path';
+import { fileURLToPath } from 'node:url';
 import { chromium } from '@playwright/test';
-import { launchOptions, viewport } from '../tests/browser.mjs';
+import { launchOptions } from '../tests/browser.mjs';
 
-const [url, file, share = '0.5', goal] = process.argv.slice(2);
-if (!url || !file) {
-  console.error('usage: node scripts/picture.mjs URL FILE.png [SHARE OF THE FLIGHT] [TEXT OF A TASK]');
+const [source, folder, seconds = '33432', target = 'castle-rock'] = process.argv.slice(2);
+if (!source || !folder) {
+  console.error('usage: node scripts/picture.mjs RECORD|URL FOLDER [SECONDS OF MISSION TIME] [TARGET]');
   process.exit(2);
 }
-/** The width of the timeline's column of names, and time for the map to load. */
-const [NAMES_PX, LOAD_MS, SETTLE_MS] = [168, 4000, 800];
+/** Time for the map to load, and for answers that restore an instant. */
+const [LOAD_MS, SETTLE_MS] = [4000, 2500];
+/** Panels of each slot, with what is chosen in them first. */
+const LEFT = ['agenda', 'objects', 'program', 'network', 'draft'];
+const RIGHT = ['why', 'monitors', 'signals', 'plans', 'log', 'alarms', 'whatif', 'compare', 'report'];
+const SCREENS = [
+  ['sherpa', 1280, 720, 'dark'],
+  ['sherpa-light', 1280, 720, 'light'],
+  ['sherpa-1920', 1920, 1080, 'dark'],
+  ['sherpa-820', 820, 1180, 'dark'],
+  ['sherpa-390', 390, 844, 'dark'],
+];
 
 const browser = await chromium.launch(launchOptions);
-const page = await browser.newPage({ viewport });
-await page.goto(url);
-await page.waitForTimeout(LOAD_MS);
-const box = await page.getByTestId('timeline').boundingBox();
-await page.mouse.click(box.x + NAMES_PX + (box.width - NAMES_PX) * Number(share), box.y + 26);
-if (goal) {
-  await page.locator('#task-filter').fill(goal);
-  await page.locator('[data-task]').filter({ hasText: goal }).last().click();
-  await page.locator('#task-filter').fill('');
-  await page.keyboard.press('Escape');
+const page = await browser.newPage({ viewport: { width: 1280, height: 720 } });
+let server;
+const base = source.startsWith('http') ? source.replace(/\/$/, '') : await served(source);
+
+/** Serves a record; the address. */
+async function served(record) {
+  const program =
+    process.env.APEX_BINARY ?? fileURLToPath(new URL('../../target/release/apex', import.meta.url));
+  server = spawn(program, ['serve', record, '--port', '0'], { stdio: ['ignore', 'pipe', 'inherit'] });
+  const [said] = await once(server.stdout, 'data');
+  return /https?:\/\/[^\s/]+/.exec(String(said))[0];
 }
-await page.mouse.move(box.x + 40, box.y + 26);
-await page.waitForTimeout(SETTLE_MS);
-await page.screenshot({ path: file });
+
+/** The task at work at the instant: what the now line names. */
+await page.goto(`${base}/?t=${seconds}`);
+await page.getByTestId('now-task').click();
+await page.waitForURL(/sel=task/);
+const task = new URL(page.url()).searchParams.get('sel');
+
+for (const [name, width, height, theme] of SCREENS) {
+  await page.setViewportSize({ width, height });
+  await page.goto(`${base}/?t=${seconds}&sel=${task}&theme=${theme}`);
+  await page.waitForTimeout(LOAD_MS);
+  await page.screenshot({ path: join(folder, `${name}.png`) });
+}
+await page.setViewportSize({ width: 1280, height: 900 });
+const part = async (name, locator) => {
+  await page.waitForTimeout(SETTLE_MS);
+  await locator.screenshot({ path: join(folder, `panel-${name}.png`) });
+};
+for (const panel of [...LEFT, ...RIGHT]) {
+  const slot = LEFT.includes(panel) ? 'left' : 'right';
+  await page.goto(`${base}/?t=${seconds}&sel=${task}&${slot === 'left' ? 'left' : 'tab'}=${panel}`);
+  await page.getByTestId(`tab-${panel}`).waitFor();
+  if (panel === 'draft') await page.getByTestId('draft-from-plan').click();
+  if (panel === 'report') await page.keyboard.press('End');
+  await part(panel, page.getByTestId(`slot-${slot}`));
+}
+await page.goto(`${base}/?t=${seconds}&sel=target:${target}`);
+await part('map', page.getByTestId('map'));
+for (const rows of ['all', 'resources']) {
+  await page.goto(`${base}/?t=${seconds}&rows=${rows}&sel=${task}`);
+  await part(`timeline-${rows}`, page.getByTestId('timeline').locator('..'));
+}
+await page.goto(`${base}/?print=1&t=${seconds}`);
+await page.getByTestId('paper').waitFor({ timeout: 60_000 });
+await part('paper', page.getByTestId('paper'));
 await browser.close();
+server?.kill('SIGTERM');

@@ -2,12 +2,15 @@
 
 import { mount } from 'svelte';
 import App from './App.svelte';
+import SignIn from './panels/authority/SignIn.svelte';
 import Paper from './panels/report/Paper.svelte';
 import { readAddress } from './player/address';
 import { Operator } from './player/operator.svelte';
 import { Player } from './player/player.svelte';
 import { ServedFlight } from './record/operation';
+import { beginSession, currentSession, tokenIn } from './record/session';
 import { ServedRecord } from './record/source';
+import { Workshop } from './record/whatif';
 import { applyColours } from './theme/colours';
 import './theme/theme.css';
 
@@ -20,9 +23,24 @@ await Promise.allSettled([
 ]);
 const target = document.getElementById('app');
 if (!target) throw new Error('index.html has no element #app');
-const source = new ServedRecord(window.location.origin);
-if (new URLSearchParams(window.location.search).get('print') === '1') {
+const base = window.location.origin;
+const source = new ServedRecord(base, address.record ?? 0);
+const token = tokenIn(window.location.hash);
+let fault: string | null = null;
+if (token !== null) {
+  // The token stays in no history.
+  window.history.replaceState(null, '', window.location.pathname + window.location.search);
+  await beginSession(base, { token }).catch(error => {
+    fault = String(error.message);
+  });
+}
+// Without an answer the page says that there is no connection.
+const session = await currentSession(base).catch(() => undefined);
+if (session === null) {
+  mount(SignIn, { target, props: { base, fault, ondone: () => window.location.reload() } });
+} else if (new URLSearchParams(window.location.search).get('print') === '1') {
   applyColours(document.documentElement, 'light');
+  document.documentElement.dataset.paper = '';
   mount(Paper, { target, props: { source, atNs: typeof address.atNs === 'number' ? address.atNs : null } });
 } else {
   start(target);
@@ -30,8 +48,9 @@ if (new URLSearchParams(window.location.search).get('print') === '1') {
 
 function start(target: HTMLElement): void {
   const player = new Player(source);
-  const operator = new Operator(new ServedFlight(window.location.origin));
-  mount(App, { target, props: { player, operator, theme: address.theme, faults } });
+  const operator = new Operator(new ServedFlight(base));
+  const workshop = new Workshop(base);
+  mount(App, { target, props: { player, operator, workshop, theme: address.theme, faults } });
   void player.open(address);
   void operator.watch();
 }

@@ -106,7 +106,11 @@ pub(crate) struct Camera {
     /// Time for which the sight line has been on the target without a break.
     aligned_s: f64,
     /// Angle between the sight line and the target.
-    error_rad: f64,
+    pub(crate) error_rad: f64,
+    /// The mount does not move.
+    pub(crate) stuck: bool,
+    /// It delivers no images.
+    pub(crate) broken: bool,
 }
 
 /// Result of one step of pointing.
@@ -168,6 +172,8 @@ impl Camera {
             pictures_left: 0,
             aligned_s: 0.0,
             error_rad: 0.0,
+            stuck: false,
+            broken: false,
         }
     }
 
@@ -297,7 +303,9 @@ impl Camera {
                 let left = self.angles(Camera::sight(aim, state)).left_rad;
                 let (off, limit) = (self.error_rad / RAD_PER_DEG, self.tolerance_rad() / RAD_PER_DEG);
                 let target = aim.given();
-                let why = if left > self.left_rad_max(Camera::sight(aim, state)) {
+                let why = if self.stuck {
+                    "the mount does not move".to_owned()
+                } else if left > self.left_rad_max(Camera::sight(aim, state)) {
                     format!(
                         "the mount cannot come closer than {:.1} degrees from here; turn or fly another way",
                         left / RAD_PER_DEG
@@ -354,7 +362,7 @@ impl Camera {
         }
         let sight = Camera::sight(aim, state);
         let wanted = self.angles(sight);
-        let most = self.model.slew_rate_deg_s * RAD_PER_DEG * dt;
+        let most = if self.stuck { 0.0 } else { self.model.slew_rate_deg_s * RAD_PER_DEG * dt };
         self.tilt_rad += (wanted.tilt_rad - self.tilt_rad).clamp(-most, most);
         // A mount with stops does not slew through them.
         let pan_error = wanted.pan_rad - self.pan_rad;

@@ -1,5 +1,6 @@
 //! Configuration of a simulated world: vehicle, start, weather, ground, radios, places and scripted events, as plain data.
 
+use crate::living::{BurnableSite, LivingWorld};
 use apex_geo::geodesy;
 use apex_geo::link::{LevelLaw, LevelModel};
 use apex_model::event::StateVariable;
@@ -30,6 +31,12 @@ pub struct WorldConfig {
     pub places: Vec<NamedPlace>,
     /// Scripted events of the world: fires that appear, grow or are sighted.
     pub events: Vec<ScheduledEvent>,
+    /// Failures, weather that moves, fires; `None` leaves the world as it would be without them.
+    pub living: Option<LivingWorld>,
+    /// Structures at which fires may break out.
+    pub sites: Vec<BurnableSite>,
+    /// Civil time of mission time zero, seconds since 1970-01-01T00:00Z; without it there is no sun.
+    pub epoch_unix_s: Option<f64>,
 }
 
 impl WorldConfig {
@@ -46,6 +53,9 @@ impl WorldConfig {
             modems: Vec::new(),
             places: Vec::new(),
             events: Vec::new(),
+            living: None,
+            sites: Vec::new(),
+            epoch_unix_s: None,
         }
     }
 
@@ -80,7 +90,16 @@ impl WorldConfig {
         for place in &self.places {
             check_position(&format!("place `{}`", place.name), place.position)?;
         }
-        self.modems.iter().try_for_each(Modem::check)
+        self.modems.iter().try_for_each(Modem::check)?;
+        self.check_living()
+    }
+
+    /// Checks the living world against the vehicle, the radios and the structures.
+    ///
+    /// # Errors
+    /// An error message with the field and what would be right.
+    pub fn check_living(&self) -> Result<(), String> {
+        self.living.as_ref().map_or(Ok(()), |living| living.check(self))
     }
 }
 

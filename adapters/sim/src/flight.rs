@@ -3,6 +3,7 @@
 use crate::arguments::Spot;
 use crate::fixed_wing::true_airspeed_min;
 use crate::follow::FollowedPath;
+use crate::gliding::Glide;
 use crate::instants;
 use crate::packet::location;
 use crate::path::{Circle, Join, Line, Path, bearing};
@@ -77,6 +78,8 @@ pub(crate) enum Stage {
     Circle(Circle),
     Hover(Position),
     Descend(Position),
+    /// To a field without engine.
+    Glide(Glide),
     RollOut,
 }
 
@@ -116,9 +119,6 @@ pub(crate) enum Progress {
     Done(Value),
     Failed(String),
 }
-
-/// A take-off climbs straight ahead this high before it turns.
-const STRAIGHT_CLIMB_M: f64 = 300.0;
 
 impl ActiveOrder {
     /// Begins `order`.
@@ -226,6 +226,7 @@ impl ActiveOrder {
             Stage::Turn(join) => Path::Circle(join.turn),
             Stage::LeadIn | Stage::OnLine => self.line.map_or(Path::Straight, Path::Line),
             Stage::Follow(path) => path.path(here),
+            Stage::Glide(glide) => glide.path(here),
         }
     }
 
@@ -249,6 +250,7 @@ impl ActiveOrder {
                 (here.ground_m + slope * self.to_go_m.max(0.0) - 2.0, slow(1.3))
             }
             Stage::Turn(_) if landing => (here.altitude_m, slow(1.3)),
+            Stage::Glide(glide) => (glide.altitude_m(here), here.true_airspeed),
             _ => (here.altitude_m, here.true_airspeed),
         }
     }
@@ -265,7 +267,7 @@ impl ActiveOrder {
     /// Returns true if the vehicle may touch the ground now.
     pub(crate) fn is_touching_down(&self) -> bool {
         let landing = matches!(self.order, Order::Land { .. });
-        landing && matches!(self.stage, Stage::OnLine | Stage::Descend(_) | Stage::RollOut)
+        landing && matches!(self.stage, Stage::OnLine | Stage::Descend(_) | Stage::Glide(_) | Stage::RollOut)
     }
 
     /// Returns true on a line whose quality counts.
@@ -299,15 +301,25 @@ impl ActiveOrder {
             Stage::Wait(Path::Hover(_)) => Phase::Hovering,
             Stage::Wait(_) | Stage::Circle(_) => Phase::Loitering,
             Stage::Hover(_) => Phase::Hovering,
-            Stage::Descend(_) | Stage::RollOut => Phase::Landing,
+            Stage::Descend(_) | Stage::Glide(_) | Stage::RollOut => Phase::Landing,
         }
     }
 
     /// Looks where the vehicle is after a step of `dt` seconds and continues to the next stage where it is time.
     pub(crate) fn progress(&mut self, here: &Situation, roll_rad_max: f64, dt: f64) -> Progress {
         self.measure(here);
+        if let Some(glide) = self.glide(here) {
+            return self.change(Some(glide), here);
+        }
+        // A rotorcraft without engine touches down where it comes to, not where it wanted to.
+        if here.state.on_ground && !here.fixed() && self.is_landing() {
+            return self.done(here);
+        }
         let next = match self.stage.clone() {
             Stage::Parked => None,
+            Stage::Glide(_) if here.state.on_ground => Some(Stage::RollOut),
+            Stage::Glide(_) if here.state.engine_running => Some(self.first_stage(here)),
+            Stage::Glide(glide) => glide.next(here).map(Stage::Glide),
             Stage::Run => {
                 let fast = here.state.true_airspeed >= 1.15 * true_airspeed_min(here.model, here.state.altitude_m);
                 fast.then_some(Stage::ClimbOut)
@@ -351,16 +363,6 @@ impl ActiveOrder {
         })
     }
 
-    fn climb(&mut self, here: &Situation) -> Progress {
-        if (here.altitude_m - here.state.altitude_m).abs() <= 10.0_f64.min(0.2 * here.altitude_m.abs().max(5.0)) {
-            return self.done(here);
-        }
-        let high = here.state.altitude_m >= here.ground_m + STRAIGHT_CLIMB_M;
-        let turning = matches!(self.stage, Stage::ClimbOut) && high;
-        let circle = || Stage::Climb(here.circle(here.state.position, here.loiter_radius_m()));
-        self.change(turning.then(circle), here)
-    }
-
     fn on_line(&mut self, here: &Situation, roll_rad_max: f64, dt: f64) -> Progress {
         self.line_s += dt;
         if here.state.roll_rad.abs() <= roll_rad_max {
@@ -372,14 +374,6 @@ impl ActiveOrder {
         // A joined line is answered at its beginning and then flown on, until something else is commanded.
         let joined = self.command.is_some() && matches!(self.order, Order::JoinLine { .. });
         if joined || self.stage_m <= 0.0 { self.done(here) } else { Progress::Going }
-    }
-
-    fn follow(&mut self, here: &Situation) -> Progress {
-        let goes_on = match &mut self.stage {
-            Stage::Follow(path) => path.advance(here),
-            _ => false,
-        };
-        if goes_on { Progress::Going } else { self.done(here) }
     }
 
     fn on_station(&mut self, here: &Situation) -> Progress {
@@ -434,7 +428,7 @@ impl ActiveOrder {
             }
             Stage::Follow(path) => path.distances_m(here.state.position),
             Stage::Circle(circle) => (f64::INFINITY, (to(circle.centre) - circle.radius_m).max(0.0)),
-            Stage::Descend(_) => (f64::INFINITY, here.state.altitude_m - here.ground_m),
+            Stage::Descend(_) | Stage::Glide(_) => (f64::INFINITY, here.state.altitude_m - here.ground_m),
             Stage::Parked
             | Stage::Run
             | Stage::ClimbOut

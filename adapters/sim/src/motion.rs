@@ -103,6 +103,8 @@ pub(crate) const ALTITUDE_CAPTURE_S: f64 = 6.0;
 const CLIMB_LAG_S: f64 = 2.0;
 /// Fastest sink without engine: a vehicle that does not glide falls about so fast.
 const FALL_M_S: f64 = 25.0;
+/// Steepest descent without engine, in units of the sink of the best glide.
+const STEEPEST: f64 = 2.0;
 
 /// Climbs or descends for `dt` towards `altitude_m`, or sinks without engine. True when the climb is steady: on the
 /// altitude, or so far from it that a long step cannot pass it.
@@ -111,7 +113,9 @@ pub(crate) fn climb(state: &mut State, model: &VehicleModel, altitude_m: f64, dt
     let up = climb_rate_max(model, state.altitude_m);
     let mut wanted = (error_m / ALTITUDE_CAPTURE_S.max(dt)).clamp(-model.descent_rate_m_s_max, up);
     if !state.engine_running {
-        wanted = -(state.true_airspeed.max(6.0) / model.glide_ratio).min(FALL_M_S);
+        // A glide can be steepened, by a slip or by brakes, and not stretched.
+        let sink = (state.true_airspeed.max(6.0) / model.glide_ratio).min(FALL_M_S);
+        wanted = wanted.clamp(-STEEPEST * sink, -sink);
     }
     let before = state.vertical_speed;
     state.vertical_speed += (wanted - before) * lag(dt, CLIMB_LAG_S);

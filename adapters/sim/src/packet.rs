@@ -74,6 +74,8 @@ pub(crate) struct Snapshot<'a> {
     pub(crate) scanner_on: Option<bool>,
     pub(crate) scan_valid: bool,
     pub(crate) footprint_m: f64,
+    /// Clouds hide the ground below.
+    pub(crate) hidden: bool,
     /// Upward acceleration that the air adds, m/s2.
     pub(crate) bump: f64,
 }
@@ -147,6 +149,7 @@ pub const VARIABLES: &[Variable] = &[
     word("engine-state", |s| if s.state.engine_running { "running" } else { "stopped" }),
     word("on-ground", |s| truth_word(s.state.on_ground)),
     word("scanner-state", |s| match s.scanner_on {
+        Some(true) if s.hidden => "obscured",
         Some(true) => "on",
         Some(false) => "off",
         None => "none",
@@ -179,7 +182,7 @@ pub(crate) fn location(state: &State) -> Value {
 }
 
 /// `number` to the nearest part of `parts` in one; never minus zero, which users do not expect.
-fn rounded(number: f64, parts: f64) -> f64 {
+pub(crate) fn rounded(number: f64, parts: f64) -> f64 {
     libm::round(number * parts) / parts + 0.0
 }
 

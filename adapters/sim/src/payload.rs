@@ -3,6 +3,7 @@
 use crate::arguments::Arguments;
 use crate::camera::{Aim, Camera, CameraState, DOWN, PictureRun};
 use crate::instants;
+use crate::living::FaultKind;
 use crate::names::unknown_name;
 use crate::packet::Extent;
 use crate::world::SimulatedWorld;
@@ -25,6 +26,14 @@ impl SimulatedWorld {
             return Err(arguments.wrong(&format!("{} carries no scanner", self.vehicle)));
         }
         let wanted = arguments.at(0).and_then(Value::as_symbol);
+        if wanted.is_some_and(|word| word.is("on")) {
+            if self.suffers(FaultKind::PayloadPower, "") {
+                return Err(arguments.wrong("the payload has no power"));
+            }
+            if self.suffers(FaultKind::Sensor, "scanner") {
+                return Err(arguments.wrong("the scanner delivers no images"));
+            }
+        }
         self.scanner_on = match wanted.map(|symbol| symbol.folded()) {
             Some("on") => true,
             Some("off") => false,
@@ -51,6 +60,7 @@ impl SimulatedWorld {
             return Err(arguments.wrong(&unknown_name("camera", &name, known.iter().map(String::as_str))));
         };
         let ready = camera.is_ready();
+        self.check_works(&camera, command, arguments)?;
         let switch = arguments.at(1).and_then(Value::as_symbol).map(|symbol| symbol.folded().to_owned());
         if command == "camera" && switch.as_deref() == Some("power-up") && ready {
             self.say_ready(id, &camera.model.name, inputs);
@@ -103,6 +113,19 @@ impl SimulatedWorld {
         Ok(())
     }
 
+    /// Refuses a command that a failure of power or sensor makes impossible.
+    fn check_works(&self, camera: &Camera, command: &str, arguments: &Arguments) -> Result<(), String> {
+        let name = &camera.model.name;
+        let is_up = arguments.at(1).and_then(Value::as_symbol).is_some_and(|word| word.is("power-up"));
+        if command == "camera" && is_up && self.suffers(FaultKind::PayloadPower, "") {
+            return Err(arguments.wrong(&format!("{name} has no power")));
+        }
+        if command == "take-picture" && camera.broken {
+            return Err(arguments.wrong(&format!("{name} delivers no images")));
+        }
+        Ok(())
+    }
+
     /// Begins to point at what the command names.
     fn point(&self, camera: &mut Camera, arguments: &Arguments) -> Result<(), String> {
         let aim = self.aim(arguments)?;
@@ -146,8 +169,13 @@ impl SimulatedWorld {
     pub(crate) fn say_taken(&mut self, camera: &Camera, inputs: &mut Vec<Input>) {
         self.report(Extent::Attitude, inputs);
         let target = camera.aim.as_ref().map_or_else(Value::nil, Aim::given);
-        let form = [Value::symbol("image-taken"), Value::symbol(&camera.model.name), target];
+        let clear = self.is_picture_clear(camera);
+        let head = if clear { "image-taken" } else { "image-obscured" };
+        let form = [Value::symbol(head), Value::symbol(&camera.model.name), target];
         inputs.push(Input::new(self.now, EventKind::Occurrence(Value::list(form))));
+        if clear {
+            self.keep_picture(camera, inputs);
+        }
     }
 
     /// Powering up what is powered disturbs nothing, but the caller that asked for it waits for the event.

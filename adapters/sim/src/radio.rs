@@ -19,6 +19,8 @@ pub(crate) struct Radio {
     fading: Wander,
     /// 0 nothing .. 1 full.
     pub(crate) level: f64,
+    /// The modem has failed.
+    pub(crate) silenced: bool,
     lost: bool,
     /// Time for which the level has contradicted `lost`.
     contrary_s: f64,
@@ -34,7 +36,7 @@ pub(crate) enum LinkChange {
 impl Radio {
     pub(crate) fn new(modem: Modem, seed: u64, index: u64) -> Radio {
         let fading = Wander::new(Random::new(seed, 100 + index), FADING_S);
-        Radio { modem, fading, level: 1.0, lost: false, contrary_s: 0.0 }
+        Radio { modem, fading, level: 1.0, silenced: false, lost: false, contrary_s: 0.0 }
     }
 
     /// Fading draws from another seed from now on; the state of the link stays.
@@ -45,7 +47,8 @@ impl Radio {
     /// Listens at a place and time, `elapsed_s` after the last time.
     pub(crate) fn listen(&mut self, here: Position, altitude_m: f64, now_s: f64, elapsed_s: f64) -> Option<LinkChange> {
         let fading_db = self.modem.fading_db * self.fading.after(elapsed_s);
-        let silent = self.modem.dropouts_s.iter().any(|(from_s, until_s)| *from_s <= now_s && now_s < *until_s);
+        let silent =
+            self.silenced || self.modem.dropouts_s.iter().any(|(from_s, until_s)| *from_s <= now_s && now_s < *until_s);
         let level = self.modem.level.level(here, altitude_m);
         // Fading does not bring a signal back that distance or a shadow have taken.
         let heard = if silent || level <= 0.0 { 0.0 } else { level - fading_db / FULL_LEVEL_DB };

@@ -3,6 +3,7 @@
 use crate::atmosphere::Air;
 use crate::camera::{Aim, Camera, CameraState, Pointing};
 use crate::instants;
+use crate::living::FaultKind;
 use crate::packet::{ATTITUDE_S, Extent, Snapshot};
 use crate::phase::Phase;
 use crate::radio::LinkChange;
@@ -20,8 +21,13 @@ impl SimulatedWorld {
             self.listen(inputs);
         }
         if let Some(mut reporter) = self.reporter.take() {
+            let first = inputs.len();
             reporter.packet(self.now, extent, &self.snapshot(), &self.cameras, &self.radios, inputs);
             self.reporter = Some(reporter);
+            if extent != Extent::Attitude {
+                self.report_subsystems(inputs);
+            }
+            self.disturb(inputs, first);
         }
     }
 
@@ -30,7 +36,10 @@ impl SimulatedWorld {
         let elapsed_s = (self.now - self.heard_at).seconds();
         self.heard_at = self.now;
         let (here, altitude_m, now_s) = (self.state.position, self.state.altitude_m, self.now.seconds());
+        let living = self.living.as_deref();
         for radio in &mut self.radios {
+            let name = &radio.modem.name;
+            radio.silenced = living.is_some_and(|it| it.faults.find(FaultKind::Modem, name, self.now).is_some());
             if let Some(change) = radio.listen(here, altitude_m, now_s, elapsed_s) {
                 let name = if change == LinkChange::Lost { "link-lost" } else { "link-regained" };
                 let form = Value::list([Value::symbol(name), Value::symbol(&radio.modem.name)]);
@@ -70,6 +79,7 @@ impl SimulatedWorld {
             footprint_m(height_m, self.state.roll_rad, 0.5 * scanner.field_of_view_deg * RAD_PER_DEG)
         });
         let level = self.state.roll_rad.abs() <= self.model.level_roll_deg_max * RAD_PER_DEG;
+        let hidden = self.scanner_on && self.is_ground_hidden();
         let gliding = !self.state.engine_running && !self.state.on_ground;
         let phase = if self.crashed {
             Phase::Crashed
@@ -90,8 +100,9 @@ impl SimulatedWorld {
             true_airspeed_commanded: self.true_airspeed,
             home: self.home,
             scanner_on: scanner.map(|_| self.scanner_on),
-            scan_valid: self.scanner_on && level && !self.state.on_ground,
+            scan_valid: self.scanner_on && level && !self.state.on_ground && !hidden,
             footprint_m,
+            hidden,
             bump: self.turbulence.bump_m_s2,
         }
     }

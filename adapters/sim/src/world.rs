@@ -11,6 +11,8 @@ use crate::fixed_wing;
 use crate::flight::{ActiveOrder, Order, Progress};
 use crate::instants;
 use crate::left_lines::LeftLines;
+use crate::living::FaultKind;
+use crate::living::life::{self, Living};
 use crate::motion::{Demand, State, drain_per_s};
 use crate::packet::{Extent, Reporter};
 use crate::phase::Phase;
@@ -90,6 +92,8 @@ pub struct SimulatedWorld {
     pub(crate) changed: bool,
     pub(crate) crashed: bool,
     pub(crate) home: Position,
+    /// Failures, weather that moves, fires; `None` without a world file.
+    pub(crate) living: Option<Box<Living>>,
 }
 
 impl SimulatedWorld {
@@ -99,7 +103,8 @@ impl SimulatedWorld {
     /// A message that names the impossible part of the configuration.
     pub fn new(config: WorldConfig) -> Result<SimulatedWorld, String> {
         config.check()?;
-        let WorldConfig { vehicle, model, start, seed, wind, ground, modems, places, mut events } = config;
+        let living = Living::of(&config).map(Box::new);
+        let WorldConfig { vehicle, model, start, seed, wind, ground, modems, places, mut events, .. } = config;
         for event in &mut events {
             event.at = instants::not_before(event.at.max(Time::ZERO));
         }
@@ -160,6 +165,7 @@ impl SimulatedWorld {
             changed: true,
             crashed: false,
             home,
+            living,
         })
     }
 
@@ -209,7 +215,16 @@ impl SimulatedWorld {
         let cameras = self.cameras.iter().filter_map(|camera| camera.timer);
         let slews = self.cameras.iter().filter_map(|camera| camera.slew_until);
         let deadline = self.flight.deadline();
-        pending.into_iter().chain(scheduled).chain(waits).chain(cameras).chain(slews).chain(deadline).min()
+        let living = life::next_due(self.living.as_deref(), self.now);
+        pending
+            .into_iter()
+            .chain(scheduled)
+            .chain(waits)
+            .chain(cameras)
+            .chain(slews)
+            .chain(deadline)
+            .chain(living)
+            .min()
     }
 
     fn next_stop(&self) -> Time {
@@ -246,7 +261,7 @@ impl SimulatedWorld {
     /// One step of `dt` seconds, ending now.
     fn fly(&mut self, dt: f64, inputs: &mut Vec<Input>) {
         let position = self.state.position;
-        self.wind = wind::at(&self.wind_field, position, self.state.altitude_m, self.now.seconds());
+        self.wind = self.wind_that_blows();
         self.ground_m = self.ground.elevation_m_below(position);
         let ground_roll = self.flight.ground_roll().filter(|_| self.state.on_ground);
         if let Some(speed) = ground_roll {
@@ -261,6 +276,7 @@ impl SimulatedWorld {
         self.burn(dt, inputs);
         self.meet_ground(inputs);
         self.move_cameras(dt, inputs);
+        self.live_on(dt, inputs);
         let limit = self.model.level_roll_deg_max * RAD_PER_DEG;
         // As `situation`, but of single fields, so that the flight may change meanwhile.
         let here = Situation {
@@ -302,8 +318,9 @@ impl SimulatedWorld {
     }
 
     fn burn(&mut self, dt: f64, inputs: &mut Vec<Input>) {
-        self.state.drain_per_s = drain_per_s(&self.state, &self.model);
-        self.state.stored = (self.state.stored - self.state.drain_per_s * dt).max(0.0);
+        let (drain_per_s, leak_per_s) = self.drain_suffered(drain_per_s(&self.state, &self.model));
+        self.state.drain_per_s = drain_per_s;
+        self.state.stored = (self.state.stored - (drain_per_s + leak_per_s) * dt).max(0.0);
         if self.state.engine_running && self.available() == 0.0 {
             self.state.engine_running = false;
             self.happen("fuel-exhausted", inputs);
@@ -337,7 +354,7 @@ impl SimulatedWorld {
         if self.model.airframe == Airframe::Rotorcraft {
             (self.state.north, self.state.east, self.state.true_airspeed) = (0.0, 0.0, 0.0);
         }
-        if self.flight.is_touching_down() {
+        if self.flight.is_touching_down() || self.is_autorotating_down() {
             return self.happen("landed", inputs);
         }
         self.crashed = true;
@@ -365,7 +382,9 @@ impl SimulatedWorld {
             };
             inputs.push(Input::new(event.at, kind));
         }
+        self.suffer(inputs);
         self.ring_timers(inputs);
+        let extent = if self.changed { Some(Extent::Full) } else { extent };
         if let Some(extent) = extent {
             self.report(extent, inputs);
         }
@@ -379,8 +398,10 @@ impl SimulatedWorld {
             }
         }
         if obeyed && let Some(mut reporter) = self.reporter.take() {
+            let first = inputs.len();
             reporter.changes(self.now, &self.snapshot(), &self.cameras, inputs);
             self.reporter = Some(reporter);
+            self.disturb(inputs, first);
         }
         self.changed = false;
         self.plan(extent);
@@ -394,6 +415,9 @@ impl SimulatedWorld {
 
     /// Acknowledges a command.
     pub(crate) fn answer(&self, command: CommandId, result: Result<Value, String>, inputs: &mut Vec<Input>) {
+        if self.suffers(FaultKind::Acknowledgements, "") {
+            return;
+        }
         inputs.push(Input::new(self.now, EventKind::CommandAcknowledged(command, result)));
     }
 }

@@ -1,24 +1,30 @@
 //! People and programs that speak while a run continues: lines from standard input or a port, questions on the terminal,
 //! Ctrl-C.
 
+mod complaints;
+mod hearing;
+
 use crate::error::{CliError, CliResult};
 use crate::output;
-use apex_model::value::Value;
 use apex_runtime::Control;
-use apex_runtime::limits::INPUT_LINE_BYTES_MAX;
+use apex_runtime::live::{LiveSources, SourceClass};
 use apex_runtime::live_lines::OpenQuestions;
-use std::io::{BufRead, BufReader, Read};
+use hearing::{Hearing, hear, hear_connection};
 use std::net::{Ipv4Addr, TcpListener};
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, sync_channel};
 
-/// Inputs that may wait for a run that is busy; the caller that sends more waits.
-const WAITING_MAX: usize = 10_000;
+/// Words to the run that wait for it: wake-ups, the end of standard input, Ctrl-C.
+const WAITING_MAX: usize = 100;
+/// Connections at a time, those included that the run has not admitted: each has a thread.
+const CONNECTIONS_MAX: usize = 96;
 
-/// Listens to standard input, or to `port`, and to Ctrl-C; everything said comes out of the receiver.
+/// Listens to standard input, or to `port`, and to Ctrl-C; what is said comes out of the sources, and the rest of the receiver.
 ///
 /// # Errors
 /// The port cannot be had, or the system gives no signal handler.
-pub fn listen(open: &OpenQuestions, stdin: bool, port: Option<u16>) -> CliResult<Receiver<Control>> {
+pub fn listen(open: &OpenQuestions, stdin: bool, port: Option<u16>) -> CliResult<(LiveSources, Receiver<Control>)> {
     let (say, controls) = sync_channel(WAITING_MAX);
     let stop = say.clone();
     ctrlc::set_handler(move || {
@@ -28,27 +34,42 @@ pub fn listen(open: &OpenQuestions, stdin: bool, port: Option<u16>) -> CliResult
         }
     })
     .map_err(|error| CliError::failure("cannot listen to Ctrl-C").because(error))?;
+    let wake = say.clone();
+    // A full channel has woken the run already.
+    let sources = LiveSources::new(move || wake.try_send(Control::Look).unwrap_or_default());
     if let Some(port) = port {
-        let listener = bind(port)?;
-        let (open, say) = (open.clone(), say.clone());
-        std::thread::spawn(move || {
-            for stream in listener.incoming().flatten() {
-                let (open, say) = (open.clone(), say.clone());
-                std::thread::spawn(move || hear(BufReader::new(stream), &open, &say));
-            }
-        });
+        accept(bind(port)?, &sources, open);
     }
-    let (open, others) = (open.clone(), port.is_some());
+    let (open, others, heard) = (open.clone(), port.is_some(), sources.clone());
     std::thread::spawn(move || {
-        if stdin {
-            hear(std::io::stdin().lock(), &open, &say);
+        if stdin && let Ok(source) = heard.admit(SourceClass::Operator) {
+            hear(std::io::stdin().lock(), &Hearing { source: &source, open: &open, answers: None });
         }
         if !others {
             // The run may be over: then nobody minds.
             say.send(Control::Quiet).unwrap_or_default();
         }
     });
-    Ok(controls)
+    Ok((sources, controls))
+}
+
+/// Hears every connection on a separate thread, up to the limit.
+fn accept(listener: TcpListener, sources: &LiveSources, open: &OpenQuestions) {
+    let (sources, open, connections) = (sources.clone(), open.clone(), Arc::new(AtomicUsize::new(0)));
+    std::thread::spawn(move || {
+        for stream in listener.incoming().flatten() {
+            let (sources, open, connections) = (sources.clone(), open.clone(), Arc::clone(&connections));
+            if connections.fetch_add(1, Ordering::AcqRel) >= CONNECTIONS_MAX {
+                connections.fetch_sub(1, Ordering::AcqRel);
+                hearing::refuse(&stream, &format!("{CONNECTIONS_MAX} connections are open, which is the limit"));
+                continue;
+            }
+            std::thread::spawn(move || {
+                hear_connection(&stream, &sources, &open);
+                connections.fetch_sub(1, Ordering::AcqRel);
+            });
+        }
+    });
 }
 
 /// A port of this machine; says which one it is.
@@ -66,30 +87,4 @@ pub fn bind(port: u16) -> CliResult<TcpListener> {
         output::print_error(format_args!("listening on {address}"));
     }
     Ok(listener)
-}
-
-fn hear(mut lines: impl BufRead, open: &OpenQuestions, say: &SyncSender<Control>) {
-    loop {
-        let mut bytes = Vec::new();
-        let read = lines.by_ref().take(INPUT_LINE_BYTES_MAX as u64 + 1).read_until(b'\n', &mut bytes);
-        if !read.is_ok_and(|count| count > 0) {
-            return;
-        }
-        let line = String::from_utf8_lossy(&bytes).trim().to_string();
-        if line.is_empty() || line.starts_with('#') {
-            continue;
-        }
-        match open.understand(&line, &read_value) {
-            Ok(control) => {
-                if say.send(control).is_err() {
-                    return;
-                }
-            }
-            Err(fault) => output::print_error(format_args!("  {fault}")),
-        }
-    }
-}
-
-fn read_value(text: &str) -> Result<Value, String> {
-    apex_pdl::read_value(text).map_err(|diagnostic| diagnostic.message)
 }

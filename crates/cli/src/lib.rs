@@ -8,6 +8,7 @@
 
 #![expect(unreachable_pub, reason = "but for `main` it has no public face; `pub` says that another module uses it")]
 
+mod access;
 mod commands;
 mod console;
 mod error;

@@ -395,6 +395,9 @@ pub enum ExportFormat {
 pub struct ServeOptions {
     /// The flight record; can be left out with `--missions`.
     pub record: Option<PathBuf>,
+    /// Another flight record that the page can show next to the first one; can be given several times.
+    #[arg(long, value_name = "RECORD", requires = "record")]
+    pub with: Vec<PathBuf>,
     /// Let programs and pages of this machine fly the missions in this folder: its sub-folders with a `mission.pdl`.
     #[arg(long, value_name = "FOLDER")]
     pub missions: Option<PathBuf>,
@@ -404,9 +407,22 @@ pub struct ServeOptions {
     /// The port.
     #[arg(long, default_value_t = 8040, value_name = "NUMBER")]
     pub port: u16,
-    /// The address; anything but 127.0.0.1 lets other machines read the flight.
+    /// The address; anything but 127.0.0.1 lets other machines in, with tokens and encrypted.
     #[arg(long, default_value = "127.0.0.1", value_name = "ADDRESS")]
     pub address: String,
+    /// Tokens, each in a line `ROLE NAME SECRET`; roles are observer, operator, pilot-in-command. Left out with another address, tokens
+    /// are made for this run and printed.
+    #[arg(long, value_name = "FILE")]
+    pub tokens: Option<PathBuf>,
+    /// A certificate chain (PEM); left out with another address, one is made for this run.
+    #[arg(long, value_name = "FILE", requires = "tls_key")]
+    pub tls_cert: Option<PathBuf>,
+    /// The private key of the certificate (PEM).
+    #[arg(long, value_name = "FILE", requires = "tls_cert")]
+    pub tls_key: Option<PathBuf>,
+    /// A name under which browsers may ask for this server; can be given several times.
+    #[arg(long, value_name = "NAME")]
+    pub host_name: Vec<String>,
     /// The agent to show, where several run; default is the first.
     #[arg(long, value_name = "NAME", requires = "record")]
     pub agent: Option<String>,

@@ -206,13 +206,13 @@ fn output_on_a_full_disk_is_a_failure_and_no_panic() {
 /// Needs the right to mount; without it there is no small disk to fill, and the runtime's tests fill a file instead.
 #[cfg(target_os = "linux")]
 #[test]
-fn a_full_disk_ends_the_flight_and_leaves_nothing_that_passes_for_whole() {
+fn a_flight_outlives_a_full_disk_and_leaves_nothing_that_passes_for_whole() {
     let desk = Desk::new();
     let small = Small::mount(&desk, "200k");
     let Some(small) = small else { return };
     let mission = mission("first-picture");
     let fly = ["fly", &*mission, "--no-progress", "--record", "small/f.apex"];
-    desk.apex(&fly).complained(1, &["The disk is full", "small/f.apex", "Free some space"]);
+    desk.apex(&fly).complained(1, &["the disk is full", "small/f.apex", "Free some space"]);
     let warning = "warning: The flight record small/f.apex is incomplete";
     desk.apex(&["trace", "small/f.apex"]).complained(0, &[warning]);
     desk.apex(&["replay", "small/f.apex"]).complained_of(&[warning]);

@@ -6,6 +6,7 @@
 
 use crate::control::conflicts::deadlock;
 use crate::control::cycle::{Cycle, Work};
+use crate::control::memory_budget;
 use crate::control::tasks::instantiation::{self, Seed};
 use crate::control::tasks::{monitoring_clauses, probing, termination};
 use crate::phases::{contention, enablement, invariants, invocation, recording, selection};
@@ -32,7 +33,9 @@ pub fn step(agent: &mut Agent, batch: &Batch) -> Vec<Effect> {
     let (library, index) = (agent.library.clone(), agent.index.clone());
     let before = agent.now;
     let effects = Vec::new();
-    let mut cycle = Cycle { agent, library: &library, index: &index, now: before, effects, work: Work::default() };
+    let first_task = agent.next.task;
+    let mut cycle =
+        Cycle { agent, library: &library, index: &index, now: before, first_task, effects, work: Work::default() };
     let mut events = batch.events.as_slice();
     while let Some(instant) = next_instant(&cycle, events, batch.now) {
         let count = events.iter().take_while(|event| instant_of(event, &cycle, batch.now) <= instant).count();
@@ -87,6 +90,7 @@ fn work_through(cycle: &mut Cycle<'_>, events: &[Event]) {
         recording::record_said(cycle);
         monitoring_clauses::notice(cycle);
         enablement::enable(cycle);
+        memory_budget::enforce(cycle);
         selection::choose(cycle);
         let arbitration = contention::contend(cycle);
         contention::commit(cycle, arbitration);

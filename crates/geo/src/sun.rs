@@ -17,8 +17,8 @@ pub const SCAN_STEPS_MAX: usize = 4_320;
 
 const J2000_UNIX_S: f64 = 946_728_000.0;
 
-/// Elevation of the middle of the sun above the horizon, without refraction.
-pub fn solar_elevation_deg(position: Position, unix_s: f64) -> f64 {
+/// Hour angle of the sun at a place, its declination, and the latitude, rad.
+fn hour_declination_latitude_rad(position: Position, unix_s: f64) -> (f64, f64, f64) {
     let days = (unix_s - J2000_UNIX_S) / 86_400.0;
     let anomaly_rad = wrap_360(357.529 + 0.985_600_28 * days) * RAD_PER_DEG;
     let mean_deg = wrap_360(280.459 + 0.985_647_36 * days);
@@ -29,10 +29,24 @@ pub fn solar_elevation_deg(position: Position, unix_s: f64) -> f64 {
     let declination_rad = libm::asin(libm::sin(tilt_rad) * libm::sin(longitude_rad));
     let sidereal_deg = wrap_360(280.460_618_37 + 360.985_647_366_29 * days);
     let hour_rad = wrap_180(sidereal_deg + position.longitude_deg - ascension_rad / RAD_PER_DEG) * RAD_PER_DEG;
-    let latitude_rad = position.latitude_deg * RAD_PER_DEG;
+    (hour_rad, declination_rad, position.latitude_deg * RAD_PER_DEG)
+}
+
+/// Elevation of the middle of the sun above the horizon, without refraction.
+pub fn solar_elevation_deg(position: Position, unix_s: f64) -> f64 {
+    let (hour_rad, declination_rad, latitude_rad) = hour_declination_latitude_rad(position, unix_s);
     let sine = libm::sin(latitude_rad) * libm::sin(declination_rad)
         + libm::cos(latitude_rad) * libm::cos(declination_rad) * libm::cos(hour_rad);
     libm::asin(sine.clamp(-1.0, 1.0)) / RAD_PER_DEG
+}
+
+/// Azimuth of the sun, clockwise from true north, 0..360.
+pub fn solar_azimuth_deg(position: Position, unix_s: f64) -> f64 {
+    let (hour_rad, declination_rad, latitude_rad) = hour_declination_latitude_rad(position, unix_s);
+    let east = -libm::cos(declination_rad) * libm::sin(hour_rad);
+    let north = libm::cos(latitude_rad) * libm::sin(declination_rad)
+        - libm::sin(latitude_rad) * libm::cos(declination_rad) * libm::cos(hour_rad);
+    wrap_360(libm::atan2(east, north) / RAD_PER_DEG)
 }
 
 /// Returns true if the light is as required.
@@ -100,6 +114,15 @@ mod tests {
         assert!(elevation > 89.5, "{elevation}");
         let pole = solar_elevation_deg(Position::new(90.0, 0.0), 1_774_008_450.0);
         assert!(pole.abs() < 0.3, "{pole}");
+    }
+
+    /// By hand: at sunset the cosine of the azimuth is the sine of the declination over the cosine of the latitude.
+    #[test]
+    fn the_sun_sets_a_little_north_of_west_in_early_september() {
+        let sunset = solar_azimuth_deg(EDWARDS, SEPTEMBER_UNIX_S + 7_794.0);
+        assert!((sunset - 277.2).abs() < 0.8, "{sunset}");
+        let noon = solar_azimuth_deg(EDWARDS, SEPTEMBER_UNIX_S - 15_000.0);
+        assert!((noon - 180.0).abs() < 5.0, "{noon}");
     }
 
     #[test]

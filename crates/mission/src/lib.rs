@@ -28,6 +28,7 @@ pub mod plan;
 mod predicted;
 pub mod problem;
 pub mod program;
+pub mod realised;
 pub mod recorded;
 pub mod recording;
 pub mod replacing;
@@ -66,6 +67,15 @@ use std::path::Path;
 use std::sync::Arc;
 use targets::Terms;
 use vehicle::VehicleModel;
+
+/// The text of a world file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WorldText {
+    /// Names it in messages.
+    pub place: String,
+    /// The text itself.
+    pub text: String,
+}
 
 /// A mission with all of its data.
 #[derive(Debug, Clone)]
@@ -112,6 +122,8 @@ pub struct Mission {
     pub lost_link: lost_link::LostLink,
     /// The dependency model by which test outcomes are diagnosed in flight.
     pub diagnosis: Option<Arc<apex_diagnosis::Model>>,
+    /// The living world of the simulation; the simulator reads it.
+    pub world: Option<WorldText>,
     /// Data files by name with their bytes, for the record; shared, since each plan is made for a copy of the mission.
     pub data: Arc<Vec<(String, Vec<u8>)>>,
 }
@@ -179,6 +191,9 @@ impl Mission {
                 .unwrap_or_default(),
             diagnosis: files
                 .read("diagnosis", &settings.diagnosis, |file| diagnosis::parse(&file.place, &file.text()?))?,
+            world: files.read("world", &settings.world, |file| {
+                Ok(WorldText { place: file.place.clone(), text: file.text()? })
+            })?,
             scenario: files.read("scenario", &settings.scenario, scenario::of_mission)?.unwrap_or_default(),
             weather: weather.or_else(|| forecast.clone()).unwrap_or_default(),
             forecast: forecast.unwrap_or_default(),

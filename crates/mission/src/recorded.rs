@@ -98,11 +98,15 @@ pub fn situation_at(reader: &RecordReader, mission: &Mission, at: Time) -> Missi
     Ok(situation)
 }
 
-/// The situation at the end of the record, and what was observed until then, both folded from its steps alone.
-fn folded(reader: &RecordReader, mission: &Mission) -> MissionResult<(Situation, Result<Option<FlownScore>, String>)> {
+/// A situation, and what was observed until then; an error if the targets are invalid.
+type Folded = (Situation, Result<Option<FlownScore>, String>);
+
+/// The situation after the last step not later than `until`, and what was observed until then, both folded from the record's
+/// steps alone.
+pub(crate) fn folded_until(reader: &RecordReader, mission: &Mission, until: Time) -> MissionResult<Folded> {
     let mut situation = Situation::default();
     let mut flown = FlownScore::new(mission);
-    for step in reader.steps_of_all(Time::END).map_err(read)? {
+    for step in reader.steps_of_all(until).map_err(read)? {
         let step = step.map_err(read)?;
         let effects = step.decoded_effects().map_err(|fault| damaged(reader, fault))?;
         situation.observe(mission, step.agent, &step.batch, &effects);
@@ -122,7 +126,7 @@ fn damaged(reader: &RecordReader, fault: impl std::fmt::Display) -> MissionError
 /// # Errors
 /// A record that cannot be read.
 pub fn report_of(reader: &RecordReader, mission: &Mission) -> MissionResult<Report> {
-    let (situation, flown) = folded(reader, mission)?;
+    let (situation, flown) = folded_until(reader, mission, Time::END)?;
     let end = match (
         reader.meta("end_ns").map_err(read)?.and_then(|text| text.parse().ok()),
         reader.meta("end_reason").map_err(read)?,

@@ -68,6 +68,8 @@ pub struct Settings {
     pub lost_link: Vec<Value>,
     /// The dependency model of components and tests.
     pub diagnosis: Option<String>,
+    /// The living world of the simulation.
+    pub world: Option<String>,
     /// Structures with the functions of the program that are their costs.
     pub costs: Vec<(String, Symbol)>,
 }
@@ -103,6 +105,7 @@ const KNOWN: &[&str] = &[
     "link-map",
     "lost-link",
     "diagnosis",
+    "world",
     "costs",
     "libraries",
     "files",
@@ -177,6 +180,7 @@ pub(crate) fn read(library: &Library) -> MissionResult<Settings> {
         link_map: reader.list("link-map")?,
         lost_link: reader.list("lost-link")?,
         diagnosis: reader.text("diagnosis")?,
+        world: reader.text("world")?,
         costs: reader.costs()?,
     })
 }

@@ -170,6 +170,7 @@ pub fn figures(model: &VehicleModel) -> String {
         ("low-fuel", low_kg, "kg"),
         ("low-charge", low_share, ""),
         ("reserve-share", reserve_share, ""),
+        ("glide-ratio", model.glide_ratio, ""),
     ];
     let mut text = format!(
         ";;; Figures of the vehicle `{}`, from its vehicle file. A mission's own vehicle replaces this text; a program without a\n\

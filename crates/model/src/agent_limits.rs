@@ -38,11 +38,13 @@ pub enum Limit {
     MedianNumbers,
     /// [`limits::REPETITIONS_PER_SECOND_MAX`]
     RepetitionsPerSecond,
+    /// [`limits::MEMORY_MEBIBYTES_MAX`], which an agent may also raise.
+    MemoryMebibytes,
 }
 
 impl Limit {
     /// All of them, in the order in which messages list them.
-    pub const ALL: [Limit; 14] = [
+    pub const ALL: [Limit; 15] = [
         Limit::Tasks,
         Limit::TaskDepth,
         Limit::ForallItems,
@@ -57,6 +59,7 @@ impl Limit {
         Limit::MonitorCombinations,
         Limit::CustomValues,
         Limit::MedianNumbers,
+        Limit::MemoryMebibytes,
     ];
 
     /// The constant's name, the word in PDL, and the values between which the limit may be set.
@@ -93,6 +96,7 @@ impl Limit {
                 ("MONITOR_COMBINATIONS_MAX", "monitor-combinations", 1, limits::MONITOR_COMBINATIONS_MAX)
             }
             Limit::CustomValues => ("CUSTOM_VALUES_MAX", "custom-values", 1, limits::CUSTOM_VALUES_MAX as u64),
+            Limit::MemoryMebibytes => ("MEMORY_MEBIBYTES_MAX", "memory-mebibytes", 1, 1 << 20),
             Limit::MedianNumbers => ("MEDIAN_NUMBERS_MAX", "median-numbers", 1, limits::MEDIAN_NUMBERS_MAX),
         }
     }
@@ -112,9 +116,14 @@ impl Limit {
         self.facts().2
     }
 
-    /// The executive's own limit: the greatest value, and the default.
+    /// The greatest value that it may be set to.
     pub fn most(self) -> u64 {
         self.facts().3
+    }
+
+    /// The executive's own limit, where an agent states none: the greatest value, except for memory, of which computers differ.
+    pub fn usual(self) -> u64 {
+        if self == Limit::MemoryMebibytes { limits::MEMORY_MEBIBYTES_MAX } else { self.most() }
     }
 }
 
@@ -134,7 +143,7 @@ pub const UNLOWERED: &Limits = &Limits { set: Vec::new() };
 impl Limits {
     /// The value of `limit`.
     pub fn of(&self, limit: Limit) -> u64 {
-        self.set.iter().find(|(each, _)| *each == limit).map_or_else(|| limit.most(), |(_, value)| *value)
+        self.set.iter().find(|(each, _)| *each == limit).map_or_else(|| limit.usual(), |(_, value)| *value)
     }
 
     /// The same as a number of things in memory.
@@ -145,8 +154,9 @@ impl Limits {
     /// Sets `limit` to `value`, within what it may be.
     pub fn lower(&mut self, limit: Limit, value: u64) {
         self.set.retain(|(each, _)| *each != limit);
-        if value < limit.most() {
-            self.set.push((limit, value.max(limit.least())));
+        let value = value.clamp(limit.least(), limit.most());
+        if value != limit.usual() {
+            self.set.push((limit, value));
         }
     }
 
@@ -170,7 +180,7 @@ mod tests {
     #[test]
     fn a_limit_is_the_executives_until_it_is_lowered_and_is_never_raised() {
         let mut limits = Limits::default();
-        assert!(Limit::ALL.iter().all(|limit| limits.of(*limit) == limit.most() && limit.least() < limit.most()));
+        assert!(Limit::ALL.iter().all(|limit| limits.of(*limit) == limit.usual() && limit.least() < limit.most()));
         limits.lower(Limit::Tasks, 20);
         limits.lower(Limit::HistorySamples, 0);
         assert_eq!((limits.of(Limit::Tasks), limits.of(Limit::HistorySamples)), (20, 2));
@@ -186,7 +196,7 @@ mod tests {
     #[test]
     fn a_log_bounds_what_is_kept_of_it() {
         let limits = Limits::of_a_log();
-        let raised = |limit: &Limit| limits.of(*limit) > limit.most();
+        let raised = |limit: &Limit| limits.of(*limit) > limit.usual();
         let kept: Vec<&str> = Limit::ALL.iter().filter(|limit| raised(limit)).map(|limit| limit.word()).collect();
         assert_eq!(kept, ["history-samples", "event-history", "monitor-objects", "monitor-results"]);
     }

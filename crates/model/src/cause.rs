@@ -349,4 +349,9 @@ pub enum Cause {
         /// Message about the event.
         message: String,
     },
+    /// What happens is not recorded any longer: the disk takes no more.
+    RecordingLost {
+        /// Reason, as the system states it.
+        reason: String,
+    },
 }

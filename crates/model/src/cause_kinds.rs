@@ -71,6 +71,7 @@ impl Cause {
             Cause::NobodyHears { .. } => "nobody-hears",
             Cause::WaitsInCircle { .. } => "waits-in-circle",
             Cause::ExecutiveFault { .. } => "executive-fault",
+            Cause::RecordingLost { .. } => "recording-lost",
         }
     }
 }

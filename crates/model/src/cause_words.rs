@@ -99,6 +99,7 @@ impl Cause {
             Cause::ExpressionFailed { message } => format!("an expression failed: {message}"),
             Cause::ResultDoesNotFit { value } => format!("the result {value} does not fit the pattern after =>"),
             Cause::InputRefused { message } => message.clone(),
+            Cause::RecordingLost { reason } => format!("the flight is not being recorded: {reason}"),
             Cause::StrayAnswer { to } => format!("an answer came to {to}, which was never asked"),
             Cause::LimitReached { limit, value } => format!("the limit {limit} = {value} was reached"),
             Cause::OperatorAnswered { answer, .. } => format!("the operator answered {answer}"),

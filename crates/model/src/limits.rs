@@ -18,6 +18,8 @@ pub const MATCH_STEPS_MAX: u64 = 10_000;
 pub const TASK_DEPTH_MAX: u32 = 200;
 /// Tasks of one agent, with the ended ones that siblings may still refer to: 600 MB of them.
 pub const TASKS_MAX: usize = 1_000_000;
+/// Mebibytes that one agent may hold in tasks, monitors, values, histories and the decisions of one instant.
+pub const MEMORY_MEBIBYTES_MAX: u64 = 1_024;
 /// Items of one `forall`.
 pub const FORALL_ITEMS_MAX: usize = 100_000;
 /// Instances of a `repeating` step that start and end at one instant.

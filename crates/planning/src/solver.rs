@@ -47,6 +47,23 @@ pub trait Budget {
     fn left(&self) -> Option<u64> {
         None
     }
+    /// True when the answer is not wanted any longer: the solver must end at once, whatever it has.
+    fn is_stopped(&self) -> bool {
+        false
+    }
+    /// What the solver may take of the machine.
+    fn machine(&self) -> MachineLimits {
+        MachineLimits::default()
+    }
+}
+
+/// What a solver may take of the machine. They are far off: the budget in work units decides before.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MachineLimits {
+    /// Bytes of memory; `None` if the caller states no limit.
+    pub memory_bytes: Option<u64>,
+    /// Wall time until it is stopped; `None` if the caller states no limit.
+    pub timeout: Option<std::time::Duration>,
 }
 
 /// A budget of a fixed number of work units.

@@ -1,9 +1,10 @@
 //! Commands of an operator to a run that is under way, each with exactly one end: accepted, rejected, or expired.
 //!
 //! The run settles a command when it takes it, at one instant of mission time, and writes the command with its end into the
-//! record as an input: the event `(operator-command NUMBER WORDS accepted)`, `(.. rejected REASON)` or `(.. expired)`. The
-//! sender may settle it first, as expired; then the run does not execute it.
+//! record as an input: the event `(operator-command NUMBER WORDS accepted)`, `(.. rejected REASON)` or `(.. expired)`, with
+//! `:by NAME :epoch NUMBER` if its author is known. The sender may settle it first, as expired; then the run does not execute it.
 
+use crate::authority::{Actor, AuthorityRequest};
 use apex_model::event::EventKind;
 use apex_model::symbol::Symbol;
 use apex_model::time::Time;
@@ -11,7 +12,7 @@ use apex_model::value::Value;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// The head of the event that records a command.
-const HEAD: &str = "operator-command";
+pub(crate) const HEAD: &str = "operator-command";
 
 /// Order of a command to the run.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,6 +27,17 @@ pub enum Order {
     Stop,
     /// Nothing but the entry in the record: an operator has noticed something.
     Note,
+    /// A wish about the authority over the run.
+    Authority(AuthorityRequest),
+}
+
+/// The person or program that gives a command.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Author {
+    /// Its name and role.
+    pub actor: Actor,
+    /// The epoch of authority in which it commands, if it states one: a command of another epoch is refused.
+    pub epoch: Option<u64>,
 }
 
 /// End of a command.
@@ -75,6 +87,8 @@ pub struct Command {
     pub words: String,
     /// The order.
     pub order: Order,
+    /// Its author, who needs authority; none for a program that owns the run.
+    pub author: Option<Author>,
     /// Its end.
     pub ticket: Ticket,
 }
@@ -88,6 +102,11 @@ impl Command {
             CommandEnd::Accepted { .. } => parts.push(Value::symbol("accepted")),
             CommandEnd::Rejected { reason } => parts.extend([Value::symbol("rejected"), Value::text(reason)]),
             CommandEnd::Expired => parts.push(Value::symbol("expired")),
+        }
+        if let Some(Author { actor, epoch }) = &self.author {
+            parts.extend([Value::symbol(":by"), Value::text(&actor.name)]);
+            let epoch = epoch.map(|epoch| Value::Integer(i64::try_from(epoch).unwrap_or(i64::MAX)));
+            parts.extend(epoch.into_iter().flat_map(|epoch| [Value::symbol(":epoch"), epoch]));
         }
         EventKind::Occurrence(Value::list(parts))
     }
@@ -115,7 +134,8 @@ mod tests {
     #[test]
     fn a_command_that_the_run_does_not_take_is_rejected_at_its_end() {
         let ticket = Ticket::default();
-        let command = Command { number: 1, words: "late".into(), order: Order::Note, ticket: ticket.clone() };
+        let command =
+            Command { number: 1, words: "late".into(), order: Order::Note, author: None, ticket: ticket.clone() };
         let (operators, controls) = channel();
         operators.send(Control::Command(Arc::new(command))).unwrap();
         drop((operators, controls));

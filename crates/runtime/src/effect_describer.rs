@@ -3,6 +3,7 @@
 //! A describer remembers the goal of each task and the sources that plans bring, so that every line can name its task and its
 //! place in PDL.
 
+use crate::limits::ENDED_GOALS_MAX;
 use apex_model::because::Because;
 use apex_model::effect::{Decision, DecisionKind, Effect, Method, SolveRequestId};
 use apex_model::event::{Batch, EventKind, SolverReport};
@@ -11,7 +12,7 @@ use apex_model::source::{Place, SourceFile};
 use apex_model::symbol::Symbol;
 use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::value::Value;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
 /// An effect as text: the columns of the record's `effect` table and the keys of a trace line.
@@ -43,12 +44,23 @@ pub struct EffectRow {
     pub place: Option<String>,
 }
 
+/// The goal of a task.
+#[derive(Clone, Debug)]
+struct TaskGoal {
+    text: Arc<str>,
+    /// The number of the end by which it ended; `None` while it lives.
+    end: Option<u64>,
+}
+
 /// Describes the effects of one agent, which must come in order and completely.
 #[derive(Clone, Debug)]
 pub struct EffectDescriber {
     /// Only its sources are used and extended.
     library: Library,
-    goals: BTreeMap<TaskId, Arc<str>>,
+    goals: BTreeMap<TaskId, TaskGoal>,
+    /// Tasks that have ended, oldest first, each with the number of its end.
+    ended: VecDeque<(TaskId, u64)>,
+    ends: u64,
     plans: BTreeMap<SolveRequestId, SourceFile>,
 }
 
@@ -56,7 +68,7 @@ impl EffectDescriber {
     /// A describer for a run of `library`, from the run's first step on.
     pub fn new(library: &Library) -> EffectDescriber {
         let library = Library { sources: library.sources.clone(), ..Library::default() };
-        EffectDescriber { library, goals: BTreeMap::new(), plans: BTreeMap::new() }
+        EffectDescriber { library, goals: BTreeMap::new(), ended: VecDeque::new(), ends: 0, plans: BTreeMap::new() }
     }
 
     /// `file.pdl:14:3`, also for places inside of plans.
@@ -66,7 +78,7 @@ impl EffectDescriber {
 
     /// The goal of `task` as known now.
     pub fn goal(&self, task: TaskId) -> Arc<str> {
-        self.goals.get(&task).cloned().unwrap_or_default()
+        self.goals.get(&task).map(|goal| Arc::clone(&goal.text)).unwrap_or_default()
     }
 
     /// The step's inputs; must be told before its effects, because plans bring sources.
@@ -147,6 +159,9 @@ impl EffectDescriber {
                 told.kind = "transition";
                 told.subject = told.goal.to_string();
                 (told.from, told.to) = (Some(*from), Some(*to));
+                if let Some(task) = decision.task {
+                    self.end_or_revive(task, *to);
+                }
                 told.outcome = outcome.as_ref().map(outcome_word);
                 told.value = outcome.as_ref().and_then(outcome_value);
             }
@@ -184,7 +199,26 @@ impl EffectDescriber {
         told.subject = goal.to_string();
         told.goal = Arc::from(&*told.subject);
         if let Some(task) = told.task {
-            self.goals.insert(task, Arc::clone(&told.goal));
+            self.goals.insert(task, TaskGoal { text: Arc::clone(&told.goal), end: None });
+        }
+    }
+
+    /// Forgets the goals of tasks that ended long ago: what is remembered is bounded by what lives. A task may begin again after
+    /// its end.
+    fn end_or_revive(&mut self, task: TaskId, to: TaskState) {
+        let Some(goal) = self.goals.get_mut(&task) else { return };
+        goal.end = None;
+        if to != TaskState::Terminated {
+            return;
+        }
+        self.ends += 1;
+        goal.end = Some(self.ends);
+        self.ended.push_back((task, self.ends));
+        while self.ended.len() > ENDED_GOALS_MAX {
+            let Some((task, end)) = self.ended.pop_front() else { return };
+            if self.goals.get(&task).is_some_and(|goal| goal.end == Some(end)) {
+                self.goals.remove(&task);
+            }
         }
     }
 

@@ -111,6 +111,18 @@ pub enum RecordError {
         /// Activity that failed.
         doing: String,
     },
+    /// A write failed during the flight, and none succeeded until its end.
+    #[error("The recording was lost at {since} because {reason}: the flight record {} holds everything before, and {steps} later steps that were kept in memory are not in it. Free some space or record to another disk, then fly again.", path.display())]
+    Lost {
+        /// The file.
+        path: PathBuf,
+        /// The instant of the first step that is not stored.
+        since: Time,
+        /// The system's reason.
+        reason: String,
+        /// Steps that were kept in memory.
+        steps: u64,
+    },
     /// The file is a record, but parts of it cannot be understood.
     #[error("The flight record {} is damaged: {what}. `apex recover` saves what stands before the damage into a new record.", path.display())]
     Damaged {

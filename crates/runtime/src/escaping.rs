@@ -48,6 +48,23 @@ impl<W: Write> Write for Escaped<W> {
     }
 }
 
+/// A text as one line of a log: line ends as `\\n`, other control characters as `\\u{1b}`, tabs as they are.
+pub(crate) fn one_line(text: &str) -> String {
+    if !text.contains(|each: char| each.is_control() && each != '\t') {
+        return text.to_owned();
+    }
+    let mut line = String::with_capacity(text.len() + 16);
+    for each in text.chars() {
+        match each {
+            '\n' => line.push_str("\\n"),
+            '\t' => line.push(each),
+            control if control.is_control() => line.extend(control.escape_unicode()),
+            other => line.push(other),
+        }
+    }
+    line
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -57,6 +74,12 @@ mod tests {
         let mut escaped = Escaped::new(&mut out);
         parts.iter().for_each(|part| escaped.write_all(part).unwrap());
         String::from_utf8(out).unwrap()
+    }
+
+    #[test]
+    fn a_line_of_a_log_holds_no_control_characters() {
+        assert_eq!(one_line("für 20 °C\tÅ"), "für 20 °C\tÅ");
+        assert_eq!(one_line("a\nb\u{1b}]0;x\u{7}\u{9b}2J\u{7f}"), "a\\nb\\u{1b}]0;x\\u{7}\\u{9b}2J\\u{7f}");
     }
 
     #[test]

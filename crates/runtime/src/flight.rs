@@ -8,18 +8,22 @@ mod waiting;
 pub(crate) use resume::OpenAnswer;
 
 use crate::agent_group::{AgentGroup, Numbering};
+use crate::authority::AuthorityBoard;
 use crate::error::RunError;
+use crate::input_stream::InputStream;
 use crate::limits::{LATENESS_TOLD_MIN, STEPS_PER_INSTANT_MAX};
+use crate::live::LiveSources;
 use crate::outbox;
 use crate::pacing::Pacer;
 use crate::pool::{Arrival, SolverPool};
-use crate::ports::{Deliberator, Input, Observer, SolverQueue, Vehicle};
+use crate::ports::{Deliberator, Input, News, Observer, SolverQueue, Vehicle};
 use crate::terms::{Control, EndReason, FlyOptions, Lateness, RunEnd, ScriptedAnswer};
 use apex_executive::Agent;
 use apex_model::effect::{Effect, SolveRequest};
 use apex_model::event::{Batch, EventKind};
 use apex_model::time::{Duration, Time};
 use std::sync::mpsc::Receiver;
+use std::time::Instant;
 
 /// The executive's door, as a value so that tests can stand in for it.
 pub(crate) type Step = fn(&mut Agent, &Batch) -> Vec<Effect>;
@@ -34,8 +38,13 @@ pub(crate) struct Flight<'a, 'o> {
     pacer: Pacer,
     /// Latest first, so that the next one is popped off the end.
     scheduled: Vec<Input>,
+    stream: Option<InputStream>,
     answers: Vec<ScriptedAnswer>,
     controls: Option<Receiver<Control>>,
+    live: Option<HeardSources>,
+    /// Wall time at which observers have written out last.
+    flushed_at: Instant,
+    authority: AuthorityBoard,
     /// Somebody outside may still say something in addition `stop`.
     expecting: bool,
     until: Time,
@@ -49,6 +58,15 @@ pub(crate) struct Flight<'a, 'o> {
     /// The first instant is still to come.
     is_new: bool,
     end: RunEnd,
+}
+
+/// The live sources of a flight; dropping it tells their readers that the flight is over.
+struct HeardSources(LiveSources);
+
+impl Drop for HeardSources {
+    fn drop(&mut self) {
+        self.0.close();
+    }
 }
 
 /// Result of waiting for an instant.
@@ -78,6 +96,9 @@ impl<'a, 'o> Flight<'a, 'o> {
         scheduled.reverse();
         let group = AgentGroup::new(agents);
         scheduled.iter().try_for_each(|input| group.check(input))?;
+        for agent in options.stream.iter().flat_map(InputStream::agents) {
+            group.check(&Input { agent: Some(agent.clone()), ..Input::new(Time::ZERO, EventKind::Woken) })?;
+        }
         let late = Lateness::default();
         Ok(Flight {
             step,
@@ -87,8 +108,12 @@ impl<'a, 'o> Flight<'a, 'o> {
             observers,
             pacer,
             scheduled,
+            stream: options.stream,
             answers: options.answers,
             controls: options.controls,
+            live: options.live.map(HeardSources),
+            flushed_at: Instant::now(),
+            authority: options.authority,
             expecting: true,
             until: options.until,
             poll: options.poll,
@@ -204,9 +229,11 @@ impl<'a, 'o> Flight<'a, 'o> {
         let poll = self.poll.filter(|_| report.is_none()).map(|poll| self.now + poll.max(Duration(1)));
         let wake = self.group.next_wake();
         let scheduled = self.scheduled.last().map(|input| input.at);
-        let people = self.controls.is_some() && self.expecting && self.pacer.is_paced();
+        let has_live = || self.live.as_ref().is_some_and(|live| live.0.has_waiting());
+        let people = self.controls.is_some() && self.pacer.is_paced() && (self.expecting || has_live());
         let listening = (people || self.pool.is_expecting()).then_some(Time::END);
-        let all = [report, poll, wake, self.pool.next_due(), scheduled, listening];
+        let streamed = self.stream.as_ref().and_then(InputStream::next_at);
+        let all = [report, poll, wake, self.pool.next_due(), scheduled, streamed, listening];
         all.into_iter().flatten().min().map(|at| at.max(self.now))
     }
 
@@ -280,6 +307,11 @@ impl<'a, 'o> Flight<'a, 'o> {
         while let Some(input) = self.scheduled.pop_if(|input| input.at <= now) {
             inputs.push(input);
         }
+        if let Some(stream) = &mut self.stream {
+            while let Some(input) = stream.take_due(now).map_err(RunError::Options)? {
+                inputs.push(input);
+            }
+        }
         for mut input in inputs {
             // A vehicle that runs ahead of us must not make the executive believe in the future.
             input.at = input.at.min(now);
@@ -321,6 +353,7 @@ impl<'a, 'o> Flight<'a, 'o> {
         for text in sent.notes.iter().chain(&undelivered) {
             self.each_observer(now, |observer| observer.note(now, text))?;
         }
+        self.hear_observers(now)?;
         if let Some(agent) = self.group.agent(index) {
             for observer in self.observers.iter_mut() {
                 let inspected = observer.inspect(agent, &*self.deliberator, now);
@@ -373,6 +406,15 @@ impl<'a, 'o> Flight<'a, 'o> {
             let place = self.scheduled.partition_point(|input| input.at > at);
             self.scheduled.insert(place, Input { at, kind, agent: Some(agent), command_form: None });
         }
+    }
+
+    /// Tells the agents and all observers what an observer has to say, such as that the disk is full.
+    pub(super) fn hear_observers(&mut self, now: Time) -> Result<(), RunError> {
+        while let Some(News { message, note }) = self.observers.iter_mut().find_map(|observer| observer.take_news()) {
+            self.each_observer(now, |observer| observer.note(now, &note))?;
+            self.group.deliver(Input::new(now, EventKind::Occurrence(message)))?;
+        }
+        Ok(())
     }
 
     fn each_observer(

@@ -40,14 +40,10 @@ pub fn read_inputs(name: &str, text: &str, read_value: ReadValue<'_>) -> Result<
     let mut inputs = Vec::new();
     let mut faults = Vec::new();
     for (index, line) in text.lines().enumerate() {
-        let line = line.trim();
-        if line.is_empty() || line.starts_with('#') {
-            continue;
-        }
-        match read_line(line, read_value) {
-            Ok(input) => inputs.push(input),
+        match read_numbered(name, index + 1, line, read_value) {
+            Ok(input) => inputs.extend(input),
             Err(fault) => {
-                faults.push(format!("{name}:{}{fault}", index + 1));
+                faults.push(fault);
                 if faults.len() == INPUT_MESSAGES_MAX {
                     faults.push(format!("{name}: further faults are not shown"));
                     break;
@@ -60,6 +56,23 @@ pub fn read_inputs(name: &str, text: &str, read_value: ReadValue<'_>) -> Result<
     }
     inputs.sort_by_key(|input: &Input| input.at);
     Ok(inputs)
+}
+
+/// Reads the line `number` of a file; `None` where it holds no input.
+///
+/// # Errors
+/// What is wrong with the line, with `name:line`.
+pub(crate) fn read_numbered(
+    name: &str,
+    number: usize,
+    line: &str,
+    read_value: ReadValue<'_>,
+) -> Result<Option<Input>, String> {
+    let line = line.trim();
+    if line.is_empty() || line.starts_with('#') {
+        return Ok(None);
+    }
+    read_line(line, read_value).map(Some).map_err(|fault| format!("{name}:{number}{fault}"))
 }
 
 /// Reads one line that is said while a run goes on: without `"t"` it happens at `now`.

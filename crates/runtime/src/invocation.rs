@@ -9,8 +9,9 @@
 
 use crate::limits::{SOLVER_GRACE, SOLVER_LOOK, SOLVER_OVERRUN_UNITS, SOLVER_STACK_BYTES, SOLVERS_LEFT_BEHIND_MAX};
 use crate::ports::CancelToken;
+use crate::solver_process::short;
 use apex_model::problem::{Plan, Problem};
-use apex_planning::solver::{Budget, Environment, Solver};
+use apex_planning::solver::{Budget, Environment, MachineLimits, Solver};
 use std::any::Any;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
@@ -121,6 +122,7 @@ struct UnwindPayload;
 
 struct WatchedBudget {
     shared: Arc<Shared>,
+    machine: MachineLimits,
     allowed: u64,
     used: u64,
     overdue: u64,
@@ -159,6 +161,12 @@ impl Budget for WatchedBudget {
     fn left(&self) -> Option<u64> {
         Some(self.allowed.saturating_sub(self.used))
     }
+    fn is_stopped(&self) -> bool {
+        self.shared.stopped.load(Ordering::Relaxed)
+    }
+    fn machine(&self) -> MachineLimits {
+        self.machine
+    }
 }
 
 enum Ended {
@@ -195,7 +203,7 @@ impl Invocation {
         let (worker, watched) = (Arc::clone(&solver), Arc::clone(&shared));
         let work = move || {
             let before_s = cpu_s();
-            let ended = solve(&*worker, &problem, previous.as_ref(), seed, limits.units, &watched);
+            let ended = solve(&*worker, &problem, previous.as_ref(), seed, limits, &watched);
             let cpu_s = before_s.zip(cpu_s()).map(|(before_s, after_s)| after_s - before_s);
             watched.ended.store(true, Ordering::Release);
             // Nobody listens any more to one that was left behind.
@@ -273,9 +281,9 @@ impl Invocation {
         let name = self.solver.name();
         let stop = self.shared.state().stop.as_ref().and_then(Stop::words);
         let (plan, violation) = match ended {
-            Ended::Answered(plan) => (plan, stop),
+            Ended::Answered(plan) => (plan.map_err(|reason| short(&reason)), stop),
             Ended::Stopped => (Err("it was stopped".into()), stop),
-            Ended::BrokeDown(why) => (Err("it broke down".into()), Some(format!("broke down: {why}"))),
+            Ended::BrokeDown(why) => (Err("it broke down".into()), Some(format!("broke down: {}", short(&why)))),
             Ended::LeftBehind => (Err("it did not stop".into()), stop.or(Some("did not stop when told to".into()))),
         };
         let violation = violation.map(|what| format!("the solver {name} {what}"));
@@ -293,10 +301,11 @@ fn solve(
     problem: &Problem,
     previous: Option<&Plan>,
     seed: u64,
-    units: u64,
+    limits: Limits,
     shared: &Arc<Shared>,
 ) -> Ended {
-    let mut budget = WatchedBudget { shared: Arc::clone(shared), allowed: units, used: 0, overdue: 0 };
+    let machine = MachineLimits { memory_bytes: Some(limits.memory_bytes), timeout: Some(limits.timeout) };
+    let mut budget = WatchedBudget { shared: Arc::clone(shared), machine, allowed: limits.units, used: 0, overdue: 0 };
     let mut report = |plan: &Plan| shared.state().best = Some(plan.clone());
     let mut environment = Environment { seed, budget: &mut budget, report: &mut report, previous };
     // What it leaves half-changed is dropped with it.

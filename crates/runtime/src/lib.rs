@@ -6,6 +6,7 @@
 pub mod agent_group;
 pub mod answer_lines;
 pub mod asker;
+pub mod authority;
 pub mod commands;
 pub mod effect_describer;
 pub mod error;
@@ -16,8 +17,10 @@ pub mod foreign;
 pub mod fork;
 pub mod inbox;
 pub mod input_lines;
+pub mod input_stream;
 pub mod invocation;
 pub mod limits;
+pub mod live;
 pub mod live_lines;
 pub mod mission_loop;
 
@@ -30,6 +33,7 @@ pub mod record;
 pub mod replay;
 #[cfg(test)]
 mod samples;
+pub mod solver_process;
 pub mod solver_thread;
 pub mod target_state;
 pub mod terms;

@@ -26,14 +26,42 @@ pub const SOLVER_TIMEOUT: std::time::Duration = std::time::Duration::from_secs(3
 pub const SOLVERS_LEFT_BEHIND_MAX: usize = 4;
 /// Bytes by which the program may grow while a solver works: a matrix of 5,000 targets takes a fifth of it.
 pub const SOLVER_MEMORY_BYTES: u64 = 1 << 30;
+/// Wall time between the last word to a solver program and its end: less than [`SOLVER_GRACE`], so that none is left behind.
+pub const SOLVER_STOP_PATIENCE: std::time::Duration = std::time::Duration::from_millis(500);
+/// Bytes of one line of a solver program: the plan of 100,000 visits takes half of it.
+pub const SOLVER_LINE_BYTES_MAX: u64 = 16 << 20;
+/// Bytes of all lines of a solver program for one problem: a thousand reports of plans with a thousand visits.
+pub const SOLVER_OUTPUT_BYTES_MAX: u64 = 256 << 20;
+/// Bytes that a solver program may write to standard error: they are read and dropped, which takes time.
+pub const SOLVER_ERROR_BYTES_MAX: u64 = 16 << 20;
+/// Bytes of standard error that are kept to explain an end without an answer.
+pub const SOLVER_LAST_WORDS: usize = 4 << 10;
+/// Characters of a solver's reason that are kept: it enters the record and the causes of tasks.
+pub const SOLVER_WORDS_MAX: usize = 2_000;
 /// Messages about bad input lines that are printed; a file in the wrong format has the same fault in every line.
 pub const INPUT_MESSAGES_MAX: usize = 20;
 /// Bytes of one line of input: far more than any message, less than a file without line ends.
 pub const INPUT_LINE_BYTES_MAX: usize = 1 << 20;
+/// Tasks that have ended whose goals are remembered for words about them: what is told of an ended task is told soon after.
+pub const ENDED_GOALS_MAX: usize = 10_000;
+/// Live sources other than operators and safing programs at a time.
+pub const LIVE_SOURCES_MAX: usize = 64;
+/// Inputs of live sources in one step: it is over in some milliseconds, and operators are heard again.
+pub const LIVE_TAKE_MAX: usize = 256;
+/// Time between two steps that take from vehicles and feeds, where they flood; operators do not wait for it.
+pub const LIVE_REST: std::time::Duration = std::time::Duration::from_millis(2);
+/// Time after which a run that is never idle lets its observers write out what they hold back.
+pub const FLUSH_INTERVAL: std::time::Duration = std::time::Duration::from_millis(20);
+/// Time between two reports of what a live source has lost.
+pub const LIVE_REPORT_INTERVAL: std::time::Duration = std::time::Duration::from_secs(1);
 /// Batches that are committed together: a crash loses no more.
 pub const GROUP_BATCHES_MAX: u32 = 256;
 /// Milliseconds of wall time after which a group is committed even when it is small, so that live readers see it.
 pub const GROUP_MILLISECONDS_MAX: u128 = 200;
+/// Bytes of the newest steps that are kept in memory while the disk takes none: an hour of a busy flight.
+pub const RECORDING_KEPT_BYTES_MAX: usize = 64 << 20;
+/// Wall time between attempts to continue a record whose disk failed.
+pub const RECORDING_RETRY_INTERVAL: std::time::Duration = std::time::Duration::from_secs(1);
 /// Interval at which committed groups move from the write-ahead log into the main file: a plain copy of it lacks no more.
 pub const CHECKPOINT_INTERVAL: std::time::Duration = std::time::Duration::from_secs(1);
 /// Batches between snapshots, at least.

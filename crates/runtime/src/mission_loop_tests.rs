@@ -343,7 +343,7 @@ fn commanded(pace: Option<f64>, orders: Vec<Order>, expired: &[usize]) -> (RunEn
             assert!(ticket.settle(CommandEnd::Expired));
         }
         let words = format!("order {index}");
-        let command = Command { number: index as u64 + 1, words, order, ticket: ticket.clone() };
+        let command = Command { number: index as u64 + 1, words, order, author: None, ticket: ticket.clone() };
         people.send(Control::Command(Arc::new(command))).unwrap();
         tickets.push(ticket);
     }
@@ -383,7 +383,7 @@ fn a_step_runs_to_the_next_effect_and_pauses() {
     let (people, controls) = channel();
     let send = move |number: u64, order: Order| {
         let ticket = Ticket::default();
-        let command = Command { number, words: "x".into(), order, ticket: ticket.clone() };
+        let command = Command { number, words: "x".into(), order, author: None, ticket: ticket.clone() };
         people.send(Control::Command(Arc::new(command))).unwrap();
         ticket
     };

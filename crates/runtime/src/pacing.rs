@@ -79,6 +79,17 @@ pub enum Wait {
     Paused,
 }
 
+impl Wait {
+    /// Waits no longer than `span`.
+    pub fn at_most(self, span: Duration) -> Wait {
+        match self {
+            Wait::Over => Wait::Over,
+            Wait::For(own) => Wait::For(own.min(span)),
+            Wait::Paused => Wait::For(span),
+        }
+    }
+}
+
 impl Pacer {
     /// Mission time is `now`; `pace` seconds of it pass in one second; none is as fast as possible, 0 is a pause.
     ///

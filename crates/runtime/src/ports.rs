@@ -248,6 +248,20 @@ pub trait Observer {
     fn flush(&mut self) -> Result<(), String> {
         Ok(())
     }
+
+    /// Takes what the observer has to tell the agents, in order, until there is nothing more.
+    fn take_news(&mut self) -> Option<News> {
+        None
+    }
+}
+
+/// What an observer has to tell the agents and everybody who watches.
+#[derive(Clone, Debug, PartialEq)]
+pub struct News {
+    /// The message to all agents, an input like others.
+    pub message: Value,
+    /// The same for people.
+    pub note: String,
 }
 
 /// A shared observer, so that mission bookkeeping can write its rows into the recorder of a running mission.
@@ -275,5 +289,8 @@ impl<O: Observer + ?Sized> Observer for Arc<Mutex<O>> {
     }
     fn flush(&mut self) -> Result<(), String> {
         self.lock().unwrap_or_else(PoisonError::into_inner).flush()
+    }
+    fn take_news(&mut self) -> Option<News> {
+        self.lock().unwrap_or_else(PoisonError::into_inner).take_news()
     }
 }

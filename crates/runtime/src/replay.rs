@@ -9,7 +9,7 @@ use crate::outbox;
 use crate::ports::{Deliberator, Input, Observer, SolverAnswer};
 use crate::program::NoDeliberator;
 use crate::record::{
-    Derivable, LoadProgram, ProblemRow, RecordReader, RecordedStep, Recorder, RowDifference, twin_recorder,
+    Derivable, LoadProgram, ProblemRow, RecordGap, RecordReader, RecordedStep, Recorder, RowDifference, twin_recorder,
 };
 use apex_executive::step;
 use apex_model::effect::{Effect, SolveRequestId};
@@ -31,6 +31,8 @@ pub struct ReplayReport {
     pub end: Time,
     /// The first difference; none when the record is confirmed.
     pub difference: Option<Difference>,
+    /// Steps that are missing because the disk took none: replay ends before them.
+    pub gap: Option<RecordGap>,
 }
 
 /// The first difference.
@@ -79,11 +81,15 @@ impl fmt::Display for Differing {
 impl fmt::Display for ReplayReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Some(difference) = &self.difference else {
+            let how = if self.gap.is_some() { "confirmed up to its gap" } else { "confirmed" };
             write!(
                 f,
-                "The record is confirmed: {} steps up to {} gave the same {} effects",
+                "The record is {how}: {} steps up to {} gave the same {} effects",
                 self.batches, self.end, self.effects
             )?;
+            if let Some(gap) = &self.gap {
+                return write!(f, ". What follows the gap ({gap}) cannot be replayed.");
+            }
             return match self.problems {
                 0 => f.write_str("."),
                 1 => f.write_str(" and posed the same planning problem."),
@@ -136,9 +142,19 @@ fn replay_steps(
     let count = agents.len();
     let ours = reader.meta("apex_version")?.as_deref() == Some(env!("CARGO_PKG_VERSION"));
     let mut twin = twin_recorder(reader, &program.0, Derivable { mission: witness.is_some(), snapshots: ours })?;
-    let mut report = ReplayReport { batches: 0, effects: 0, problems: 0, end: Time::ZERO, difference: None };
+    let mut report = ReplayReport { batches: 0, effects: 0, problems: 0, end: Time::ZERO, difference: None, gap: None };
+    let gaps = reader.gaps()?;
+    let mut expected = 1;
     for recorded in reader.steps_of_all(Time::END)? {
         let recorded = recorded?;
+        if recorded.batch_number != expected {
+            report.gap = gaps.into_iter().find(|gap| gap.first_batch == expected);
+            return match report.gap {
+                Some(_) => Ok(report),
+                None => Err(reader.garbled(format!("batch {expected} is missing"))),
+            };
+        }
+        expected += 1;
         let Some((agent, describer)) = agents.get_mut(recorded.agent) else {
             return Err(reader.garbled(format!("batch {} is of an agent that does not exist", recorded.batch_number)));
         };

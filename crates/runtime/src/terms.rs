@@ -1,7 +1,10 @@
 //! The terms of a run: what it is told beforehand, what people may say while it goes on, how it ends.
 
+use crate::authority::AuthorityBoard;
 use crate::commands::Command;
+use crate::input_stream::InputStream;
 use crate::limits::{SOLVER_GRACE, SOLVER_TIMEOUT};
+use crate::live::LiveSources;
 use crate::pacing::{Clock, WallClock};
 use crate::ports::Input;
 use apex_model::event::EventKind;
@@ -22,10 +25,16 @@ pub struct FlyOptions {
     pub clock: Arc<dyn Clock>,
     /// Inputs that come at known times, in addition the vehicle's: a scenario, an operator's answers. Any order.
     pub inputs: Vec<Input>,
+    /// Further inputs, which are read while they are needed. At one instant they come after the others.
+    pub stream: Option<InputStream>,
     /// Answers of the operator to future questions; each answers one.
     pub answers: Vec<ScriptedAnswer>,
     /// Orders of operators while it runs.
     pub controls: Option<Receiver<Control>>,
+    /// Sources that are heard by class and in turn; they wake the run by [`Control::Look`].
+    pub live: Option<LiveSources>,
+    /// Authority over the run, shared with those that show it.
+    pub authority: AuthorityBoard,
     /// Largest step of time for a vehicle that does not know when it reports next; none trusts the other instants.
     pub poll: Option<Duration>,
     /// Let mission time stand still while a solver works, also where the run is paced: a simulated flight then depends on no
@@ -42,8 +51,11 @@ impl Default for FlyOptions {
             pace: None,
             clock: Arc::new(WallClock::new()),
             inputs: Vec::new(),
+            stream: None,
             answers: Vec::new(),
             controls: None,
+            live: None,
+            authority: AuthorityBoard::default(),
             poll: None,
             hold_for_solvers: false,
             solver_timeout: SOLVER_TIMEOUT + 10 * SOLVER_GRACE,
@@ -75,6 +87,8 @@ pub enum Control {
     Pace(Option<f64>),
     /// An operator's command, which ends as accepted, rejected or expired.
     Command(Arc<Command>),
+    /// Live sources have something to say.
+    Look,
     /// Nothing more will be said but [`Control::Stop`]: the run need not wait for inputs.
     Quiet,
     /// End the run cleanly.

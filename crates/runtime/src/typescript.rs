@@ -2,13 +2,14 @@
 //! typescript` rewrites them.
 
 use crate::explain::{
-    About, Blocked, CauseDetail, CausePart, Choice, Link, MethodDetail, Moment, Observation, PartValue, Subtask,
-    TaskExplanation, Unmet, Why,
+    About, Binding, Blocked, CauseDetail, CausePart, Choice, Link, MethodDetail, Moment, MonitoredCondition, Monitors,
+    Observation, PartValue, Subtask, TaskExplanation, TaskMonitor, Unmet, Why,
 };
 use crate::record::view::{
-    Band, Bar, Ending, EventRow, Events, Excursion, Growth, Holding, Holdings, LandingPlace, Lane, LeftOutTarget,
-    Mission, More, PlanInForce, PlannedVisit, Plans, RecordStatus, Report, ResourceRow, Section, Signal, SignalKind,
-    SignalLimit, SignalWindow, SignalWindows, Signals, Snippet, StateWord, Statistics, Surroundings, Target,
+    Band, Bar, DeclaredName, Ending, EventRow, Events, Excursion, Growth, Holding, Holdings, LandingPlace, Lane,
+    LeftOutTarget, Mission, More, PlanInForce, PlannedVisit, Plans, ProcedureRow, ProgramContents, ProgramFile,
+    ProgramText, RecordStatus, RecordedCommand, RecordedCommands, Report, ResourceRow, Section, Signal, SignalKind,
+    SignalLimit, SignalWindow, SignalWindows, Signals, Snippet, StateWord, Statistics, StepRow, Surroundings, Target,
     TargetChange, Targets, Task, Tasks, Timeline, Track, Trouble, TroubleKind, Troubles, Zone,
 };
 use std::path::Path;
@@ -85,6 +86,14 @@ fn typescript_types_of_the_record_view_are_current() {
         declaration::<Statistics>(),
         declaration::<SignalWindow>(),
         declaration::<SignalWindows>(),
+        declaration::<RecordedCommand>(),
+        declaration::<RecordedCommands>(),
+        declaration::<StepRow>(),
+        declaration::<ProcedureRow>(),
+        declaration::<DeclaredName>(),
+        declaration::<ProgramFile>(),
+        declaration::<ProgramContents>(),
+        declaration::<ProgramText>(),
     ];
     check("view.ts", "", &declarations);
 }
@@ -106,6 +115,10 @@ fn typescript_types_of_explanations_are_current() {
         declaration::<Unmet>(),
         declaration::<Blocked>(),
         declaration::<Subtask>(),
+        declaration::<Binding>(),
+        declaration::<MonitoredCondition>(),
+        declaration::<TaskMonitor>(),
+        declaration::<Monitors>(),
     ];
     check("explain.ts", "\nimport type { Task } from './view';\n", &declarations);
 }

@@ -1,6 +1,6 @@
 //! Serves a flight record without the `apex` command: `cargo run -p apex-server --example serve -- FILE.apex [--port PORT]`.
 
-use apex_server::{ServeOptions, serve};
+use apex_server::{AccessOptions, ServeOptions, serve};
 use std::net::{IpAddr, Ipv4Addr};
 use std::process::ExitCode;
 
@@ -19,6 +19,9 @@ fn main() -> ExitCode {
         port,
         load: None,
         door: None,
+        access: AccessOptions::default(),
+        others: Vec::new(),
+        what_if: None,
         flights: None,
         ready: Box::new(|url| println!("{url}")),
     };

@@ -1,8 +1,8 @@
 //! The web page, embedded into the program from `web/dist`.
 
 use crate::answer::ApiError;
-use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE};
-use axum::http::{StatusCode, Uri};
+use axum::http::header::{ACCEPT_ENCODING, CACHE_CONTROL, CONTENT_ENCODING, CONTENT_TYPE, VARY};
+use axum::http::{HeaderMap, StatusCode, Uri};
 use axum::response::{Html, IntoResponse, Response};
 use rust_embed::RustEmbed;
 
@@ -18,7 +18,7 @@ const NOT_BUILT: &str = "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\
 <p>The data is here all the same: <a href=\"/api/mission\">/api/mission</a>.</p>";
 
 /// Answers every path outside the API from the embedded page.
-pub(crate) async fn page(uri: Uri) -> Response {
+pub(crate) async fn page(uri: Uri, headers: HeaderMap) -> Response {
     let path = uri.path().trim_start_matches('/');
     if path.starts_with("api/") || path == "api" {
         return ApiError::not_found(
@@ -28,12 +28,26 @@ pub(crate) async fn page(uri: Uri) -> Response {
         .into_response();
     }
     let name = if path.is_empty() { "index.html" } else { path };
+    let about = [(CONTENT_TYPE, content_type(name)), (CACHE_CONTROL, caching(name)), (VARY, "accept-encoding")];
+    // Compressed when the page was built.
+    let packed = if takes_gzip(&headers) { Pages::get(&format!("{name}.gz")) } else { None };
+    if let Some(file) = packed {
+        return (about, [(CONTENT_ENCODING, "gzip")], file.data.into_owned()).into_response();
+    }
     match Pages::get(name) {
-        Some(file) => ([(CONTENT_TYPE, content_type(name)), (CACHE_CONTROL, caching(name))], file.data.into_owned())
-            .into_response(),
+        Some(file) => (about, file.data.into_owned()).into_response(),
         None if name == "index.html" => Html(NOT_BUILT).into_response(),
         None => (StatusCode::NOT_FOUND, format!("there is no /{name} here\n")).into_response(),
     }
+}
+
+/// True if the client accepts gzip: it names it, or everything, and not with the weight 0.
+fn takes_gzip(headers: &HeaderMap) -> bool {
+    let accepted = headers.get(ACCEPT_ENCODING).and_then(|value| value.to_str().ok()).unwrap_or_default();
+    accepted.split(',').any(|one| {
+        let (name, weight) = one.split_once(';').map_or((one, ""), |(name, weight)| (name, weight));
+        matches!(name.trim(), "gzip" | "*") && weight.trim().trim_start_matches("q=").parse() != Ok(0.0_f64)
+    })
 }
 
 /// Names below `assets/` carry a hash of their content; all others may change with the program.
@@ -51,5 +65,21 @@ fn content_type(name: &str) -> &'static str {
         Some("png") => "image/png",
         Some("woff2") => "font/woff2",
         _ => "application/octet-stream",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn compressed_files_go_to_clients_that_accept_them() {
+        let takes = |text: &str| {
+            let mut headers = HeaderMap::new();
+            headers.insert(ACCEPT_ENCODING, text.parse().unwrap());
+            takes_gzip(&headers)
+        };
+        assert!(takes("gzip, deflate, br") && takes("br;q=1, gzip;q=0.5") && takes("*"));
+        assert!(!takes("br") && !takes("gzip;q=0") && !takes("identity") && !takes_gzip(&HeaderMap::new()));
     }
 }

@@ -5,22 +5,29 @@
 //! written is read the same way and polled, so that live and recorded flights have one path. With a folder of missions it also
 //! flies them, through `apex-simulation`. Out of scope: SQL, decisions, planning, writing into the served record.
 
+mod access;
 mod answer;
 mod assets;
 mod flights;
 mod guard;
+mod hardening;
+mod listening;
 mod live;
 mod operation;
-mod own_pages;
 mod params;
 mod router;
 mod seen;
 mod seen_ground;
 mod serve;
+mod shelf;
+mod shelf_routes;
 mod state;
+mod what_if;
 mod why;
 
+pub use access::{AccessToken, TokenError};
 pub use flights::FlightOptions;
+pub use listening::{TlsError, TlsIdentity};
 pub use operation::{FlightDoor, FlightWatch, ReadDatum};
-pub use serve::{ServeError, ServeOptions, serve};
+pub use serve::{AccessOptions, ServeError, ServeOptions, serve};
 pub use state::LoadSources;

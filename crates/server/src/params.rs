@@ -60,6 +60,23 @@ pub(crate) struct WhyParams {
     pub(crate) explain: Option<bool>,
 }
 
+/// Parameters of `/api/monitors`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct MonitorsParams {
+    pub(crate) at: Option<i64>,
+    /// Only this task's, with its variables.
+    pub(crate) task: Option<u64>,
+}
+
+/// Parameters of `/api/program-text`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ProgramTextParams {
+    /// The file's name in the record.
+    pub(crate) name: String,
+}
+
 /// Parameters of the answers about a mission up to one instant, for example `/api/mission`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]

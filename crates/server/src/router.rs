@@ -2,32 +2,32 @@
 
 use crate::answer::{Answer, ApiError};
 use crate::params::{
-    AtParams, EventsParams, SamplesParams, SourceParams, TasksParams, TimelineParams, TrackParams, WhyParams,
+    AtParams, EventsParams, MonitorsParams, ProgramTextParams, SamplesParams, SourceParams, TasksParams,
+    TimelineParams, TrackParams, WhyParams,
 };
 use crate::state::{AppState, QueryParams, Shared, blocking, checked, no_record};
-use crate::{assets, flights, guard, live, operation, seen, why};
+use crate::{access, assets, flights, guard, hardening, live, operation, seen, shelf_routes, what_if, why};
 use apex_runtime::RecordError;
 use apex_runtime::record::view::{Mission, RecordView, SourceLine};
 use axum::Json;
 use axum::Router;
 use axum::extract::State;
 use axum::extract::ws::WebSocketUpgrade;
-use axum::http::header::{CONTENT_SECURITY_POLICY, REFERRER_POLICY, X_CONTENT_TYPE_OPTIONS};
-use axum::http::{HeaderMap, HeaderValue, StatusCode};
-use axum::middleware::{self, Next};
+use axum::http::StatusCode;
+use axum::middleware::{from_fn, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use serde::Serialize;
 use std::sync::Arc;
+use tower_http::CompressionLevel;
+use tower_http::compression::CompressionLayer;
 
-/// The page needs nothing from elsewhere: no fonts, no tiles, no scripts.
-const CONTENT_RULES: &str = "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; \
-worker-src 'self' blob:; connect-src 'self' ws: wss:; frame-ancestors 'none'";
+/// Bytes of a message from a client of `/api/live`, which has nothing to say.
+const LIVE_MESSAGE_MAX_BYTES: usize = 1 << 10;
 
-/// All routes. On a loopback address callers that use another name for this machine are kept out.
+/// All routes. From outside to inside: headers of answers, the site that asks, compression, the body, the caller's role.
 pub(crate) fn router(state: Arc<AppState>) -> Router {
-    let loopback = state.loopback;
-    let routes = Router::new()
+    Router::new()
         .route("/api/mission", get(mission))
         .route("/api/track", get(track))
         .route("/api/tasks", get(tasks))
@@ -43,14 +43,24 @@ pub(crate) fn router(state: Arc<AppState>) -> Router {
         .route("/api/report", get(report))
         .route("/api/source", get(source))
         .route("/api/live", get(live))
-        .merge(flights::routes::routes(&state))
-        .merge(operation::routes::routes(&state))
+        .route("/api/monitors", get(monitors))
+        .route("/api/program", get(program))
+        .route("/api/program-text", get(program_text))
+        .route("/api/command-log", get(command_log))
+        .merge(flights::routes::routes())
+        .merge(operation::routes::routes())
+        .merge(access::routes::routes())
         .merge(seen::routes())
+        .merge(shelf_routes::routes())
+        .merge(what_if::routes::routes())
+        .route_layer(from_fn_with_state(Arc::clone(&state), access::check))
         .fallback(assets::page)
         .method_not_allowed_fallback(other_method)
-        .layer(middleware::from_fn(add_headers))
-        .with_state(state);
-    if loopback { routes.layer(middleware::from_fn(guard::loopback_names_only)) } else { routes }
+        .layer(from_fn(hardening::whole_body))
+        .layer(CompressionLayer::new().quality(CompressionLevel::Fastest))
+        .layer(from_fn_with_state(Arc::clone(&state), guard::own_site_only))
+        .layer(from_fn_with_state(Arc::clone(&state), hardening::add_headers))
+        .with_state(state)
 }
 
 async fn mission(State(state): Shared, params: QueryParams<AtParams>) -> Answer<Response> {
@@ -87,6 +97,32 @@ async fn why(State(state): Shared, params: QueryParams<WhyParams>) -> Answer<Res
     let WhyParams { task, at, explain } = checked(params)?;
     let answer = blocking(move || why::why(&state, task, at, explain.unwrap_or(true))).await?;
     Ok(Json(answer).into_response())
+}
+
+async fn monitors(State(state): Shared, params: QueryParams<MonitorsParams>) -> Answer<Response> {
+    let MonitorsParams { at, task } = checked(params)?;
+    let answer = blocking(move || why::monitors(&state, at, task)).await?;
+    Ok(Json(answer).into_response())
+}
+
+async fn program(State(state): Shared) -> Answer<Response> {
+    let program = state.program();
+    read(state, move |view| Ok(view.program(program.as_ref().map(|program| &*program.0))?)).await
+}
+
+async fn program_text(State(state): Shared, params: QueryParams<ProgramTextParams>) -> Answer<Response> {
+    let name = checked(params)?.name;
+    read(state, move |view| {
+        view.program_text(&name)?.ok_or_else(|| {
+            ApiError::not_found(format!("the record has no file `{name}`"), "`/api/program` lists the files")
+        })
+    })
+    .await
+}
+
+async fn command_log(State(state): Shared, params: QueryParams<AtParams>) -> Answer<Response> {
+    let at = checked(params)?.at;
+    read(state, move |view| Ok(view.operator_commands(at)?)).await
 }
 
 async fn targets(State(state): Shared, params: QueryParams<AtParams>) -> Answer<Response> {
@@ -146,15 +182,19 @@ async fn source(State(state): Shared, params: QueryParams<SourceParams>) -> Answ
     .await
 }
 
-async fn live(State(state): Shared, headers: HeaderMap, upgrade: WebSocketUpgrade) -> Response {
+async fn live(State(state): Shared, upgrade: WebSocketUpgrade) -> Response {
     if state.views.is_none() {
         return no_record().into_response();
     }
-    if !guard::same_origin(&headers) {
-        return ApiError::forbidden("this page comes from another site", "open the page that this server serves")
-            .into_response();
-    }
-    upgrade.on_upgrade(move |socket| live::tell_growth(socket, state))
+    let Ok(place) = Arc::clone(&state.live_places).try_acquire_owned() else {
+        let status = StatusCode::SERVICE_UNAVAILABLE;
+        let (error, help) = ("too many pages watch this record", "close some of them");
+        return ApiError { status, error: error.into(), help: help.into() }.into_response();
+    };
+    upgrade.max_message_size(LIVE_MESSAGE_MAX_BYTES).on_upgrade(async move |socket| {
+        live::tell_growth(socket, state).await;
+        drop(place);
+    })
 }
 
 async fn other_method() -> ApiError {
@@ -163,15 +203,6 @@ async fn other_method() -> ApiError {
         error: "this address does not take that method".into(),
         help: "use GET; docs/reference/server-api.md names the addresses that take POST".into(),
     }
-}
-
-async fn add_headers(request: axum::extract::Request, next: Next) -> Response {
-    let mut response = next.run(request).await;
-    let headers = response.headers_mut();
-    headers.insert(CONTENT_SECURITY_POLICY, HeaderValue::from_static(CONTENT_RULES));
-    headers.insert(X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));
-    headers.insert(REFERRER_POLICY, HeaderValue::from_static("no-referrer"));
-    response
 }
 
 /// Runs a query off the network threads and sends its answer as JSON.

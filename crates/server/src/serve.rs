@@ -1,10 +1,15 @@
 //! Serving: opens the record, binds, runs until Ctrl-C. Owns its tokio runtime, so that callers need none.
 
+use crate::access::{AccessToken, Sessions};
 use crate::flights::{FlightOptions, Tower};
-use crate::operation::FlightDoor;
+use crate::listening::{TlsError, TlsIdentity, serve_connections};
+use crate::operation::{FlightDoor, ReadDatum};
 use crate::router::router;
 use crate::seen_ground::SeenGround;
+use crate::shelf::Shelf;
 use crate::state::{AppState, LoadSources, Views};
+use crate::what_if::WhatIf;
+use apex_mission::deliberation::PlanningResources;
 use apex_runtime::RecordError;
 use apex_runtime::record::view::RecordView;
 use std::future::Future;
@@ -13,9 +18,28 @@ use std::net::{IpAddr, SocketAddr};
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
+use tokio::sync::Semaphore;
 
 /// Longest time for which open connections may delay the end of the program.
 const STOP_PATIENCE: Duration = Duration::from_secs(1);
+
+/// Time that the index of the log is built without a pause, and the pause.
+const INDEXING_TURN: Duration = Duration::from_millis(100);
+const INDEXING_PAUSE: Duration = Duration::from_millis(10);
+/// WebSockets at a time.
+const LIVE_PLACES: usize = 64;
+
+/// Tokens, names and encryption of a server.
+#[derive(Default)]
+pub struct AccessOptions {
+    /// Tokens of persons and programs. An address that other machines reach needs at least one; on a loopback address without any,
+    /// every caller is this machine.
+    pub tokens: Vec<AccessToken>,
+    /// Names of this server in addition to its addresses: requests under other names are refused.
+    pub names: Vec<String>,
+    /// Encrypts connections; an address that other machines reach needs it.
+    pub tls: Option<TlsIdentity>,
+}
 
 /// Options of a server.
 pub struct ServeOptions {
@@ -31,8 +55,14 @@ pub struct ServeOptions {
     pub load: Option<LoadSources>,
     /// The way to the run that writes the record; without it the page only looks.
     pub door: Option<FlightDoor>,
+    /// Further records that the page can show.
+    pub others: Vec<PathBuf>,
+    /// Planners and the reader of forms, for continuing flights with changes and for drafts of plans.
+    pub what_if: Option<(PlanningResources, ReadDatum)>,
     /// The missions that the server may fly; `None`: it only reads.
     pub flights: Option<FlightOptions>,
+    /// Tokens, names and encryption.
+    pub access: AccessOptions,
     /// Called once with the page's address (`http://127.0.0.1:8040/`) when requests are answered.
     pub ready: Box<dyn FnOnce(&str) + Send>,
 }
@@ -58,6 +88,19 @@ pub enum ServeError {
         /// Error of the system.
         source: io::Error,
     },
+    /// Other machines would reach the server without tokens, or without encryption.
+    #[error(
+        "cannot serve on {address} without {missing}: other machines reach this address; serve on 127.0.0.1, or state {missing}"
+    )]
+    Open {
+        /// The address that was asked for.
+        address: SocketAddr,
+        /// The missing option.
+        missing: &'static str,
+    },
+    /// The certificate cannot be used.
+    #[error(transparent)]
+    Tls(#[from] TlsError),
     /// The network or the threads failed while serving.
     #[error("the server stopped: {0}; start it again, and if it stops again look at the system's limits (`ulimit -a`)")]
     Stopped(io::Error),
@@ -68,11 +111,31 @@ pub enum ServeError {
 /// # Errors
 /// When the record cannot be read, the port cannot be had, or the network fails; each says what to do.
 pub fn serve(options: ServeOptions) -> Result<(), ServeError> {
-    let ServeOptions { record, agent, load, door, flights, ready, .. } = options;
+    let ServeOptions { record, agent, load, door, others, what_if, flights, access, ready, address, port } = options;
     let view = record.as_ref().map(|record| RecordView::open(record, agent)).transpose()?;
+    let background = view.as_ref().map(RecordView::reopened).transpose()?;
     let views = view.map(Views::new).transpose()?;
+    if let Some(view) = background {
+        std::thread::spawn(move || index_log(&view));
+    }
+    let shelf = Shelf::default();
+    if let Some(record) = &record {
+        shelf.stand(record, Some(agent))?;
+    }
+    for other in &others {
+        shelf.stand(other, None)?;
+    }
+    let what_if = what_if.map(|(means, read)| WhatIf::new(means, read));
+    let forks = what_if.as_ref().map(|what_if| Arc::clone(&what_if.forks));
     let tower = flights.map(|flights| Arc::new(Tower::new(flights)));
-    let asked = SocketAddr::new(options.address, options.port);
+    let asked = SocketAddr::new(address, port);
+    let loopback = address.is_loopback();
+    let missing =
+        if access.tokens.is_empty() { Some("tokens") } else { access.tls.is_none().then_some("a certificate") };
+    if let Some(missing) = missing.filter(|_| !loopback) {
+        return Err(ServeError::Open { address: asked, missing });
+    }
+    let tls = access.tls.as_ref().map(TlsIdentity::config).transpose()?;
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(2)
         .enable_all()
@@ -82,7 +145,8 @@ pub fn serve(options: ServeOptions) -> Result<(), ServeError> {
     let result = runtime.block_on(async move {
         let listener = tokio::net::TcpListener::bind(asked).await.map_err(|source| bind_error(asked, source))?;
         let bound = listener.local_addr().map_err(ServeError::Stopped)?;
-        ready(&format!("http://{bound}/"));
+        let scheme = if tls.is_some() { "https" } else { "http" };
+        ready(&format!("{scheme}://{bound}/"));
         let closing = tower.clone();
         let stop = stop_asked()?;
         let stop = async move {
@@ -101,10 +165,20 @@ pub fn serve(options: ServeOptions) -> Result<(), ServeError> {
             door,
             seen: SeenGround::default(),
             tower,
-            loopback: bound.ip().is_loopback(),
+            routes: router,
+            shelf,
+            what_if,
+            sessions: Arc::new(Sessions::new(access.tokens, loopback, bound.port())),
+            names: access.names,
+            is_encrypted: tls.is_some(),
+            live_places: Arc::new(Semaphore::new(LIVE_PLACES)),
         };
-        axum::serve(listener, router(Arc::new(state))).with_graceful_shutdown(stop).await.map_err(ServeError::Stopped)
+        serve_connections(listener, router(Arc::new(state)), tls, stop, STOP_PATIENCE).await;
+        Ok(())
     });
+    if let Some(forks) = forks {
+        forks.close();
+    }
     // However serving ended: no flight is cut off.
     if let Some(tower) = flown {
         tower.close();
@@ -112,6 +186,14 @@ pub fn serve(options: ServeOptions) -> Result<(), ServeError> {
     }
     runtime.shutdown_timeout(STOP_PATIENCE);
     result
+}
+
+/// Reads the log of the record into its index, in pauses of the questions. What is written later each question reads itself.
+fn index_log(view: &RecordView) {
+    // An error comes again with the next question, which tells it.
+    while view.index_effects(INDEXING_TURN).is_ok_and(|is_done| !is_done) {
+        std::thread::sleep(INDEXING_PAUSE);
+    }
 }
 
 fn bind_error(address: SocketAddr, source: io::Error) -> ServeError {

@@ -1,21 +1,26 @@
 //! State that request handlers share: connections to the record, flights, and checks of parameters and of blocking work.
 
+use crate::access::Sessions;
 use crate::answer::{Answer, ApiError};
 use crate::flights::Tower;
 use crate::operation::FlightDoor;
 use crate::seen_ground::SeenGround;
+use crate::shelf::Shelf;
+use crate::what_if::WhatIf;
 use apex_model::source::SourceFile;
 use apex_runtime::RecordError;
 use apex_runtime::record::Program;
 use apex_runtime::record::view::{Growth, RecordStatus, RecordView};
+use axum::Router;
 use axum::extract::rejection::QueryRejection;
 use axum::extract::{Query, State};
 use axum::http::StatusCode;
 use std::path::PathBuf;
 use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError};
+use tokio::sync::Semaphore;
 
 /// Questions that are answered at the same time.
-const CONNECTIONS: usize = 4;
+const CONNECTIONS: usize = 8;
 
 /// Checks the PDL sources of a record again, so that an instant can be restored; the server knows no syntax.
 pub type LoadSources = Arc<dyn Fn(&[SourceFile]) -> Result<Program, String> + Send + Sync>;
@@ -38,8 +43,20 @@ pub(crate) struct AppState {
     pub(crate) seen: SeenGround,
     /// The flights of this server, if it may fly.
     pub(crate) tower: Option<Arc<Tower>>,
-    /// True if only this machine can reach the server.
-    pub(crate) loopback: bool,
+    /// The routes on a state; for the records on the shelf.
+    pub(crate) routes: fn(Arc<AppState>) -> Router,
+    /// Further records that the page can show.
+    pub(crate) shelf: Shelf,
+    /// Means of continuing flights and of drafting plans; without them the server does neither.
+    pub(crate) what_if: Option<WhatIf>,
+    /// Callers with their roles.
+    pub(crate) sessions: Arc<Sessions>,
+    /// Names of this server in addition to its addresses.
+    pub(crate) names: Vec<String>,
+    /// True if connections are encrypted.
+    pub(crate) is_encrypted: bool,
+    /// Places for WebSockets.
+    pub(crate) live_places: Arc<Semaphore>,
 }
 
 impl AppState {
@@ -62,6 +79,19 @@ impl AppState {
         let load = self.load.as_deref()?;
         let loaded = || self.read(|view| Ok(view.reader().load(load)?)).ok();
         self.program.get_or_init(loaded).clone()
+    }
+
+    /// The means of continuing flights and of drafting plans.
+    ///
+    /// # Errors
+    /// The server was started without them.
+    pub(crate) fn what_if(&self) -> Answer<&WhatIf> {
+        self.what_if.as_ref().ok_or_else(|| {
+            ApiError::not_found(
+                "this record cannot be continued from here",
+                "ask the record that the server was started with: `apex serve RECORD`",
+            )
+        })
     }
 
     /// The flights of this server.
@@ -94,7 +124,6 @@ impl Views {
         for _ in 1..CONNECTIONS {
             views.push(first.reopened()?);
         }
-        // The last one is taken first: while one question comes at a time, one index of tasks is built.
         views.push(first);
         Ok(Views { free: Mutex::new(views), returned: Condvar::new() })
     }

@@ -5,7 +5,7 @@ use crate::state::{AppState, no_record};
 use apex_model::source::SourceFile;
 use apex_model::task::TaskId;
 use apex_model::time::Time;
-use apex_runtime::explain::{Explainer, TaskExplanation};
+use apex_runtime::explain::{Explainer, Monitors, TaskExplanation};
 use apex_runtime::record::RecordReader;
 use apex_runtime::record::view::TaskLookup;
 
@@ -45,4 +45,18 @@ pub(crate) fn why(state: &AppState, id: u64, at_ns: i64, restore: bool) -> Answe
         }
     };
     Ok(TaskExplanation::new(at_ns, task, children, why, error))
+}
+
+/// The conditions that living tasks of an instant watch; of task `id` alone, with its variables, if one is given.
+pub(crate) fn monitors(state: &AppState, at_ns: Option<i64>, id: Option<u64>) -> Answer<Monitors> {
+    let reader = RecordReader::open(state.record.as_ref().ok_or_else(no_record)?)?.of_agent(state.agent)?;
+    let program = state.program().ok_or_else(|| {
+        ApiError::bad_request(
+            "the record's program cannot be loaded, so no instant can be restored",
+            "read the record with the version of Apex that wrote it; `/api/mission` names it",
+        )
+    })?;
+    let load = |_: &[SourceFile]| Ok(program.clone());
+    let at = Time(at_ns.unwrap_or(i64::MAX));
+    Ok(Explainer::new(&reader, &load).monitors(at, id.map(TaskId))?)
 }

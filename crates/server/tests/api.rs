@@ -6,7 +6,7 @@ mod flight;
 
 use apex_model::source::SourceFile;
 use apex_runtime::record::Program;
-use apex_server::{ServeError, ServeOptions, serve};
+use apex_server::{AccessOptions, ServeError, ServeOptions, serve};
 use flight::Writer;
 use flight::story::Story;
 use serde_json::{Value, json};
@@ -28,6 +28,9 @@ fn options(record: &Path) -> ServeOptions {
         port: 0,
         load: Some(Arc::new(unloadable)),
         door: None,
+        access: AccessOptions::default(),
+        others: Vec::new(),
+        what_if: None,
         flights: None,
         ready: Box::new(|_| ()),
     }

@@ -8,5 +8,7 @@ mod world;
 
 pub use flight::{create_record, fly, pace_of};
 pub use fork::{ForkTerms, Forked, WorldChanges, fork};
-pub use runs::{JOBS_MAX, NotCompleted, RUNS_MAX, RunOutcome, RunRow, RunSummary, RunTerms, Violated, fly_runs};
+pub use runs::{
+    IgnoranceSummary, JOBS_MAX, NotCompleted, RUNS_MAX, RunOutcome, RunRow, RunSummary, RunTerms, Violated, fly_runs,
+};
 pub use world::world;

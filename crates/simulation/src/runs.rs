@@ -5,10 +5,12 @@ use apex_mission::Mission;
 use apex_mission::deliberation::PlanningResources;
 use apex_mission::error::{MissionError, MissionResult};
 use apex_mission::flight::{FlightOutcome, MissionFlight};
+use apex_mission::realised::{FireLog, RealisedIgnorance};
 use apex_mission::report::MissionValue;
 use apex_mission::verification::{CheckResult, FlightCheck};
 use apex_model::time::Time;
 use apex_portfolio::parallel;
+use apex_runtime::ports::Observer;
 use apex_runtime::{Control, EndReason};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -75,6 +77,14 @@ pub struct RunRow {
     pub benefits: Option<f64>,
     /// Expected cost of ignorance, of surveillance; less is better.
     pub expected_cost: Option<f64>,
+    /// Fires that broke out at structures until the horizon; `None` without a world file that has ignitions.
+    pub fires: Option<u64>,
+    /// Of them seen until the horizon.
+    pub fires_seen: Option<u64>,
+    /// Cost of these fires by their ages when they became known.
+    pub realised_cost: Option<f64>,
+    /// Expected cost of ignorance of the same visits at the rates that the mission states: the mean of `realised_cost` over many seeds.
+    pub expected_cost_stated: Option<f64>,
     /// Observations that ended.
     pub observed: u64,
     /// Targets that were never observed.
@@ -98,7 +108,7 @@ pub struct RunRow {
 }
 
 impl RunRow {
-    fn flown(seed: u64, flight: &FlightOutcome, check: &CheckResult) -> RunRow {
+    fn flown(seed: u64, flight: &FlightOutcome, check: &CheckResult, fires: Option<RealisedIgnorance>) -> RunRow {
         let report = &flight.report;
         let (mut score, mut benefits, mut expected_cost) = (None, None, None);
         match &report.value {
@@ -118,6 +128,10 @@ impl RunRow {
             score,
             benefits,
             expected_cost,
+            fires: fires.map(|fires| fires.fires as u64),
+            fires_seen: fires.map(|fires| fires.seen as u64),
+            realised_cost: fires.map(|fires| fires.realised),
+            expected_cost_stated: fires.map(|fires| fires.expected),
             observed: report.visits.iter().filter(|visit| visit.end.is_some()).count() as u64,
             left_out: report.left_out.len() as u64,
             reflies: report.visits.iter().map(|visit| u64::from(visit.reflies)).sum(),
@@ -140,6 +154,10 @@ impl RunRow {
             score: None,
             benefits: None,
             expected_cost: None,
+            fires: None,
+            fires_seen: None,
+            realised_cost: None,
+            expected_cost_stated: None,
             observed: 0,
             left_out: 0,
             reflies: 0,
@@ -212,8 +230,11 @@ fn fly_one(mission: &Arc<Mission>, means: &PlanningResources, seed: u64, until: 
     // A mission in real time is flown as fast as possible: no operator takes part in a series.
     quiet.send(Control::Quiet).unwrap_or_default();
     let terms = apex_runtime::FlyOptions { controls: Some(controls), ..MissionFlight::terms(mission, until) };
-    let flight = MissionFlight::new(Arc::clone(mission), means.clone()).fly(&mut vehicle, terms, &mut [&mut check])?;
-    Ok(RunRow::flown(seed, &flight, check.result()))
+    let mut log = FireLog::default();
+    let mut observers: [&mut dyn Observer; 2] = [&mut check, &mut log];
+    let flight = MissionFlight::new(Arc::clone(mission), means.clone()).fly(&mut vehicle, terms, &mut observers)?;
+    let fires = vehicle.has_ignitions().then(|| log.compare(mission, &flight.report)).flatten();
+    Ok(RunRow::flown(seed, &flight, check.result(), fires))
 }
 
 /// Summary of a series of flights; printed as text.
@@ -229,10 +250,54 @@ pub struct RunSummary {
     pub quantiles: Vec<f64>,
     /// Mean of it.
     pub mean: Option<f64>,
+    /// Realised next to expected cost of ignorance; `None` unless fires broke out.
+    pub ignorance: Option<IgnoranceSummary>,
     /// Violated requirements by kind.
     pub violations: BTreeMap<&'static str, Violated>,
     /// Flights that were not completed, by reason.
     pub lost: BTreeMap<String, NotCompleted>,
+}
+
+/// Realised next to expected ignorance over many flights.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct IgnoranceSummary {
+    /// Flights compared.
+    pub flights: usize,
+    /// Fires that broke out in them.
+    pub fires: u64,
+    /// Of them seen.
+    pub seen: u64,
+    /// Mean cost of the fires of a flight.
+    pub realised: f64,
+    /// Mean of what was expected.
+    pub expected: f64,
+    /// Standard error of the mean difference.
+    pub standard_error: f64,
+}
+
+impl IgnoranceSummary {
+    fn of(rows: &[RunRow]) -> Option<IgnoranceSummary> {
+        let pairs: Vec<(f64, f64)> =
+            rows.iter().filter_map(|row| Some((row.realised_cost?, row.expected_cost_stated?))).collect();
+        let count = pairs.len() as f64;
+        let mean = |of: fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>() / count;
+        let (realised, expected) = (mean(|pair| pair.0), mean(|pair| pair.1));
+        let deviation = |(real, wanted): &(f64, f64)| real - wanted - realised + expected;
+        let squares: f64 = pairs.iter().map(|pair| deviation(pair) * deviation(pair)).sum();
+        (pairs.len() > 1).then(|| IgnoranceSummary {
+            flights: pairs.len(),
+            fires: rows.iter().filter_map(|row| row.fires).sum(),
+            seen: rows.iter().filter_map(|row| row.fires_seen).sum(),
+            realised,
+            expected,
+            standard_error: (squares / (count - 1.0) / count).sqrt(),
+        })
+    }
+
+    /// The difference of realised and expected in standard errors.
+    pub fn deviation(&self) -> f64 {
+        if self.standard_error > 0.0 { (self.realised - self.expected) / self.standard_error } else { 0.0 }
+    }
 }
 
 /// Flights that violated a requirement.
@@ -296,6 +361,7 @@ impl RunSummary {
             measure,
             quantiles: SHARES.iter().filter_map(|share| values.get(rank(*share)).copied()).collect(),
             mean: (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64),
+            ignorance: IgnoranceSummary::of(rows),
             violations,
             lost,
         }
@@ -311,6 +377,20 @@ impl fmt::Display for RunSummary {
                 "{}: least {least:.1}, 5 % {five:.1}, 25 % {quarter:.1}, median {median:.1}, 75 % {three:.1}, \
                  95 % {most:.1}, greatest {greatest:.1}, mean {mean:.1}",
                 capitalised(self.measure)
+            )?;
+        }
+        if let Some(ignorance) = &self.ignorance {
+            writeln!(
+                out,
+                "Ignorance: {} fires in {} flights, {} seen; a flight cost {:.2}, expected {:.2} (standard error {:.2}, \
+                 {:+.1} of them)",
+                ignorance.fires,
+                ignorance.flights,
+                ignorance.seen,
+                ignorance.realised,
+                ignorance.expected,
+                ignorance.standard_error,
+                ignorance.deviation()
             )?;
         }
         for (kind, Violated { flights, positions, first_seed: seed }) in &self.violations {

@@ -1,8 +1,8 @@
 //! The simulated world of a mission.
 
 use apex_mission::error::{MissionError, MissionResult};
-use apex_mission::{Mission, Target, TargetKind};
-use apex_sim::{Ground, GroundPatch, Modem, NamedPlace, SimulatedWorld, Start, WorldConfig};
+use apex_mission::{Mission, Target, TargetKind, WorldText};
+use apex_sim::{BurnableSite, Ground, GroundPatch, LivingWorld, Modem, NamedPlace, SimulatedWorld, Start, WorldConfig};
 
 /// Added around every target for its patch of ground: aircraft see and turn next to it.
 const PATCH_MARGIN_M: f64 = 10_000.0;
@@ -26,8 +26,45 @@ pub fn world(mission: &Mission, seed: Option<u64>) -> MissionResult<SimulatedWor
     config.ground = ground(mission);
     config.modems = mission.modems.iter().map(modem).collect();
     config.places = places(mission);
+    config.sites = sites(mission);
+    config.epoch_unix_s = mission.settings.epoch_unix_s;
+    config.living = mission.world.as_ref().map(living).transpose()?;
+    if let Some(world) = &mission.world {
+        config.check_living().map_err(|reason| {
+            MissionError::data(format!("{} is not a world of this mission", world.place))
+                .because(reason)
+                .help("docs/reference/world.md lists the fields with their units")
+        })?;
+    }
     SimulatedWorld::new(config)
         .map_err(|reason| MissionError::vehicle("the mission cannot be simulated").because(reason))
+}
+
+fn living(world: &WorldText) -> MissionResult<LivingWorld> {
+    serde_json::from_str(&world.text).map_err(|error| {
+        let (line, column) = (error.line(), error.column());
+        let place = format!("{}:{line}:{column}", world.place);
+        let text = error.to_string();
+        let reason = text.split(" at line ").next().unwrap_or(&text).to_string();
+        MissionError::data(format!("{} cannot be read as a world", world.place))
+            .at(place)
+            .because(reason)
+            .help("docs/reference/world.md lists the fields with their units")
+    })
+}
+
+/// The structures, with the rates that the mission believes in at its start: in simulation they are the truth.
+fn sites(mission: &Mission) -> Vec<BurnableSite> {
+    let site = |target: &Target| match &target.kind {
+        TargetKind::Site(site) => Some(BurnableSite {
+            name: target.id.clone(),
+            position: target.position,
+            rate: site.rate.clone(),
+            initial_age_s: site.initial_age_s,
+        }),
+        TargetKind::Fire(_) | TargetKind::Plain | TargetKind::Base => None,
+    };
+    mission.targets.iter().filter_map(site).collect()
 }
 
 fn modem(modem: &apex_mission::Modem) -> Modem {

@@ -42,6 +42,32 @@ export function saveStack(name: string, canvases: readonly HTMLCanvasElement[], 
   picture.toBlob(blob => blob && save(name, 'image/png', blob));
 }
 
+/** Saves a drawing with the styles that it has on the page, so that it looks the same elsewhere. */
+export function saveSvg(name: string, drawing: SVGSVGElement): void {
+  const copy = drawing.cloneNode(true) as SVGSVGElement;
+  const [from, to] = [drawing.querySelectorAll('*'), copy.querySelectorAll('*')];
+  from.forEach((element, index) => {
+    const style = window.getComputedStyle(element);
+    const kept = SVG_STYLES.filter(one => style.getPropertyValue(one) !== '');
+    const own = kept.map(one => `${one}:${style.getPropertyValue(one)}`).join(';');
+    to[index]?.setAttribute('style', own);
+  });
+  copy.setAttribute('xmlns', 'http://www.w3.org/2000/svg');
+  copy.style.background = window.getComputedStyle(document.body).backgroundColor;
+  save(name, 'image/svg+xml', new XMLSerializer().serializeToString(copy));
+}
+
+/** Styles that a drawing takes along. */
+const SVG_STYLES = [
+  'fill',
+  'stroke',
+  'stroke-width',
+  'stroke-dasharray',
+  'font-size',
+  'font-family',
+  'font-weight',
+];
+
 /** A table as comma-separated values (RFC 4180). */
 export function csv(rows: readonly (readonly (string | number | null)[])[]): string {
   const cell = (value: string | number | null) => {

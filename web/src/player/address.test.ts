@@ -9,6 +9,10 @@ const nothing = {
   strips: null,
   span: null,
   tab: null,
+  left: null,
+  layout: null,
+  record: null,
+  versus: null,
   rows: null,
 };
 
@@ -22,11 +26,15 @@ describe('the address', () => {
       strips: ['roll-angle aircraft-1', 'fuel aircraft-1'],
       span: { fromNs: 32_200e9, toNs: 32_300e9 },
       tab: 'signals' as const,
+      left: 'objects' as const,
+      layout: null,
+      record: 2,
+      versus: 3,
       rows: 'targets' as const,
     };
     const text = writeAddress('', state);
     expect(text).toBe(
-      '?t=33432.5&w=32100-33900&sel=target:castle-rock&tab=signals&rows=targets&strips=roll-angle+aircraft-1,fuel+aircraft-1&range=32200-32300&theme=light',
+      '?t=33432.5&w=32100-33900&sel=target:castle-rock&tab=signals&left=objects&rec=2&vs=3&rows=targets&strips=roll-angle+aircraft-1,fuel+aircraft-1&range=32200-32300&theme=light',
     );
     expect(readAddress(text)).toEqual({ address: state, faults: [] });
     expect(readAddress('?t=live&sel=task:341').address).toEqual({
@@ -37,7 +45,7 @@ describe('the address', () => {
   });
 
   it('leaves defaults out and keeps what it does not know', () => {
-    expect(writeAddress('?t=5&layout=ops', nothing)).toBe('?layout=ops');
+    expect(writeAddress('?t=5&colour=blue', nothing)).toBe('?colour=blue');
     expect(writeAddress('', nothing)).toBe('');
   });
 

@@ -2,6 +2,7 @@
 
 import { NANOSECONDS_PER_SECOND } from '../time/format';
 import type { Range } from './clock';
+import { layoutText, PANELS, type Panel, parseLayout } from './layout';
 
 /** What is selected; one thing at a time. */
 export type Selection = { task: number } | { target: string } | null;
@@ -17,18 +18,22 @@ export interface Address {
   strips: string[] | null;
   /** Selected stretch of time, for statistics. */
   span: Range | null;
-  /** Tab of the details. */
-  tab: Tab | null;
+  /** Panel on top of the right slot. */
+  tab: Panel | null;
+  /** Panel on top of the left slot. */
+  left: Panel | null;
+  /** Which panels stand where, as text; null is the usual layout. */
+  layout: string | null;
+  /** Number of the record, and agent, that is shown; null is the one that the server was started with. */
+  record: number | null;
+  /** Number of the record that it is compared with. */
+  versus: number | null;
   /** Rows of the timeline. */
   rows: Rows | null;
 }
 
-/** The tabs of the details. */
-export const TABS = ['why', 'signals', 'plans', 'log', 'report'] as const;
-export type Tab = (typeof TABS)[number];
-
-/** The kinds of rows of the timeline; tasks at first. */
-export const ROWS = ['tasks', 'targets', 'resources'] as const;
+/** The kinds of rows of the timeline; all at first. */
+export const ROWS = ['all', 'tasks', 'targets', 'resources'] as const;
 export type Rows = (typeof ROWS)[number];
 
 /** What is wrong in an address, one sentence for each parameter; the rest is used. */
@@ -48,7 +53,18 @@ export function readAddress(search: string): { address: Address; faults: string[
     selection: read('sel', parseSelection, 'task:NUMBER or target:NAME'),
     strips: read('strips', text => text.split(',').filter(Boolean), 'names of signals'),
     span: read('range', parseWindow, 'two times in seconds, 3600-7200'),
-    tab: read('tab', text => TABS.find(tab => tab === text) ?? null, TABS.join(', ')),
+    tab: read('tab', text => PANELS.find(panel => panel === text) ?? null, PANELS.join(', ')),
+    left: read('left', text => PANELS.find(panel => panel === text) ?? null, PANELS.join(', ')),
+    layout: read(
+      'layout',
+      text => {
+        const layout = parseLayout(text);
+        return layout && layoutText(layout);
+      },
+      'panels of both slots, agenda.objects_why.signals',
+    ),
+    record: read('rec', parseNumber, 'the number of a record'),
+    versus: read('vs', parseNumber, 'the number of a record'),
     rows: read('rows', text => ROWS.find(rows => rows === text) ?? null, ROWS.join(', ')),
     theme: read('theme', text => (text === 'light' || text === 'dark' ? text : null), 'light or dark'),
   };
@@ -65,7 +81,11 @@ export function writeAddress(before: string, address: Address): string {
   set('w', window && `${seconds(window.fromNs)}-${seconds(window.toNs)}`);
   set('sel', selection && ('task' in selection ? `task:${selection.task}` : `target:${selection.target}`));
   set('tab', address.tab);
-  set('rows', address.rows === 'tasks' ? null : address.rows);
+  set('left', address.left);
+  set('layout', address.layout || null);
+  set('rec', address.record === null ? null : String(address.record));
+  set('vs', address.versus === null ? null : String(address.versus));
+  set('rows', address.rows === 'all' ? null : address.rows);
   set('strips', address.strips?.join(',') ?? null);
   set('range', address.span && `${seconds(address.span.fromNs)}-${seconds(address.span.toNs)}`);
   set('theme', address.theme);
@@ -84,6 +104,10 @@ function seconds(ns: number): string {
 
 function parseInstant(text: string): number | 'live' | null {
   return text === 'live' ? text : parseSeconds(text);
+}
+
+function parseNumber(text: string): number | null {
+  return /^\d+$/.test(text) ? Number(text) : null;
 }
 
 function parseSeconds(text: string): number | null {

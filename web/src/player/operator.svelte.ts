@@ -37,7 +37,9 @@ export class Operator {
 
   async send(wish: Wish): Promise<void> {
     this.trouble = null;
-    const ended = this.flight.command(wish);
+    // Who holds authority commands in the epoch that the page shows: after a hand-over unseen here the command is refused.
+    const authority = this.operation?.authority;
+    const ended = this.flight.command(wish, authority?.yours ? authority.epoch : null);
     setTimeout(() => void this.watch(), 0);
     try {
       await ended;

@@ -5,8 +5,9 @@
  * record for the cursor's instant. A growing record only moves the end.
  */
 
+import type { Alarm } from '../record/alarms';
 import { LatestOnly } from '../record/latest';
-import { RecordError, type RecordSource, type TimelineQuery } from '../record/source';
+import { RecordError, type RecordSource, ServedRecord, type TimelineQuery } from '../record/source';
 import type {
   Growth,
   Mission,
@@ -20,9 +21,14 @@ import type {
   Track,
   Trouble,
 } from '../record/types';
-import type { Address, Rows, Selection, Tab } from './address';
+import { signalWords, subjectWords } from '../words/subject';
+import type { Address, Rows, Selection } from './address';
+import { Alarms } from './alarms.svelte';
 import { advance, clamp, otherSpeed, type Range, shift, speedFor, stepNs, zoom } from './clock';
 
+import { Desk } from './desk.svelte';
+import type { Panel } from './layout';
+import { Other } from './other.svelte';
 import { Scenery } from './scenery.svelte';
 
 /** A growing record is read again at most this often; drawing all of it is the dear part. */
@@ -69,10 +75,20 @@ export class Player {
   strips = $state.raw<string[] | null>(null);
   /** The selected stretch of time. */
   span = $state.raw<Range | null>(null);
-  /** The tab of the details; none chosen means the log, or why once a task is selected. */
-  tab = $state.raw<Tab | null>(null);
   /** The rows of the timeline. */
-  rows = $state.raw<Rows>('tasks');
+  rows = $state.raw<Rows>('all');
+  /** Which panels stand where. */
+  readonly desk = new Desk();
+  /** The place in the program that the user asked for. */
+  shownPlace = $state.raw<string | null>(null);
+  readonly alarms: Alarms;
+  /** The record that this one is compared with. */
+  readonly other = new Other();
+  /** Visits that the user draws, by target; null while none is drawn. */
+  draft = $state.raw<string[] | null>(null);
+  /** The visit of the draft that cannot be made, and the plan if all can. */
+  draftFault = $state.raw<number | null>(null);
+  draftPlan = $state.raw<PlanInForce | null>(null);
   showEnded = $state(true);
   find = $state('');
 
@@ -95,8 +111,9 @@ export class Player {
     TaskExplanation
   >;
 
-  constructor(readonly source: RecordSource) {
+  constructor(readonly source: RecordSource & Partial<Pick<ServedRecord, 'base' | 'id'>>) {
     this.scenery = new Scenery(source);
+    this.alarms = new Alarms(source);
     this.taskQuestions = new LatestOnly(
       question => source.tasks(question),
       answer => {
@@ -136,6 +153,16 @@ export class Player {
 
   get range(): Range {
     return { fromNs: this.mission?.from_ns ?? 0, toNs: this.mission?.end_ns ?? 0 };
+  }
+
+  /** The panel on top of the right slot; none chosen means the log, or why once a task is selected. */
+  get tab(): Panel | null {
+    return this.desk.top.right;
+  }
+
+  set tab(panel: Panel | null) {
+    if (panel) this.desk.show(panel);
+    else this.desk.top = { ...this.desk.top, right: null };
   }
 
   get live(): boolean {
@@ -183,6 +210,17 @@ export class Player {
     }
   }
 
+  /** The alarms of the cursor's instant. */
+  get alarmList(): Alarm[] {
+    const names = new Map(this.targets.map(target => [target.id, target.name]));
+    return this.alarms.list(
+      this.troubles,
+      this.atNs,
+      trouble => subjectWords(trouble.subject, names),
+      window => signalWords(window.attribute),
+    );
+  }
+
   /** The state as an address; what is as at first is left out. */
   get address(): Omit<Address, 'theme'> {
     const { fromNs, toNs } = this.visible;
@@ -195,6 +233,10 @@ export class Player {
       strips: this.strips,
       span: this.span,
       tab: this.tab,
+      left: this.desk.top.left,
+      layout: this.desk.text,
+      record: this.source.id || null,
+      versus: this.other.id,
       rows: this.rows,
     };
   }
@@ -207,8 +249,10 @@ export class Player {
     this.selection = selection;
     this.strips = address.strips;
     this.span = address.span;
-    this.tab = address.tab;
-    this.rows = address.rows ?? 'tasks';
+    this.desk.open(address.layout);
+    this.desk.top = { left: address.left, right: address.tab };
+    this.compareWith(address.versus);
+    this.rows = address.rows ?? 'all';
     if (atNs === 'live' || (atNs === null && this.live)) this.seek(this.range.toNs, true);
     else this.seek(atNs ?? this.range.fromNs);
   }
@@ -307,12 +351,52 @@ export class Player {
   }
 
   select(task: number | null): void {
-    if (task !== null) this.tab = null;
+    if (task !== null) this.desk.show('why');
     this.choose(task === null ? null : { task });
+  }
+
+  /** Selects a task and leaves the panels as they are. */
+  selectTaskOnly(task: number): void {
+    this.shownPlace = null;
+    this.choose({ task });
+  }
+
+  /** Shows a place of the program. */
+  showPlace(place: string): void {
+    this.shownPlace = place;
+    this.desk.show('program');
+  }
+
+  /** Shows another record, or another agent of this one, at the same instant. */
+  showRecord(id: number): void {
+    const parameters = new URLSearchParams(window.location.search);
+    if (id === 0) parameters.delete('rec');
+    else parameters.set('rec', String(id));
+    for (const own of ['sel', 'strips', 'vs']) parameters.delete(own);
+    parameters.set('t', String(this.atNs / 1e9));
+    window.location.assign(`${window.location.pathname}?${parameters}`);
   }
 
   selectTarget(target: string | null): void {
     this.choose(target === null ? null : { target });
+  }
+
+  /** Compares with the record of this number; null compares no longer. */
+  compareWith(id: number | null): void {
+    this.other.open(id === null ? null : new ServedRecord(this.source.base ?? '', id), id);
+    if (id !== null) this.other.ask(this.atNs);
+  }
+
+  /** Adds a target to the draft as its last visit, or takes it out. */
+  toggleVisit(target: string): void {
+    const draft = this.draft ?? [];
+    this.setDraft(draft.includes(target) ? draft.filter(one => one !== target) : [...draft, target]);
+  }
+
+  setDraft(draft: string[] | null): void {
+    this.draft = draft;
+    this.draftFault = null;
+    this.draftPlan = null;
   }
 
   private choose(selection: Selection): void {
@@ -380,8 +464,12 @@ export class Player {
     });
     const task = this.selectedTask;
     this.scenery.askPlans(this.atNs);
+    this.other.ask(this.atNs);
     clearTimeout(this.sceneryTimer);
-    this.sceneryTimer = setTimeout(() => this.scenery.ask(this.atNs), REST_MS);
+    this.sceneryTimer = setTimeout(() => {
+      this.scenery.ask(this.atNs);
+      this.alarms.ask(this.atNs);
+    }, REST_MS);
     clearTimeout(this.restTimer);
     if (task === null) return;
     this.whyQuestions.put({ task, atNs: this.atNs, explain: false });

@@ -14,10 +14,31 @@ export interface OpenQuestion {
   by_ns: number | null;
 }
 
+/** A person or program that speaks to the flight. */
+export interface Actor {
+  name: string;
+  role: string;
+}
+
+/** Authority over the flight: its holder, the offer of it, and the rights of the caller. */
+export interface Authority {
+  /** Grows with every change of the holder. */
+  epoch: number;
+  holder: Actor | null;
+  /** The holder was not heard for long: another operator may take authority. */
+  silent: boolean;
+  offer: { to: string; left_s: number } | null;
+  you: Actor;
+  yours: boolean;
+  may_take: boolean;
+}
+
 /** A command and its end: exactly one of accepted, rejected and expired. */
 export interface CommandState {
   number: number;
   words: string;
+  /** The name of its author. */
+  by: string;
   state: 'sent' | 'accepted' | 'rejected' | 'expired';
   at_ns: number | null;
   reason: string | null;
@@ -34,6 +55,7 @@ export interface Operation {
   planning: { goal: string; since_s: number } | null;
   targets: { id: string; known: boolean }[];
   commands: CommandState[];
+  authority: Authority;
 }
 
 /** What an operator asks of the flight. */
@@ -44,7 +66,9 @@ export type Wish =
   | { do: 'message'; form: string }
   | { do: 'add-target' | 'remove-target'; target: string }
   | { do: 'value-target'; target: string; value: number }
-  | { do: 'acknowledge'; alarm: string };
+  | { do: 'acknowledge'; alarm: string }
+  | { do: 'take-authority' | 'refuse-authority' | 'release-authority' }
+  | { do: 'offer-authority'; to: string };
 
 /** A server that may have a flight under way. */
 export class ServedFlight {
@@ -55,12 +79,12 @@ export class ServedFlight {
     return this.ask<Operation | null>('operation');
   }
 
-  /** Sends a command; the answer comes when it has its end. */
-  async command(wish: Wish): Promise<CommandState> {
+  /** Sends a command, in an epoch of authority if one is stated; the answer comes when it has its end. */
+  async command(wish: Wish, epoch: number | null): Promise<CommandState> {
     return this.ask<CommandState>('commands', {
       method: 'POST',
       headers: { 'Content-Type': 'application/json' },
-      body: JSON.stringify(wish),
+      body: JSON.stringify({ ...wish, epoch }),
     });
   }
 

@@ -6,8 +6,12 @@ import type {
   Growth,
   Holdings,
   Mission,
+  Monitors,
   PlanInForce,
   Plans,
+  ProgramContents,
+  ProgramText,
+  RecordedCommands,
   Report,
   Signals,
   SignalWindows,
@@ -47,6 +51,16 @@ export interface HoldingsQuery {
   atNs: number;
 }
 
+/** Lines of the trace; `fromNs` and `task` null take all. */
+export interface EventsQuery {
+  fromNs: number | null;
+  toNs: number;
+  limit: number;
+  find: string;
+  kinds: string;
+  task: number | null;
+}
+
 /** What a panel may ask a record; a finished one and a growing one answer alike. */
 export interface RecordSource {
   mission(atNs: number | null): Promise<Mission>;
@@ -65,7 +79,7 @@ export interface RecordSource {
   /** Null if the record is not of a mission. */
   facts(): Promise<MissionFacts | null>;
   troubles(atNs: number): Promise<Troubles>;
-  events(query: { toNs: number; limit: number; find: string; kinds: string }): Promise<Events>;
+  events(query: EventsQuery): Promise<Events>;
   /** `explain` asks for what is awaited too, for which the server restores the instant. */
   why(task: number, atNs: number, explain: boolean): Promise<TaskExplanation>;
   report(atNs: number): Promise<Report>;
@@ -73,6 +87,13 @@ export interface RecordSource {
   signals(atNs: number): Promise<Signals>;
   samples(query: SamplesQuery): Promise<SignalWindows>;
   source(place: string): Promise<Snippet>;
+  /** What living tasks watch; of one task alone, with its variables, if one is given. */
+  monitors(query: { atNs: number; task: number | null }): Promise<Monitors>;
+  /** The files of the program, and what they declare. */
+  program(): Promise<ProgramContents>;
+  programText(name: string): Promise<ProgramText>;
+  /** Commands of operators that were settled by then. */
+  commandLog(atNs: number): Promise<RecordedCommands>;
   /** Calls back on every growth until the record is complete; the answer stops it. */
   watch(onGrowth: (growth: Growth) => void, onConnection: (connected: boolean) => void): () => void;
 }
@@ -93,7 +114,16 @@ const LANES = 60;
 
 /** A record behind `apex serve`. */
 export class ServedRecord implements RecordSource {
-  constructor(private readonly base: string) {}
+  /** The address of all questions. */
+  private readonly api: string;
+
+  /** `id` is the record's number in `/api/records`; 0 is the one that the server was started with. */
+  constructor(
+    readonly base: string,
+    readonly id = 0,
+  ) {
+    this.api = id === 0 ? `${base}/api` : `${base}/api/records/${id}`;
+  }
 
   mission = (atNs: number | null): Promise<Mission> =>
     this.get('mission', { at: atNs === null ? null : whole(atNs) });
@@ -134,19 +164,31 @@ export class ServedRecord implements RecordSource {
   why = (task: number, atNs: number, explain: boolean): Promise<TaskExplanation> =>
     this.get('why', { task, at: whole(atNs), explain });
   source = (place: string): Promise<Snippet> => this.get('source', { place });
+  monitors: RecordSource['monitors'] = query =>
+    this.get('monitors', { at: whole(query.atNs), task: query.task });
+  program = (): Promise<ProgramContents> => this.get('program', {});
+  programText = (name: string): Promise<ProgramText> => this.get('program-text', { name });
+  commandLog = (atNs: number): Promise<RecordedCommands> => this.get('command-log', { at: whole(atNs) });
 
   tasks: RecordSource['tasks'] = query =>
     this.get('tasks', { at: whole(query.atNs), ended: query.ended, find: query.find, with: query.with });
 
   events: RecordSource['events'] = query =>
-    this.get('events', { to: whole(query.toNs), limit: query.limit, find: query.find, kind: query.kinds });
+    this.get('events', {
+      from: query.fromNs === null ? null : whole(query.fromNs),
+      to: whole(query.toNs),
+      limit: query.limit,
+      find: query.find,
+      kind: query.kinds,
+      task: query.task,
+    });
 
   watch: RecordSource['watch'] = (onGrowth, onConnection) => {
     let socket: WebSocket | undefined;
     let timer: ReturnType<typeof setTimeout> | undefined;
     let over = false;
     const open = () => {
-      socket = new WebSocket(`${this.base.replace(/^http/, 'ws')}/api/live`);
+      socket = new WebSocket(`${this.api.replace(/^http/, 'ws')}/live`);
       socket.onopen = () => onConnection(true);
       socket.onmessage = message => {
         const growth: Growth = JSON.parse(String(message.data));
@@ -174,7 +216,7 @@ export class ServedRecord implements RecordSource {
     }
     let response: Response;
     try {
-      response = await fetch(`${this.base}/api/${what}?${parameters}`);
+      response = await fetch(`${this.api}/${what}?${parameters}`);
     } catch {
       throw new RecordError('the server does not answer', 'is `apex serve` still running?');
     }

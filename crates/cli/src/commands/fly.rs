@@ -13,9 +13,9 @@ use apex_model::time::{Duration, Time};
 use apex_planning::Registry;
 use apex_runtime::ports::Observer;
 use apex_runtime::{Control, EndReason};
-use apex_server::FlightDoor;
+use apex_server::{AccessOptions, FlightDoor};
 use indicatif::{ProgressBar, ProgressStyle};
-use std::net::{IpAddr, Ipv4Addr, TcpListener};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{self, Receiver};
@@ -54,11 +54,15 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult {
     };
     let sherpa = door.as_ref().map(|door| {
         door.continues_at(pace);
-        serve_beside(&path, door.clone(), options.port)
+        serve_beside(&path, door.clone(), options.port, planners)
     });
     let mut watch = door.as_ref().map(FlightDoor::watch);
-    let terms =
-        apex_runtime::FlyOptions { pace: begin, controls: Some(controls), ..MissionFlight::terms(&mission, until) };
+    let terms = apex_runtime::FlyOptions {
+        pace: begin,
+        controls: Some(controls),
+        authority: door.as_ref().map(FlightDoor::authority).unwrap_or_default(),
+        ..MissionFlight::terms(&mission, until)
+    };
     let means = means(options, planners)?;
     let mut progress = TimeBar::new(terms.until, options.no_progress || options.json);
     let mut observers: Vec<&mut dyn Observer> = vec![&mut progress];
@@ -148,15 +152,17 @@ fn means(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult<PlanningRe
 }
 
 /// Serves the growing record on a thread of its own. Ctrl-C, which the server hears, ends the flight in good order.
-fn serve_beside(path: &Path, door: FlightDoor, port: u16) -> JoinHandle<()> {
-    let path = path.to_path_buf();
+fn serve_beside(path: &Path, door: FlightDoor, port: u16, planners: &Arc<Registry>) -> JoinHandle<()> {
+    let (path, planners) = (path.to_path_buf(), Arc::clone(planners));
     std::thread::spawn(move || {
-        let address = IpAddr::V4(Ipv4Addr::LOCALHOST);
+        let address = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port);
         let ready = |url: &str| {
             // The page is served whether anybody reads this line or not.
             output::print_line(format_args!("Sherpa: {url}")).ok();
         };
-        match commands::serve::serve((Some((&path, 0)), Some(door.clone())), None, address, port, ready) {
+        let (record, door_of_page) = (Some((path.as_path(), 0)), Some(door.clone()));
+        let served = commands::serve::Served { record, door: door_of_page, others: Vec::new(), flights: None };
+        match commands::serve::serve(served, &planners, AccessOptions::default(), address, ready) {
             // Without effect if the flight is over already.
             Ok(()) => door.stop(),
             Err(error) => {

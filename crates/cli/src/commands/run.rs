@@ -62,13 +62,14 @@ pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> CliResult {
     let is_recorded = recorder.is_some();
     let mut observers: Vec<&mut dyn Observer> = recorder.iter_mut().map(|recorder| recorder as _).collect();
     observers.push(&mut tracer);
-    let controls = match clock {
+    let (live, controls) = match clock {
         ClockSource::Wall(_) => {
             let stdin = options.inputs.as_deref().is_none_or(|path| path.as_os_str() != "-");
             observers.push(&mut asker);
-            Some(console::listen(&open, stdin, options.listen)?)
+            let (live, controls) = console::listen(&open, stdin, options.listen)?;
+            (Some(live), Some(controls))
         }
-        ClockSource::Simulated | ClockSource::Simulator => None,
+        ClockSource::Simulated | ClockSource::Simulator => (None, None),
     };
     let flight = mission.clone().map(|mission| MissionFlight::new(mission, PlanningResources::of(planners)));
     let run = Run { library: &library, flight, is_recorded, terms: &terms };
@@ -76,7 +77,7 @@ pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> CliResult {
         ClockSource::Simulated => run.with_inputs(&mut observers, terms()),
         ClockSource::Wall(pace) => {
             run.tell_who_acknowledges();
-            run.with_inputs(&mut observers, FlyOptions { pace: Some(pace), controls, ..terms() })
+            run.with_inputs(&mut observers, FlyOptions { pace: Some(pace), live, controls, ..terms() })
         }
         ClockSource::Simulator => run.with_simulator(&mut observers, options.listen),
     };

@@ -2,11 +2,11 @@
 
 use crate::error::{CliError, CliResult};
 use crate::options::ServeOptions;
-use crate::{output, recording, sources};
+use crate::{access, output, recording, sources};
 use apex_mission::deliberation::PlanningResources;
 use apex_planning::Registry;
-use apex_server::{FlightDoor, FlightOptions, ReadDatum};
-use std::net::IpAddr;
+use apex_server::{AccessOptions, FlightDoor, FlightOptions, ReadDatum};
+use std::net::{IpAddr, SocketAddr};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -25,9 +25,16 @@ pub fn run(options: &ServeOptions, planners: &Arc<Registry>) -> CliResult {
         options.record.as_deref().map(|record| Ok::<_, CliError>((record, agent_of(record, options)?))).transpose()?;
     let flights = options.missions.as_deref().map(|missions| flights(missions, options, planners)).transpose()?;
     let open = options.open;
-    serve((record, None), flights, address, options.port, move |url| {
+    for other in &options.with {
+        recording::open(other)?;
+        apex_mission::recording::protect(other);
+    }
+    let served = Served { record, door: None, others: options.with.clone(), flights };
+    let (access, said) = access::access(options, address)?;
+    serve(served, planners, access, SocketAddr::new(address, options.port), move |url| {
         // The page is served whether anybody reads this line or not.
         output::print_line(format_args!("Sherpa: {url}  (Ctrl-C ends it)")).ok();
+        said.into_iter().for_each(|line| output::print_line(line).unwrap_or_default());
         if open {
             open_browser(url);
         }
@@ -68,23 +75,38 @@ pub fn read_datum() -> ReadDatum {
     Arc::new(|text| apex_pdl::read_value(text).map_err(|diagnostic| diagnostic.message))
 }
 
-/// Serves `record` (its file, and the number of the agent to show) with the way to its run if that is under way, and flies missions by `flights` at `address:port`; calls
-/// `ready` with the page's address.
+/// Records and missions of a server.
+pub struct Served<'a> {
+    /// The record's file, and the number of the agent to show.
+    pub record: Option<(&'a Path, usize)>,
+    /// The way to the run that writes the record, if it is under way.
+    pub door: Option<FlightDoor>,
+    /// Further records that the page can show.
+    pub others: Vec<PathBuf>,
+    /// Means of flying missions, if the server may.
+    pub flights: Option<FlightOptions>,
+}
+
+/// Serves at `address:port`; calls `ready` with the page's address.
 pub fn serve(
-    (record, door): (Option<(&Path, usize)>, Option<FlightDoor>),
-    flights: Option<FlightOptions>,
-    address: IpAddr,
-    port: u16,
+    served: Served<'_>,
+    planners: &Arc<Registry>,
+    access: AccessOptions,
+    address: SocketAddr,
     ready: impl FnOnce(&str) + Send + 'static,
 ) -> CliResult {
+    let Served { record, door, others, flights } = served;
     apex_server::serve(apex_server::ServeOptions {
         record: record.map(|(record, _)| record.to_path_buf()),
         agent: record.map_or(0, |(_, agent)| agent),
-        address,
-        port,
+        address: address.ip(),
+        port: address.port(),
         load: Some(Arc::new(sources::load_recorded)),
         door,
+        others,
+        what_if: Some((PlanningResources::of(planners), read_datum())),
         flights,
+        access,
         ready: Box::new(ready),
     })
     .map_err(|error| CliError::failure(error.to_string()))

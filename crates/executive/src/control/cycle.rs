@@ -42,6 +42,8 @@ pub(crate) struct Cycle<'a> {
     pub(crate) index: &'a LibraryIndex,
     /// The instant.
     pub(crate) now: Time,
+    /// The number of the first task that this step makes.
+    pub(crate) first_task: u64,
     /// Decisions, in order.
     pub(crate) effects: Vec<Effect>,
     /// Pending work.
@@ -93,6 +95,8 @@ pub(crate) struct Work {
     pub(crate) probings: SmallVec<[ProbingId; 1]>,
     /// Tasks that ended and whose parents have not reacted.
     pub(crate) ended: VecDeque<TaskId>,
+    /// Tasks that asked for more memory than there is, with the place that asked.
+    pub(crate) over_budget: SmallVec<[(TaskId, Place); 1]>,
     /// Change of the number of living tasks in the round.
     pub(crate) balance: Balance,
 }

@@ -5,5 +5,6 @@
 pub(crate) mod conflicts;
 pub(crate) mod cycle;
 pub(crate) mod matching;
+pub(crate) mod memory_budget;
 pub(crate) mod tasks;
 pub(crate) mod transition;

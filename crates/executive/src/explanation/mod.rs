@@ -5,7 +5,9 @@
 mod choice;
 mod reasons;
 mod task_view;
+mod watched;
 
 pub use choice::{MethodOption, options};
 pub use reasons::{Reason, ReasonKind, waiting};
 pub use task_view::{TaskView, agenda, describe_task};
+pub use watched::{ConditionNode, WatchedClause, bindings, watched};

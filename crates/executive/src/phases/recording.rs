@@ -30,7 +30,10 @@ pub(crate) fn record(cycle: &mut Cycle<'_>, events: &[Event]) {
     for event in events {
         match &event.kind {
             EventKind::Measurement(variable, value) => measurement(cycle, variable.clone(), value.clone(), event.at),
-            EventKind::Occurrence(form) => occurrence(cycle, form.clone(), event.at),
+            EventKind::Occurrence(form) => {
+                recording_lost(cycle, form);
+                occurrence(cycle, form.clone(), event.at);
+            }
             EventKind::CommandAcknowledged(..)
             | EventKind::SolverReported(..)
             | EventKind::OperatorAnswered(..)
@@ -52,6 +55,15 @@ pub(crate) fn record(cycle: &mut Cycle<'_>, events: &[Event]) {
             EventKind::Measurement(..) | EventKind::Occurrence(_) | EventKind::Told(..) | EventKind::Woken => {}
         }
         termination::settle(cycle);
+    }
+}
+
+/// Reports that the flight is not recorded any longer, as the runtime says.
+fn recording_lost(cycle: &mut Cycle<'_>, form: &Value) {
+    let Some([head, reason]) = form.as_list() else { return };
+    if head.as_symbol().is_some_and(|word| word.is("recording-lost")) {
+        let reason = if let Value::Text(text) = reason { text.to_string() } else { reason.to_string() };
+        cycle.trouble_of(None, Cause::RecordingLost { reason }, None);
     }
 }
 

@@ -6,6 +6,7 @@ use crate::state::histories::history::Histories;
 use crate::state::index::{Candidate, Heads, LibraryIndex, ProcedureIndex};
 use crate::state::interests::Interests;
 use crate::state::listening::Listening;
+use crate::state::memory_count::MemoryCount;
 use crate::state::probing::{Probing, ProbingId};
 use crate::state::resource::ResourceTable;
 use crate::state::step_clauses::StepClauses;
@@ -98,6 +99,9 @@ pub struct Agent {
     pub published: Vec<(StateVariable, Value)>,
     /// Counters: the next number of each kind.
     pub next: Counters,
+    /// Bytes of what it holds beside tasks and monitors.
+    #[serde(default)]
+    pub memory: MemoryCount,
     /// Number of suspended tasks; derived from the tasks, not part of a snapshot.
     #[serde(skip)]
     pub suspended: u64,
@@ -175,6 +179,7 @@ impl Default for Agent {
             burst: (Time::BEGINNING, 0),
             next: Counters::default(),
             published: Vec::new(),
+            memory: MemoryCount::default(),
             suspended: 0,
         }
     }

@@ -13,6 +13,7 @@ pub mod histories;
 pub mod index;
 pub mod interests;
 pub mod listening;
+pub mod memory_count;
 pub mod monitor_set;
 pub mod monitors;
 pub mod pairs;

@@ -1,11 +1,13 @@
 //! Deliberation for a mission: poses problems from the situation at the instant of a request; jobs solve, check and translate.
 
 mod current_plan;
+mod draft;
 mod operator_plan;
 mod segment;
 pub mod solve;
 mod steps;
 
+pub use draft::draft;
 pub use solve::{Deliberation, PLAN_VISITS_MAX, PlanningResources, SolveOptions, name_obstacles, solve, validate};
 pub use steps::translate;
 

@@ -98,6 +98,11 @@ impl NamedFeature {
         }
     }
 
+    /// The property as JSON, if there.
+    pub(crate) fn json(&self, key: &str) -> Option<&JsonValue> {
+        self.property(key)
+    }
+
     /// A list of texts, if there.
     pub(crate) fn texts(&self, key: &str) -> MissionResult<Vec<String>> {
         let wrong = |other: &JsonValue| self.trouble(format!("`{key}` is {other}, not a list of texts"));

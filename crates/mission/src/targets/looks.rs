@@ -219,29 +219,61 @@ fn slope(feature: &NamedFeature) -> MissionResult<Option<ValueSlope>> {
     }))
 }
 
+/// Elements older than this at some time of the mission say little of the pass: an error of about a kilometre a day.
+const ELEMENTS_DAYS_MAX: f64 = 14.0;
+
+/// The satellite that `tle` or `omm` describes.
+fn satellite(feature: &NamedFeature, part: &NamedFeature) -> MissionResult<Satellite> {
+    let no_orbit = |key: &str, reason: String, help: &str| {
+        feature.trouble(format!("`{key}` of `overpass` is no orbit")).because(reason).help(help)
+    };
+    match (part.has("tle"), part.json("omm")) {
+        (true, Some(_)) => Err(feature.trouble("`overpass` has both `tle` and `omm`").help("leave one of them out")),
+        (_, Some(message)) => Satellite::from_omm(message).map_err(|error| {
+            no_orbit("omm", error.reason, "copy the object as CelesTrak or Space-Track publish it in JSON")
+        }),
+        (_, None) => {
+            let lines = part.texts("tle")?;
+            let [first, second] = lines.as_slice() else {
+                return Err(feature
+                    .trouble(format!("`tle` of `overpass` has {} lines", lines.len()))
+                    .help("give the two lines of the satellite's orbital elements, or `omm`"));
+            };
+            Satellite::from_tle(first, second)
+                .map_err(|error| no_orbit("tle", error.reason, "copy both lines as they are published"))
+        }
+    }
+}
+
+fn check_age(feature: &NamedFeature, satellite: &Satellite, zero_unix_s: f64, duration_s: f64) -> MissionResult<()> {
+    let (first, last) = (satellite.age_days(zero_unix_s), satellite.age_days(zero_unix_s + duration_s));
+    let worst = if last.abs() > first.abs() { last } else { first };
+    if worst.abs() <= ELEMENTS_DAYS_MAX {
+        return Ok(());
+    }
+    let side = if worst > 0.0 { "older" } else { "newer" };
+    Err(feature
+        .trouble("the orbital elements of `overpass` are not of the time of the mission")
+        .because(format!(
+            "they are {:.0} days {side} than the mission, and at most {ELEMENTS_DAYS_MAX:.0} days are good for a pass",
+            worst.abs()
+        ))
+        .help("take elements whose epoch is nearer to `:start`, or leave `overpass` out"))
+}
+
 fn overpass(feature: &NamedFeature, place: Position, terms: Terms) -> MissionResult<Option<OverpassNeed>> {
     if !feature.has("overpass") {
         return Ok(None);
     }
-    let part = feature.object("overpass", &["tle", "half_scan_deg", "nadir_deg_max", "full_min", "zero_min"])?;
-    let lines = part.texts("tle")?;
-    let [first, second] = lines.as_slice() else {
-        return Err(feature
-            .trouble(format!("`tle` of `overpass` has {} lines", lines.len()))
-            .help("give the two lines of the satellite's orbital elements"));
-    };
+    let part = feature.object("overpass", &["tle", "omm", "half_scan_deg", "nadir_deg_max", "full_min", "zero_min"])?;
     let Some(zero_unix_s) = terms.epoch_unix_s else {
         return Err(feature
             .trouble("`overpass` in a mission without `:start`")
             .because("where a satellite is depends on the date")
             .help("add `:start` with a civil time to the application"));
     };
-    let satellite = Satellite::from_tle(first, second).map_err(|error| {
-        feature
-            .trouble("`tle` of `overpass` is no orbit")
-            .because(error.reason)
-            .help("copy both lines as they are published")
-    })?;
+    let satellite = satellite(feature, &part)?;
+    check_age(feature, &satellite, zero_unix_s, terms.duration_s)?;
     let degrees = |key: &str, default: f64| Ok(part.number(key, 1e-3, 89.0)?.unwrap_or(default));
     let usual = PassLimits::default();
     let limits = PassLimits {

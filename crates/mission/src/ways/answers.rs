@@ -6,6 +6,7 @@ use super::segment::{Segment, SegmentWay};
 use super::{Broken, Request, Way};
 use apex_geo::geodesy;
 use apex_geo::location::Location;
+use apex_geo::wind;
 use apex_model::host::HostFunctions;
 use apex_model::problem::{AirspaceZone, Position, TimeWindow, ZoneKind};
 use apex_model::quantity::Dimension;
@@ -16,12 +17,14 @@ use std::sync::Arc;
 type Body = fn(&Limits, &[Value]) -> Result<Value, String>;
 
 /// Names, least and greatest numbers of arguments: the last one, which may be left out, is `(weak-link-areas AIRCRAFT)`.
-const FUNCTIONS: [(&str, usize, usize, Body); 5] = [
+const FUNCTIONS: [(&str, usize, usize, Body); 7] = [
     ("way-to", 5, 6, to_place),
     ("way-to-circle", 5, 6, to_circle),
     ("way-to-line", 6, 7, to_line),
     ("way-to-landing", 4, 4, to_landing),
     ("way-to-segment", 6, 6, to_segment),
+    ("landing-place-near", 2, 2, landing_place_near),
+    ("forecast-error", 4, 4, forecast_error),
 ];
 
 /// A line that is joined from so near, and so nearly in its direction, is joined straight.
@@ -46,6 +49,38 @@ pub(crate) fn register(limits: Limits, functions: &mut HostFunctions) {
         };
         functions.register(name, Arc::new(function));
     }
+}
+
+/// `(landing-place-near LOCATION REACH)`: the name of the nearest landing place within REACH, else nil.
+fn landing_place_near(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
+    let [location, reach] = arguments else { return Err("a location and a reach are missing".to_string()) };
+    let here = Location::of(location)?.position;
+    let Some((reach_m, Dimension::LENGTH | Dimension::NONE)) = reach.as_number() else {
+        return Err(format!("the reach must be a length; got {reach}"));
+    };
+    let places = limits.landing_places.iter().map(|place| (geodesy::distance_m(here, place.position), &place.name));
+    let nearest = places.filter(|(distance_m, _)| *distance_m <= reach_m).min_by(|a, b| a.0.total_cmp(&b.0));
+    Ok(nearest.map_or_else(Value::nil, |(_, name)| Value::symbol(name)))
+}
+
+/// `(forecast-error LOCATION TIME SPEED DIRECTION)`: length of the difference between a measured wind and the forecast for its place and
+/// time (since the start of the mission); nil without a location.
+fn forecast_error(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
+    let [location, time, speed, direction] = arguments else { return Err("a measured wind is missing".to_string()) };
+    if !location.is_true() {
+        return Ok(Value::nil());
+    }
+    let place = Location::of(location)?;
+    let number = |value: &Value, what: &str| {
+        let number = value.as_number().map(|(si, _)| si).filter(|si| si.is_finite());
+        number.ok_or_else(|| format!("the {what} must be a number; got {value}"))
+    };
+    let (time_s, speed_mps) = (number(time, "time")?, number(speed, "speed")?);
+    let from_rad = number(direction, "direction")?;
+    let forecast = wind::at(&limits.wind, place.position, place.altitude_m.unwrap_or(0.0), time_s);
+    let east_mps = -speed_mps * libm::sin(from_rad) - forecast.east_mps;
+    let north_mps = -speed_mps * libm::cos(from_rad) - forecast.north_mps;
+    Ok(Value::measured(libm::hypot(east_mps, north_mps), Dimension::SPEED))
 }
 
 /// As [`start_of`]; none also if nothing limits the ways.

@@ -69,7 +69,7 @@ pub struct OrbitError {
 
 impl fmt::Display for OrbitError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "cannot use the two-line element set: {}", self.reason)
+        write!(f, "cannot use the orbital elements: {}", self.reason)
     }
 }
 
@@ -84,11 +84,32 @@ impl Satellite {
         let wrong = |reason: String| OrbitError { reason };
         let elements = sgp4::Elements::from_tle(None, line1.trim_end().as_bytes(), line2.trim_end().as_bytes())
             .map_err(|error| wrong(error.to_string()))?;
-        let constants = sgp4::Constants::from_elements_afspc_compatibility_mode(&elements)
+        Satellite::of(&elements)
+    }
+
+    /// The satellite of an orbit mean-elements message (CCSDS 502.0-B) as a JSON object, with the keywords as its members.
+    ///
+    /// # Errors
+    /// [`OrbitError`] if a keyword is missing or wrong, or describes no orbit.
+    pub fn from_omm(message: &serde_json::Value) -> Result<Satellite, OrbitError> {
+        let elements: sgp4::Elements =
+            serde_json::from_value(message.clone()).map_err(|error| OrbitError { reason: error.to_string() })?;
+        Satellite::of(&elements)
+    }
+
+    fn of(elements: &sgp4::Elements) -> Result<Satellite, OrbitError> {
+        let wrong = |reason: String| OrbitError { reason };
+        let constants = sgp4::Constants::from_elements_afspc_compatibility_mode(elements)
             .map_err(|error| wrong(error.to_string()))?;
         let epoch = elements.datetime.and_utc();
         let epoch_unix_s = epoch.timestamp() as f64 + f64::from(epoch.timestamp_subsec_nanos()) * 1e-9;
         Ok(Satellite { constants, epoch_unix_s })
+    }
+
+    /// Days between the epoch of the elements and an instant: positive after it. The error of a prediction grows by about a
+    /// kilometre with each.
+    pub fn age_days(&self, unix_s: f64) -> f64 {
+        (unix_s - self.epoch_unix_s) / 86_400.0
     }
 
     /// Position in true-equator, mean-equinox axes in km; none after the orbit has decayed.
@@ -222,4 +243,41 @@ pub fn half_swath_km(height_km: f64, half_scan_deg: f64) -> Option<(f64, f64)> {
     }
     let incidence_rad = libm::asin(sine);
     Some((MEAN_RADIUS_KM * (incidence_rad - scan_rad), incidence_rad / RAD_PER_DEG))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LINES: (&str, &str) = (
+        "1 99902U 07001B   07250.00000000  .00000000  00000-0  20000-4 0    11",
+        "2 99902  98.2000 188.2001 0001000  90.0000 120.0000 14.57100000    12",
+    );
+
+    /// The message says what the two lines say, so the passes are the same.
+    #[test]
+    fn orbit_messages_are_the_same_orbits() {
+        let message = serde_json::json!({
+            "OBJECT_NAME": "AQUA", "OBJECT_ID": "2007-001B", "CENTER_NAME": "EARTH", "REF_FRAME": "TEME", "TIME_SYSTEM": "UTC",
+            "MEAN_ELEMENT_THEORY": "SGP4", "EPOCH": "2007-09-07T00:00:00", "MEAN_MOTION": 14.571, "ECCENTRICITY": 0.0001,
+            "INCLINATION": 98.2, "RA_OF_ASC_NODE": 188.2001, "ARG_OF_PERICENTER": 90.0, "MEAN_ANOMALY": 120.0,
+            "EPHEMERIS_TYPE": 0, "CLASSIFICATION_TYPE": "U", "NORAD_CAT_ID": 99902, "ELEMENT_SET_NO": 1, "REV_AT_EPOCH": 1,
+            "BSTAR": 0.00002, "MEAN_MOTION_DOT": 0.0, "MEAN_MOTION_DDOT": 0.0
+        });
+        let from_message = Satellite::from_omm(&message).unwrap();
+        let from_lines = Satellite::from_tle(LINES.0, LINES.1).unwrap();
+        let zaca = Position::new(34.716, -119.783);
+        let passes_of = |satellite: &Satellite| passes(satellite, zaca, 1_189_209_600.0, 3_600.0, 75_600.0);
+        let (some, others) = (passes_of(&from_message), passes_of(&from_lines));
+        assert_eq!(some.len(), others.len());
+        for (one, other) in some.iter().zip(&others) {
+            assert!(
+                (one.time_s - other.time_s).abs() < 0.01 && (one.nadir_angle_deg - other.nadir_angle_deg).abs() < 0.001
+            );
+        }
+        assert!((from_message.age_days(1_189_209_600.0) - 1.0).abs() < 1e-9);
+        let mut short = message.clone();
+        short.as_object_mut().unwrap().remove("INCLINATION");
+        assert!(Satellite::from_omm(&short).unwrap_err().reason.contains("INCLINATION"));
+    }
 }

@@ -45,6 +45,7 @@ const OPTIONS: &[&str] = &[
     "type",
     "vehicle",
     "weather",
+    "world",
     "zone-margin",
 ];
 

@@ -131,6 +131,7 @@ fn of_outside(cause: &Cause) -> Option<Vec<CausePart>> {
         | Cause::InputRefused { message: text }
         | Cause::NobodyHears { message: text }
         | Cause::ExecutiveFault { message: text }
+        | Cause::RecordingLost { reason: text }
         | Cause::Stopped { reason: text } => vec![message(text)],
         _ => return None,
     };

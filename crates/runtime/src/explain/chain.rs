@@ -221,7 +221,8 @@ impl<'a> Chain<'a> {
             | Cause::Stopped { .. }
             | Cause::NobodyHears { .. }
             | Cause::WaitsInCircle { .. }
-            | Cause::ExecutiveFault { .. } => None,
+            | Cause::ExecutiveFault { .. }
+            | Cause::RecordingLost { .. } => None,
         };
         Ok(found.into_iter().collect())
     }

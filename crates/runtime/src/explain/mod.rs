@@ -15,6 +15,7 @@ mod history;
 mod link;
 mod log;
 mod moment;
+mod monitors;
 mod phrase;
 mod snapshot;
 mod target;
@@ -33,6 +34,7 @@ pub use cause::{CauseDetail, CausePart, Observation, PartValue};
 pub use find::find_task;
 pub use link::Link;
 pub use moment::{MethodDetail, Moment};
+pub use monitors::{Binding, MonitoredCondition, Monitors, TaskMonitor};
 pub use snapshot::Question;
 pub use task::TaskExplanation;
 

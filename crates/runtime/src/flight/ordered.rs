@@ -1,11 +1,13 @@
 //! Commands of an operator, as the run takes them: each is checked, settled, recorded as an input, and executed if accepted.
 
 use super::{Flight, Waited};
+use crate::authority::{Authority, AuthorityRequest};
 use crate::commands::{Command, CommandEnd, Order};
 use crate::error::RunError;
 use crate::ports::Input;
 use apex_model::event::EventKind;
 use apex_model::time::Time;
+use std::time::Duration;
 
 /// The pace of a step: as fast as possible, but still with a clock, so that the run waits for operators at its end.
 const STEP_PACE: f64 = 1e9;
@@ -14,20 +16,29 @@ impl Flight<'_, '_> {
     /// Settles, records and executes a command while the run waits for `instant`. Some: the wait is over.
     pub(super) fn obey(&mut self, command: &Command, instant: Time) -> Result<Option<Waited>, RunError> {
         let at = self.pacer.now(self.now, instant);
-        let end = match self.objection(&command.order) {
-            None => CommandEnd::Accepted { at },
-            Some(reason) => CommandEnd::Rejected { reason },
+        // The lock makes decision and effect one.
+        let board = self.authority.clone();
+        let mut authority = board.authority();
+        let mut after = authority.clone();
+        let (end, change) = match self.judge(command, &mut after, board.now()) {
+            Ok(change) => (CommandEnd::Accepted { at }, change),
+            Err(reason) => (CommandEnd::Rejected { reason }, None),
         };
         // The sender may have been first: then the command has expired, or was refused before it came here.
         let settled = command.ticket.settle(end.clone());
         let end = if settled { end } else { command.ticket.end().unwrap_or(CommandEnd::Expired) };
-        let author = match &command.order {
+        let agent = match &command.order {
             Order::Input(Some(agent), _) if self.group.check_agent(agent).is_ok() => Some(agent.clone()),
             _ => self.group.agent(0).map(|agent| agent.name.clone()),
         };
-        self.group.deliver(Input { at, kind: command.entry(&end), agent: author, command_form: None })?;
+        self.group.deliver(Input { at, kind: command.entry(&end), agent: agent.clone(), command_form: None })?;
         if !settled || !matches!(end, CommandEnd::Accepted { .. }) {
             return Ok(None);
+        }
+        *authority = after;
+        drop(authority);
+        if let Some(kind) = change {
+            self.group.deliver(Input { at, kind, agent, command_form: None })?;
         }
         match &command.order {
             Order::Input(agent, kind) => {
@@ -42,7 +53,7 @@ impl Flight<'_, '_> {
                 self.pacer.set(Some(STEP_PACE), at).map_err(RunError::Options)?;
             }
             Order::Stop => return Ok(Some(Waited::Stop(at))),
-            Order::Note => {}
+            Order::Note | Order::Authority(_) => {}
         }
         Ok(None)
     }
@@ -51,6 +62,31 @@ impl Flight<'_, '_> {
     pub(super) fn pause_after_step(&mut self, now: Time) -> Result<(), RunError> {
         self.stepping = false;
         self.pacer.set(Some(0.0), now).map_err(RunError::Options)
+    }
+
+    /// Decides about a command: why it is refused, or the change of `authority` that comes with it, as an event.
+    fn judge(&self, command: &Command, authority: &mut Authority, now: Duration) -> Result<Option<EventKind>, String> {
+        if let Some(objection) = self.objection(&command.order) {
+            return Err(objection);
+        }
+        let Some(author) = &command.author else { return Ok(None) };
+        let request = match &command.order {
+            Order::Note => return Ok(None),
+            Order::Authority(request) => {
+                authority.check_epoch(author.epoch)?;
+                request
+            }
+            Order::Input(..) | Order::Pace(_) | Order::Step | Order::Stop => {
+                authority.check(&author.actor, author.epoch)?;
+                if authority.holder.is_some() {
+                    return Ok(None);
+                }
+                // A command takes authority that is free.
+                &AuthorityRequest::Take
+            }
+        };
+        let change = authority.apply(request, &author.actor, now)?;
+        Ok(Some(change.entry(authority, &author.actor)))
     }
 
     /// Returns the reason for which the run cannot execute an order; `None` if it can.
@@ -73,7 +109,7 @@ impl Flight<'_, '_> {
             Order::Pace(Some(pace)) if !(0.0..=1e9).contains(pace) => {
                 Some(format!("a pace of {pace} is not between 0 and 1e9 mission seconds per second"))
             }
-            Order::Pace(_) | Order::Step | Order::Stop | Order::Note => None,
+            Order::Pace(_) | Order::Step | Order::Stop | Order::Note | Order::Authority(_) => None,
         }
     }
 }

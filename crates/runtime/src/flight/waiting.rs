@@ -2,17 +2,19 @@
 
 use super::{Flight, Waited};
 use crate::error::RunError;
-use crate::limits::SOLVER_LOOK;
+use crate::limits::{FLUSH_INTERVAL, SOLVER_LOOK};
+use crate::live::LiveInput;
 use crate::pacing::Wait;
 use crate::ports::Input;
 use crate::terms::Control;
 use apex_model::time::Time;
 use std::sync::mpsc::{RecvTimeoutError, TryRecvError};
+use std::time::{Duration, Instant};
 
 impl Flight<'_, '_> {
     /// Sleeps until `instant` where the run is paced; an operator's input or a solver's answer cuts the sleep short.
     pub(super) fn wait(&mut self, instant: Time) -> Result<Waited, RunError> {
-        let mut flushed = false;
+        let mut flushed = self.flush_when_due(instant)?;
         let listening = self.controls.is_some();
         loop {
             if !self.group.is_idle() {
@@ -22,37 +24,80 @@ impl Flight<'_, '_> {
                 return Ok(Waited::Changed);
             }
             let wait = self.pacer.wait(instant);
-            if wait != Wait::Over && !flushed {
+            let live = self.live.as_ref().and_then(|live| live.0.ready_in());
+            if wait != Wait::Over && live != Some(Duration::ZERO) && !flushed {
                 self.each_observer(instant, |observer| observer.flush())?;
-                flushed = true;
+                (flushed, self.flushed_at) = (true, Instant::now());
+                self.hear_observers(self.pacer.now(self.now, instant))?;
+                continue;
             }
-            match self.hear(wait)? {
-                Some(Control::Stop) => {
-                    let reached = if self.pacer.is_paced() { self.pacer.now(self.now, instant) } else { self.now };
-                    return Ok(Waited::Stop(reached));
-                }
-                Some(Control::Quiet) => {
-                    self.expecting = false;
-                    return Ok(Waited::Changed);
-                }
-                Some(Control::Pace(pace)) => {
-                    let now = self.pacer.now(self.now, instant);
-                    self.pacer.set(pace, now).map_err(RunError::Options)?;
-                }
-                Some(Control::Command(command)) => {
-                    if let Some(waited) = self.obey(&command, instant)? {
+            match self.hear(live.map_or(wait, |span| wait.at_most(span)))? {
+                Some(control) => {
+                    if let Some(waited) = self.follow(control, instant)? {
                         return Ok(waited);
                     }
                 }
-                Some(Control::Input(kind)) => self.take_in(Input::new(instant, kind))?,
-                Some(Control::InputFor(agent, kind)) => {
-                    self.take_in(Input { at: instant, kind, agent: Some(agent), command_form: None })?;
+                None if live == Some(Duration::ZERO) => {
+                    if let Some(waited) = self.take_live(instant)? {
+                        return Ok(waited);
+                    }
                 }
                 None if wait == Wait::Over => return Ok(Waited::Reached(instant)),
                 None if listening && self.controls.is_none() => return Ok(Waited::Changed),
                 None => {}
             }
         }
+    }
+
+    /// Lets a run that is never idle write out what its observers hold back. True if it did.
+    fn flush_when_due(&mut self, instant: Time) -> Result<bool, RunError> {
+        if self.live.is_none() || self.flushed_at.elapsed() < FLUSH_INTERVAL {
+            return Ok(false);
+        }
+        self.flushed_at = Instant::now();
+        self.each_observer(instant, |observer| observer.flush())?;
+        Ok(true)
+    }
+
+    /// Takes the inputs of live sources that may be heard now.
+    fn take_live(&mut self, instant: Time) -> Result<Option<Waited>, RunError> {
+        for input in self.live.as_ref().map(|live| live.0.take()).unwrap_or_default() {
+            let control = match input {
+                LiveInput::Event(None, kind) => Control::Input(kind),
+                LiveInput::Event(Some(agent), kind) => Control::InputFor(agent, kind),
+                LiveInput::Stop => Control::Stop,
+            };
+            if let Some(waited) = self.follow(control, instant)? {
+                return Ok(Some(waited));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Does what is said from outside while the run waits for `instant`. Some: the wait is over.
+    fn follow(&mut self, control: Control, instant: Time) -> Result<Option<Waited>, RunError> {
+        match control {
+            Control::Stop => {
+                let reached = if self.pacer.is_paced() { self.pacer.now(self.now, instant) } else { self.now };
+                return Ok(Some(Waited::Stop(reached)));
+            }
+            Control::Quiet => {
+                self.expecting = false;
+                return Ok(Some(Waited::Changed));
+            }
+            // The wait begins again, and looks.
+            Control::Look => {}
+            Control::Pace(pace) => {
+                let now = self.pacer.now(self.now, instant);
+                self.pacer.set(pace, now).map_err(RunError::Options)?;
+            }
+            Control::Command(command) => return self.obey(&command, instant),
+            Control::Input(kind) => self.take_in(Input::new(instant, kind))?,
+            Control::InputFor(agent, kind) => {
+                self.take_in(Input { at: instant, kind, agent: Some(agent), command_form: None })?;
+            }
+        }
+        Ok(None)
     }
 
     /// Takes in an input that arrives before its instant: now.

@@ -50,6 +50,18 @@ pub(super) fn check(file: &mut File) -> io::Result<FileSeal> {
     Ok(if intact { FileSeal::Intact } else { FileSeal::Broken })
 }
 
+/// The seal at the end of the file, if there is one.
+pub(super) fn bytes(file: &mut File) -> io::Result<Option<Vec<u8>>> {
+    if seal_at_end(file)?.is_none() {
+        return Ok(None);
+    }
+    let start = file.metadata()?.len().saturating_sub(SEAL_BYTES);
+    file.seek(SeekFrom::Start(start))?;
+    let mut seal = Vec::new();
+    file.read_to_end(&mut seal)?;
+    Ok(Some(seal))
+}
+
 /// Length and digest that the seal at the end of the file states.
 fn seal_at_end(file: &mut File) -> io::Result<Option<(u64, [u8; 32])>> {
     let length = file.metadata()?.len();

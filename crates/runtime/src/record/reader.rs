@@ -76,6 +76,26 @@ pub struct Sample {
     pub value: Value,
 }
 
+/// Steps that a record does not have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RecordGap {
+    /// Number of the first step that is missing.
+    pub first_batch: i64,
+    /// Number of the last step that is missing.
+    pub last_batch: i64,
+    /// The instant of the step before.
+    pub after: Time,
+    /// The instant of the step that follows; `None` if none does.
+    pub before: Option<Time>,
+}
+
+impl std::fmt::Display for RecordGap {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "steps {} to {}, after {}", self.first_batch, self.last_batch, self.after)?;
+        self.before.map_or(Ok(()), |before| write!(f, " and before {before}"))
+    }
+}
+
 impl RecordReader {
     /// Opens the record at `path`.
     ///
@@ -192,6 +212,9 @@ impl RecordReader {
                 "The file {name} was changed after it was closed, but not what was recorded: all groups of rows fit their seals."
             ));
         }
+        for gap in self.gaps()? {
+            warnings.push(format!("The flight record {name} has a gap, because its disk took no steps: {gap}."));
+        }
         let (version, ours) = (self.meta("apex_version")?.unwrap_or_default(), env!("CARGO_PKG_VERSION"));
         if version != ours {
             let version = version.escape_debug();
@@ -200,6 +223,29 @@ impl RecordReader {
             ));
         }
         Ok((!warnings.is_empty()).then(|| warnings.join("\nwarning: ")))
+    }
+
+    /// Steps that are not in the record because its disk took none, in order.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub fn gaps(&self) -> Result<Vec<RecordGap>, RecordError> {
+        let texts: Vec<String> =
+            self.rows("the facts", "SELECT value FROM meta WHERE key = 'gap' ORDER BY position", |row| row.get(0))?;
+        texts.iter().map(|text| self.gap(text)).collect()
+    }
+
+    fn gap(&self, text: &str) -> Result<RecordGap, RecordError> {
+        let numbers = text.split_once(' ').and_then(|(first, last)| Some((first.parse().ok()?, last.parse().ok()?)));
+        let (first_batch, last_batch): (i64, i64) =
+            numbers.ok_or_else(|| self.garbled(format!("the fact `gap` is `{}`", text.escape_debug())))?;
+        let at = |sql: &str, batch: i64| {
+            let found = self.connection.query_row(sql, [batch], |row| row.get::<_, Option<i64>>(0));
+            found.map(|at| at.map(Time)).map_err(|error| self.damaged("the steps", error))
+        };
+        let after = at("SELECT max(t_ns) FROM main.batch WHERE id < ?1", first_batch)?;
+        let before = at("SELECT min(t_ns) FROM main.batch WHERE id > ?1", last_batch)?;
+        Ok(RecordGap { first_batch, last_batch, after: after.unwrap_or(Time::ZERO), before })
     }
 
     /// First and last recorded instant; none when no step is recorded.

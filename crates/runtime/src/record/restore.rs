@@ -52,6 +52,13 @@ impl RecordReader {
             }
             None => (1, self.fresh_agent(program)?),
         };
+        let gap = self.gaps()?.into_iter().rfind(|gap| gap.first_batch >= first && at > gap.after);
+        if let Some(gap) = gap {
+            return Err(RecordError::Question(format!(
+                "The state at {at} is not known: the record has a gap ({gap}). Ask for an instant up to {}, or for a later one.",
+                gap.after
+            )));
+        }
         for recorded in Steps::new(self, first, at)?.without_effects() {
             step(&mut agent, &recorded?.batch);
         }

@@ -49,7 +49,7 @@ fn make_room(path: &Path) -> Result<(), RecordError> {
         Found::Other(found) => return Err(RecordError::NotARecord { path: path.to_path_buf(), found }),
     }
     refuse_when_written(path)?;
-    for suffix in ["", "-wal", "-shm", "-journal"] {
+    for suffix in ["", "-wal", "-shm", "-journal", ".sig"] {
         let name = sibling(path, suffix);
         if let Err(error) = fs::remove_file(&name)
             && error.kind() != std::io::ErrorKind::NotFound

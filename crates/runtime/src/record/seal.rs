@@ -54,6 +54,11 @@ impl Sealer {
         }
     }
 
+    /// Forgets the rows since the last seal.
+    pub(super) fn clear(&mut self) {
+        *self = Sealer { bytes: std::mem::take(&mut self.bytes), ..Sealer::default() };
+    }
+
     /// True if it has no row.
     pub(super) fn is_empty(&self) -> bool {
         self.counts.iter().all(|count| *count == 0)

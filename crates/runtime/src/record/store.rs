@@ -1,14 +1,17 @@
 //! The file under the recorder: rows in grouped transactions, each of which ends with a seal, and what to do when a write
-//! fails.
+//! fails: before the flight has begun that is an error; a flight goes on, its newest steps stay in memory, and the record is
+//! continued when the disk takes them.
 
 use super::checkpoints::Checkpoints;
 use super::closing;
 use super::difference::RowDifference;
+use super::kept_rows::KeptRows;
 use super::schema::{self, write_error};
 use super::seal::{Link, Sealer};
+use super::signature::{self, SigningKey};
 use super::tables::{TABLES, Table};
 use crate::error::RecordError;
-use crate::limits::{GROUP_BATCHES_MAX, GROUP_MILLISECONDS_MAX};
+use crate::limits::{GROUP_BATCHES_MAX, GROUP_MILLISECONDS_MAX, RECORDING_RETRY_INTERVAL};
 use apex_model::time::Time;
 use rusqlite::types::{ToSqlOutput, ValueRef};
 use rusqlite::{Connection, params, params_from_iter};
@@ -59,10 +62,44 @@ pub(super) trait RowStore: Send {
     /// The file.
     fn path(&self) -> &Path;
 
+    /// Changes the largest size of the file.
+    fn set_bytes_max(&mut self, _: u64) -> Result<(), RecordError> {
+        Ok(())
+    }
+
+    /// Signs the file when it is closed.
+    fn sign_with(&mut self, _: SigningKey) {}
+
+    /// From now on a failed write is news ([`RowStore::take_news`]) instead of an error.
+    fn outlive_the_disk(&mut self) {}
+
+    /// What the flight must be told of the disk, once.
+    fn take_news(&mut self) -> Option<DiskNews> {
+        None
+    }
+
     /// The first row that differs from the stored one; for stores that compare.
     fn difference(&self) -> Option<&RowDifference> {
         None
     }
+}
+
+/// What became of the disk under a record.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum DiskNews {
+    /// A write failed, for this reason: steps are kept in memory from now on.
+    Lost(String),
+    /// The kept steps are stored.
+    Resumed(Resumption),
+}
+
+/// How a record continued.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Resumption {
+    /// Steps that were kept in memory.
+    pub(super) kept: u64,
+    /// First and last batch of those that memory could not keep.
+    pub(super) gap: Option<(i64, i64)>,
 }
 
 /// Durability of a committed group.
@@ -99,6 +136,20 @@ pub(super) struct Store {
     /// A write failed; nothing is written after it.
     broken: bool,
     now: Time,
+    /// Rows that are not committed.
+    kept: KeptRows,
+    outlives_disk: bool,
+    /// A write has failed during the flight.
+    loss: Option<Loss>,
+    news: Vec<DiskNews>,
+    signing_key: Option<SigningKey>,
+}
+
+/// Since when and why nothing is written.
+struct Loss {
+    since: Time,
+    reason: String,
+    tried: Instant,
 }
 
 /// An open transaction.
@@ -108,14 +159,16 @@ struct Group {
 }
 
 impl Store {
-    pub(super) fn create(path: &Path, bytes_max: Option<u64>, durability: Durability) -> Result<Store, RecordError> {
+    pub(super) fn create(
+        path: &Path,
+        bytes_max: Option<u64>,
+        durability: Durability,
+        kept_bytes_max: usize,
+    ) -> Result<Store, RecordError> {
         let connection = schema::create(path)?;
         connection.execute_batch(durability.pragma()).map_err(|error| write_error(path, "opening it", error))?;
         if let Some(bytes) = bytes_max {
-            let pages = (bytes / PAGE_BYTES).clamp(1, u64::from(u32::MAX - 1));
-            connection
-                .query_row(&format!("PRAGMA max_page_count = {pages}"), [], |_| Ok(()))
-                .map_err(|error| write_error(path, "setting its largest size", error))?;
+            limit_bytes(&connection, path, bytes)?;
         }
         connection.set_prepared_statement_cache_capacity(2 * TABLES);
         Ok(Store {
@@ -129,6 +182,11 @@ impl Store {
             inserts: super::tables::ALL.map(Table::insert),
             broken: false,
             now: Time::ZERO,
+            kept: KeptRows::new(kept_bytes_max),
+            outlives_disk: false,
+            loss: None,
+            news: Vec::new(),
+            signing_key: None,
         })
     }
 
@@ -141,19 +199,15 @@ impl Store {
         Ok(())
     }
 
-    fn store(&mut self, table: Table, cells: &[Cell<'_>]) -> rusqlite::Result<()> {
+    /// Writes a row into the open group.
+    fn store<'c>(&mut self, table: Table, row: impl Iterator<Item = Cell<'c>> + Clone) -> rusqlite::Result<()> {
         self.open_group()?;
         let index = table.index();
-        let (Some(connection), Some(sql), Some(count)) =
-            (&self.connection, self.inserts.get(index), self.counts.get_mut(index))
-        else {
+        let (Some(connection), Some(sql)) = (&self.connection, self.inserts.get(index)) else {
             return Err(rusqlite::Error::InvalidQuery);
         };
-        *count += 1;
-        let position = table.is_numbered().then_some(ValueRef::Integer(count.cast_signed()));
-        let row = || position.into_iter().chain(cells.iter().copied());
-        connection.prepare_cached(sql)?.execute(params_from_iter(row().map(ToSqlOutput::Borrowed)))?;
-        self.sealer.row(index, row());
+        connection.prepare_cached(sql)?.execute(params_from_iter(row.clone().map(ToSqlOutput::Borrowed)))?;
+        self.sealer.row(index, row);
         Ok(())
     }
 
@@ -170,15 +224,66 @@ impl Store {
         connection.prepare_cached("COMMIT")?.execute([]).map(|_| ())
     }
 
-    /// Keeps what was committed and writes no more: half a step in the record would be worse than its end.
-    fn give_up(&mut self, doing: &str, error: rusqlite::Error) -> RecordError {
+    /// A write failed. In a flight its steps stay in memory; before, nothing more is written: half a step in the record would be
+    /// worse than its end.
+    fn failed(&mut self, doing: &str, error: rusqlite::Error) -> Result<(), RecordError> {
+        let error = write_error(&self.path, &format!("{doing} at {}", self.now), error);
         self.abandon_group();
-        write_error(&self.path, &format!("{doing} at {}", self.now), error)
+        if !self.outlives_disk {
+            self.broken = true;
+            return Err(error);
+        }
+        if self.loss.is_none() {
+            let reason = reason_of(&error);
+            self.news.push(DiskNews::Lost(reason.clone()));
+            self.loss = Some(Loss { since: self.now, reason, tried: Instant::now() });
+        }
+        Ok(())
+    }
+
+    /// Tries to store what was kept since a write failed.
+    fn resume(&mut self) {
+        self.group = None;
+        let kept = std::mem::replace(&mut self.kept, KeptRows::new(0));
+        let stored = kept.each(|table, cells| self.store(table, cells.iter().copied()));
+        let stored = stored.and_then(|()| self.store_gap(&kept)).and_then(|()| self.seal_and_commit());
+        let resumption =
+            Resumption { kept: kept.steps(), gap: kept.gap().map(|gap| (gap.first_batch, gap.last_batch)) };
+        self.kept = kept;
+        match stored {
+            Ok(()) => {
+                self.group = None;
+                self.kept.clear();
+                self.loss = None;
+                self.news.push(DiskNews::Resumed(resumption));
+            }
+            Err(_) => {
+                self.abandon_group();
+                if let Some(loss) = &mut self.loss {
+                    loss.tried = Instant::now();
+                }
+            }
+        }
+    }
+
+    /// Says in the record which steps it does not have.
+    fn store_gap(&mut self, kept: &KeptRows) -> rusqlite::Result<()> {
+        let Some(gap) = kept.gap() else { return Ok(()) };
+        let batches = format!("{} {}", gap.first_batch, gap.last_batch);
+        let position = self.next_position(Table::Meta);
+        let row = position.into_iter().chain([text(Some(GAP)), text(Some(&batches))]);
+        self.store(Table::Meta, row)
+    }
+
+    fn next_position<'c>(&mut self, table: Table) -> Option<Cell<'c>> {
+        let count = self.counts.get_mut(table.index())?;
+        *count += 1;
+        table.is_numbered().then_some(ValueRef::Integer(count.cast_signed()))
     }
 
     fn abandon_group(&mut self) {
-        self.broken = true;
         self.group = None;
+        self.sealer.clear();
         if let Some(connection) = self.connection.as_ref().filter(|connection| !connection.is_autocommit()) {
             let _ = connection.execute_batch("ROLLBACK");
         }
@@ -194,7 +299,13 @@ impl RowStore for Store {
         if self.broken {
             return Err(self.unwritable(doing, "an earlier write failed".into()));
         }
-        self.store(table, cells).map_err(|error| self.give_up(doing, error))
+        let position = self.next_position(table);
+        let row = position.into_iter().chain(cells.iter().copied());
+        self.kept.row(table, row.clone());
+        if self.loss.is_some() {
+            return Ok(());
+        }
+        self.store(table, row).or_else(|error| self.failed(doing, error))
     }
 
     fn set_now(&mut self, now: Time) {
@@ -202,6 +313,10 @@ impl RowStore for Store {
     }
 
     fn end_step(&mut self) -> Result<(), RecordError> {
+        self.kept.end_step(self.loss.is_some());
+        if self.loss.is_some() {
+            return self.commit();
+        }
         let Some(group) = &mut self.group else { return Ok(()) };
         group.batches += 1;
         let due = group.batches >= GROUP_BATCHES_MAX || group.began.elapsed().as_millis() >= GROUP_MILLISECONDS_MAX;
@@ -209,21 +324,56 @@ impl RowStore for Store {
     }
 
     fn commit(&mut self) -> Result<(), RecordError> {
-        if self.group.take().is_none() || self.broken {
+        if self.loss.as_ref().is_some_and(|loss| loss.tried.elapsed() >= RECORDING_RETRY_INTERVAL) {
+            self.resume();
+        }
+        if self.loss.is_some() || self.group.take().is_none() || self.broken {
             return Ok(());
         }
-        self.seal_and_commit().map_err(|error| self.give_up("committing", error))
+        match self.seal_and_commit() {
+            Ok(()) => {
+                self.kept.clear();
+                Ok(())
+            }
+            Err(error) => self.failed("committing", error),
+        }
+    }
+
+    fn outlive_the_disk(&mut self) {
+        self.outlives_disk = true;
+    }
+
+    fn sign_with(&mut self, key: SigningKey) {
+        self.signing_key = Some(key);
+    }
+
+    fn set_bytes_max(&mut self, bytes: u64) -> Result<(), RecordError> {
+        self.connection.as_ref().map_or(Ok(()), |connection| limit_bytes(connection, &self.path, bytes))
+    }
+
+    fn take_news(&mut self) -> Option<DiskNews> {
+        (!self.news.is_empty()).then(|| self.news.remove(0))
     }
 
     fn close(&mut self) -> Result<(), RecordError> {
         self.commit()?;
+        if self.loss.is_some() {
+            self.resume();
+        }
+        if let Some(Loss { since, reason, .. }) = &self.loss {
+            let (path, since, reason) = (self.path.clone(), *since, reason.clone());
+            return Err(RecordError::Lost { path, since, reason, steps: self.kept.steps() });
+        }
         self.checkpoints = None;
         let Some(connection) = self.connection.take() else { return Ok(()) };
-        closing::close(connection, &self.path)
+        closing::close(connection, &self.path)?;
+        let Some(key) = self.signing_key.take() else { return Ok(()) };
+        signature::sign(&self.path, &key).map_err(|error| self.unwritable("signing it", error.to_string()))
     }
 
     fn unstorable(&mut self, what: &str, reason: String) -> RecordError {
         self.abandon_group();
+        self.broken = true;
         self.unwritable(&format!("turning {what} into bytes"), reason)
     }
 
@@ -231,6 +381,25 @@ impl RowStore for Store {
         &self.path
     }
 }
+
+fn limit_bytes(connection: &Connection, path: &Path, bytes: u64) -> Result<(), RecordError> {
+    let pages = (bytes / PAGE_BYTES).clamp(1, u64::from(u32::MAX - 1));
+    connection
+        .query_row(&format!("PRAGMA max_page_count = {pages}"), [], |_| Ok(()))
+        .map_err(|error| write_error(path, "setting its largest size", error))
+}
+
+/// The reason in a few words.
+fn reason_of(error: &RecordError) -> String {
+    match error {
+        RecordError::DiskFull { .. } => "the disk is full".into(),
+        RecordError::Unwritable { reason, .. } => reason.clone(),
+        other => other.to_string(),
+    }
+}
+
+/// The fact that names steps which are not in the record: numbers of the first and the last.
+pub(super) const GAP: &str = "gap";
 
 impl Drop for Store {
     /// Keeps the stored steps, also if the record was never finished; it then states that it is incomplete.

@@ -3,23 +3,33 @@
 
 use super::codec::{self, Variables};
 use super::difference::RowDifference;
-use super::store::{Cell, Durability, RowStore, Store, real, text, whole};
+use super::signature::SigningKey;
+use super::store::{Cell, DiskNews, Durability, Resumption, RowStore, Store, real, text, whole};
 use super::tables::Table;
 use super::track::{Track, TrackRow};
 use crate::effect_describer::{EffectDescriber, EffectRow};
 use crate::error::RecordError;
-use crate::limits::{SNAPSHOT_BATCHES_MAX, SNAPSHOT_BATCHES_MIN, SNAPSHOT_BYTES_MAX};
-use crate::ports::{Deliberator, Observer, SolverAnswer};
+use crate::limits::{RECORDING_KEPT_BYTES_MAX, SNAPSHOT_BATCHES_MAX, SNAPSHOT_BATCHES_MIN, SNAPSHOT_BYTES_MAX};
+use crate::ports::{Deliberator, News, Observer, SolverAnswer};
 use apex_executive::state::agent::Agent;
 use apex_model::effect::{Decision, DecisionKind, Effect, SolveRequest, SolveRequestId};
 use apex_model::event::{Batch, SolverReport};
 use apex_model::library::Library;
 use apex_model::task::TaskState;
 use apex_model::time::Time;
+use apex_model::value::Value;
 use std::path::Path;
 
 /// The fact that names the vehicle whose measurements make the track.
 pub(super) const TRACK_OF: &str = "track_of";
+
+/// The beginning of the note of a record that was lost.
+pub const RECORDING_LOST: &str = "the flight is not being recorded";
+/// The beginning of the note of a record that continues.
+pub const RECORDING_RESUMED: &str = "the flight is recorded again";
+
+/// The fact that names the key which signs the record.
+pub const SIGNED_BY: &str = "signed_by";
 
 /// Options of a record, beyond inputs and effects.
 #[derive(Clone, Debug, Default)]
@@ -30,6 +40,8 @@ pub struct RecordOptions {
     pub bytes_max: Option<u64>,
     /// Durability of a committed group.
     pub durability: Durability,
+    /// Bytes of the newest steps that are kept in memory while the disk takes none; none is [`RECORDING_KEPT_BYTES_MAX`].
+    pub kept_bytes_max: Option<usize>,
 }
 
 /// Writes a flight record while the flight goes on. Put it first among the observers of a run.
@@ -47,6 +59,8 @@ pub struct Recorder {
     begun: bool,
     /// Changes of targets' states that are stored.
     pub(super) stored_changes: usize,
+    /// The flight has begun: from now on it outlives its disk.
+    flies: bool,
 }
 
 /// Stored state of each agent while its steps are stored.
@@ -62,12 +76,14 @@ struct Snapshots {
     input_bytes_since: usize,
     last_bytes: usize,
     impossible: bool,
+    /// One is taken after this step, whatever it costs.
+    is_wanted: bool,
 }
 
 impl Snapshots {
     fn is_due(&self) -> bool {
         let paid_for = self.input_bytes_since >= self.last_bytes && self.batches_since >= SNAPSHOT_BATCHES_MIN;
-        !self.impossible && (paid_for || self.batches_since >= SNAPSHOT_BATCHES_MAX)
+        self.is_wanted || !self.impossible && (paid_for || self.batches_since >= SNAPSHOT_BATCHES_MAX)
     }
 }
 
@@ -78,7 +94,8 @@ impl Recorder {
     /// # Errors
     /// [`RecordError`] with what, where, why and what to do.
     pub fn create(path: &Path, library: &Library, options: RecordOptions) -> Result<Recorder, RecordError> {
-        let store = Store::create(path, options.bytes_max, options.durability)?;
+        let kept_bytes_max = options.kept_bytes_max.unwrap_or(RECORDING_KEPT_BYTES_MAX);
+        let store = Store::create(path, options.bytes_max, options.durability, kept_bytes_max)?;
         let mut recorder = Recorder::with_store(Box::new(store), library, options.vehicle.as_deref())?;
         recorder.meta("apex_version", env!("CARGO_PKG_VERSION"))?;
         recorder.meta("complete", "0")?;
@@ -107,6 +124,7 @@ impl Recorder {
             effect: 0,
             begun: false,
             stored_changes: 0,
+            flies: false,
         };
         for (agent, number) in library.crew().iter().zip(0_i64..) {
             recorder
@@ -131,6 +149,24 @@ impl Recorder {
         self.store.difference()
     }
 
+    /// Changes the largest size of the record ([`RecordOptions::bytes_max`]), after space was made for example.
+    ///
+    /// # Errors
+    /// [`RecordError`] if the file refuses.
+    pub fn set_bytes_max(&mut self, bytes: u64) -> Result<(), RecordError> {
+        self.store.set_bytes_max(bytes)
+    }
+
+    /// Signs the record with `key` when it is closed; the record names the key from now on.
+    ///
+    /// # Errors
+    /// [`RecordError`] when the file cannot be written.
+    pub fn sign_with(&mut self, key: SigningKey) -> Result<(), RecordError> {
+        self.meta(SIGNED_BY, &key.public())?;
+        self.store.sign_with(key);
+        Ok(())
+    }
+
     /// The record's file.
     pub fn path(&self) -> &Path {
         self.store.path()
@@ -149,6 +185,11 @@ impl Recorder {
 
     fn store_batch(&mut self, batch: &Batch) -> Result<(), RecordError> {
         self.store.set_now(batch.now);
+        if !std::mem::replace(&mut self.flies, true) {
+            // What a record needs to be read is on the disk, or the flight does not begin.
+            self.store.commit()?;
+            self.store.outlive_the_disk();
+        }
         self.batch += 1;
         let known = self.variables.len();
         let mut bytes = std::mem::take(&mut self.bytes);
@@ -265,8 +306,9 @@ impl Recorder {
             let encoded = postcard::to_stdvec(agent);
             let body = encoded.map_err(|error| self.store.unstorable("the agent", error.to_string()))?;
             recorded.snapshots = Snapshots { last_bytes: body.len(), ..Snapshots::default() };
+            let is_wanted = std::mem::take(&mut recorded.snapshots.is_wanted);
             recorded.snapshots.impossible = body.len() > SNAPSHOT_BYTES_MAX;
-            if !recorded.snapshots.impossible {
+            if is_wanted || !recorded.snapshots.impossible {
                 let (batch, now) = (Cell::Integer(self.batch), Cell::Integer(now.0));
                 let row = [batch, now, Cell::Blob(&body), Cell::Integer(self.turn as i64)];
                 self.store.insert("storing a snapshot", Table::Snapshot, &row)?;
@@ -348,5 +390,39 @@ impl Observer for Recorder {
 
     fn flush(&mut self) -> Result<(), String> {
         self.store.commit().map_err(|error| error.to_string())
+    }
+
+    fn take_news(&mut self) -> Option<News> {
+        let news = self.store.take_news()?;
+        if let DiskNews::Resumed(Resumption { gap: Some(_), .. }) = news {
+            // What follows a gap is restored from a snapshot.
+            self.agents.iter_mut().for_each(|agent| agent.snapshots.is_wanted = true);
+        }
+        Some(news_of(&news))
+    }
+}
+
+/// What agents, operators and the record are told of the disk.
+fn news_of(news: &DiskNews) -> News {
+    let word = |word: &str| Value::symbol(word);
+    let count = |number: u64| Value::Integer(i64::try_from(number).unwrap_or(i64::MAX));
+    match news {
+        DiskNews::Lost(reason) => News {
+            message: Value::list([word("recording-lost"), Value::text(reason)]),
+            note: format!("{RECORDING_LOST}: {reason}; it goes on, and its newest steps are kept in memory"),
+        },
+        DiskNews::Resumed(Resumption { kept, gap }) => {
+            let dropped = gap.map_or(0, |(first, last)| u64::try_from(last - first + 1).unwrap_or(0));
+            let note = match gap {
+                None => {
+                    format!("{RECORDING_RESUMED}, without a gap: {kept} steps that were kept in memory are stored")
+                }
+                Some((first, last)) => format!(
+                    "{RECORDING_RESUMED}: {kept} steps that were kept in memory are stored; steps {first} to {last} are \
+                     not in the record"
+                ),
+            };
+            News { message: Value::list([word("recording-resumed"), count(*kept), count(dropped)]), note }
+        }
     }
 }

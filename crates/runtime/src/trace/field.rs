@@ -74,6 +74,21 @@ impl Formatter for LineFormatter {
     fn write_f64<W: ?Sized + Write>(&mut self, writer: &mut W, value: f64) -> io::Result<()> {
         write!(writer, "{value:?}")
     }
+
+    /// JSON lets DEL and the second set of control characters stand as they are; a terminal obeys them.
+    fn write_string_fragment<W: ?Sized + Write>(&mut self, writer: &mut W, fragment: &str) -> io::Result<()> {
+        let is_unsafe = |each: char| matches!(each, '\u{7f}'..='\u{9f}');
+        for part in fragment.split_inclusive(is_unsafe) {
+            match part.char_indices().next_back() {
+                Some((at, last)) if is_unsafe(last) => {
+                    writer.write_all(part.as_bytes().get(..at).unwrap_or_default())?;
+                    write!(writer, "\\u{:04x}", u32::from(last))?;
+                }
+                _ => writer.write_all(part.as_bytes())?,
+            }
+        }
+        Ok(())
+    }
 }
 
 /// Seconds as the shortest exact decimal: `1.5`, `0.3`, `-2`, never `0.30000000000000004`.
@@ -115,6 +130,7 @@ mod tests {
         assert_eq!(json(&Value::Real(1e300)), "1e300");
         assert_eq!(json(&Value::Real(1e-5)), "1e-5");
         assert_eq!(json(&Value::Real(12.0)), "12.0");
+        assert_eq!(json(&Value::text("a\u{9b}2Jü\u{7f}")), "\"a\\u009b2Jü\\u007f\"");
         assert_eq!(json(&Value::Integer(i64::MIN)), i64::MIN.to_string());
         assert_eq!(json(&Value::text("say \"hi\"\n")), r#""say \"hi\"\n""#);
         assert_eq!(json(&Value::list([Value::Integer(1), Value::symbol("A")])), "\"(1 A)\"");

@@ -2,6 +2,7 @@
 
 use super::field::{FieldValue, LineFormatter};
 use crate::effect_describer::{EffectDescriber, EffectRow, cause_text};
+use crate::escaping;
 use apex_model::effect::{Decision, DecisionKind, Effect};
 use apex_model::event::{Event, EventKind, Message, SolverReport, StateVariable};
 use apex_model::task::{TaskId, TaskState};
@@ -297,7 +298,7 @@ impl Line {
         if let Some(place) = &self.place {
             let _ = write!(text, "; from {place}");
         }
-        text.replace('\r', "").replace('\n', "\\n")
+        escaping::one_line(&text.replace('\r', ""))
     }
 }
 

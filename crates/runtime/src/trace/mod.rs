@@ -87,7 +87,9 @@ impl<W: Write> Tracer<W> {
         }
         for effect in effects {
             let Some(agent) = self.agents.get_mut(self.turn) else { return Ok(()) };
-            agent.remember(effect);
+            if self.filter.place.is_some() {
+                agent.remember(effect);
+            }
             let told = agent.describer.tell(effect);
             let line = Line::of_effect(batch.now, effect, &told, &agent.describer);
             self.write_own(line)?;

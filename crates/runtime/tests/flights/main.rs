@@ -1,9 +1,12 @@
 //! Whole programs: PDL in, flown without a vehicle, recorded, replayed, restored, explained.
 #![cfg(test)]
 
+mod crash;
 mod durability;
 mod explaining;
 mod integrity;
+mod memory;
 mod paced;
 mod recording;
+mod recording_lost;
 mod support;

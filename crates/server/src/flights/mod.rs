@@ -10,6 +10,7 @@ mod request;
 pub(crate) mod routes;
 mod tower;
 
+pub(crate) use catalogue::Failure;
 pub(crate) use tower::Tower;
 
 use crate::operation::ReadDatum;

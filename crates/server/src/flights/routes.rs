@@ -1,17 +1,16 @@
 //! The addresses of missions and flights.
 
+use crate::access::Caller;
 use crate::answer::{Answer, ApiError};
 use crate::flights::request::{FlightRequest, PlanParams};
-use crate::own_pages::own_pages_only;
 use crate::state::{AppState, Shared, blocking, checked};
 use axum::extract::rejection::{JsonRejection, PathRejection, QueryRejection};
 use axum::extract::{DefaultBodyLimit, Path, Query, State};
 use axum::http::StatusCode;
 use axum::http::header::{CONTENT_TYPE, LOCATION};
-use axum::middleware;
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
-use axum::{Json, Router};
+use axum::{Extension, Json, Router};
 use serde::Serialize;
 use serde_json::json;
 use std::sync::Arc;
@@ -19,8 +18,8 @@ use std::sync::Arc;
 /// Bytes of the largest body: a request is a few words.
 const BODY_MAX_BYTES: usize = 4096;
 
-/// The routes; `state` says whether the server may fly.
-pub(crate) fn routes(state: &Arc<AppState>) -> Router<Arc<AppState>> {
+/// The routes.
+pub(crate) fn routes() -> Router<Arc<AppState>> {
     Router::new()
         .route("/api/missions", get(missions))
         .route("/api/missions/{name}/plan", get(plan))
@@ -29,7 +28,6 @@ pub(crate) fn routes(state: &Arc<AppState>) -> Router<Arc<AppState>> {
         .route("/api/flights/{id}/report", get(report))
         .route("/api/flights/{id}/stop", post(stop))
         .layer(DefaultBodyLimit::max(BODY_MAX_BYTES))
-        .layer(middleware::from_fn_with_state(Arc::clone(state), own_pages_only))
 }
 
 async fn missions(State(state): Shared) -> Answer<Response> {
@@ -85,8 +83,18 @@ async fn report(State(state): Shared, id: Result<Path<u64>, PathRejection>) -> A
     Ok(Json(report).into_response())
 }
 
-async fn stop(State(state): Shared, id: Result<Path<u64>, PathRejection>) -> Answer<Response> {
+async fn stop(
+    State(state): Shared,
+    Extension(Caller(actor)): Extension<Caller>,
+    id: Result<Path<u64>, PathRejection>,
+) -> Answer<Response> {
     let flight = state.tower()?.flight(of_path(id)?)?;
+    if let Some(holder) = flight.door().other_holder(&actor) {
+        return Err(ApiError::forbidden(
+            format!("{holder} holds authority over flight {}", flight.id),
+            "take authority first, or ask its holder to offer it",
+        ));
+    }
     flight.stop();
     let status = if flight.is_flying() { StatusCode::ACCEPTED } else { StatusCode::OK };
     Ok((status, Json(flight.state())).into_response())

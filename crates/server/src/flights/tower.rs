@@ -88,7 +88,12 @@ impl Tower {
         let (door, controls) = FlightDoor::new(&mission, pace, Arc::clone(&self.options.read));
         // The run need not wait for commands that may never come.
         door.be_quiet();
-        let terms = FlyOptions { pace, controls: Some(controls), ..MissionFlight::terms(&mission, until) };
+        let terms = FlyOptions {
+            pace,
+            controls: Some(controls),
+            authority: door.authority(),
+            ..MissionFlight::terms(&mission, until)
+        };
         let flight = Arc::new(Flight::new(id, request.mission, record, seed, door));
         let preparation = Preparation { mission, means: self.options.means.clone(), terms, recorder };
         self.launch(&flight, preparation, place)?;

@@ -1,12 +1,14 @@
 //! The way to a run under way: numbers commands, sends them, and tells how each ended.
 
+use crate::operation::authority::AuthorityState;
 use crate::operation::request::Wish;
 use crate::operation::watch::{FlightWatch, Seen, SeenState};
 use apex_mission::Mission;
 use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_runtime::Control;
-use apex_runtime::commands::{Command, CommandEnd, Order, Ticket};
+use apex_runtime::authority::{Actor, AuthorityBoard};
+use apex_runtime::commands::{Author, Command, CommandEnd, Order, Ticket};
 use serde::Serialize;
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt;
@@ -37,6 +39,7 @@ struct Shared {
     /// Targets of the mission, and whether each is known from the start.
     targets: BTreeMap<String, bool>,
     read: ReadDatum,
+    authority: AuthorityBoard,
 }
 
 struct Sent {
@@ -51,6 +54,7 @@ struct Sent {
 struct Entry {
     number: u64,
     words: String,
+    by: String,
     order: Order,
     at: Instant,
     ticket: Ticket,
@@ -61,6 +65,8 @@ struct Entry {
 pub(crate) struct CommandState {
     number: u64,
     words: String,
+    /// The name of its author.
+    by: String,
     state: &'static str,
     at_ns: Option<i64>,
     reason: Option<String>,
@@ -78,6 +84,7 @@ pub(crate) struct Operation {
     seen: SeenState,
     targets: Vec<TargetNews>,
     commands: Vec<CommandState>,
+    authority: AuthorityState,
 }
 
 /// Change of a target by an operator.
@@ -100,8 +107,25 @@ impl FlightDoor {
             .collect();
         let running = pace.filter(|pace| *pace > 0.0);
         let sent = Sent { last_number: 0, entries: VecDeque::new(), pace, running };
-        let (controls, sent) = (Mutex::new(controls), Mutex::new(sent));
-        (FlightDoor { shared: Arc::new(Shared { controls, seen: Seen::default(), sent, targets, read }) }, receiver)
+        let (controls, sent, seen) = (Mutex::new(controls), Mutex::new(sent), Seen::default());
+        let shared = Shared { controls, seen, sent, targets, read, authority: AuthorityBoard::default() };
+        (FlightDoor { shared: Arc::new(shared) }, receiver)
+    }
+
+    /// The authority over the run, for the terms of the run.
+    pub fn authority(&self) -> AuthorityBoard {
+        self.shared.authority.clone()
+    }
+
+    /// Notes that an actor was heard: a holder of authority is not silent.
+    pub(crate) fn hear(&self, name: &str) {
+        self.shared.authority.hear(name);
+    }
+
+    /// The name of the holder of authority, if that is another actor than this one.
+    pub(crate) fn other_holder(&self, actor: &Actor) -> Option<String> {
+        let authority = self.shared.authority.authority();
+        authority.holder.as_ref().filter(|holder| holder.name != actor.name).map(|holder| holder.name.clone())
     }
 
     /// The pace at which a paused run continues, until another one is chosen.
@@ -145,7 +169,7 @@ impl FlightDoor {
     }
 
     /// Sends a command. It is settled at once if it can be seen that the run would not execute it.
-    pub(crate) fn send(&self, wish: &Wish) -> u64 {
+    pub(crate) fn send(&self, wish: &Wish, author: Author) -> u64 {
         let seen = self.shared.seen.state();
         let running = self.sent().running;
         let known = |id: &str| self.is_known(id, &seen);
@@ -160,8 +184,9 @@ impl FlightDoor {
         }
         sent.last_number += 1;
         let (number, words, ticket) = (sent.last_number, wish.words(), Ticket::default());
-        let entry = Entry { number, words: words.clone(), order: order.clone(), at: Instant::now(), ticket };
-        let command = Command { number, words, order, ticket: entry.ticket.clone() };
+        let by = author.actor.name.clone();
+        let entry = Entry { number, words: words.clone(), by, order: order.clone(), at: Instant::now(), ticket };
+        let command = Command { number, words, order, author: Some(author), ticket: entry.ticket.clone() };
         if let Some(reason) = refusal {
             // The run records what it is not to execute.
             command.ticket.settle(CommandEnd::Rejected { reason });
@@ -183,8 +208,8 @@ impl FlightDoor {
         self.sent().entries.iter().find(|entry| entry.number == number).map(Entry::state)
     }
 
-    /// The run now.
-    pub(crate) fn operation(&self) -> Operation {
+    /// The run now, for an actor.
+    pub(crate) fn operation(&self, actor: &Actor) -> Operation {
         let seen = self.shared.seen.state();
         let sent = self.sent();
         let pace = sent.pace_now();
@@ -199,6 +224,7 @@ impl FlightDoor {
             paused: pace == Some(0.0),
             targets: targets.collect(),
             commands: sent.entries.iter().map(Entry::state).collect(),
+            authority: AuthorityState::of(&self.shared.authority, actor),
             seen,
         }
     }
@@ -250,7 +276,8 @@ impl Entry {
             }
         };
         let age_s = self.at.elapsed().as_secs_f64();
-        CommandState { number: self.number, words: self.words.clone(), state, at_ns, reason, age_s }
+        let (words, by) = (self.words.clone(), self.by.clone());
+        CommandState { number: self.number, words, by, state, at_ns, reason, age_s }
     }
 }
 

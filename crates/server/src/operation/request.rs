@@ -5,8 +5,10 @@ use apex_model::effect::QuestionId;
 use apex_model::event::EventKind;
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
+use apex_runtime::authority::AuthorityRequest;
 use apex_runtime::commands::Order;
 use serde::Deserialize;
+use serde_json::Value as Json;
 
 /// The fastest pace. Faster is as fast as possible, which has none.
 const PACE_MAX: f64 = 1e6;
@@ -70,9 +72,32 @@ pub(crate) enum Wish {
         /// The alarm, as text.
         alarm: String,
     },
+    /// The author holds authority over the flight from now on.
+    TakeAuthority,
+    /// Another actor may take authority.
+    OfferAuthority {
+        /// Its name.
+        to: String,
+    },
+    /// The author does not take the authority that is offered.
+    RefuseAuthority,
+    /// Authority is free from now on.
+    ReleaseAuthority,
 }
 
 impl Wish {
+    /// Reads a body: a command, with the epoch of authority in which it is given if it states one.
+    ///
+    /// # Errors
+    /// It is not a command.
+    pub(crate) fn read(mut body: Json) -> Result<(Wish, Option<u64>), String> {
+        let epoch = match body.as_object_mut().and_then(|fields| fields.remove("epoch")) {
+            None | Some(Json::Null) => None,
+            Some(epoch) => Some(epoch.as_u64().ok_or_else(|| format!("`epoch` is {epoch}; expected a whole number"))?),
+        };
+        Ok((serde_json::from_value(body).map_err(|error| error.to_string())?, epoch))
+    }
+
     /// The command as text, as recorded.
     pub(crate) fn words(&self) -> String {
         match self {
@@ -89,6 +114,10 @@ impl Wish {
             Wish::RemoveTarget { target } => format!("remove target {target}"),
             Wish::ValueTarget { target, value } => format!("value of target {target}: {value}"),
             Wish::Acknowledge { alarm } => format!("acknowledge {alarm}"),
+            Wish::TakeAuthority => "take authority".into(),
+            Wish::OfferAuthority { to } => format!("offer authority to {to}"),
+            Wish::RefuseAuthority => "refuse authority".into(),
+            Wish::ReleaseAuthority => "release authority".into(),
         }
     }
 
@@ -114,6 +143,10 @@ impl Wish {
             Wish::Step => Ok(Order::Step),
             Wish::Stop => Ok(Order::Stop),
             Wish::Acknowledge { .. } => Ok(Order::Note),
+            Wish::TakeAuthority => Ok(Order::Authority(AuthorityRequest::Take)),
+            Wish::OfferAuthority { to } => Ok(Order::Authority(AuthorityRequest::Offer(to.clone()))),
+            Wish::RefuseAuthority => Ok(Order::Authority(AuthorityRequest::Refuse)),
+            Wish::ReleaseAuthority => Ok(Order::Authority(AuthorityRequest::Release)),
             Wish::Answer { agent, question, answer } => answer_order(seen, (agent, *question), answer, read),
             Wish::Message { agent, form } => message_order(agent.as_deref(), form, read),
             Wish::AddTarget { target } => match known(target) {

@@ -1,16 +1,18 @@
 //! The addresses for operating: the flight of the served record, and flights that the server started.
 
+use crate::access::Caller;
 use crate::answer::{Answer, ApiError};
 use crate::operation::door::{CommandState, FlightDoor};
 use crate::operation::request::Wish;
-use crate::own_pages::own_pages_only;
 use crate::state::{AppState, Shared};
+use apex_runtime::commands::Author;
 use axum::extract::rejection::{JsonRejection, PathRejection};
-use axum::extract::{DefaultBodyLimit, Path};
-use axum::middleware;
+use axum::extract::{DefaultBodyLimit, Path, State};
+use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
-use axum::{Json, Router};
+use axum::{Extension, Json, Router};
+use serde_json::Value;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -19,48 +21,51 @@ const BODY_MAX_BYTES: usize = 16 << 10;
 /// Time between two checks of whether a command has an end.
 const LOOK: Duration = Duration::from_millis(10);
 
-/// The routes; commands are taken from this server's own pages and from programs of this machine only.
-pub(crate) fn routes(state: &Arc<AppState>) -> Router<Arc<AppState>> {
+/// The routes.
+pub(crate) fn routes() -> Router<Arc<AppState>> {
     Router::new()
         .route("/api/operation", get(operation))
         .route("/api/commands", post(command))
         .route("/api/flights/{id}/operation", get(flight_operation))
         .route("/api/flights/{id}/commands", post(flight_command))
         .layer(DefaultBodyLimit::max(BODY_MAX_BYTES))
-        .layer(middleware::from_fn_with_state(Arc::clone(state), own_pages_only))
 }
+
+type Who = Extension<Caller>;
+type CommandBody = Result<Json<Value>, JsonRejection>;
 
 /// The run behind the served record; `null` if it is not flown by this program.
-async fn operation(axum::extract::State(state): Shared) -> Answer<Response> {
-    Ok(Json(state.door.as_ref().map(FlightDoor::operation)).into_response())
+async fn operation(State(state): Shared, Extension(Caller(actor)): Who) -> Answer<Response> {
+    Ok(Json(state.door.as_ref().map(|door| door.operation(&actor))).into_response())
 }
 
-async fn command(
-    axum::extract::State(state): Shared,
-    wish: Result<Json<Wish>, JsonRejection>,
-) -> Answer<Json<CommandState>> {
+async fn command(State(state): Shared, Extension(caller): Who, body: CommandBody) -> Answer<Json<CommandState>> {
     let door = state.door.clone().ok_or_else(|| {
         ApiError::not_found(
             "this record's flight cannot be commanded from here",
             "fly with `apex fly MISSION --serve`; `POST /api/flights/ID/commands` commands flights of `apex serve --missions`",
         )
     })?;
-    send(door, wish).await
+    send(door, caller, body).await
 }
 
 async fn flight_operation(
-    axum::extract::State(state): Shared,
+    State(state): Shared,
+    Extension(Caller(actor)): Who,
     id: Result<Path<u64>, PathRejection>,
 ) -> Answer<Response> {
-    Ok(Json(door_of(&state, id)?.operation()).into_response())
+    let door = door_of(&state, id)?;
+    door.hear(&actor.name);
+    Ok(Json(door.operation(&actor)).into_response())
 }
 
 async fn flight_command(
-    axum::extract::State(state): Shared,
+    State(state): Shared,
+    Extension(caller): Who,
     id: Result<Path<u64>, PathRejection>,
-    wish: Result<Json<Wish>, JsonRejection>,
+    body: CommandBody,
 ) -> Answer<Json<CommandState>> {
-    send(door_of(&state, id)?, wish).await
+    send(door_of(&state, id)?, caller, body).await
 }
 
 fn door_of(state: &AppState, id: Result<Path<u64>, PathRejection>) -> Answer<FlightDoor> {
@@ -71,13 +76,18 @@ fn door_of(state: &AppState, id: Result<Path<u64>, PathRejection>) -> Answer<Fli
 }
 
 /// Sends a command and waits for its end, which comes also if the caller leaves.
-async fn send(door: FlightDoor, wish: Result<Json<Wish>, JsonRejection>) -> Answer<Json<CommandState>> {
-    let Json(wish) = wish.map_err(|rejection| ApiError {
-        status: rejection.status(),
-        error: rejection.body_text(),
+async fn send(door: FlightDoor, Caller(actor): Caller, body: CommandBody) -> Answer<Json<CommandState>> {
+    let refused = |status, error| {
+        ApiError {
+        status,
+        error,
         help: "send for example `{\"do\": \"pause\"}` as application/json; docs/reference/server-api.md lists the commands".into(),
-    })?;
-    let number = door.send(&wish);
+    }
+    };
+    let Json(body) = body.map_err(|rejection| refused(rejection.status(), rejection.body_text()))?;
+    let (wish, epoch) = Wish::read(body).map_err(|error| refused(StatusCode::UNPROCESSABLE_ENTITY, error))?;
+    door.hear(&actor.name);
+    let number = door.send(&wish, Author { actor, epoch });
     let forgotten = || ApiError::not_found(format!("command {number} is forgotten"), "the record holds its end");
     let ended = tokio::spawn(async move {
         loop {

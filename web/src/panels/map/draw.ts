@@ -2,7 +2,7 @@
 
 import type { LandingPlace } from '../../record/types';
 import { COLOURS, MONO, SANS, stateColour } from '../../theme/colours';
-import { drawAbove, drawBelow, type Layers } from './layers';
+import { drawAbove, drawBelow, drawDraft, type Layers } from './layers';
 import {
   type Aircraft,
   type Box,
@@ -62,6 +62,7 @@ export function draw(context: CanvasRenderingContext2D, scene: Scene, frame: Fra
   drawTrack(context, scene, project);
   drawAbove(context, scene.layers, project);
   drawTargets(context, scene, project);
+  drawDraft(context, scene.layers, project);
   if (scene.aircraft) drawAircraft(context, scene.aircraft, scene.rotorcraft, project);
 }
 

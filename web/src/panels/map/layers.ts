@@ -15,6 +15,11 @@ export interface Layers {
   weak: Position[][];
   winds: WindArrow[];
   user: UserLayer[];
+  /** The flown track of the record that this one is compared with. */
+  other: Position[];
+  /** Places of the visits of a drawn plan, and the one that cannot be made. */
+  draft: Position[];
+  draftFault: number | null;
 }
 
 /** Pixels between two wind arrows. */
@@ -25,12 +30,53 @@ export function drawBelow(context: CanvasRenderingContext2D, layers: Layers, pro
   drawUser(context, layers.user, project);
   drawSeen(context, layers.seen, project);
   drawGhost(context, layers.ghost, project);
+  drawOther(context, layers.other, project);
 }
 
 /** What lies above the flown track. */
 export function drawAbove(context: CanvasRenderingContext2D, layers: Layers, project: Project): void {
   drawWeak(context, layers.weak, project);
   drawWinds(context, layers.winds, project);
+}
+
+/** The drawn plan lies above everything: the order of visits, numbered, with a triangle at one that cannot be made. */
+export function drawDraft(context: CanvasRenderingContext2D, layers: Layers, project: Project): void {
+  if (layers.draft.length === 0) return;
+  context.strokeStyle = COLOURS.text;
+  context.lineWidth = 1.6;
+  context.setLineDash([9, 3, 2, 3]);
+  context.beginPath();
+  trace(context, layers.draft, project);
+  context.stroke();
+  context.setLineDash([]);
+  context.font = `600 11px ${MONO}`;
+  context.textAlign = 'center';
+  context.textBaseline = 'middle';
+  layers.draft.forEach((position, index) => {
+    const { x, y } = project(position);
+    const wrong = index === layers.draftFault;
+    context.fillStyle = wrong ? COLOURS.att : COLOURS.text;
+    context.beginPath();
+    if (wrong) {
+      context.moveTo(x, y - 13);
+      context.lineTo(x + 12, y + 9);
+      context.lineTo(x - 12, y + 9);
+    } else context.arc(x, y, 9, 0, 2 * Math.PI);
+    context.fill();
+    context.fillStyle = COLOURS.panel;
+    context.fillText(String(index + 1), x, y + (wrong ? 2 : 0.5));
+  });
+  context.textAlign = 'left';
+  context.textBaseline = 'alphabetic';
+}
+
+/** The track of the other record: thin, below the own one. */
+function drawOther(context: CanvasRenderingContext2D, way: readonly Position[], project: Project): void {
+  context.strokeStyle = COLOURS.dim;
+  context.lineWidth = 1.4;
+  context.beginPath();
+  trace(context, way, project);
+  context.stroke();
 }
 
 function trace(context: CanvasRenderingContext2D, line: readonly Position[], project: Project): void {

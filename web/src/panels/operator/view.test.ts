@@ -10,8 +10,24 @@ const RUN: Operation = {
   planning: null,
   targets: [],
   commands: [],
+  authority: {
+    epoch: 0,
+    holder: null,
+    silent: false,
+    offer: null,
+    you: { name: 'this-machine', role: 'pilot-in-command' },
+    yours: false,
+    may_take: true,
+  },
 };
-const SENT = { number: 1, words: 'pause', at_ns: null, reason: null, age_s: 0.42 } as const;
+const SENT = {
+  number: 1,
+  words: 'pause',
+  by: 'this-machine',
+  at_ns: null,
+  reason: null,
+  age_s: 0.42,
+} as const;
 
 describe('operator bar', () => {
   it('says how the run stands', () => {

@@ -33,6 +33,8 @@ export interface Picture {
   visits: Visit[];
   strips: Strip[];
   lanes: LaneRow[];
+  /** Height of the rows of targets below the axis. */
+  gapPx: number;
   /** How far the lanes are scrolled. */
   scrollPx: number;
   selected: number | null;
@@ -44,14 +46,14 @@ const NUMBERS = `11px ${MONO}`;
 const SMALL = `11px ${MONO}`;
 
 /** Where the lanes begin below rail, axis, visits and strips. */
-export function lanesTop(visits: number, strips: number): number {
-  return RAIL_PX + AXIS_PX + (visits > 0 ? VISITS_PX : 0) + strips * STRIP_PX;
+export function lanesTop(visits: number, strips: number, gapPx = 0): number {
+  return RAIL_PX + AXIS_PX + gapPx + (visits > 0 ? VISITS_PX : 0) + strips * STRIP_PX;
 }
 
 export function draw(context: CanvasRenderingContext2D, picture: Picture): void {
   context.clearRect(0, 0, picture.width, picture.height);
   context.textBaseline = 'middle';
-  const top = lanesTop(picture.visits.length, picture.strips.length);
+  const top = lanesTop(picture.visits.length, picture.strips.length, picture.gapPx);
   drawGrid(context, picture);
   context.save();
   context.beginPath();
@@ -62,7 +64,8 @@ export function draw(context: CanvasRenderingContext2D, picture: Picture): void 
   context.restore();
   drawTroubles(context, picture);
   drawAxis(context, picture);
-  let y = RAIL_PX + AXIS_PX;
+  let y = RAIL_PX + AXIS_PX + picture.gapPx;
+  line(context, 0, y - 0.5, picture.width, y - 0.5);
   if (picture.visits.length > 0) {
     drawVisits(context, picture, y);
     y += VISITS_PX;

@@ -54,8 +54,8 @@ describe('lanes', () => {
   it('are as high as their rows, and named by what their tasks share', () => {
     expect(height).toBe(3 * ROW_PX);
     expect(lanes.map(row => [row.y, row.name])).toEqual([
-      [0, 'fly-line (zaca 1)'],
-      [ROW_PX, 'fly-line'],
+      [0, 'fly line'],
+      [ROW_PX, 'fly line'],
     ]);
     expect(layLanes(null).height).toBe(0);
   });
@@ -111,8 +111,8 @@ describe('lanes', () => {
       more: { lanes: 312, tasks: 400, bands },
     });
     expect(dense.lanes.map(row => [row.name, row.height])).toEqual([
-      ['fly-line', ROW_PX],
-      ['fly-line', 2 * ROW_PX],
+      ['fly line', ROW_PX],
+      ['fly line', 2 * ROW_PX],
       ['312 more lanes', ROW_PX],
     ]);
     const runs = densityOf(bands, visible, 1000, scale);

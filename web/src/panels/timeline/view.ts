@@ -2,6 +2,7 @@
 
 import type { Range } from '../../player/clock';
 import type { Band, Bar, TaskState, Timeline, Track, Trouble } from '../../record/types';
+import { type Names, phrase } from '../../words/phrase';
 
 export { type Visit, visitsOf } from '../../record/visits';
 
@@ -17,6 +18,15 @@ export const RAIL_PX = 16;
 export const VISITS_PX = 18;
 /** Height of a strip chart. */
 export const STRIP_PX = 27;
+/** Height of a row of a target. */
+export const TARGET_PX = 14;
+/** Rows of targets take no more than this share of the timeline while other rows are shown, too. */
+const TARGETS_SHARE = 0.52;
+
+/** The height of the rows of targets above strips and lanes. */
+export function targetsHeight(targets: number, height: number): number {
+  return Math.min(targets * TARGET_PX, Math.floor(height * TARGETS_SHARE));
+}
 
 /** From mission time to pixels of the drawing, and back. */
 export interface Scale {
@@ -46,7 +56,10 @@ export interface LaneRow {
 }
 
 /** The lanes below each other; a lane is as high as it has rows. The lanes beyond the limit are the last one. */
-export function layLanes(timeline: Timeline | null): { lanes: LaneRow[]; height: number } {
+export function layLanes(
+  timeline: Timeline | null,
+  names: Names = new Map(),
+): { lanes: LaneRow[]; height: number } {
   let y = 0;
   const place = (name: string, depth: number, tasks: number, rows: Bar[][], bands: Band[]): LaneRow => {
     // Dense stretches lie in the first row unless that has bars.
@@ -56,7 +69,7 @@ export function layLanes(timeline: Timeline | null): { lanes: LaneRow[]; height:
     return row;
   };
   const lanes = (timeline?.lanes ?? []).map(lane =>
-    place(laneName(lane), lane.depth, lane.tasks, lane.rows, lane.bands),
+    place(laneName(lane, names), lane.depth, lane.tasks, lane.rows, lane.bands),
   );
   const more = timeline?.more;
   if (more && more.lanes > 0) {
@@ -143,9 +156,10 @@ function headOf(goal: string): string {
 }
 
 /** A single task is named by its goal; many of one step by the goal's head, which they share. */
-function laneName(lane: { tag: string; goal: string; tasks: number }): string {
+function laneName(lane: { tag: string; goal: string; tasks: number }, names: Names): string {
   const goal = lane.goal.replace(/^\((.*)\)$/s, '$1');
-  return lane.tasks === 1 ? goal : (goal.split(/\s/)[0] ?? lane.tag);
+  if (lane.tasks === 1) return phrase(lane.goal, names);
+  return (goal.split(/\s/)[0] ?? lane.tag).replaceAll('-', ' ');
 }
 
 /** What lies at a point of the lanes (`y` from the top of the first lane). */

@@ -627,3 +627,103 @@ goal: string,
  * Its state.
  */
 state: string, };
+
+/**
+ * A variable of a task.
+ */
+export type Binding = { 
+/**
+ * Its name with the question mark.
+ */
+name: string, 
+/**
+ * Its value as PDL text.
+ */
+value: string, };
+
+/**
+ * A part of a condition with what is known about it.
+ */
+export type MonitoredCondition = { 
+/**
+ * Kind of the part: `and`, `or`, `measurement`, `episode`, `event`, ..
+ */
+kind: string, 
+/**
+ * The part as PDL text.
+ */
+text: string, 
+/**
+ * Whether it holds; null if the data do not say.
+ */
+holds: boolean | null, 
+/**
+ * The state variable that it watches.
+ */
+variable: string | null, 
+/**
+ * The newest value of that variable, with its unit.
+ */
+value: string | null, 
+/**
+ * Constraints on the value, resolved: `> 15deg`.
+ */
+limits: Array<string>, 
+/**
+ * Knowledge about it as text.
+ */
+now: string, 
+/**
+ * Since when it holds, or since when what is known is so; nanoseconds of mission time.
+ */
+since_ns: number | null, 
+/**
+ * Instant at which it comes true by time alone; nanoseconds of mission time.
+ */
+until_ns: number | null, 
+/**
+ * `file:line:column` of the part.
+ */
+place: string, 
+/**
+ * Its parts.
+ */
+parts: Array<MonitoredCondition>, };
+
+/**
+ * A clause that a task watches.
+ */
+export type TaskMonitor = { 
+/**
+ * The task's number.
+ */
+task: number, 
+/**
+ * Its goal, as known then.
+ */
+goal: string, 
+/**
+ * The clause: `waitfor`, `restart-when`, ..
+ */
+clause: string, 
+/**
+ * Its condition.
+ */
+condition: MonitoredCondition, };
+
+/**
+ * Conditions that living tasks watch at an instant.
+ */
+export type Monitors = { 
+/**
+ * The instant, nanoseconds of mission time.
+ */
+at_ns: number, 
+/**
+ * One entry for each watched clause, in order of the tasks' creation.
+ */
+monitors: Array<TaskMonitor>, 
+/**
+ * The variables of the task that was asked about, and their values; empty without one.
+ */
+bindings: Array<Binding>, };

@@ -973,3 +973,163 @@ at_ns: number,
  * One for each name, in the order asked for; names without samples by the instant have none.
  */
 windows: Array<SignalWindow>, };
+
+/**
+ * A command of an operator and its end.
+ */
+export type RecordedCommand = { 
+/**
+ * Mission time in nanoseconds at which the run settled it.
+ */
+t_ns: number, 
+/**
+ * Its number.
+ */
+number: number, 
+/**
+ * The command as text.
+ */
+words: string, 
+/**
+ * `accepted`, `rejected` or `expired`.
+ */
+end: string, 
+/**
+ * Reason of a rejection; empty for other ends.
+ */
+reason: string, };
+
+/**
+ * Commands by an instant.
+ */
+export type RecordedCommands = { 
+/**
+ * By time.
+ */
+commands: Array<RecordedCommand>, };
+
+/**
+ * A step of a procedure.
+ */
+export type StepRow = { 
+/**
+ * Its tag.
+ */
+tag: string, 
+/**
+ * Its activity as PDL text.
+ */
+activity: string, 
+/**
+ * `file:line:column`
+ */
+place: string, 
+/**
+ * The tags of the steps whose end it waits for.
+ */
+after: Array<string>, 
+/**
+ * Other conditions that it waits for, as PDL text.
+ */
+waits: Array<string>, 
+/**
+ * True if it repeats or responds.
+ */
+repeats: boolean, 
+/**
+ * True if it ends the procedure.
+ */
+ends: boolean, };
+
+/**
+ * A procedure, primitive or solver.
+ */
+export type ProcedureRow = { 
+/**
+ * `procedure`, `primitive` or `solver`.
+ */
+kind: string, 
+/**
+ * The class of goals that it serves.
+ */
+index: string, 
+/**
+ * `file:line:column`
+ */
+place: string, 
+/**
+ * Order of the steps: `concurrent`, `sequential`, `ranked`, `soft-sequential`; empty without steps.
+ */
+order: string, 
+/**
+ * The steps in written order.
+ */
+steps: Array<StepRow>, };
+
+/**
+ * A declared name.
+ */
+export type DeclaredName = { 
+/**
+ * The name.
+ */
+name: string, 
+/**
+ * Details of the declaration: a unit, `unitary`, `capacity 3`.
+ */
+detail: string, 
+/**
+ * `file:line:column` of the declaration.
+ */
+place: string, };
+
+/**
+ * A file of the program.
+ */
+export type ProgramFile = { 
+/**
+ * Its name in the record.
+ */
+name: string, 
+/**
+ * Number of its lines.
+ */
+lines: number, };
+
+/**
+ * Declarations of the program of a record.
+ */
+export type ProgramContents = { 
+/**
+ * The files, in the order in which they were loaded.
+ */
+files: Array<ProgramFile>, 
+/**
+ * The names of the agents, in the order of their numbers.
+ */
+agents: Array<string>, 
+/**
+ * Procedures, primitives and solvers, in written order of each kind.
+ */
+procedures: Array<ProcedureRow>, 
+/**
+ * Declared resources.
+ */
+resources: Array<DeclaredName>, 
+/**
+ * Declared state variables; others may be measured, too.
+ */
+variables: Array<DeclaredName>, };
+
+/**
+ * A file of the program with its text.
+ */
+export type ProgramText = { 
+/**
+ * Its name in the record.
+ */
+name: string, 
+/**
+ * Its lines.
+ */
+lines: Array<string>, };

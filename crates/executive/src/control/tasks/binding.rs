@@ -5,6 +5,7 @@
 //! Bound: O(variables of a context) per binding.  PDL: section 4, `=>` and `select`.  Paper: section IV, information dependencies.
 
 use crate::control::cycle::Cycle;
+use crate::control::memory_budget;
 use crate::control::tasks::{instantiation, monitoring_clauses};
 use crate::expression::evaluate;
 use crate::expression::view::View;
@@ -48,6 +49,7 @@ fn decide(
     place: Place,
     evidence: EvidenceList,
 ) {
+    memory_budget::bound(cycle, id, &value, place);
     let because = Because { cause: Cause::Binding { clause: clause.into() }, place: Some(place), evidence };
     cycle.decide(Some(id), DecisionKind::Bound { variable: name.clone(), value }, because);
 }

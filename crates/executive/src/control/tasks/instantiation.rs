@@ -4,6 +4,7 @@
 //! Bound: O(1) per task in addition to looking back over histories.  PDL: sections 3 and 4.  Paper: section III.
 
 use crate::control::cycle::Cycle;
+use crate::control::memory_budget;
 use crate::control::tasks::goal::goal_as_known;
 use crate::control::tasks::{interruption, monitoring_clauses, repetition, termination};
 use crate::expression::EvalContext;
@@ -76,7 +77,7 @@ pub(crate) fn create(cycle: &mut Cycle<'_>, seed: Seed) -> Result<TaskId, Cause>
 
 /// Is there space for one more task, at this depth? For what handles a failure there is always: it takes the place of the
 /// work that failed, and there is one for each task at most.
-fn room(cycle: &Cycle<'_>, origin: Origin, depth: u32) -> Result<(), Cause> {
+fn room(cycle: &mut Cycle<'_>, origin: Origin, depth: u32) -> Result<(), Cause> {
     let limits = &cycle.agent.limits;
     if matches!(origin, Origin::OnFailure(_)) {
         return Ok(());
@@ -87,7 +88,7 @@ fn room(cycle: &Cycle<'_>, origin: Origin, depth: u32) -> Result<(), Cause> {
     if cycle.agent.tasks.len() >= limits.count(Limit::Tasks) {
         return Err(limits.reached(Limit::Tasks));
     }
-    Ok(())
+    memory_budget::room_for_task(cycle)
 }
 
 /// The window of evidence that counts for the task's present instance.

@@ -2,6 +2,7 @@
 
 pub(crate) mod absence;
 pub(crate) mod allen;
+pub(crate) mod condition_tree;
 pub(crate) mod conjunction_span;
 pub(crate) mod creation;
 pub(crate) mod dispatch;

@@ -9,6 +9,7 @@
 
 use crate::expression::{EvalContext, EvaluationError};
 use crate::monitoring::basic::event;
+use crate::monitoring::combination::condition_tree;
 use crate::monitoring::combination::dispatch::{advance, notice_part, wake_of};
 use crate::monitoring::combination::{creation, logic, point_order, unmet as unmet_parts};
 use crate::monitoring::part::{ConditionFaults, Truth, site};
@@ -144,6 +145,11 @@ pub(crate) fn unmet(monitor: &Monitor, context: &dyn EvalContext) -> Vec<Unmet> 
     let mut list = Vec::new();
     unmet_parts::collect(&monitor.root, &mut query, &mut list);
     list
+}
+
+/// The whole condition as a tree: which parts hold, with what is known about each.
+pub(crate) fn condition_tree(monitor: &Monitor, context: &dyn EvalContext) -> condition_tree::ConditionNode {
+    condition_tree::tree(&monitor.root, &mut VerdictQuery::new(context))
 }
 
 /// Errors met while judging since the last call: to be reported as faults.

@@ -170,7 +170,7 @@ fn absence_state(leaf: &AbsentPart, query: &VerdictQuery<'_>) -> Known {
 }
 
 /// Returns the known facts about a part.
-fn state(part: &Part, query: &mut VerdictQuery<'_>) -> Known {
+pub(crate) fn state(part: &Part, query: &mut VerdictQuery<'_>) -> Known {
     let start = part.window.start;
     match &part.kind {
         PartKind::Measurement(leaf) => measurement_state(leaf, part.window, query),

@@ -131,6 +131,13 @@ pub struct Histories {
     event_logs: EventLogs,
 }
 
+impl Histories {
+    /// Samples and messages that are kept.
+    pub(crate) fn sample_count(&self) -> usize {
+        self.variables.iter().map(|(_, history)| history.samples.len()).sum::<usize>() + self.events.len()
+    }
+}
+
 impl History {
     /// All samples kept, oldest first.
     pub fn samples(&self) -> impl DoubleEndedIterator<Item = &Sample> + ExactSizeIterator {

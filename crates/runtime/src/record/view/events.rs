@@ -1,16 +1,23 @@
 //! The log: everything that went out, with its causes.
 
-use super::RecordView;
+use super::effect_index::EffectSearch;
 use super::index::task_number;
+use super::{RecordView, for_reading, for_writing, last_effect};
 use crate::error::RecordError;
 use rusqlite::types::Value;
 use rusqlite::{Row, params_from_iter};
 use serde::Serialize;
+use std::time::{Duration, Instant};
 
 /// Maximum number of rows of an answer, unless the query states one.
 const LIMIT_DEFAULT: usize = 200;
 /// Maximum number of rows of any answer.
 const LIMIT_MAX: usize = 5_000;
+
+/// Effects that one statement of a search reads.
+const JOINED_EFFECTS_MAX: i64 = 4_096;
+/// Time that a query spends on an index that is behind.
+const EVENTS_BUDGET: Duration = Duration::from_millis(30);
 
 /// A query of the log.
 #[derive(Clone, Debug, Default)]
@@ -94,21 +101,88 @@ impl RecordView {
     /// [`RecordError::Damaged`].
     pub fn events(&self, query: &EventsQuery) -> Result<Events, RecordError> {
         let limit = query.limit.unwrap_or(LIMIT_DEFAULT).clamp(1, LIMIT_MAX);
-        let (sql, values) = select(query, limit);
-        let mut events: Vec<EventRow> = self.query("the effects", |connection| {
-            connection.prepare_cached(&sql)?.query_map(params_from_iter(values), EventRow::read)?.collect()
-        })?;
+        let mut events = match query.task {
+            // SQLite has an index of the effects of a task.
+            Some(_) => self.selected(query, (i64::MIN, i64::MAX), limit + 1)?,
+            None => self.found(query, limit + 1)?,
+        };
         let more = events.len() > limit;
         events.truncate(limit);
         events.reverse();
         Ok(Events { events, more })
     }
+
+    fn selected(&self, query: &EventsQuery, range: (i64, i64), count: usize) -> Result<Vec<EventRow>, RecordError> {
+        let (sql, values) = select(query, range, count);
+        self.query("the effects", |connection| {
+            connection.prepare_cached(&sql)?.query_map(params_from_iter(values), EventRow::read)?.collect()
+        })
+    }
+
+    /// The newest effects that a query selects, at most `count`: those that the index does not have yet, then the blocks that
+    /// may hold what is wanted.
+    fn found(&self, query: &EventsQuery, count: usize) -> Result<Vec<EventRow>, RecordError> {
+        self.index_effects(EVENTS_BUDGET)?;
+        let wanted = EffectSearch {
+            from_ns: query.from_ns.unwrap_or(i64::MIN),
+            to_ns: query.to_ns.unwrap_or(i64::MAX),
+            kinds: &query.kinds,
+            find: query.find.as_deref().filter(|find| !find.is_empty()),
+        };
+        let (seen, ranges) = {
+            let index = for_reading(&self.indexes.effects);
+            (index.seen(), joined(index.blocks(&wanted)))
+        };
+        let mut events = self.selected(query, (seen + 1, i64::MAX), count)?;
+        for range in ranges {
+            if events.len() >= count {
+                break;
+            }
+            events.extend(self.selected(query, range, count - events.len())?);
+        }
+        Ok(events)
+    }
+
+    /// Reads effects into the index of the log, for about `budget`; what is not in it is searched row by row. True if all are in.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub fn index_effects(&self, budget: Duration) -> Result<bool, RecordError> {
+        self.reader.check_growth()?;
+        let (began, connection) = (Instant::now(), &self.reader.connection);
+        let damaged = |error| self.reader.damaged("the effects", error);
+        let last = last_effect(connection).map_err(damaged)?;
+        while for_reading(&self.indexes.effects).seen() < last {
+            if began.elapsed() > budget {
+                return Ok(false);
+            }
+            for_writing(&self.indexes.effects).refresh(connection, last).map_err(damaged)?;
+        }
+        Ok(true)
+    }
 }
 
-/// The statement of a query and its values; it selects one row more than `limit`.
-fn select(query: &EventsQuery, limit: usize) -> (String, Vec<Value>) {
-    let mut sql = format!("SELECT {COLUMNS} FROM effect WHERE t_ns BETWEEN ? AND ?");
-    let mut values: Vec<Value> = vec![query.from_ns.unwrap_or(i64::MIN).into(), query.to_ns.unwrap_or(i64::MAX).into()];
+/// Joins ranges that follow one another, downwards, up to a bound.
+fn joined(ranges: impl Iterator<Item = (i64, i64)>) -> Vec<(i64, i64)> {
+    let mut all: Vec<(i64, i64)> = Vec::new();
+    for (first, last) in ranges {
+        match all.last_mut() {
+            Some(above) if above.0 == last + 1 && above.1 - first < JOINED_EFFECTS_MAX => above.0 = first,
+            _ => all.push((first, last)),
+        }
+    }
+    all
+}
+
+/// The statement of a query among effects `first..=last`, and its values; it selects at most `count` rows, the newest first.
+fn select(query: &EventsQuery, (first, last): (i64, i64), count: usize) -> (String, Vec<Value>) {
+    let mut sql = format!("SELECT {COLUMNS} FROM effect WHERE id BETWEEN ? AND ? AND t_ns BETWEEN ? AND ?");
+    let mut values: Vec<Value> = vec![
+        first.into(),
+        last.into(),
+        query.from_ns.unwrap_or(i64::MIN).into(),
+        query.to_ns.unwrap_or(i64::MAX).into(),
+    ];
     if !query.kinds.is_empty() {
         sql.push_str(&format!(" AND kind IN ({})", vec!["?"; query.kinds.len()].join(", ")));
         values.extend(query.kinds.iter().map(|kind| Value::from(kind.clone())));
@@ -121,6 +195,6 @@ fn select(query: &EventsQuery, limit: usize) -> (String, Vec<Value>) {
         sql.push_str(" AND (instr(lower(subject), lower(?)) > 0 OR instr(lower(text), lower(?)) > 0)");
         values.extend([Value::from(find.to_owned()), Value::from(find.to_owned())]);
     }
-    sql.push_str(&format!(" ORDER BY id DESC LIMIT {}", limit.saturating_add(1)));
+    sql.push_str(&format!(" ORDER BY id DESC LIMIT {count}"));
     (sql, values)
 }

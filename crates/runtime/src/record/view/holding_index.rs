@@ -11,6 +11,8 @@ use std::collections::BTreeMap;
 #[derive(Default)]
 pub(super) struct HoldingIndex {
     seen_effect: i64,
+    /// Number of the last effect that was read or skipped.
+    read_to: i64,
     resources: Vec<(String, Vec<Held>)>,
     /// Places in `resources` of what a task holds.
     held: BTreeMap<u64, Vec<(usize, usize)>>,
@@ -31,11 +33,16 @@ impl HoldingIndex {
         &self.resources
     }
 
-    /// Reads the rows that were written since the last call.
-    pub(super) fn refresh(&mut self, connection: &Connection) -> rusqlite::Result<()> {
-        let sql = "SELECT id, t_ns, task, to_state, body FROM effect WHERE id > ?1 AND kind = 'transition' ORDER BY id";
+    /// Returns the number of the last effect that was read or skipped.
+    pub(super) fn read_to(&self) -> i64 {
+        self.read_to
+    }
+
+    /// Reads the rows that were written since the last call, up to effect `last`.
+    pub(super) fn refresh(&mut self, connection: &Connection, last: i64) -> rusqlite::Result<()> {
+        let sql = "SELECT id, t_ns, task, to_state, body FROM effect WHERE id > ?1 AND id <= ?2 AND kind = 'transition' ORDER BY id";
         let mut statement = connection.prepare_cached(sql)?;
-        let mut rows = statement.query([self.seen_effect])?;
+        let mut rows = statement.query([self.seen_effect.max(self.read_to), last])?;
         while let Some(row) = rows.next()? {
             self.seen_effect = row.get(0)?;
             let at_ns: i64 = row.get(1)?;
@@ -52,6 +59,7 @@ impl HoldingIndex {
                 self.grant(task, at_ns, &body);
             }
         }
+        self.read_to = self.read_to.max(last);
         Ok(())
     }
 

@@ -1,7 +1,7 @@
 //! Holders of resources over time, from the decisions that granted them.
 
 use super::RecordView;
-use super::holding_index::Held;
+use super::holding_index::{Held, HoldingIndex};
 use crate::error::RecordError;
 use serde::Serialize;
 
@@ -58,8 +58,12 @@ impl RecordView {
         let end_ns = self.reader.span()?.map_or(0, |(_, end)| end.0);
         let at_ns = at_ns.unwrap_or(i64::MAX).min(end_ns);
         let (from_ns, to_ns) = (from_ns.unwrap_or(i64::MIN), to_ns.unwrap_or(i64::MAX).min(at_ns));
-        let refreshed = self.holdings.refresh(&self.reader.connection);
-        refreshed.map_err(|error| self.reader.damaged("the holders of resources", error))?;
+        let index = self.current(
+            "the holders of resources",
+            &self.indexes.holdings,
+            HoldingIndex::read_to,
+            HoldingIndex::refresh,
+        )?;
         let known = |list: &Vec<Held>| list.first().is_some_and(|first| first.from_ns <= at_ns);
         let row = |(resource, list): &(String, Vec<Held>)| {
             let shown = |held: &Held| {
@@ -78,7 +82,7 @@ impl RecordView {
             holdings.drain(..left_out);
             ResourceRow { resource: resource.clone(), holdings, left_out }
         };
-        let resources = self.holdings.resources().iter().filter(|(_, list)| known(list)).map(row).collect();
+        let resources = index.resources().iter().filter(|(_, list)| known(list)).map(row).collect();
         Ok(Holdings { resources })
     }
 }

@@ -34,6 +34,8 @@ pub(super) struct Change {
 #[derive(Default)]
 pub(super) struct TaskIndex {
     seen_effect: i64,
+    /// Number of the last effect that was read or skipped.
+    read_to: i64,
     seen_task: i64,
     tasks: BTreeMap<u64, IndexedTask>,
 }
@@ -62,14 +64,19 @@ impl TaskIndex {
         self.tasks.get(&id)
     }
 
-    /// Reads the rows that were written since the last call.
-    pub(super) fn refresh(&mut self, connection: &Connection) -> Result<(), rusqlite::Error> {
+    /// Returns the number of the last effect that was read or skipped.
+    pub(super) fn read_to(&self) -> i64 {
+        self.read_to
+    }
+
+    /// Reads the rows that were written since the last call, up to effect `last`.
+    pub(super) fn refresh(&mut self, connection: &Connection, last: i64) -> Result<(), rusqlite::Error> {
         self.read_tasks(connection)?;
         let mut statement = connection.prepare_cached(
             "SELECT id, t_ns, kind, task, to_state, outcome, subject, method FROM effect WHERE id > ?1 \
-             AND task IS NOT NULL AND kind IN ('created', 'transition', 'selected') ORDER BY id",
+             AND id <= ?2 AND task IS NOT NULL AND kind IN ('created', 'transition', 'selected') ORDER BY id",
         )?;
-        let mut rows = statement.query([self.seen_effect])?;
+        let mut rows = statement.query([self.seen_effect.max(self.read_to), last])?;
         while let Some(row) = rows.next()? {
             let (at_ns, kind): (i64, String) = (row.get(1)?, row.get(2)?);
             let Some(id) = task_number(row, 3)? else { continue };
@@ -92,6 +99,7 @@ impl TaskIndex {
             }
             self.seen_effect = row.get(0)?;
         }
+        self.read_to = self.read_to.max(last);
         Ok(())
     }
 

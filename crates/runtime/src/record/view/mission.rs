@@ -99,6 +99,7 @@ impl RecordView {
         let root_failed = index.tasks().values().filter(|task| task.parent.is_none()).any(|root| {
             root.state_at(at_ns).is_some_and(|now| now.outcome.as_deref() == Some("failure") && !now.state.is_alive())
         });
+        drop(index);
         let targets = self.targets(Some(at_ns))?.targets;
         let meta = |key: &str| self.reader.meta(key).map(|value| value.filter(|text| !text.is_empty()));
         let file_name = self.reader.path().file_name();

@@ -7,11 +7,14 @@
 //! An answer for an instant holds what was known at that instant and nothing that was recorded later: decision 0088.
 
 mod announcements;
+mod commands;
 pub(crate) mod decisions;
+mod effect_index;
 mod events;
 mod holding_index;
 mod holdings;
 mod index;
+mod library;
 mod mission;
 mod plan;
 mod report;
@@ -24,10 +27,13 @@ mod targets;
 mod tasks;
 mod timeline;
 mod track;
+mod trouble_index; // english: allow
 mod troubles;
 
+pub use commands::{RecordedCommand, RecordedCommands};
 pub use events::{EventRow, Events, EventsQuery};
 pub use holdings::{Holding, Holdings, ResourceRow};
+pub use library::{DeclaredName, ProcedureRow, ProgramContents, ProgramFile, ProgramText, StepRow};
 pub use mission::{Ending, Growth, Mission, RecordStatus};
 pub use plan::{LeftOutTarget, PLANS_MAX, PlanInForce, PlannedVisit, Plans};
 pub use report::{Report, Section};
@@ -42,29 +48,42 @@ pub use targets::{Target, TargetChange, Targets};
 pub use tasks::{Task, TaskLookup, Tasks, TasksQuery};
 pub use timeline::{Band, Bar, Lane, More, Timeline, TimelineQuery};
 pub use track::{Track, TrackQuery};
-pub use troubles::{Trouble, TroubleKind, Troubles};
+pub use trouble_index::{Trouble, TroubleKind}; // english: allow
+pub use troubles::Troubles; // english: allow
 
 use super::reader::RecordReader;
 use crate::error::RecordError;
 use announcements::Announcements;
+use effect_index::EffectIndex;
 use holding_index::HoldingIndex;
 use index::TaskIndex;
 use rusqlite::Connection;
 use signals::SampleIndex;
 use std::path::Path;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
+use trouble_index::TroubleIndex; // english: allow
 
 /// A flight record opened for questions about one agent. Owns its connection, so it can move to another thread.
 pub struct RecordView {
     reader: RecordReader,
-    /// The states of all tasks over time, brought up to date before each use.
-    index: TaskIndex,
-    /// Holders of resources over time, brought up to date before each use.
-    holdings: HoldingIndex,
-    /// Announcements of late targets, brought up to date before each use.
-    announcements: Announcements,
-    /// The samples, shared by all views of one record.
-    samples: Arc<Mutex<SampleIndex>>,
+    indexes: Arc<Indexes>,
+}
+
+/// Indexes of a record in memory, for one agent: shared by its views, and brought up to date before each use.
+#[derive(Default)]
+struct Indexes {
+    /// The states of all tasks over time.
+    tasks: RwLock<TaskIndex>,
+    /// Holders of resources over time.
+    holdings: RwLock<HoldingIndex>,
+    /// Times at which late targets became known.
+    announcements: RwLock<Announcements>,
+    /// Places of times, kinds and texts in the log.
+    effects: RwLock<EffectIndex>,
+    /// Failures, interruptions and faults.
+    faults: RwLock<TroubleIndex>, // english: allow
+    /// The samples.
+    samples: Mutex<SampleIndex>,
 }
 
 impl RecordView {
@@ -76,14 +95,8 @@ impl RecordView {
         Ok(RecordView::of(RecordReader::open_at(path, agent)?, Arc::default()))
     }
 
-    fn of(reader: RecordReader, samples: Arc<Mutex<SampleIndex>>) -> RecordView {
-        RecordView {
-            reader,
-            index: TaskIndex::default(),
-            holdings: HoldingIndex::default(),
-            announcements: Announcements::default(),
-            samples,
-        }
+    fn of(reader: RecordReader, indexes: Arc<Indexes>) -> RecordView {
+        RecordView { reader, indexes }
     }
 
     /// Another view of the same record with a separate connection, for a question at the same time.
@@ -91,7 +104,7 @@ impl RecordView {
     /// # Errors
     /// As [`RecordReader::open`].
     pub fn reopened(&self) -> Result<RecordView, RecordError> {
-        Ok(RecordView::of(self.reader.of_agent(self.reader.agent)?, Arc::clone(&self.samples)))
+        Ok(RecordView::of(self.reader.of_agent(self.reader.agent)?, Arc::clone(&self.indexes)))
     }
 
     /// The record's steps, sources and snapshots, which explanations read.
@@ -100,11 +113,32 @@ impl RecordView {
     }
 
     /// The task index, up to date with the record.
-    fn tasks_index(&mut self) -> Result<&TaskIndex, RecordError> {
+    fn tasks_index(&self) -> Result<RwLockReadGuard<'_, TaskIndex>, RecordError> {
+        self.current("the tasks", &self.indexes.tasks, TaskIndex::read_to, |index, connection, last| {
+            index.refresh(connection, last)
+        })
+    }
+
+    /// An index, brought up to date with the last effect; `read_to` says how far it is. Only a view that finds it behind
+    /// excludes the others meanwhile.
+    fn current<'a, T>(
+        &self,
+        what: &str,
+        lock: &'a RwLock<T>,
+        read_to: fn(&T) -> i64,
+        refresh: impl FnOnce(&mut T, &Connection, i64) -> rusqlite::Result<()>,
+    ) -> Result<RwLockReadGuard<'a, T>, RecordError> {
         self.reader.check_growth()?;
-        let refreshed = self.index.refresh(&self.reader.connection);
-        refreshed.map_err(|error| self.reader.damaged("the tasks", error))?;
-        Ok(&self.index)
+        let connection = &self.reader.connection;
+        let damaged = |error| self.reader.damaged(what, error);
+        let last = last_effect(connection).map_err(damaged)?;
+        let index = for_reading(lock);
+        if read_to(&index) >= last {
+            return Ok(index);
+        }
+        drop(index);
+        refresh(&mut for_writing(lock), connection, last).map_err(damaged)?;
+        Ok(for_reading(lock))
     }
 
     /// Runs queries; `what` names in errors what they read.
@@ -112,4 +146,20 @@ impl RecordView {
         self.reader.check_growth()?;
         read(&self.reader.connection).map_err(|error| self.reader.damaged(what, error))
     }
+}
+
+/// The number of the last effect of all agents.
+fn last_effect(connection: &Connection) -> rusqlite::Result<i64> {
+    let mut statement = connection.prepare_cached("SELECT ifnull(max(id), 0) FROM main.effect")?;
+    statement.query_row([], |row| row.get(0))
+}
+
+/// A lock for reading. A panic while it was written leaves an index that the next refresh continues.
+fn for_reading<T>(lock: &RwLock<T>) -> RwLockReadGuard<'_, T> {
+    lock.read().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A lock for writing, as [`for_reading`].
+fn for_writing<T>(lock: &RwLock<T>) -> RwLockWriteGuard<'_, T> {
+    lock.write().unwrap_or_else(PoisonError::into_inner)
 }

@@ -97,6 +97,15 @@ impl RecordView {
     }
 }
 
+impl PlanInForce {
+    /// A plan as the page shows it.
+    pub fn of_plan(plan: Plan, number: i64, adopted_ns: i64) -> PlanInForce {
+        let summary = plan.summary().to_owned();
+        let (visits, route, left_out) = shown(plan);
+        PlanInForce { number, adopted_ns, summary, visits, route, left_out }
+    }
+}
+
 fn in_force((number, adopted_ns, summary, text): Adopted) -> PlanInForce {
     let plan = text.and_then(|text| serde_json::from_str::<Plan>(&text).ok());
     let (visits, route, left_out) = plan.map(shown).unwrap_or_default();

@@ -14,7 +14,7 @@ impl RecordView {
     /// [`RecordError::Damaged`].
     pub fn signals(&mut self, at_ns: Option<i64>, program: Option<&Program>) -> Result<Signals, RecordError> {
         self.reader.check_growth()?;
-        let mut index = self.samples.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut index = self.indexes.samples.lock().unwrap_or_else(PoisonError::into_inner);
         index.refresh(&self.reader, &[])?;
         let until = at_ns.unwrap_or(i64::MAX);
         let known = index.known().filter(|known| known.first_ns <= until);
@@ -41,7 +41,7 @@ impl RecordView {
         let from_ns = query.from_ns.unwrap_or(self.first_ns()?);
         let to_ns = query.to_ns.unwrap_or(at_ns).max(from_ns);
         self.reader.check_growth()?;
-        let mut index = self.samples.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut index = self.indexes.samples.lock().unwrap_or_else(PoisonError::into_inner);
         index.refresh(&self.reader, &query.names)?;
         let pixels = query.pixels.unwrap_or(PIXELS_DEFAULT).clamp(1, PIXELS_MAX);
         let mut windows = Vec::with_capacity(query.names.len());

@@ -1,7 +1,7 @@
 //! The observation targets and the history of each.
 
-use super::RecordView;
 use super::announcements::Announcements;
+use super::{RecordView, for_writing};
 use crate::error::RecordError;
 use rusqlite::Connection;
 use serde::Serialize;
@@ -68,8 +68,9 @@ impl RecordView {
     /// [`RecordError::Damaged`].
     pub fn targets(&mut self, at_ns: Option<i64>) -> Result<Targets, RecordError> {
         let at_ns = at_ns.unwrap_or(i64::MAX);
-        self.announcements.refresh(&self.reader)?;
-        self.query("the targets", |connection| read(connection, &self.announcements, at_ns))
+        let mut announcements = for_writing(&self.indexes.announcements);
+        announcements.refresh(&self.reader)?;
+        self.query("the targets", |connection| read(connection, &announcements, at_ns))
     }
 }
 

@@ -133,7 +133,7 @@ impl RecordView {
         }
         wanted.sort_unstable();
         let left_out = wanted.len().saturating_sub(limit);
-        let chosen = with_ancestors(index, wanted.into_iter().take(limit).map(|(.., id)| id));
+        let chosen = with_ancestors(&index, wanted.into_iter().take(limit).map(|(.., id)| id));
         let tasks = chosen.into_iter().filter_map(|id| Task::at(id, index.get(id)?, at_ns)).collect();
         Ok(Tasks { at_ns, tasks, counts, left_out })
     }

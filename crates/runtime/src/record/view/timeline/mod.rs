@@ -89,7 +89,7 @@ impl RecordView {
             pixels: query.pixels.unwrap_or(PIXELS_DEFAULT).clamp(1, PIXELS_MAX),
         };
         let limit = query.lanes.unwrap_or(LANES_DEFAULT).clamp(1, LANES_MAX);
-        Ok(draw(self.tasks_index()?, window, limit, query.with))
+        Ok(draw(&*self.tasks_index()?, window, limit, query.with))
     }
 }
 

@@ -1,0 +1,102 @@
+//! Pictures on their way to the ground: processing on board, a store, and a link whose rate falls with its signal level.
+//!
+//! Pictures are sent in the order in which they were taken. Bound: O(1) for each step and picture.
+
+use super::DownlinkSpec;
+use apex_model::value::Value;
+use std::collections::VecDeque;
+
+/// Signal level below which nothing is transmitted.
+const LEVEL_MIN: f64 = 0.1;
+
+/// One picture in the store.
+#[derive(Clone, Debug)]
+struct Queued {
+    /// Camera and target, as the message says them.
+    camera: String,
+    target: Value,
+    ready_s: f64,
+    left_mbit: f64,
+}
+
+/// The store and the link.
+#[derive(Clone, Debug)]
+pub(crate) struct Downlink {
+    pub(crate) spec: DownlinkSpec,
+    queue: VecDeque<Queued>,
+}
+
+/// A picture that has arrived.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Delivered {
+    pub(crate) camera: String,
+    pub(crate) target: Value,
+}
+
+impl Downlink {
+    pub(crate) fn new(spec: DownlinkSpec) -> Downlink {
+        Downlink { spec, queue: VecDeque::new() }
+    }
+
+    /// Amount in the store.
+    pub(crate) fn used_mbit(&self) -> f64 {
+        self.queue.iter().map(|queued| queued.left_mbit).sum()
+    }
+
+    /// Takes a picture; false if it does not fit and is lost.
+    pub(crate) fn store(&mut self, camera: &str, target: Value, now_s: f64) -> bool {
+        let size = self.spec.picture_mbit;
+        if self.used_mbit() + size > self.spec.store_mbit {
+            return false;
+        }
+        let ready_s = now_s + self.spec.processing_s;
+        self.queue.push_back(Queued { camera: camera.to_owned(), target, ready_s, left_mbit: size });
+        true
+    }
+
+    /// Sends for `dt` seconds that end now; returns the pictures that arrived.
+    pub(crate) fn send(&mut self, level: f64, now_s: f64, dt: f64) -> Vec<Delivered> {
+        let mut budget = if level < LEVEL_MIN { 0.0 } else { self.spec.rate_mbit_s * level.min(1.0) * dt };
+        let mut arrived = Vec::new();
+        while let Some(first) = self.queue.front_mut().filter(|first| first.ready_s <= now_s && budget > 0.0) {
+            let sent = first.left_mbit.min(budget);
+            first.left_mbit -= sent;
+            budget -= sent;
+            if first.left_mbit > 0.0 {
+                break;
+            }
+            if let Some(Queued { camera, target, .. }) = self.queue.pop_front() {
+                arrived.push(Delivered { camera, target });
+            }
+        }
+        arrived
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn downlink() -> Downlink {
+        let over = "radio".to_owned();
+        Downlink::new(DownlinkSpec { over, rate_mbit_s: 2.0, picture_mbit: 40.0, store_mbit: 100.0, processing_s: 5.0 })
+    }
+
+    #[test]
+    fn a_picture_takes_processing_and_its_size_over_the_rate() {
+        let mut link = downlink();
+        assert!(link.store("camera-1", Value::symbol("barn"), 0.0));
+        let arrivals: Vec<i32> = (1..60).filter(|s| !link.send(1.0, f64::from(*s), 1.0).is_empty()).collect();
+        assert_eq!(arrivals, [24], "5 s of processing, 20 s of sending; the second that ends at 5 s counts");
+    }
+
+    #[test]
+    fn a_weak_link_sends_less_and_a_full_store_loses() {
+        let mut link = downlink();
+        assert!([1, 2, 3].map(|_| link.store("camera-1", Value::nil(), 0.0)) == [true, true, false]);
+        assert!(link.send(0.05, 100.0, 50.0).is_empty());
+        assert_eq!(link.used_mbit(), 80.0);
+        assert_eq!(link.send(0.5, 150.0, 50.0).len(), 1);
+        assert!((link.used_mbit() - 30.0).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,43 @@
+//! Stages of a flight apart from joining: the climb after take-off, paths of points, the glide to a field.
+
+use crate::flight::{ActiveOrder, Order, Progress, Stage};
+use crate::gliding::Glide;
+use crate::situation::Situation;
+
+/// A take-off climbs straight ahead this high before it turns.
+const STRAIGHT_CLIMB_M: f64 = 300.0;
+
+impl ActiveOrder {
+    /// Climbs out, straight ahead and then on a circle.
+    pub(crate) fn climb(&mut self, here: &Situation) -> Progress {
+        if (here.altitude_m - here.state.altitude_m).abs() <= 10.0_f64.min(0.2 * here.altitude_m.abs().max(5.0)) {
+            return self.done(here);
+        }
+        let high = here.state.altitude_m >= here.ground_m + STRAIGHT_CLIMB_M;
+        let turning = matches!(self.stage, Stage::ClimbOut) && high;
+        let circle = || Stage::Climb(here.circle(here.state.position, here.loiter_radius_m()));
+        self.change(turning.then(circle), here)
+    }
+
+    /// Follows a path of points to its end.
+    pub(crate) fn follow(&mut self, here: &Situation) -> Progress {
+        let goes_on = match &mut self.stage {
+            Stage::Follow(path) => path.advance(here),
+            _ => false,
+        };
+        if goes_on { Progress::Going } else { self.done(here) }
+    }
+
+    /// The stage of a landing whose engine has stopped; `None` where it runs, or the glide has begun.
+    pub(crate) fn glide(&self, here: &Situation) -> Option<Stage> {
+        let Order::Land { at, .. } = &self.order else { return None };
+        let is_gliding = here.fixed() && !here.state.engine_running && !here.state.on_ground;
+        let begun = matches!(self.stage, Stage::Glide(_) | Stage::RollOut);
+        (is_gliding && !begun).then(|| Stage::Glide(Glide::to(at.position)))
+    }
+
+    /// True if it lands, whatever the stage.
+    pub(crate) fn is_landing(&self) -> bool {
+        matches!(self.order, Order::Land { .. })
+    }
+}

@@ -1,0 +1,185 @@
+//! Measures the wait of an operator's messages while other sources flood the live port of `apex run --listen`, and the lateness of
+//! deadlines: `cargo run --release -p apex-benches --bin live_door -- target/release/apex [SECONDS]`.
+//!
+//! Two floods of 150,000 lines a second each: valid measurements of ten variables, and lines that cannot be understood. An
+//! operator sends twenty messages a second on a separate connection; the program prints each one, and prints every 100 ms.
+//! A latency goes from the message's last byte to the printed line on the pipe.
+
+#![allow(clippy::print_stdout, reason = "a measurement prints its figures")]
+
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::io::{BufRead, BufReader, Write};
+use std::net::{SocketAddr, TcpStream};
+use std::process::{Child, Command, Stdio};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, channel};
+use std::sync::{Arc, mpsc};
+use std::time::{Duration, Instant};
+
+const PROGRAM: &str = "(defapplication \"Door\" :type realtime :agents ((agent pilot)))
+(state-variable (roll-angle ?object) :unit deg)
+(procedure (index (do-domain))
+  (step hear (print \"order\" ?n) (waitfor (order ?n)) (repeating))
+  (step deadline (print \"deadline\") (waitfor (:delay 100ms)) (repeating))
+  (step guard (print \"rolled\") (repeating)
+    (waitfor (:episode (roll-angle uav-1) :quality (:max-gap 1s) :value (> 80deg)))))
+";
+/// Lines per second of each flood.
+const FLOOD_PER_SECOND: u64 = 150_000;
+/// Flood lines are written in blocks, so many a second.
+const BLOCKS_PER_SECOND: u64 = 100;
+/// Time between two messages of the operator: no multiple of a block.
+const MESSAGE_PERIOD: Duration = Duration::from_millis(47);
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut words = std::env::args().skip(1);
+    let apex = words.next().ok_or("usage: live_door APEX [SECONDS]")?;
+    let seconds: u64 = words.next().map_or(Ok(20), |text| text.parse())?;
+    let folder = std::env::temp_dir().join(format!("apex-live-door-{}", std::process::id()));
+    std::fs::create_dir_all(&folder)?;
+    std::fs::write(folder.join("door.pdl"), PROGRAM)?;
+    let measured = measure(&apex, &folder, seconds);
+    std::fs::remove_dir_all(&folder)?;
+    measured
+}
+
+fn measure(apex: &str, folder: &std::path::Path, seconds: u64) -> Result<(), Box<dyn Error>> {
+    let mut run = Command::new(apex)
+        .args(["run", "door.pdl", "--listen", "0", "--record", "door.apex"])
+        .current_dir(folder)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()?;
+    let mut errors = BufReader::new(run.stderr.take().ok_or("no standard error")?);
+    let mut line = String::new();
+    errors.read_line(&mut line)?;
+    let server: SocketAddr = line.trim().rsplit(' ').next().ok_or("no port")?.parse()?;
+    // What it says about lines that it does not understand is read and counted.
+    let messages = Arc::new(AtomicU64::new(0));
+    let counted = Arc::clone(&messages);
+    std::thread::spawn(move || errors.lines().for_each(|_| _ = counted.fetch_add(1, Ordering::Relaxed)));
+    let printed = prints(&mut run)?;
+    let (over, valid, malformed) = (Arc::new(AtomicBool::new(false)), Arc::default(), Arc::default());
+    let values = (0..1_500)
+        .map(|index| format!("{{\"measurement\": \"(roll-angle uav-{})\", \"value\": {}}}\n", index % 10, index % 60));
+    flood(server, introduction("nav", "vehicle"), values.collect(), &over, &valid)?;
+    let garbage = (0..1_500).map(|index| format!("{{\"measurement\": (roll-angle {index}, oops\n"));
+    flood(server, introduction("noise", "feed"), garbage.collect(), &over, &malformed)?;
+    let (before, began) = ((valid.load(Ordering::Relaxed), malformed.load(Ordering::Relaxed)), Instant::now());
+    let sent = speak(server, seconds)?;
+    let passed_s = began.elapsed().as_secs_f64();
+    let rate = |now: &AtomicU64, before: u64| (now.load(Ordering::Relaxed) - before) as f64 / passed_s;
+    println!(
+        "valid {:.0} lines/s, malformed {:.0} lines/s, {} messages on standard error",
+        rate(&valid, before.0),
+        rate(&malformed, before.1),
+        messages.load(Ordering::Relaxed)
+    );
+    over.store(true, Ordering::Relaxed);
+    std::thread::sleep(Duration::from_millis(500));
+    run.kill()?;
+    run.wait()?;
+    report(&sent, &printed.iter().collect::<Vec<_>>())
+}
+
+fn introduction(name: &str, class: &str) -> String {
+    format!("{{\"source\": \"{name}\", \"class\": \"{class}\"}}\n")
+}
+
+/// The printed texts with the time at which each came.
+fn prints(run: &mut Child) -> Result<Receiver<(Instant, String)>, Box<dyn Error>> {
+    let out = BufReader::new(run.stdout.take().ok_or("no standard output")?);
+    let (say, printed) = channel();
+    std::thread::spawn(move || {
+        for line in out.lines().map_while(Result::ok).filter(|line| line.contains("\"print\"")) {
+            let words = ["deadline", "order"].into_iter().find_map(|word| {
+                line.find(&format!("\"{word}"))
+                    .and_then(|at| line.get(at + 1..))
+                    .and_then(|rest| rest.split('"').next())
+            });
+            let Some(words) = words else { continue };
+            if say.send((Instant::now(), words.to_owned())).is_err() {
+                return;
+            }
+        }
+    });
+    Ok(printed)
+}
+
+/// Writes `lines` again and again at the flood's rate; `written` counts them.
+fn flood(
+    server: SocketAddr,
+    first: String,
+    lines: String,
+    over: &Arc<AtomicBool>,
+    written: &Arc<AtomicU64>,
+) -> Result<(), Box<dyn Error>> {
+    let mut stream = TcpStream::connect(server)?;
+    stream.write_all(first.as_bytes())?;
+    let (over, written) = (Arc::clone(over), Arc::clone(written));
+    let (ready, started) = mpsc::channel();
+    std::thread::spawn(move || {
+        let began = Instant::now();
+        for block in 1.. {
+            if over.load(Ordering::Relaxed) || stream.write_all(lines.as_bytes()).is_err() {
+                return;
+            }
+            written.fetch_add(FLOOD_PER_SECOND / BLOCKS_PER_SECOND, Ordering::Relaxed);
+            let due = Duration::from_secs(1) * block / BLOCKS_PER_SECOND as u32;
+            std::thread::sleep(due.saturating_sub(began.elapsed()));
+            if block == BLOCKS_PER_SECOND as u32 {
+                ready.send(()).unwrap_or_default();
+            }
+        }
+    });
+    // One second of flood before anything is measured.
+    started.recv_timeout(Duration::from_secs(30)).unwrap_or_default();
+    Ok(())
+}
+
+/// Sends numbered messages as an operator; the time at which each was written.
+fn speak(server: SocketAddr, seconds: u64) -> Result<Vec<Instant>, Box<dyn Error>> {
+    let mut stream = TcpStream::connect(server)?;
+    stream.set_nodelay(true)?;
+    stream.write_all(introduction("tower", "operator").as_bytes())?;
+    let (began, mut sent) = (Instant::now(), Vec::new());
+    while began.elapsed() < Duration::from_secs(seconds) {
+        std::thread::sleep(MESSAGE_PERIOD);
+        stream.write_all(format!("(order {})\n", sent.len()).as_bytes())?;
+        sent.push(Instant::now());
+    }
+    Ok(sent)
+}
+
+fn report(sent: &[Instant], printed: &[(Instant, String)]) -> Result<(), Box<dyn Error>> {
+    let (first, last) = (sent.first().ok_or("nothing was sent")?, sent.last().ok_or("nothing was sent")?);
+    let orders: BTreeMap<usize, Instant> = printed
+        .iter()
+        .filter_map(|(at, words)| Some((words.strip_prefix("order ")?.trim().parse().ok()?, *at)))
+        .collect();
+    let late =
+        |number: usize, at: &Instant| Some(orders.get(&number)?.saturating_duration_since(*at).as_secs_f64() * 1e3);
+    let mut waits_ms: Vec<f64> = sent.iter().enumerate().filter_map(|(number, at)| late(number, at)).collect();
+    println!("operator: {} messages, {} acted upon", sent.len(), waits_ms.len());
+    println!("operator: {}", percentiles(&mut waits_ms));
+    let beats: Vec<&Instant> = printed
+        .iter()
+        .filter(|(at, words)| words == "deadline" && (first..=last).contains(&at))
+        .map(|(at, _)| at)
+        .collect();
+    let over_ms = |pair: &[&Instant]| match pair {
+        [before, after] => after.saturating_duration_since(**before).as_secs_f64() * 1e3 - 100.0,
+        _ => 0.0,
+    };
+    let mut beyond_ms: Vec<f64> = beats.windows(2).map(over_ms).collect();
+    println!("deadlines: {}, {}", beats.len(), percentiles(&mut beyond_ms));
+    Ok(())
+}
+
+fn percentiles(values: &mut [f64]) -> String {
+    values.sort_by(f64::total_cmp);
+    let at = |share: f64| values.get(((values.len().max(1) - 1) as f64 * share) as usize).copied().unwrap_or(f64::NAN);
+    format!("median {:.1} ms, p99 {:.1} ms, worst {:.1} ms", at(0.5), at(0.99), at(1.0))
+}

@@ -1,0 +1,158 @@
+//! One source that is heard: its lines become inputs, groups of them at once where it sends more than one at a time.
+
+use super::complaints::Complaints;
+use apex_model::value::Value;
+use apex_runtime::Control;
+use apex_runtime::limits::INPUT_LINE_BYTES_MAX;
+use apex_runtime::live::{Introduction, LiveInput, LiveSource, LiveSources, SourceClass};
+use apex_runtime::live_lines::OpenQuestions;
+use serde_json::json;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::time::Duration;
+
+/// Inputs that are said to the run at once.
+const GROUP_MAX: usize = 256;
+/// Texts of state variables that a source repeats.
+const KNOWN_TEXTS_MAX: usize = 4_096;
+/// Bytes of such a text.
+const KNOWN_TEXT_BYTES_MAX: usize = 200;
+/// Bytes that are read at once.
+const READ_BYTES: usize = 64 << 10;
+/// Time that an answer to a source may take; a source that does not read gets none.
+const ANSWER_PATIENCE: Duration = Duration::from_millis(20);
+
+/// A source with its answers.
+pub(super) struct Hearing<'a> {
+    pub(super) source: &'a LiveSource,
+    pub(super) open: &'a OpenQuestions,
+    /// The connection, for answers to a source that has introduced itself.
+    pub(super) answers: Option<&'a TcpStream>,
+}
+
+/// Hears a connection to the port.
+pub(super) fn hear_connection(stream: &TcpStream, sources: &LiveSources, open: &OpenQuestions) {
+    stream.set_write_timeout(Some(ANSWER_PATIENCE)).unwrap_or_default();
+    let Ok(reading) = stream.try_clone() else { return };
+    let mut lines = BufReader::with_capacity(READ_BYTES, reading);
+    // The first line may say who it is: operators and safing programs are always admitted.
+    let Some(first) = first_line(&mut lines) else { return };
+    let class = match Introduction::read(&first) {
+        Some(Ok(introduction)) => introduction.class,
+        _ => SourceClass::Feed,
+    };
+    match sources.admit(class) {
+        Ok(source) => {
+            let hearing = Hearing { source: &source, open, answers: Some(stream) };
+            hear(first.as_bytes().chain(b"\n".as_slice()).chain(lines), &hearing);
+        }
+        Err(fault) => refuse(stream, &fault),
+    }
+}
+
+/// Tells a connection why it is not heard.
+pub(super) fn refuse(stream: &TcpStream, fault: &str) {
+    stream.set_write_timeout(Some(ANSWER_PATIENCE)).unwrap_or_default();
+    // Whether the peer reads it or not.
+    let mut stream = stream;
+    writeln!(stream, "{}", json!({"error": fault})).unwrap_or_default();
+}
+
+fn first_line(lines: &mut impl BufRead) -> Option<String> {
+    loop {
+        let line = next_line(lines)?;
+        if !line.is_empty() && !line.starts_with('#') {
+            return Some(line);
+        }
+    }
+}
+
+/// The next line without its end; none when there are no more.
+fn next_line(lines: &mut impl BufRead) -> Option<String> {
+    let mut bytes = Vec::new();
+    let read = lines.by_ref().take(INPUT_LINE_BYTES_MAX as u64 + 1).read_until(b'\n', &mut bytes);
+    read.is_ok_and(|count| count > 0).then(|| String::from_utf8_lossy(&bytes).trim().to_string())
+}
+
+/// Hears a source until it has nothing more to say, or the run is over.
+pub(super) fn hear(lines: impl Read, hearing: &Hearing<'_>) {
+    let mut lines = BufReader::with_capacity(READ_BYTES, lines);
+    let (mut complaints, known) = (Complaints::new(), KnownTexts::default());
+    let mut group = Vec::new();
+    let mut not_understood = 0;
+    while let Some(line) = next_line(&mut lines) {
+        if !line.is_empty() && !line.starts_with('#') {
+            match understand(&line, hearing, &known) {
+                Ok(control) => group.extend(control),
+                Err(fault) => {
+                    not_understood += 1;
+                    if complaints.admits() {
+                        let name = hearing.source.name();
+                        complaints.print(name.as_deref(), &fault);
+                        if name.is_some() {
+                            answer(hearing, &json!({"error": fault}));
+                        }
+                    }
+                }
+            }
+        }
+        // Lines that have come completely are read first, and said at once.
+        if group.len() >= GROUP_MAX || !lines.buffer().contains(&b'\n') {
+            if not_understood > 0 {
+                hearing.source.not_understood(std::mem::take(&mut not_understood));
+            }
+            if !group.is_empty() && !hearing.source.say(group.drain(..)) {
+                return;
+            }
+        }
+    }
+    complaints.print_hidden(hearing.source.name().as_deref());
+}
+
+/// Reads a line; returns none for an introduction.
+fn understand(line: &str, hearing: &Hearing<'_>, known: &KnownTexts) -> Result<Option<LiveInput>, String> {
+    if let Some(introduction) = Introduction::read(line) {
+        let introduction = introduction?;
+        hearing.source.introduce(&introduction)?;
+        answer(hearing, &json!({"source": introduction.name, "class": introduction.class.word()}));
+        return Ok(None);
+    }
+    let control = hearing.open.understand(line, &|text| known.read(text))?;
+    Ok(match control {
+        Control::Input(kind) => Some(LiveInput::Event(None, kind)),
+        Control::InputFor(agent, kind) => Some(LiveInput::Event(Some(agent), kind)),
+        Control::Stop => Some(LiveInput::Stop),
+        // A line says nothing else.
+        Control::Pace(_) | Control::Command(_) | Control::Look | Control::Quiet => None,
+    })
+}
+
+fn answer(hearing: &Hearing<'_>, line: &serde_json::Value) {
+    if let Some(mut stream) = hearing.answers {
+        // A source that does not read its answers is heard all the same.
+        writeln!(stream, "{line}").unwrap_or_default();
+    }
+}
+
+/// Texts that a source repeats, with what they say: a source measures the same variables again and again.
+#[derive(Default)]
+struct KnownTexts(RefCell<BTreeMap<String, Value>>);
+
+impl KnownTexts {
+    fn read(&self, text: &str) -> Result<Value, String> {
+        if let Some(value) = self.0.borrow().get(text) {
+            return Ok(value.clone());
+        }
+        let value = apex_pdl::read_value(text).map_err(|diagnostic| diagnostic.message)?;
+        let mut known = self.0.borrow_mut();
+        if text.len() <= KNOWN_TEXT_BYTES_MAX {
+            if known.len() >= KNOWN_TEXTS_MAX {
+                known.clear();
+            }
+            known.insert(text.to_string(), value.clone());
+        }
+        Ok(value)
+    }
+}

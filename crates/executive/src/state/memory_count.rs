@@ -1,0 +1,12 @@
+//! What an agent holds in bytes, apart from what is counted by number.
+
+use serde::{Deserialize, Serialize};
+
+/// What the agent holds beside tasks and monitors, in bytes. Part of the agent, so that replay refuses the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MemoryCount {
+    /// Large values and samples at the last count.
+    pub counted: u64,
+    /// Large values that were bound since; some may be gone.
+    pub since: u64,
+}

@@ -1,0 +1,70 @@
+//! Classes of live sources: the order in which they are heard, and how much each may say.
+
+/// Class of a live source.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum SourceClass {
+    /// An operator of the run.
+    Operator,
+    /// A program that watches over the safety of the vehicle.
+    Safing,
+    /// The vehicle or its simulator.
+    Vehicle,
+    /// Everything else: weather, traffic, sensors on the ground.
+    Feed,
+}
+
+/// Ranks of classes: a lower rank is heard first.
+pub(super) const RANKS: usize = 3;
+
+impl SourceClass {
+    /// All classes.
+    pub const ALL: [SourceClass; 4] =
+        [SourceClass::Operator, SourceClass::Safing, SourceClass::Vehicle, SourceClass::Feed];
+
+    /// The class as written in an introduction.
+    pub fn word(self) -> &'static str {
+        match self {
+            SourceClass::Operator => "operator",
+            SourceClass::Safing => "safing",
+            SourceClass::Vehicle => "vehicle",
+            SourceClass::Feed => "feed",
+        }
+    }
+
+    /// The class called `word`.
+    pub fn of_word(word: &str) -> Option<SourceClass> {
+        SourceClass::ALL.into_iter().find(|class| class.word() == word)
+    }
+
+    /// Operators and safing are heard before vehicles, vehicles before feeds.
+    pub(super) fn rank(self) -> usize {
+        match self {
+            SourceClass::Operator | SourceClass::Safing => 0,
+            SourceClass::Vehicle => 1,
+            SourceClass::Feed => 2,
+        }
+    }
+
+    /// Inputs per second of wall time that the run takes from one source. An autopilot reports some thousands of values a second.
+    pub fn source_rate(self) -> u32 {
+        match self {
+            SourceClass::Operator | SourceClass::Safing => 10_000,
+            SourceClass::Vehicle => 20_000,
+            SourceClass::Feed => 2_000,
+        }
+    }
+
+    /// Inputs per second that the run takes from all sources of the class's rank together.
+    pub(super) fn rank_rate(self) -> u32 {
+        match self {
+            SourceClass::Operator | SourceClass::Safing => 20_000,
+            SourceClass::Vehicle => 40_000,
+            SourceClass::Feed => 5_000,
+        }
+    }
+
+    /// True if a limit on the number of connections does not apply: a flood of feeds must not keep operators out.
+    pub(super) fn is_always_admitted(self) -> bool {
+        self.rank() == 0
+    }
+}

@@ -1,0 +1,218 @@
+//! An index of the log in memory, shared by all views of a record and grown with it: where times begin, and which stretches of
+//! effects can hold a text or a kind.
+//!
+//! Effects are recorded in the order of time, so a time is found by bisection over blocks of effects. Of each block the index
+//! keeps the kinds in it and a Bloom filter (Bloom 1970) of the n-grams of its texts: a search reads the blocks that may match,
+//! the newest first. Bound: each effect is read once; about 4.2 kB of memory for 128 effects.
+
+use rusqlite::Connection;
+use std::collections::BTreeMap;
+
+/// Effects of one block.
+pub(super) const BLOCK_EFFECTS: i64 = 128;
+/// Bits of a block's filter.
+const FILTER_BITS: usize = 1 << 15;
+/// Lengths of the n-grams in bytes: long ones choose well, short ones serve short searches.
+const GRAMS: [usize; 3] = [5, 3, 2];
+/// Effects that are read at once: the lock on the index is held until then.
+const CHUNK_EFFECTS: i64 = 8_192;
+
+/// A block of effects with consecutive numbers.
+struct EffectBlock {
+    first_ns: i64,
+    last_ns: i64,
+    kinds: u64,
+    filter: Box<[u64]>,
+}
+
+/// The index.
+#[derive(Default)]
+pub(super) struct EffectIndex {
+    blocks: Vec<EffectBlock>,
+    /// The last effect that was read.
+    seen: i64,
+    /// Bits of kinds; kinds beyond 63 share the last bit.
+    kinds: BTreeMap<String, u32>,
+}
+
+/// Conditions of a search in the log.
+pub(super) struct EffectSearch<'a> {
+    pub(super) from_ns: i64,
+    pub(super) to_ns: i64,
+    pub(super) kinds: &'a [String],
+    /// In any case of ASCII letters.
+    pub(super) find: Option<&'a str>,
+}
+
+impl EffectIndex {
+    /// The last effect that the index has.
+    pub(super) fn seen(&self) -> i64 {
+        self.seen
+    }
+
+    /// Reads the next chunk of effects, none after effect `last`.
+    pub(super) fn refresh(&mut self, connection: &Connection, last: i64) -> rusqlite::Result<()> {
+        let sql = "SELECT id, t_ns, kind, subject, text FROM main.effect WHERE id > ?1 AND id <= ?2 ORDER BY id";
+        let mut statement = connection.prepare_cached(sql)?;
+        let end = self.seen.saturating_add(CHUNK_EFFECTS).min(last);
+        let mut rows = statement.query([self.seen, end])?;
+        while let Some(row) = rows.next()? {
+            let (id, t_ns): (i64, i64) = (row.get(0)?, row.get(1)?);
+            let kind = self.kind_bit(row.get_ref(2)?.as_str_or_null()?.unwrap_or_default());
+            self.seen = id;
+            let Some(block) = self.block_of(id, t_ns) else { continue };
+            block.last_ns = t_ns;
+            block.kinds |= kind;
+            for column in [3, 4] {
+                if let Some(text) = row.get_ref(column)?.as_str_or_null()? {
+                    block.add(text);
+                }
+            }
+        }
+        // Numbers are consecutive; where one is missing the index continues.
+        self.seen = self.seen.max(end);
+        Ok(())
+    }
+
+    fn kind_bit(&mut self, kind: &str) -> u64 {
+        if let Some(bit) = self.kinds.get(kind) {
+            return 1 << bit;
+        }
+        let bit = u32::try_from(self.kinds.len()).unwrap_or(u32::MAX).min(63);
+        self.kinds.insert(kind.to_owned(), bit);
+        1 << bit
+    }
+
+    /// The block of effect `id`, which is not in the index yet.
+    fn block_of(&mut self, id: i64, t_ns: i64) -> Option<&mut EffectBlock> {
+        let place = usize::try_from((id - 1).max(0) / BLOCK_EFFECTS).unwrap_or(0);
+        while self.blocks.len() <= place {
+            let filter = vec![0; FILTER_BITS / 64].into_boxed_slice();
+            self.blocks.push(EffectBlock { first_ns: t_ns, last_ns: t_ns, kinds: 0, filter });
+        }
+        self.blocks.get_mut(place)
+    }
+
+    /// The blocks that may hold what is wanted, as ranges of effects, the newest first.
+    pub(super) fn blocks<'a>(&'a self, wanted: &'a EffectSearch<'a>) -> impl Iterator<Item = (i64, i64)> + 'a {
+        let kinds = wanted.kinds.iter().filter_map(|kind| self.kinds.get(kind)).fold(0, |bits, bit| bits | 1 << bit);
+        let any_kind = wanted.kinds.is_empty();
+        let grams: Vec<usize> = wanted.find.map(|find| search_bits(find)).unwrap_or_default();
+        let first = self.blocks.partition_point(|block| block.last_ns < wanted.from_ns);
+        let end = self.blocks.partition_point(|block| block.first_ns <= wanted.to_ns).max(first);
+        (first..end).rev().filter_map(move |place| {
+            let block = self.blocks.get(place)?;
+            let fits = (any_kind || block.kinds & kinds != 0) && grams.iter().all(|bit| block.has(*bit));
+            let begin = i64::try_from(place).ok()? * BLOCK_EFFECTS + 1;
+            fits.then_some((begin, begin + BLOCK_EFFECTS - 1))
+        })
+    }
+}
+
+impl EffectBlock {
+    fn add(&mut self, text: &str) {
+        for length in GRAMS {
+            for gram in text.as_bytes().windows(length) {
+                let bit = bit_of(gram);
+                if let Some(word) = self.filter.get_mut(bit / 64) {
+                    *word |= 1 << (bit % 64);
+                }
+            }
+        }
+    }
+
+    fn has(&self, bit: usize) -> bool {
+        self.filter.get(bit / 64).is_some_and(|word| word & (1 << (bit % 64)) != 0)
+    }
+}
+
+/// The bits that a block needs to hold `find`; none for a text of one byte, which any block may hold.
+fn search_bits(find: &str) -> Vec<usize> {
+    let length = GRAMS.into_iter().find(|length| *length <= find.len());
+    length.map(|length| find.as_bytes().windows(length).map(bit_of).collect()).unwrap_or_default()
+}
+
+/// Fowler-Noll-Vo hash (FNV-1a) of the lower-case bytes, folded to a bit of the filter.
+fn bit_of(gram: &[u8]) -> usize {
+    let mut hash: u32 = 0x811c_9dc5 ^ gram.len() as u32;
+    for byte in gram {
+        hash = (hash ^ u32::from(byte.to_ascii_lowercase())).wrapping_mul(0x0100_0193);
+    }
+    (hash ^ (hash >> 15)) as usize % FILTER_BITS
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use rusqlite::params;
+
+    fn record(effects: &[(i64, &str, String)]) -> Connection {
+        let connection = Connection::open_in_memory().unwrap();
+        let sql = "CREATE TABLE effect (id INTEGER PRIMARY KEY, t_ns INTEGER, kind TEXT, subject TEXT, text TEXT)";
+        connection.execute_batch(sql).unwrap();
+        for (t_ns, kind, text) in effects {
+            let sql = "INSERT INTO effect (t_ns, kind, subject, text) VALUES (?1, ?2, NULL, ?3)";
+            connection.execute(sql, params![t_ns, kind, text]).unwrap();
+        }
+        connection
+    }
+
+    fn indexed(connection: &Connection, last: i64) -> EffectIndex {
+        let mut index = EffectIndex::default();
+        while index.seen() < last {
+            index.refresh(connection, last).unwrap();
+        }
+        index
+    }
+
+    #[test]
+    fn a_rare_text_leads_to_its_block() {
+        let effects: Vec<(i64, &str, String)> = (0..40_000)
+            .map(|id| (id / 3, "transition", format!("task {} is granted the Flight Path", id % 97)))
+            .collect();
+        let connection = record(&effects);
+        connection.execute("UPDATE effect SET text = 'a Chimney was seen' WHERE id = 20001", []).unwrap();
+        connection.execute("DELETE FROM effect WHERE id BETWEEN 25000 AND 35000", []).unwrap();
+        let index = indexed(&connection, 40_000);
+        let blocks = |find: &str, kinds: &[String]| {
+            let wanted = EffectSearch { from_ns: i64::MIN, to_ns: i64::MAX, kinds, find: Some(find) };
+            index.blocks(&wanted).collect::<Vec<_>>()
+        };
+        assert_eq!(blocks("chimney", &[]), [(19_969, 20_096)]);
+        assert!(blocks("smoke", &[]).is_empty() && blocks("chimney", &["command".into()]).is_empty());
+        assert!(blocks("flight path", &["transition".into()]).len() > 200);
+        let wanted = EffectSearch { from_ns: 5_000, to_ns: 5_010, kinds: &[], find: None };
+        let range: Vec<(i64, i64)> = index.blocks(&wanted).collect();
+        assert!(range.len() <= 2 && range.iter().any(|(first, last)| (first..=last).contains(&&15_010)), "{range:?}");
+    }
+
+    const WORDS: [&str; 6] = ["Roll", "alpha", "T1", "ü", "granted", "x"];
+
+    proptest! {
+        #[test]
+        fn no_effect_that_is_wanted_is_outside_of_the_blocks(
+            steps in prop::collection::vec((0i64..3, 0usize..2, prop::collection::vec(0usize..6, 0..4)), 1..400),
+            (from, to, find, kind) in (0i64..600, 0i64..600, 0usize..6, 0usize..3),
+        ) {
+            let kinds = ["created", "transition"];
+            let mut at = 0;
+            let effects: Vec<(i64, &str, String)> = steps.into_iter().map(|(passed, kind, words)| {
+                at += passed;
+                (at, kinds[kind], words.into_iter().map(|word| WORDS[word]).collect::<Vec<_>>().join(" "))
+            }).collect();
+            let index = indexed(&record(&effects), effects.len() as i64);
+            let wanted_kinds: Vec<String> = kinds.get(kind).map(|kind| (*kind).to_owned()).into_iter().collect();
+            let find = WORDS[find].to_ascii_lowercase();
+            let wanted = EffectSearch { from_ns: from, to_ns: to, kinds: &wanted_kinds, find: Some(&find) };
+            let blocks: Vec<(i64, i64)> = index.blocks(&wanted).collect();
+            prop_assert!(blocks.windows(2).all(|pair| pair[0].0 > pair[1].1));
+            for (id, (t_ns, kind, text)) in (1..).zip(&effects) {
+                let is_wanted = (from..=to).contains(t_ns)
+                    && (wanted_kinds.is_empty() || wanted_kinds.iter().any(|each| each == kind))
+                    && text.to_ascii_lowercase().contains(&find);
+                prop_assert!(!is_wanted || blocks.iter().any(|(first, last)| (*first..=*last).contains(&id)));
+            }
+        }
+    }
+}

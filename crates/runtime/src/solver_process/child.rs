@@ -1,0 +1,271 @@
+//! A solver program while it runs: in a process group of its own, with limits on processor time, memory and words, killed with
+//! everything that it started when nothing reads it any longer.
+
+use super::protocol::{STOP_LINE, excerpt};
+use crate::limits::{SOLVER_ERROR_BYTES_MAX, SOLVER_LAST_WORDS, SOLVER_LINE_BYTES_MAX, SOLVER_OUTPUT_BYTES_MAX};
+use std::collections::VecDeque;
+use std::ffi::OsString;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Lines that wait to be read; a program that says more waits.
+const LINES_WAITING_MAX: usize = 4;
+/// How long a program that has closed its output may take to end.
+const END_PATIENCE: Duration = Duration::from_millis(500);
+
+/// What a running program may take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ProcessLimits {
+    /// Bytes of memory.
+    pub memory_bytes: u64,
+    /// Processor time of all its threads together.
+    pub processor: Duration,
+}
+
+/// Heard from the program.
+pub(super) enum Heard {
+    /// A line, without its end.
+    Line(Vec<u8>),
+    /// Nothing yet.
+    Nothing,
+    /// More than the limit: what it did.
+    TooMuch(String),
+    /// Its output has ended.
+    End,
+}
+
+/// The end of the output on standard error.
+#[derive(Debug, Default)]
+struct LastWords {
+    bytes: VecDeque<u8>,
+    count: u64,
+}
+
+/// A running program. Dropping kills it.
+pub(super) struct Running {
+    child: Child,
+    limits: ProcessLimits,
+    lines: Receiver<Result<Vec<u8>, String>>,
+    to_say: Sender<String>,
+    last_words: Arc<Mutex<LastWords>>,
+    memory_peak: u64,
+}
+
+impl Running {
+    /// Starts a program. It is limited before it is told its problem.
+    ///
+    /// # Errors
+    /// Why it cannot be started.
+    pub(super) fn start(program: &[OsString], limits: ProcessLimits) -> Result<Running, String> {
+        let (name, arguments) = program.split_first().ok_or("its command is empty")?;
+        let shown = name.to_string_lossy();
+        let mut command = Command::new(name);
+        command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        #[cfg(unix)]
+        std::os::unix::process::CommandExt::process_group(&mut command, 0);
+        let mut child = command.spawn().map_err(|error| format!("`{shown}` cannot be started: {error}"))?;
+        let pipes = (child.stdin.take(), child.stdout.take(), child.stderr.take());
+        let (Some(input), Some(output), Some(errors)) = pipes else {
+            return Err(format!("`{shown}` was started without its pipes"));
+        };
+        let last_words = Arc::new(Mutex::new(LastWords::default()));
+        let (line, lines) = sync_channel(LINES_WAITING_MAX);
+        let (to_say, say) = channel();
+        let words = Arc::clone(&last_words);
+        let running = Running { child, limits, lines, to_say, last_words, memory_peak: 0 };
+        running.limit().map_err(|error| format!("`{shown}` cannot be limited: {error}"))?;
+        // The threads end with the program's pipes.
+        let begin = |part: &str, work: Box<dyn FnOnce() + Send>| {
+            let thread = thread::Builder::new().name(format!("solver {part}")).spawn(work);
+            thread.map_err(|error| format!("no thread could be started for `{shown}`: {error}"))
+        };
+        begin("input", Box::new(move || write_lines(input, &say)))?;
+        begin("output", Box::new(move || read_lines(output, &line)))?;
+        begin("errors", Box::new(move || read_errors(errors, &words)))?;
+        Ok(running)
+    }
+
+    /// Limits memory, processor time, files and priority.
+    #[cfg(target_os = "linux")]
+    fn limit(&self) -> Result<(), std::io::Error> {
+        use rustix::process::{Pid, Resource, Rlimit, prlimit, setpriority_process};
+        let pid = i32::try_from(self.child.id()).ok().and_then(Pid::from_raw);
+        let set = |resource, most: u64| {
+            let limit = Rlimit { current: Some(most), maximum: Some(most) };
+            prlimit(pid, resource, limit).map(|_| ()).map_err(std::io::Error::from)
+        };
+        // A program that grows slowly is seen at its limit and named; one that grows at once meets this.
+        set(Resource::Data, self.limits.memory_bytes.saturating_add(self.limits.memory_bytes / 4))?;
+        set(Resource::Cpu, self.limits.processor.as_secs().saturating_add(1))?;
+        set(Resource::Core, 0)?;
+        // The flight goes before its planners.
+        let _ = setpriority_process(pid, 10);
+        Ok(())
+    }
+
+    /// Other systems cannot limit another process.
+    #[cfg(not(target_os = "linux"))]
+    fn limit(&self) -> Result<(), std::io::Error> {
+        Ok(())
+    }
+
+    /// Sends a line, without waiting until it is read.
+    pub(super) fn say(&self, line: String) {
+        // A program that has ended is noticed at its output.
+        let _ = self.to_say.send(line);
+    }
+
+    /// Tells it to end soon.
+    pub(super) fn tell_to_stop(&self) {
+        self.say(STOP_LINE.to_string());
+    }
+
+    /// The next line, if one comes within `patience`.
+    pub(super) fn hear(&self, patience: Duration) -> Heard {
+        match self.lines.recv_timeout(patience) {
+            Ok(Ok(line)) => Heard::Line(line),
+            Ok(Err(flood)) => Heard::TooMuch(flood),
+            Err(RecvTimeoutError::Timeout) => Heard::Nothing,
+            Err(RecvTimeoutError::Disconnected) => Heard::End,
+        }
+    }
+
+    /// What it does that it must not do, other than by its lines.
+    pub(super) fn misconduct(&mut self) -> Option<String> {
+        let written = self.last_words.lock().unwrap_or_else(PoisonError::into_inner).count;
+        if written > SOLVER_ERROR_BYTES_MAX {
+            return Some(format!("wrote more than {} MiB to standard error", SOLVER_ERROR_BYTES_MAX >> 20));
+        }
+        let resident = resident_bytes(self.child.id()).unwrap_or(0);
+        self.memory_peak = self.memory_peak.max(resident);
+        (resident > self.limits.memory_bytes)
+            .then(|| format!("took more than {} MiB of memory", self.limits.memory_bytes >> 20))
+    }
+
+    /// How it ended without an answer, with its last words.
+    pub(super) fn end(&mut self) -> String {
+        let since = Instant::now();
+        let status = loop {
+            match self.child.try_wait() {
+                Ok(Some(status)) => break Some(status),
+                Ok(None) if since.elapsed() < END_PATIENCE => thread::sleep(Duration::from_millis(2)),
+                Ok(None) | Err(_) => break None,
+            }
+        };
+        let how = match status {
+            None => "closed its output without an answer".to_string(),
+            Some(status) => self.words_of(status),
+        };
+        // The thread that reads them may be a little behind.
+        thread::sleep(Duration::from_millis(5));
+        let mut words = self.last_words.lock().unwrap_or_else(PoisonError::into_inner);
+        let text = String::from_utf8_lossy(words.bytes.make_contiguous()).into_owned();
+        let last: Vec<&str> = text.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
+        let from = last.len().saturating_sub(3);
+        match last.get(from..).unwrap_or_default() {
+            [] => how,
+            last => format!("{how}; its last words: `{}`", excerpt_of(&last.join(" / "))),
+        }
+    }
+
+    fn words_of(&self, status: ExitStatus) -> String {
+        #[cfg(unix)]
+        if let Some(signal) = std::os::unix::process::ExitStatusExt::signal(&status) {
+            let limits = self.limits;
+            return match signal {
+                // SIGXCPU, and SIGKILL at the same limit: the system sends either.
+                24 => format!("took more than {} s of processor time", limits.processor.as_secs().max(1)),
+                6 => {
+                    "was ended by signal 6 (SIGABRT: an abort, a stack that overflowed, or memory that it did not get)"
+                        .to_string()
+                }
+                11 => "was ended by signal 11 (SIGSEGV: a wrong address, or a stack that overflowed)".to_string(),
+                9 => "was ended by signal 9 (SIGKILL)".to_string(),
+                other => format!("was ended by signal {other}"),
+            };
+        }
+        match status.code() {
+            Some(code) => format!("ended with exit code {code} and without an answer"),
+            None => "ended without an answer".to_string(),
+        }
+    }
+}
+
+fn excerpt_of(text: &str) -> String {
+    let shown: String = text.chars().take(400).flat_map(char::escape_debug).collect();
+    if text.chars().nth(400).is_some() { format!("{shown}..") } else { shown }
+}
+
+impl Drop for Running {
+    /// Kills the program and what it started, and leaves no zombie.
+    fn drop(&mut self) {
+        #[cfg(unix)]
+        if let Some(group) = i32::try_from(self.child.id()).ok().and_then(rustix::process::Pid::from_raw) {
+            // It has ended already, as it should.
+            let _ = rustix::process::kill_process_group(group, rustix::process::Signal::KILL);
+        }
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// Bytes of memory that a process holds now; none where the system does not tell.
+fn resident_bytes(process: u32) -> Option<u64> {
+    let told = std::fs::read_to_string(format!("/proc/{process}/status")).ok()?;
+    let line = told.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
+    line.split_whitespace().next()?.parse::<u64>().ok().map(|kibibytes| kibibytes << 10)
+}
+
+fn write_lines(mut input: ChildStdin, say: &Receiver<String>) {
+    while let Ok(line) = say.recv() {
+        let written =
+            input.write_all(line.as_bytes()).and_then(|()| input.write_all(b"\n")).and_then(|()| input.flush());
+        if written.is_err() {
+            // It does not listen; that is no fault if it answers.
+            return;
+        }
+    }
+}
+
+/// Hands on the lines of a program up to the limits.
+fn read_lines(output: impl Read, lines: &SyncSender<Result<Vec<u8>, String>>) {
+    let mut output = BufReader::new(output);
+    let mut left = SOLVER_OUTPUT_BYTES_MAX;
+    loop {
+        let mut line = Vec::new();
+        let most = left.min(SOLVER_LINE_BYTES_MAX);
+        let Ok(read) = output.by_ref().take(most + 1).read_until(b'\n', &mut line) else { return };
+        left = left.saturating_sub(read as u64);
+        let said = match read as u64 {
+            0 => return,
+            read if read <= most => Ok(line),
+            _ if most < SOLVER_LINE_BYTES_MAX => Err(format!("said more than {} MiB", SOLVER_OUTPUT_BYTES_MAX >> 20)),
+            _ => Err(format!(
+                "said a line of more than {} MiB: `{}`",
+                SOLVER_LINE_BYTES_MAX >> 20,
+                excerpt(&String::from_utf8_lossy(line.get(..200).unwrap_or_default()))
+            )),
+        };
+        let is_over = said.is_err();
+        if lines.send(said).is_err() || is_over {
+            return;
+        }
+    }
+}
+
+/// Keeps the end of what a program writes to standard error.
+fn read_errors(mut errors: impl Read, words: &Mutex<LastWords>) {
+    let mut chunk = vec![0; 1 << 16];
+    while let Ok(read) = errors.read(&mut chunk) {
+        let Some(bytes) = chunk.get(..read).filter(|bytes| !bytes.is_empty()) else { return };
+        let mut words = words.lock().unwrap_or_else(PoisonError::into_inner);
+        words.count += read as u64;
+        words.bytes.extend(bytes);
+        let over = words.bytes.len().saturating_sub(SOLVER_LAST_WORDS);
+        words.bytes.drain(..over);
+    }
+}

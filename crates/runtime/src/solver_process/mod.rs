@@ -1,0 +1,115 @@
+//! Solver programs (deliberation): a planner of a third party in a process of its own, so that whatever it does ends there.
+//!
+//! The program reads one request from its standard input and says what it does on its standard output (`protocol.rs`). To the
+//! rest of Apex it is a [`Solver`] like any other: its work is charged, its best plan counts if it has to be stopped, its plan
+//! is checked. A crash, an end without an answer, more memory, time or words than allowed, and lines that are not of the
+//! protocol break it down with a cause; nothing of it reaches the process of the flight.
+
+mod child;
+mod protocol;
+mod serve;
+
+pub use child::ProcessLimits;
+pub(crate) use protocol::short;
+pub use serve::serve;
+
+use crate::limits::{SOLVER_LOOK, SOLVER_MEMORY_BYTES, SOLVER_STOP_PATIENCE, SOLVER_TIMEOUT};
+use apex_model::problem::{Plan, Problem};
+use apex_planning::solver::{Environment, Solver};
+use child::{Heard, Running};
+use protocol::{Request, Said, VERSION};
+use std::ffi::OsString;
+use std::panic::resume_unwind;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// A planner that is a program.
+pub struct SolverProgram {
+    name: String,
+    /// The program and its arguments.
+    command: Vec<OsString>,
+    /// Tells which problems it serves; without one, all.
+    serves: Option<Arc<dyn Solver>>,
+}
+
+impl SolverProgram {
+    /// The planner `name`, which is the program `command` with its arguments. It is asked about problems of all kinds.
+    pub fn new(name: &str, command: Vec<OsString>) -> SolverProgram {
+        SolverProgram { name: name.to_string(), command, serves: None }
+    }
+
+    /// `solver` in a process of its own: `command` must run [`serve`] with it.
+    pub fn of_solver(solver: Arc<dyn Solver>, command: Vec<OsString>) -> SolverProgram {
+        SolverProgram { name: solver.name().to_string(), command, serves: Some(solver) }
+    }
+
+    fn request(&self, problem: &Problem, environment: &Environment<'_>) -> Result<String, String> {
+        let request = Request {
+            apex_solver: VERSION,
+            solver: self.name.clone(),
+            seed: environment.seed,
+            work_units: environment.budget.left().unwrap_or(u64::MAX),
+            problem: problem.clone(),
+            previous: environment.previous.cloned(),
+        };
+        serde_json::to_string(&request).map_err(|error| format!("the problem cannot be written as JSON: {error}"))
+    }
+}
+
+/// Ends the invocation with a cause: the best plan that was reported counts.
+fn break_down(cause: String) -> ! {
+    // No panic: nothing is printed, and the watcher of the invocation takes the cause.
+    resume_unwind(Box::new(cause))
+}
+
+impl Solver for SolverProgram {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn serves(&self, problem: &Problem) -> bool {
+        self.serves.as_ref().is_none_or(|solver| solver.serves(problem))
+    }
+
+    fn solve(&self, problem: &Problem, environment: &mut Environment<'_>) -> Result<Plan, String> {
+        let request = self.request(problem, environment)?;
+        let machine = environment.budget.machine();
+        let limits = ProcessLimits {
+            memory_bytes: machine.memory_bytes.unwrap_or(SOLVER_MEMORY_BYTES),
+            processor: machine.timeout.unwrap_or(SOLVER_TIMEOUT),
+        };
+        let mut running = Running::start(&self.command, limits).unwrap_or_else(|why| break_down(why));
+        running.say(request);
+        let mut told_to_stop = false;
+        let mut stopped_at: Option<Instant> = None;
+        loop {
+            match running.hear(SOLVER_LOOK) {
+                Heard::Line(line) => match Said::read(&line, &self.name, problem) {
+                    Ok(Said::Charge(units)) => environment.budget.charge(units),
+                    Ok(Said::Report(plan)) => (environment.report)(&plan),
+                    Ok(Said::Plan(plan)) => return Ok(plan),
+                    Ok(Said::Failed(reason)) => return Err(reason),
+                    Err(why) => break_down(why),
+                },
+                Heard::TooMuch(what) => break_down(what),
+                Heard::End => break_down(running.end()),
+                Heard::Nothing => {}
+            }
+            if let Some(what) = running.misconduct() {
+                break_down(what);
+            }
+            if environment.budget.exhausted() && !std::mem::replace(&mut told_to_stop, true) {
+                running.tell_to_stop();
+            }
+            if environment.budget.is_stopped()
+                && stopped_at.get_or_insert_with(Instant::now).elapsed() > SOLVER_STOP_PATIENCE
+            {
+                // Dropping kills it.
+                return Err("it was stopped".to_string());
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

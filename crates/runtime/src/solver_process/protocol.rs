@@ -1,0 +1,157 @@
+//! The lines that Apex and a solver program exchange over the program's standard input and output, one JSON object a line
+//! (`docs/reference/solver-programs.md`).
+
+use crate::limits::SOLVER_WORDS_MAX;
+use apex_model::problem::{Plan, Problem, SurveillanceProblem};
+use apex_planning::surveillance::scenario::Scenario;
+use serde::{Deserialize, Serialize};
+use serde_json::Value as Json;
+
+/// The version of the protocol, as the member `apex_solver` of a request.
+pub(super) const VERSION: u32 = 1;
+
+/// What Apex asks: the first line.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Request {
+    pub(super) apex_solver: u32,
+    /// The planner that is asked, for programs that have several.
+    pub(super) solver: String,
+    pub(super) seed: u64,
+    /// Work allowed, in units of a microsecond of flight.
+    pub(super) work_units: u64,
+    pub(super) problem: Problem,
+    /// The plan that is flown now.
+    pub(super) previous: Option<Plan>,
+}
+
+/// The line that tells a program to end soon: its budget is used up, or its answer is not wanted.
+pub(super) const STOP_LINE: &str = "{\"stop\":true}";
+
+/// One line of a program.
+#[derive(Debug, PartialEq)]
+pub(super) enum Said {
+    /// It has done this work since it said so last.
+    Charge(u64),
+    /// Its best plan so far.
+    Report(Plan),
+    /// Its answer.
+    Plan(Plan),
+    /// Its answer: there is no plan, for this reason.
+    Failed(String),
+}
+
+impl Said {
+    /// The line, without its end.
+    pub(super) fn line(&self) -> Result<String, String> {
+        let json = match self {
+            Said::Charge(units) => serde_json::to_string(&serde_json::json!({ "charge": units })),
+            Said::Report(plan) => serde_json::to_string(&serde_json::json!({ "report": plan })),
+            Said::Plan(plan) => serde_json::to_string(&serde_json::json!({ "plan": plan })),
+            Said::Failed(reason) => serde_json::to_string(&serde_json::json!({ "failed": reason })),
+        };
+        json.map_err(|error| error.to_string())
+    }
+
+    /// Reads a line of the program `name`, which was asked to solve `problem`.
+    ///
+    /// # Errors
+    /// What is wrong with the line, with its beginning.
+    pub(super) fn read(line: &[u8], name: &str, problem: &Problem) -> Result<Said, String> {
+        let text = String::from_utf8_lossy(line);
+        let wrong = |why: String| format!("said a line that is not of the protocol ({why}): `{}`", excerpt(&text));
+        let json = crate::unique_json::parse(&text).map_err(|error| wrong(error.to_string()))?;
+        let Json::Object(members) = json else { return Err(wrong("expected a JSON object".into())) };
+        let mut members = members.into_iter();
+        let (Some((key, value)), None) = (members.next(), members.next()) else {
+            return Err(wrong("expected one member".into()));
+        };
+        match (key.as_str(), value) {
+            ("charge", value) => {
+                value.as_u64().map(Said::Charge).ok_or_else(|| wrong("expected a whole number of units".into()))
+            }
+            ("report", value) => plan(value, name, problem).map(Said::Report).map_err(wrong),
+            ("plan", value) => plan(value, name, problem).map(Said::Plan).map_err(wrong),
+            ("failed", Json::String(reason)) => Ok(Said::Failed(short(&reason))),
+            _ => Err(wrong("expected `charge`, `report`, `plan` or `failed`".into())),
+        }
+    }
+}
+
+/// A plan as the program writes it: whole, or of surveillance the names of the targets in the order of visits.
+fn plan(value: Json, name: &str, problem: &Problem) -> Result<Plan, String> {
+    match (problem, value) {
+        (Problem::Surveillance(problem), Json::Array(order)) => surveillance(order, name, problem),
+        (_, value) => serde_json::from_value(value).map_err(|error| format!("no plan: {error}")),
+    }
+}
+
+fn surveillance(order: Vec<Json>, name: &str, problem: &SurveillanceProblem) -> Result<Plan, String> {
+    let scenario = Scenario::new(problem)?;
+    let index = |target: Json| {
+        let target = target.as_str().ok_or_else(|| format!("{target} is not the name of a target"))?;
+        let found = problem.targets.iter().position(|known| known.name == target);
+        found.ok_or_else(|| format!("it visits `{}`, which is not a target", excerpt(target)))
+    };
+    let word = order.into_iter().map(index).collect::<Result<Vec<usize>, String>>()?;
+    Ok(Plan::Surveillance(scenario.plan(name, word)))
+}
+
+/// The beginning of a text, for a message of one line.
+pub(super) fn excerpt(text: &str) -> String {
+    let mut shown: String = text.trim().chars().take(80).flat_map(char::escape_debug).collect();
+    if text.trim().chars().nth(80).is_some() {
+        shown.push_str("..");
+    }
+    shown
+}
+
+/// A reason as it is kept: no program writes the record full.
+pub(crate) fn short(reason: &str) -> String {
+    match reason.char_indices().nth(SOLVER_WORDS_MAX) {
+        None => reason.to_string(),
+        Some((end, _)) => {
+            let kept = reason.get(..end).unwrap_or_default();
+            format!("{kept}.. ({} bytes more)", reason.len().saturating_sub(end))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use apex_model::problem::SingleVisitProblem;
+
+    fn read(line: &str) -> Result<Said, String> {
+        Said::read(line.as_bytes(), "mine", &Problem::SingleVisit(SingleVisitProblem::default()))
+    }
+
+    #[test]
+    fn lines_are_of_the_protocol_or_named() {
+        assert_eq!(read("{\"charge\": 7}"), Ok(Said::Charge(7)));
+        assert_eq!(read("{\"failed\": \"no way\"}"), Ok(Said::Failed("no way".into())));
+        for (line, why) in [
+            ("hello", "expected value"),
+            ("7", "expected a JSON object"),
+            ("{}", "expected one member"),
+            ("{\"charge\": 1, \"plan\": 2}", "expected one member"),
+            ("{\"charge\": 1, \"charge\": 1}", "charge"),
+            ("{\"charge\": -1}", "whole number"),
+            ("{\"plan\": 3}", "no plan"),
+            ("{\"plan\": [\"a\"]}", "no plan"),
+            ("{\"answer\": 3}", "expected `charge`"),
+            ("\u{1b}[2J", "\\u{1b}[2J"),
+        ] {
+            let told = read(line).unwrap_err();
+            assert!(told.contains("not of the protocol") && told.contains(why), "{line}: {told}");
+        }
+        assert!(read(&"x".repeat(10_000)).unwrap_err().len() < 300);
+    }
+
+    #[test]
+    fn a_reason_is_kept_short() {
+        assert_eq!(short("no way"), "no way");
+        let long = short(&"é".repeat(100_000));
+        assert!(long.chars().count() < SOLVER_WORDS_MAX + 40 && long.contains("bytes more"), "{long}");
+    }
+}

@@ -1,0 +1,216 @@
+//! Sessions: who speaks, by the cookie of a session or by a token that comes with the request.
+
+use super::token::{AccessToken, check_name, digest, new_secret};
+use crate::answer::{Answer, ApiError};
+use apex_runtime::authority::{Actor, ActorRole};
+use axum::http::header::{AUTHORIZATION, COOKIE};
+use axum::http::{HeaderMap, StatusCode};
+use std::collections::BTreeMap;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+/// The name of a session's cookie, before the port: cookies do not tell the ports of one machine apart.
+const COOKIE_NAME: &str = "apex-session";
+/// Sessions at a time; a new one beyond replaces the one that was silent longest.
+const SESSIONS_MAX: usize = 200;
+/// Time without a request after which a session is over.
+const IDLE_MAX: Duration = Duration::from_secs(12 * 3600);
+/// The name of callers of this machine without a session.
+const THIS_MACHINE: &str = "this-machine";
+
+/// The sessions of one server.
+pub(crate) struct Sessions {
+    tokens: Vec<AccessToken>,
+    /// Callers need a session or a token.
+    required: bool,
+    /// The name of the cookie.
+    cookie: String,
+    open: Mutex<BTreeMap<[u8; 32], Session>>,
+}
+
+struct Session {
+    actor: Actor,
+    heard: Instant,
+}
+
+impl Sessions {
+    /// No sessions yet, of a server at `port`. Without tokens, and with `loopback`, callers need none.
+    pub(crate) fn new(tokens: Vec<AccessToken>, loopback: bool, port: u16) -> Sessions {
+        let required = !loopback || !tokens.is_empty();
+        Sessions { tokens, required, cookie: format!("{COOKIE_NAME}-{port}"), open: Mutex::default() }
+    }
+
+    /// The name of the cookie that holds a session's secret.
+    pub(crate) fn cookie_name(&self) -> &str {
+        &self.cookie
+    }
+
+    /// The secret in the session's cookie.
+    fn secret<'a>(&self, headers: &'a HeaderMap) -> Option<&'a str> {
+        let all = headers.get_all(COOKIE).into_iter().filter_map(|value| value.to_str().ok());
+        all.flat_map(|value| value.split(';'))
+            .find_map(|pair| pair.trim().strip_prefix(&self.cookie)?.strip_prefix('='))
+    }
+
+    /// True if callers need a session or a token.
+    pub(crate) fn are_required(&self) -> bool {
+        self.required
+    }
+
+    /// Returns the sender of a request with these headers.
+    ///
+    /// # Errors
+    /// 401 if that is not known and must be, or if its token is wrong.
+    pub(crate) fn caller(&self, headers: &HeaderMap) -> Answer<Actor> {
+        if let Some(value) = headers.get(AUTHORIZATION) {
+            let secret = value.to_str().ok().and_then(|value| value.strip_prefix("Bearer "));
+            return secret.and_then(|secret| self.actor_of(secret)).ok_or_else(wrong_token);
+        }
+        if let Some(actor) = self.secret(headers).and_then(|secret| self.session(secret)) {
+            return Ok(actor);
+        }
+        if self.required {
+            return Err(ApiError {
+                status: StatusCode::UNAUTHORIZED,
+                error: "this server answers to sessions only".into(),
+                help: "send the header `Authorization: Bearer TOKEN`, or begin a session with POST /api/session".into(),
+            });
+        }
+        Ok(Actor { name: THIS_MACHINE.into(), role: ActorRole::PilotInCommand })
+    }
+
+    fn actor_of(&self, secret: &str) -> Option<Actor> {
+        let digest = digest(secret.trim());
+        // All are compared, so that the time tells nothing.
+        let found = self.tokens.iter().fold(None, |found, token| if token.fits(&digest) { Some(token) } else { found });
+        found.map(|token| token.actor.clone())
+    }
+
+    fn session(&self, secret: &str) -> Option<Actor> {
+        let key = digest(secret);
+        let mut open = self.open();
+        let session = open.get_mut(&key)?;
+        if session.heard.elapsed() > IDLE_MAX {
+            open.remove(&key);
+            return None;
+        }
+        session.heard = Instant::now();
+        Some(session.actor.clone())
+    }
+
+    /// Begins a session by a token, and returns the actor and the secret for its cookie.
+    ///
+    /// # Errors
+    /// 401 for a wrong token.
+    pub(crate) fn begin_by_token(&self, token: &str) -> Answer<(Actor, String)> {
+        let actor = self.actor_of(token).ok_or_else(wrong_token)?;
+        self.begin(actor)
+    }
+
+    /// Begins a session of this machine under another name, where no tokens are needed.
+    ///
+    /// # Errors
+    /// 401 if tokens are needed, 400 for a bad name, 409 if a session of another role has it.
+    pub(crate) fn begin_by_name(&self, name: &str, role: ActorRole) -> Answer<(Actor, String)> {
+        if self.required {
+            return Err(wrong_token());
+        }
+        let help = "choose another `name`";
+        check_name(name).map_err(|fault| ApiError::bad_request(fault, help))?;
+        let taken = |session: &Session| {
+            session.actor.name == name && session.actor.role != role && session.heard.elapsed() <= IDLE_MAX
+        };
+        if name == THIS_MACHINE || self.open().values().any(taken) {
+            return Err(ApiError {
+                status: StatusCode::CONFLICT,
+                error: format!("the name {name} belongs to a caller with another role"),
+                help: help.into(),
+            });
+        }
+        self.begin(Actor { name: name.into(), role })
+    }
+
+    fn begin(&self, actor: Actor) -> Answer<(Actor, String)> {
+        let secret = new_secret().map_err(|error| ApiError {
+            status: StatusCode::INTERNAL_SERVER_ERROR,
+            error,
+            help: "try again".into(),
+        })?;
+        let mut open = self.open();
+        if open.len() >= SESSIONS_MAX
+            && let Some(oldest) = open.iter().min_by_key(|(_, session)| session.heard).map(|(key, _)| *key)
+        {
+            open.remove(&oldest);
+        }
+        open.insert(digest(&secret), Session { actor: actor.clone(), heard: Instant::now() });
+        Ok((actor, secret))
+    }
+
+    /// Ends the session of a request, if it has one.
+    pub(crate) fn end(&self, headers: &HeaderMap) {
+        if let Some(secret) = self.secret(headers) {
+            self.open().remove(&digest(secret));
+        }
+    }
+
+    fn open(&self) -> MutexGuard<'_, BTreeMap<[u8; 32], Session>> {
+        // No update of the sessions can stop half-way.
+        self.open.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+fn wrong_token() -> ApiError {
+    ApiError {
+        status: StatusCode::UNAUTHORIZED,
+        error: "the token is not known here".into(),
+        help: "tokens are in the file of `--tokens`, or printed when the server starts".into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn headers(name: axum::http::HeaderName, value: &str) -> HeaderMap {
+        let mut headers = HeaderMap::new();
+        headers.insert(name, value.parse().unwrap());
+        headers
+    }
+
+    #[test]
+    fn a_session_begins_by_a_token_and_ends() {
+        let (token, secret) = AccessToken::generate(Actor { name: "tower".into(), role: ActorRole::Operator }).unwrap();
+        let sessions = Sessions::new(vec![token], true, 8040);
+        assert_eq!(sessions.caller(&HeaderMap::new()).unwrap_err().status, StatusCode::UNAUTHORIZED);
+        let bearer = headers(AUTHORIZATION, &format!("Bearer {secret}"));
+        assert_eq!(sessions.caller(&bearer).unwrap().name, "tower");
+        assert!(sessions.caller(&headers(AUTHORIZATION, "Bearer wrong")).is_err());
+        assert!(sessions.begin_by_token("wrong").is_err() && sessions.begin_by_name("x", ActorRole::Observer).is_err());
+        let (actor, cookie) = sessions.begin_by_token(&secret).unwrap();
+        assert_eq!(actor.role, ActorRole::Operator);
+        let cookies = headers(COOKIE, &format!("a=b; {COOKIE_NAME}-8040={cookie}"));
+        assert_eq!(sessions.caller(&cookies).unwrap(), actor);
+        sessions.end(&cookies);
+        assert!(sessions.caller(&cookies).is_err());
+        assert!(
+            sessions.caller(&headers(COOKIE, &format!("{COOKIE_NAME}-8040={secret}"))).is_err(),
+            "a token is not a session"
+        );
+    }
+
+    #[test]
+    fn this_machine_needs_no_session_and_may_have_one_by_name() {
+        let sessions = Sessions::new(Vec::new(), true, 8040);
+        assert_eq!(sessions.caller(&HeaderMap::new()).unwrap().role, ActorRole::PilotInCommand);
+        assert!(sessions.caller(&headers(AUTHORIZATION, "Bearer wrong")).is_err());
+        let (actor, _) = sessions.begin_by_name("van", ActorRole::Observer).unwrap();
+        assert_eq!((actor.name.as_str(), actor.role), ("van", ActorRole::Observer));
+        assert_eq!(sessions.begin_by_name("van", ActorRole::Operator).unwrap_err().status, StatusCode::CONFLICT);
+        assert!(sessions.begin_by_name("this-machine", ActorRole::Operator).is_err());
+        assert!(sessions.begin_by_name("a b", ActorRole::Operator).is_err());
+        assert!(
+            Sessions::new(Vec::new(), false, 8040).caller(&HeaderMap::new()).is_err(),
+            "an open address needs tokens"
+        );
+    }
+}

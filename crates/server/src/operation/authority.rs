@@ -1,0 +1,66 @@
+//! Authority over a run, as the API shows it to one caller.
+
+use apex_runtime::authority::{Actor, ActorRole, AuthorityBoard};
+use serde::Serialize;
+
+/// Authority as the API describes it.
+#[derive(Debug, Serialize)]
+pub(crate) struct AuthorityState {
+    /// The number of the epoch; commands may state it.
+    epoch: u64,
+    /// The holder; none while authority is free.
+    holder: Option<ActorState>,
+    /// The holder was silent until another operator may take authority.
+    silent: bool,
+    offer: Option<OfferState>,
+    /// The caller.
+    you: ActorState,
+    /// The caller holds it.
+    yours: bool,
+    /// The caller may take it now.
+    may_take: bool,
+}
+
+/// A person or program, as the API describes it.
+#[derive(Debug, Serialize)]
+struct ActorState {
+    name: String,
+    role: &'static str,
+}
+
+/// An offer of authority.
+#[derive(Debug, Serialize)]
+struct OfferState {
+    /// The name of the actor that it is offered to.
+    to: String,
+    /// Wall time until it is over, in seconds.
+    left_s: f64,
+}
+
+impl AuthorityState {
+    /// Returns authority as shown to `actor`.
+    pub(crate) fn of(board: &AuthorityBoard, actor: &Actor) -> AuthorityState {
+        let now = board.now();
+        let authority = board.authority();
+        let offer = authority.offer(now);
+        let yours = authority.holder.as_ref().is_some_and(|holder| holder.name == actor.name);
+        let offered = offer.is_some_and(|(to, _)| to == actor.name);
+        let silent = authority.is_silent(now);
+        let open = authority.holder.is_none() || offered || silent || actor.role == ActorRole::PilotInCommand;
+        AuthorityState {
+            epoch: authority.epoch,
+            holder: authority.holder.as_ref().map(ActorState::of),
+            silent,
+            offer: offer.map(|(to, left)| OfferState { to: to.into(), left_s: left.as_secs_f64() }),
+            you: ActorState::of(actor),
+            yours,
+            may_take: !yours && open && actor.role >= ActorRole::Operator,
+        }
+    }
+}
+
+impl ActorState {
+    fn of(actor: &Actor) -> ActorState {
+        ActorState { name: actor.name.clone(), role: actor.role.word() }
+    }
+}

@@ -1,0 +1,91 @@
+//! The records that one page can show: each agent of the served record, further records, and forks.
+
+use apex_runtime::RecordError;
+use apex_runtime::record::RecordReader;
+use axum::Router;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+
+/// Records on a shelf; more are left out.
+const ENTRIES_MAX: usize = 64;
+
+/// Further records that the page can show. The served record and its shown agent are not on it.
+#[derive(Default)]
+pub(crate) struct Shelf(Mutex<Vec<ShelfEntry>>);
+
+/// One agent of one record.
+#[derive(Clone)]
+pub(crate) struct ShelfEntry {
+    pub(crate) path: PathBuf,
+    pub(crate) agent: usize,
+    pub(crate) shown: ShelfRow,
+    /// Answers about it; made at the first question.
+    pub(crate) routes: Arc<OnceLock<Router>>,
+}
+
+/// An entry as the API describes it.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct ShelfRow {
+    /// Its number; 0 is the served record with the agent that is shown first.
+    id: usize,
+    /// The record's file name.
+    record: String,
+    /// The agent's name.
+    agent: String,
+    /// The mission's name.
+    mission: Option<String>,
+    /// Changes of a fork and the instant of the first; null for other records.
+    fork: Option<ForkRow>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct ForkRow {
+    at_ns: i64,
+    with: String,
+}
+
+impl Shelf {
+    pub(crate) fn entries(&self) -> MutexGuard<'_, Vec<ShelfEntry>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Puts all agents of the record at `path` on the shelf, except agent number `except`. Beyond the limit they are left out. Returns the
+    /// number of the first of them.
+    ///
+    /// # Errors
+    /// A record that cannot be read.
+    pub(crate) fn stand(&self, path: &Path, except: Option<usize>) -> Result<Option<usize>, RecordError> {
+        let rows = rows(path)?;
+        let mut entries = self.entries();
+        let mut first = None;
+        for (agent, row) in rows.into_iter().enumerate().filter(|(agent, _)| Some(*agent) != except) {
+            let id = entries.len() + 1;
+            if id > ENTRIES_MAX {
+                break;
+            }
+            first.get_or_insert(id);
+            let routes = Arc::default();
+            entries.push(ShelfEntry { path: path.to_path_buf(), agent, shown: ShelfRow { id, ..row }, routes });
+        }
+        Ok(first)
+    }
+}
+
+/// One row for each agent of a record.
+pub(crate) fn rows(path: &Path) -> Result<Vec<ShelfRow>, RecordError> {
+    let reader = RecordReader::open(path)?;
+    let at_ns = reader.meta("forked_at_ns")?.and_then(|text| text.parse().ok());
+    let with = reader.meta("forked_with")?;
+    let fork = at_ns.zip(with).map(|(at_ns, with)| ForkRow { at_ns, with });
+    let record = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let mission = reader.meta("mission")?;
+    let row = |agent: &String| ShelfRow {
+        id: 0,
+        record: record.clone(),
+        agent: agent.clone(),
+        mission: mission.clone(),
+        fork: fork.clone(),
+    };
+    Ok(reader.agents().iter().map(row).collect())
+}

@@ -1,0 +1,80 @@
+//! `/api/records` lists the records that the page can show; `/api/records/ID/..` answers about one of them as `/api/..` answers
+//! about the first.
+
+use crate::answer::{Answer, ApiError};
+use crate::seen_ground::SeenGround;
+use crate::shelf::{Shelf, rows};
+use crate::state::{AppState, Shared, Views, blocking, no_record};
+use apex_runtime::record::view::RecordView;
+use axum::extract::rejection::PathRejection;
+use axum::extract::{Path as UrlPath, Request, State};
+use axum::http::Uri;
+use axum::response::{IntoResponse, Response};
+use axum::routing::get;
+use axum::{Json, Router};
+use std::sync::{Arc, OnceLock};
+use tower::ServiceExt;
+
+/// The routes.
+pub(crate) fn routes() -> Router<Arc<AppState>> {
+    Router::new().route("/api/records", get(list)).route("/api/records/{id}/{*what}", get(of_one))
+}
+
+async fn list(State(state): Shared) -> Answer<Response> {
+    let answer = blocking(move || {
+        let path = state.record.as_ref().ok_or_else(no_record)?;
+        let first = rows(path)?.into_iter().nth(state.agent);
+        let others = state.shelf.entries().iter().map(|entry| entry.shown.clone()).collect::<Vec<_>>();
+        Ok(first.into_iter().chain(others).collect::<Vec<_>>())
+    })
+    .await?;
+    Ok(Json(serde_json::json!({ "records": answer })).into_response())
+}
+
+async fn of_one(
+    State(state): Shared,
+    path: Result<UrlPath<(usize, String)>, PathRejection>,
+    mut request: Request,
+) -> Answer<Response> {
+    let UrlPath((id, what)) = path.map_err(|rejection| {
+        ApiError::bad_request(rejection.body_text(), "records have whole numbers; `/api/records` lists them")
+    })?;
+    let query = request.uri().query().map(|query| format!("?{query}")).unwrap_or_default();
+    let routes = blocking(move || routes_of(&state, id)).await?;
+    *request.uri_mut() = format!("/api/{what}{query}").parse::<Uri>().map_err(|error| {
+        ApiError::bad_request(error.to_string(), "docs/reference/server-api.md lists the addresses")
+    })?;
+    Ok(routes.oneshot(request).await.into_response())
+}
+
+/// The routes of one entry, made at the first question about it.
+fn routes_of(state: &Arc<AppState>, id: usize) -> Answer<Router> {
+    if id == 0 {
+        return Ok((state.routes)(Arc::clone(state)));
+    }
+    let entry = id.checked_sub(1).and_then(|index| state.shelf.entries().get(index).cloned());
+    let entry = entry
+        .ok_or_else(|| ApiError::not_found(format!("this server has no record {id}"), "`/api/records` lists them"))?;
+    if let Some(routes) = entry.routes.get() {
+        return Ok(routes.clone());
+    }
+    let is_same = state.record.as_ref() == Some(&entry.path);
+    let of_entry = AppState {
+        views: Some(Views::new(RecordView::open(&entry.path, entry.agent)?)?),
+        record: Some(entry.path),
+        agent: entry.agent,
+        load: state.load.clone(),
+        program: OnceLock::new(),
+        door: state.door.clone().filter(|_| is_same),
+        seen: SeenGround::default(),
+        tower: None,
+        routes: state.routes,
+        shelf: Shelf::default(),
+        what_if: None,
+        sessions: Arc::clone(&state.sessions),
+        names: state.names.clone(),
+        is_encrypted: state.is_encrypted,
+        live_places: Arc::clone(&state.live_places),
+    };
+    Ok(entry.routes.get_or_init(|| (state.routes)(Arc::new(of_entry))).clone())
+}

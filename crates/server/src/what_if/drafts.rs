@@ -1,0 +1,109 @@
+//! `POST /api/drafts`: an order of visits, planned and checked from the situation of an instant.
+
+use crate::answer::{Answer, ApiError};
+use crate::state::{Shared, blocking, no_record};
+use crate::what_if::request::DraftRequest;
+use apex_mission::deliberation::draft as plan_draft;
+use apex_mission::recorded::mission_of;
+use apex_mission::situation::OperatorPlan;
+use apex_model::time::Time;
+use apex_runtime::record::RecordReader;
+use apex_runtime::record::view::PlanInForce;
+use axum::Json;
+use axum::extract::State;
+use axum::extract::rejection::JsonRejection;
+use serde::Serialize;
+use std::sync::PoisonError;
+
+/// A draft with the checker's word.
+#[derive(Debug, Serialize)]
+pub(crate) struct DraftAnswer {
+    at_ns: i64,
+    /// The plan, if all visits can be made.
+    plan: Option<PlanInForce>,
+    /// Its expected score, or its expected cost of ignorance.
+    worth: Option<Worth>,
+    /// Reason if there is no plan.
+    violation: Option<DraftViolation>,
+}
+
+#[derive(Debug, Serialize)]
+struct Worth {
+    what: &'static str,
+    value: f64,
+}
+
+/// A mistake in a draft, and its place.
+#[derive(Debug, Serialize)]
+struct DraftViolation {
+    reason: String,
+    /// The place among the visits, from 0; none if the draft as a whole is wrong.
+    visit: Option<usize>,
+}
+
+pub(crate) async fn draft(
+    State(state): Shared,
+    body: Result<Json<DraftRequest>, JsonRejection>,
+) -> Answer<Json<DraftAnswer>> {
+    let Json(request) = body.map_err(|rejection| ApiError {
+        status: rejection.status(),
+        error: rejection.body_text(),
+        help: "send for example `{\"visits\": [\"zaca\", \"lick\"]}` as application/json".into(),
+    })?;
+    let answer = blocking(move || {
+        let what_if = state.what_if()?;
+        let reader = RecordReader::open(state.record.as_ref().ok_or_else(no_record)?)?;
+        let mission = mission_of(&reader)?.ok_or_else(|| {
+            ApiError::bad_request("the record is not of a mission", "drafts need the targets of a mission")
+        })?;
+        let end = reader.span()?.map_or(Time::ZERO, |(_, end)| end);
+        let at = request.at_ns.map_or(end, |at| Time(at).min(end));
+        let visits = OperatorPlan { visits: request.visits.clone(), repeat: request.repeat };
+        let _one = what_if.drafting.lock().unwrap_or_else(PoisonError::into_inner);
+        Ok(answer(at, &request.visits, plan_draft(&reader, &mission, at, &visits, &what_if.means)?))
+    })
+    .await?;
+    Ok(Json(answer))
+}
+
+type Planned = Result<apex_mission::deliberation::Deliberation, String>;
+
+fn answer(at: Time, visits: &[String], planned: Planned) -> DraftAnswer {
+    match planned {
+        Ok(planned) => {
+            let worth = match &planned.plan {
+                apex_model::problem::Plan::SingleVisit(plan) => Worth { what: "score", value: plan.score },
+                apex_model::problem::Plan::Surveillance(plan) => {
+                    Worth { what: "expected cost of ignorance", value: plan.expected_cost }
+                }
+            };
+            let plan = Some(PlanInForce::of_plan(planned.plan, 0, at.0));
+            DraftAnswer { at_ns: at.0, plan, worth: Some(worth), violation: None }
+        }
+        Err(reason) => {
+            let violation = Some(DraftViolation { visit: place_in(&reason, visits), reason });
+            DraftAnswer { at_ns: at.0, plan: None, worth: None, violation }
+        }
+    }
+}
+
+/// The visit that a reason is about: by its number, else by the target that it names.
+fn place_in(reason: &str, visits: &[String]) -> Option<usize> {
+    let number = reason.split("visit ").nth(1).and_then(|rest| rest.split(',').next()?.parse::<usize>().ok());
+    let by_number = number.and_then(|number| number.checked_sub(1)).filter(|index| *index < visits.len());
+    by_number.or_else(|| visits.iter().position(|visit| reason.contains(&format!("`{visit}`"))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_violation_is_placed_at_its_visit() {
+        let visits = ["barn".to_owned(), "winery".to_owned()];
+        assert_eq!(place_in("visit 2, of winery, cannot be made: it would end too late", &visits), Some(1));
+        assert_eq!(place_in("visit 9, of winery, cannot be made", &visits), None);
+        assert_eq!(place_in("there is no target `winery`; there are barn", &visits), Some(1));
+        assert_eq!(place_in("nothing is left", &visits), None);
+    }
+}

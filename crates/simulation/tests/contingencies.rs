@@ -1,0 +1,265 @@
+//! Contingencies of library "contingencies", each with an injected failure or weather: the response comes after the failure and in time,
+//! what it is for is reached, and it is left when the cause is gone. What is compared is the recorded flight, not the plan.
+
+#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a failed test should stop")]
+#![allow(clippy::disallowed_methods, reason = "this check computes distances apart from the product")]
+
+#[path = "contingencies/flown.rs"]
+mod flown;
+
+use flown::Flight;
+
+/// To a place 60 km north, and back.
+const NORTH: &str =
+    "(step up (take off to 4000m)) (step out (fly to (37.5 -117.0 4000))) (step home (return to home at 4000m))";
+
+/// To a place 100 km north, and back.
+const FAR_NORTH: &str =
+    "(step up (take off to 4000m)) (step out (fly to (37.9 -117.0 4000))) (step home (return to home at 4000m))";
+
+#[test]
+fn without_failures_no_contingency_is_raised() {
+    let guards = "(step guard (guard against contingencies)) (step lease (guard the lease of pilot for 5h))";
+    for vehicle in ["predator-b", "fixed-wing-mapper", "rmax"] {
+        let work =
+            "(step up (take off to 400m)) (step out (fly to (37.05 -117.0 400))) (step home (return to home at 400m))";
+        let flown = Flight { vehicle, guards, work, ..Flight::default() }.fly();
+        let raised = [
+            "(engine-out",
+            "(leak-found",
+            "(navigation-",
+            "(reading-frozen",
+            "(icing-",
+            "(rough-",
+            "(storm-",
+            "(lease-",
+            "(violated",
+        ];
+        for text in raised {
+            assert_eq!(flown.count(text), 0, "{vehicle}: {text}\n{}", flown.story());
+        }
+        assert!(flown.count("(landed uav-1)") == 1, "{vehicle}\n{}", flown.story());
+        flown.assert_replays();
+    }
+}
+
+#[test]
+fn without_engine_the_aircraft_glides_to_the_field_in_reach() {
+    let flown = Flight {
+        guards: "(step guard (guard against engine failure))",
+        work: NORTH,
+        world: r#""faults": [{"fault": "engine", "at_s": 900}]"#,
+        ..Flight::default()
+    }
+    .fly();
+    let out_s = flown.first_s("(engine-out uav-1");
+    assert!((900.0..905.0).contains(&out_s), "{out_s}");
+    let place = if flown.count("(engine-out uav-1 field)") == 1 { (37.54, -117.0) } else { (37.0, -117.0) };
+    assert_eq!(flown.count("(engine-out uav-1 nil)"), 0, "{}", flown.story());
+    assert!(flown.count("(landed uav-1)") == 1 && flown.count("(crashed") == 0, "{}", flown.story());
+    let missed_m = flown.last_distance_m(place.0, place.1);
+    assert!(missed_m < 3_000.0, "{missed_m} m from the field\n{}", flown.story());
+    flown.assert_replays();
+}
+
+#[test]
+fn a_leak_is_found_and_the_flight_ends_at_the_nearest_field() {
+    let flown = Flight {
+        guards: "(step guard (guard against leaks))",
+        work: NORTH,
+        world: r#""faults": [{"fault": "leak", "by": 60, "at_s": 800}]"#,
+        ..Flight::default()
+    }
+    .fly();
+    let found_s = flown.first_s("(leak-found uav-1");
+    assert!((860.0..910.0).contains(&found_s), "{found_s}");
+    assert_eq!(flown.count("(landing-because leak"), 1, "{}", flown.story());
+    assert_eq!(flown.count("(landed uav-1)"), 1, "{}", flown.story());
+    flown.assert_replays();
+}
+
+#[test]
+fn lost_navigation_is_waited_for_and_resumed() {
+    let flown = Flight {
+        guards: "(step guard (guard against navigation failure))",
+        work: NORTH,
+        world: r#""faults": [{"fault": "navigation", "at_s": 900, "for_s": 120}]"#,
+        ..Flight::default()
+    }
+    .fly();
+    let (lost_s, regained_s) = (flown.first_s("(navigation-lost"), flown.first_s("(navigation-regained"));
+    assert!((905.0..925.0).contains(&lost_s), "{lost_s}");
+    assert!((1_050.0..1_080.0).contains(&regained_s), "{regained_s}");
+    assert_eq!((flown.count("(navigation-lost"), flown.count("(landed uav-1)")), (1, 1), "{}", flown.story());
+    flown.assert_replays();
+}
+
+#[test]
+fn navigation_that_drifts_has_the_aircraft_fly_higher() {
+    let flown = Flight {
+        guards: "(step guard (guard against navigation failure))",
+        work: NORTH,
+        world: r#""faults": [{"fault": "navigation", "by": 5, "at_s": 900, "for_s": 100}]"#,
+        ..Flight::default()
+    }
+    .fly();
+    let at_s = flown.first_s("(navigation-degraded uav-1)");
+    assert!((910.0..940.0).contains(&at_s), "50 m at 5 m/s, then 5 s: {at_s}");
+    let (before_m, after_m) =
+        (flown.number_at("(altitude uav-1)", at_s), flown.number_at("(altitude uav-1)", at_s + 90.0));
+    assert!((after_m - before_m - 150.0).abs() < 20.0, "{before_m} m, then {after_m} m");
+}
+
+#[test]
+fn a_frozen_altimeter_is_noticed_in_a_climb() {
+    let flown = Flight {
+        guards: "(step guard (guard against frozen readings))",
+        work: NORTH,
+        world: r#""faults": [{"fault": "freeze", "of": "altitude", "at_s": 200, "for_s": 60}]"#,
+        ..Flight::default()
+    }
+    .fly();
+    let at_s = flown.first_s("(reading-frozen altitude uav-1)");
+    assert!((215.0..245.0).contains(&at_s), "{at_s}");
+    let during: Vec<f64> =
+        flown.numbers("(altitude uav-1)").iter().filter(|(s, _)| (201.0..259.0).contains(s)).map(|(_, m)| *m).collect();
+    assert!(during.len() > 3 && during.windows(2).all(|pair| pair[0] == pair[1]), "{during:?}");
+}
+
+#[test]
+fn ice_is_left_for_warmer_air_and_the_altitude_comes_back() {
+    let flown = Flight {
+        guards: "(step guard (guard against icing))",
+        work: FAR_NORTH,
+        world: r#""clouds": [{"latitude_deg": 37.25, "longitude_deg": -117.0, "radius_m": 15000, "base_m": 3000, "top_m": 6000, "cover": 0.9}]"#,
+        ..Flight::default()
+    }
+    .fly();
+    let (met_s, left_s) = (flown.first_s("(icing-met uav-1"), flown.first_s("(icing-left uav-1)"));
+    assert!(left_s > met_s, "{}", flown.story());
+    let exposures = flown.numbers("(ice-exposure uav-1)");
+    let most_s = exposures.iter().map(|(_, seconds)| *seconds).fold(0.0, f64::max);
+    assert!(most_s > 20.0 && most_s < 400.0, "{most_s} s of icing");
+    // It was warmer than freezing while it waited for clear air, and is back at its altitude.
+    let temperatures =
+        flown.numbers("(outside-temperature uav-1)").into_iter().filter(|(at_s, _)| (met_s..left_s).contains(at_s));
+    let warmest_k = temperatures.map(|(_, kelvin)| kelvin).fold(0.0, f64::max);
+    assert!(warmest_k > 273.15, "{warmest_k}");
+    let altitude_m = flown.number_at("(altitude uav-1)", left_s);
+    assert!((altitude_m - 4_000.0).abs() < 30.0, "{altitude_m} m\n{}", flown.story());
+    assert_eq!(flown.count("(landed uav-1)"), 1, "{}", flown.story());
+    flown.assert_replays();
+}
+
+#[test]
+fn rough_air_is_flown_slowly_until_it_is_smooth_for_a_while() {
+    let flown = Flight {
+        guards: "(step guard (guard against rough air))",
+        work: NORTH,
+        // A cell on the way is rough air without cloud.
+        world: r#""storms": [{"latitude_deg": 37.25, "longitude_deg": -117.0, "radius_m": 6000, "edr": 0.35}]"#,
+        ..Flight::default()
+    }
+    .fly();
+    let (rough_s, smooth_s) = (flown.first_s("(rough-air uav-1)"), flown.first_s("(smooth-air uav-1)"));
+    let speed = |at_s| flown.number_at("(true-airspeed uav-1)", at_s);
+    assert!(
+        (speed(smooth_s - 1.0) / speed(rough_s - 1.0) - 0.85).abs() < 0.02,
+        "{} {}",
+        speed(rough_s - 1.0),
+        speed(smooth_s - 1.0)
+    );
+    assert!((speed(smooth_s + 60.0) / speed(rough_s - 1.0) - 1.0).abs() < 0.02);
+    let rough = flown.numbers("(edr uav-1)").into_iter().filter(|(_, edr)| *edr > 0.3).map(|(at_s, _)| at_s);
+    assert!(smooth_s - rough.fold(0.0, f64::max) < 90.0 || flown.count("(rough-air") == 2, "{}", flown.story());
+}
+
+#[test]
+fn a_storm_on_the_way_is_flown_around() {
+    let world = r#""storms": [{"latitude_deg": 37.55, "longitude_deg": -117.02, "radius_m": 8000}]"#;
+    let nearest_m = |guards: &'static str| {
+        let flown = Flight { guards, work: FAR_NORTH, world, ..Flight::default() }.fly();
+        let distances = flown.numbers("(storm-distance uav-1)");
+        let least_m = distances.iter().map(|(_, metres)| *metres).fold(f64::INFINITY, f64::min);
+        assert_eq!(flown.count("(landed uav-1)"), 1, "{}", flown.story());
+        (least_m, flown)
+    };
+    let (without_m, _) = nearest_m("");
+    assert!(without_m < 0.0, "{without_m}");
+    let (with_m, flown) = nearest_m("(step guard (guard against storms))");
+    assert!(with_m > 4_000.0, "{with_m} m\n{}", flown.story());
+    // Once on the way out and once on the way back.
+    assert!((1..=4).contains(&flown.count("(storm-passed uav-1)")), "{}", flown.story());
+    flown.assert_replays();
+}
+
+#[test]
+fn a_wrong_forecast_is_reported_and_not_again_at_once() {
+    let flown = Flight {
+        guards: "(step guard (guard against a wrong forecast))",
+        work: FAR_NORTH,
+        world: r#""wind_error": {"sigma_mps": 12}"#,
+        ..Flight::default()
+    }
+    .fly();
+    let reports: Vec<f64> =
+        flown.said.iter().filter(|(_, said)| said == "(violated wind-as-forecast)").map(|(at_s, _)| *at_s).collect();
+    assert!(!reports.is_empty(), "{}", flown.story());
+    assert!(reports.windows(2).all(|pair| pair[1] - pair[0] > 1_800.0), "{reports:?}");
+}
+
+#[test]
+fn a_camera_without_cooling_is_switched_off_before_it_is_too_hot() {
+    let flown = Flight {
+        vehicle: "rmax",
+        guards: "(step guard (guard camera-1 against heat))",
+        work: "(step on (power-up camera-1)) (step up (take off to 60m)) (step stay (hover for 25min)) (step down (land here))",
+        world: r#""faults": [{"fault": "cooling", "of": "camera-1", "at_s": 300, "for_s": 600}]"#,
+        ..Flight::default()
+    }
+    .fly();
+    let (hot_s, cool_s) = (flown.first_s("(camera-hot camera-1)"), flown.first_s("(camera-cool camera-1)"));
+    let most_k = flown.numbers("(detector-temperature camera-1)").iter().map(|(_, kelvin)| *kelvin).fold(0.0, f64::max);
+    assert!((314.0..320.0).contains(&most_k), "{most_k}");
+    assert!(hot_s > 400.0 && cool_s > hot_s, "{hot_s} {cool_s}");
+    let ready = flown.said.iter().filter(|(_, said)| said == "(ready camera-1)").count();
+    assert!(ready >= 2, "{}", flown.story());
+}
+
+#[test]
+fn a_camera_rests_while_the_sun_is_near_its_sight_line() {
+    // At 02:31 UTC the sun is 5 degrees high in the west-northwest; half an hour later it has set.
+    let flown = Flight {
+        vehicle: "rmax",
+        start: "2026-06-02T02:30:00Z",
+        guards: "(step guard (guard camera-1 against the sun))",
+        work: "(step on (power-up camera-1)) (step up (take off to 60m)) \
+               (step look (orient camera-1 to (37.0204 -117.0502 120)) (on-failure (wait 0s))) (step stay (hover for 36min)) (step down (land here))",
+        ..Flight::default()
+    }
+    .fly();
+    let (near_s, clear_s) = (flown.first_s("(sun-near camera-1)"), flown.first_s("(sun-clear camera-1)"));
+    assert!(near_s < 120.0 && clear_s > 1_500.0, "{near_s} {clear_s}");
+    let least_rad = flown.number_at("(sun-angle camera-1)", near_s);
+    assert!(least_rad < 8.0_f64.to_radians(), "{least_rad}");
+}
+
+#[test]
+fn an_operator_who_does_not_renew_the_lease_is_waited_for() {
+    let guards = "(step guard (guard the lease of pilot for 10min))";
+    let flown = Flight {
+        guards,
+        work: NORTH,
+        scenario: "{\"t\": 300, \"event\": \"(lease-renewed pilot)\"}\n{\"t\": 960, \"event\": \"(lease-renewed pilot)\"}\n",
+        ..Flight::default()
+    }
+    .fly();
+    assert!((flown.first_s("(lease-ending pilot)") - 780.0).abs() < 1.0, "{}", flown.story());
+    assert!((flown.first_s("(lease-expired pilot)") - 900.0).abs() < 1.0, "{}", flown.story());
+    assert!((flown.first_s("(lease-regained pilot)") - 960.0).abs() < 1.0, "{}", flown.story());
+    assert_eq!(flown.said.iter().filter(|(at_s, said)| *at_s < 960.0 && said.starts_with("(lease-ending")).count(), 1);
+    let flown = Flight { guards, work: NORTH, ..Flight::default() }.fly();
+    assert!((flown.first_s("(landing-because lease") - 900.0).abs() < 1.0, "{}", flown.story());
+    assert_eq!(flown.count("(landed uav-1)"), 1, "{}", flown.story());
+    flown.assert_replays();
+}

@@ -1,0 +1,168 @@
+//! The living world in whole flights: what ignorance costs against what was expected of it, bad world files, and two failures that a model separates.
+//!
+//! `APEX_IGNORANCE_SEEDS` sets the number of seeds.
+
+#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a failed test should stop")]
+#![allow(clippy::disallowed_methods, reason = "this check computes distances apart from the product")]
+
+#[path = "contingencies/flown.rs"]
+mod flown;
+
+use apex_mission::Mission;
+use apex_mission::deliberation::PlanningResources;
+use apex_simulation::{IgnoranceSummary, RunSummary, RunTerms, fly_runs};
+use std::path::Path;
+use std::sync::Arc;
+
+fn means() -> PlanningResources {
+    PlanningResources::of(&Arc::new(apex_solvers::shipped()))
+}
+
+/// A helicopter that watches two structures in turn, each every minute and a half or so, whatever it sees.
+fn watch(folder: &Path, world: &str) -> Mission {
+    let site = |id: &str, north_deg: f64, more: &str| {
+        format!(
+            r#"{{"type": "Feature", "properties": {{"id": "{id}", {more}}}, "geometry": {{"type": "Point", "coordinates": [-100.0, {}]}}}}"#,
+            40.0 + north_deg
+        )
+    };
+    let often = r#""kind": "structure", "rate_per_h": 6, "importance": 100, "cost": "linear", "cost_growth_per_h": 6, "dwell_s": 20, "initial_age_s": 120"#;
+    let changing = r#""kind": "structure", "rates_per_h": [[0, 2], [0.08, 9]], "importance": 200, "cost_growth_per_h": 4, "dwell_s": 20"#;
+    let features =
+        [site("pad", -0.002, r#""kind": "base""#), site("barn", 0.001, often), site("mill", 0.003, changing)];
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
+    write("sites.geojson", &format!("{{\"type\": \"FeatureCollection\", \"features\": [{}]}}", features.join(", ")));
+    write("world.json", world);
+    write(
+        "mission.pdl",
+        r#"(defapplication "Watch"
+  :type native-sim
+  :libraries ("vehicle" "aerial-observation")
+  :vehicle (sim :model rmax :at pad)
+  :duration 12min
+  :end-margin 0s
+  :targets "sites.geojson"
+  :world "world.json"
+  :agents ((agent uav-1 :initial-task (watch them))))
+(procedure :sequential (index (watch them)) (step up (take off to 60m)) (step round (watch in turn)))
+(procedure (index (watch in turn)) (step round (once round) (repeating)))
+(procedure :sequential
+  (index (once round))
+  (step barn (visit barn at (40.001 -100.0 60) for 20s with camera-1))
+  (step mill (visit mill at (40.003 -100.0 60) for 20s with camera-1)))"#,
+    );
+    Mission::load(folder).unwrap_or_else(|error| panic!("{error:?}"))
+}
+
+fn ignorance(world: &str, runs: usize) -> IgnoranceSummary {
+    let folder = tempfile::tempdir().unwrap();
+    let mission = Arc::new(watch(folder.path(), world));
+    let terms = RunTerms { first_seed: Some(1), runs, jobs: 2, until: None };
+    let rows = fly_runs(&mission, &means(), &terms, || true).unwrap();
+    let summary = RunSummary::of(&rows);
+    println!("{summary}");
+    summary.ignorance.unwrap()
+}
+
+/// The test of the metric: over many worlds the fires cost what was expected of them.
+#[test]
+fn expected_and_realised_ignorance_agree() {
+    let seeds = std::env::var("APEX_IGNORANCE_SEEDS").ok().and_then(|text| text.parse().ok()).unwrap_or(1_000);
+    let seen = ignorance(r#"{"format": "apex-world-1", "ignitions": {}}"#, seeds);
+    // 12 min at 6 per hour with 2 min before; 4.8 min at 2 and 7.2 min at 9 per hour: 2.64 fires a flight.
+    let fires = seen.fires as f64 / seen.flights as f64;
+    assert!((fires - 2.64).abs() < 4.0 * (2.64 / seen.flights as f64).sqrt(), "{fires} fires a flight");
+    assert!(seen.deviation().abs() <= 3.0, "{seen:?}");
+    assert!(seen.standard_error < 0.1 * seen.expected, "{seen:?}");
+}
+
+/// Looks that see half of the fires cost more than the metric, which assumes that they see all.
+#[test]
+fn looks_that_miss_fires_cost_more_than_expected() {
+    let missed = ignorance(r#"{"format": "apex-world-1", "ignitions": {"detection": 0.4}}"#, 150);
+    assert!(missed.deviation() > 3.0, "{missed:?}");
+    let clouds = r#""clouds": [{"latitude_deg": 40, "longitude_deg": -100, "radius_m": 50000, "base_m": 10, "top_m": 50, "cover": 1}]"#;
+    let hidden = ignorance(&format!(r#"{{"format": "apex-world-1", "ignitions": {{}}, {clouds}}}"#), 20);
+    assert_eq!(hidden.seen, 0, "{hidden:?}");
+}
+
+#[test]
+fn bad_world_files_are_refused_with_the_field_and_what_would_be_right() {
+    for (world, words) in [
+        ("{", "world.json:1:1"),
+        (r#"{"format": "apex-world-2"}"#, "\"apex-world-1\""),
+        (r#"{"format": "apex-world-1", "fault": []}"#, "unknown field `fault`"),
+        (r#"{"format": "apex-world-1", "faults": [{"fault": "gimbel", "at_s": 1}]}"#, "unknown variant `gimbel`"),
+        (
+            r#"{"format": "apex-world-1", "faults": [{"fault": "gimbal", "of": "camera-2", "at_s": 1}]}"#,
+            "did you mean `camera-1`",
+        ),
+        (r#"{"format": "apex-world-1", "faults": [{"fault": "gimbal", "at_s": 1}]}"#, "needs `of`"),
+        (r#"{"format": "apex-world-1", "faults": [{"fault": "engine"}]}"#, "neither `at_s` nor `rate_per_h`"),
+        (
+            r#"{"format": "apex-world-1", "faults": [{"fault": "engine", "at_s": 1, "rate_per_h": 1}]}"#,
+            "both `at_s` and `rate_per_h`",
+        ),
+        (r#"{"format": "apex-world-1", "faults": [{"fault": "engine", "at_s": -1}]}"#, "at_s is -1"),
+        (r#"{"format": "apex-world-1", "faults": [{"fault": "bias", "of": "altitude", "at_s": 1}]}"#, "needs `by`"),
+        (
+            r#"{"format": "apex-world-1", "faults": [{"fault": "freeze", "of": "altitud", "at_s": 1}]}"#,
+            "did you mean `altitude`",
+        ),
+        (r#"{"format": "apex-world-1", "faults": [{"fault": "modem", "of": "radio", "at_s": 1}]}"#, "unknown modem"),
+        (r#"{"format": "apex-world-1", "ignitions": {"detection": 1.5}}"#, "ignitions.detection is 1.5"),
+        (
+            r#"{"format": "apex-world-1", "clouds": [{"latitude_deg": 95, "longitude_deg": 0, "radius_m": 1, "base_m": 0, "top_m": 1, "cover": 0}]}"#,
+            "clouds[0].latitude_deg",
+        ),
+        (
+            r#"{"format": "apex-world-1", "downlink": {"over": "radio", "rate_mbit_s": 1, "picture_mbit": 1, "store_mbit": 9}}"#,
+            "downlink.over",
+        ),
+        (r#"{"format": "apex-world-1", "wind_error": {"correlation_h": 0}}"#, "wind_error.correlation_h is 0"),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let mission = watch(folder.path(), world);
+        let error = apex_simulation::world(&mission, None).err().unwrap_or_else(|| panic!("accepted: {world}"));
+        let text = format!("{error} {error:?}");
+        assert!(text.contains(words) && text.contains("world.json"), "{world}: {text}");
+    }
+}
+
+/// Mission `diagnosis`: the mount fails first, the power of the payload later; the model separates them, and the mission continues.
+#[test]
+fn a_mount_and_a_bus_that_fail_are_told_apart_and_the_rest_is_used() {
+    let folder = tempfile::tempdir().unwrap();
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/diagnosis");
+    let flown = flown::fly_mission(&shipped, folder);
+    let health = |component: &str, at_s: f64| flown.word_at(&format!("(health {component})"), at_s);
+    // The mount sticks at 900 s, the payload loses its power at 2,000 s.
+    assert_eq!(
+        ["gimbal-drive", "payload-converter", "sensor-head"].map(|one| health(one, 890.0)),
+        ["good", "good", "good"]
+    );
+    assert_eq!(
+        ["gimbal-drive", "payload-converter"].map(|one| health(one, 1_600.0)),
+        ["bad", "good"],
+        "{}",
+        flown.story()
+    );
+    assert_eq!(health("payload-converter", 2_050.0), "bad", "{}", flown.story());
+    let (turret_s, payload_s) =
+        (flown.first_s("(turret-lost gimbal-drive)"), flown.first_s("(payload-lost payload-converter)"));
+    assert!((900.0..1_600.0).contains(&turret_s) && (2_000.0..2_040.0).contains(&payload_s), "{turret_s} {payload_s}");
+    // Pictures before the first failure only, scans between the two, neither after the second.
+    let pictures = flown.said.iter().filter(|(_, said)| said.starts_with("(image-taken")).map(|(at_s, _)| *at_s);
+    let pictures: Vec<f64> = pictures.collect();
+    assert!(!pictures.is_empty() && pictures.iter().all(|at_s| *at_s < 900.0), "{pictures:?}");
+    let scans = flown.words("(scanner-state aircraft-1)").into_iter().filter(|(_, word)| word == "on");
+    let scans: Vec<f64> = scans.map(|(at_s, _)| at_s).collect();
+    assert!(!scans.is_empty() && scans.iter().all(|at_s| (900.0..2_000.0).contains(at_s)), "{scans:?}");
+    let bridges = ["narrows", "old-ford", "railway", "canyon", "aqueduct", "dry-creek"];
+    let served = |bridge: &&&str| {
+        flown.count(&format!("(observed {bridge})")) + flown.count(&format!("(relaying {bridge})")) == 1
+    };
+    assert_eq!(bridges.iter().filter(served).count(), 6, "{}", flown.story());
+    assert!(flown.count("(relaying") >= 1 && flown.count("(landed aircraft-1)") == 1, "{}", flown.story());
+    flown.assert_replays();
+}

@@ -1,0 +1,27 @@
+/** The words about authority; pure. */
+
+import type { Authority } from '../../record/operation';
+
+/** `pilot in command`. */
+export function roleText(role: string): string {
+  return role.replaceAll('-', ' ');
+}
+
+/** `free`, `you`, `tower (operator)`, `tower (operator), silent`. */
+export function holderText(authority: Authority): string {
+  if (authority.holder === null) return 'free';
+  if (authority.yours) return 'you';
+  const silent = authority.silent ? ', silent' : '';
+  return `${authority.holder.name} (${roleText(authority.holder.role)})${silent}`;
+}
+
+/** The open offer: `offered to you for 42 s`; null without one. */
+export function offerText(authority: Authority): string | null {
+  if (authority.offer === null) return null;
+  const to = isOfferedToYou(authority) ? 'you' : authority.offer.to;
+  return `offered to ${to} for ${Math.ceil(authority.offer.left_s)} s`;
+}
+
+export function isOfferedToYou(authority: Authority): boolean {
+  return authority.offer?.to === authority.you.name;
+}

@@ -1,0 +1,62 @@
+/** Filters of the trace: those of `apex trace`, and their names in this browser; pure except for the storage. */
+
+export interface TraceFilter {
+  /** Kinds by comma; empty takes all. */
+  kinds: string;
+  find: string;
+  /** Number of a task; none takes all. */
+  task: number | null;
+  /** Only lines of the timeline's window. */
+  window: boolean;
+}
+
+export interface SavedFilter extends TraceFilter {
+  name: string;
+}
+
+export const NO_FILTER: TraceFilter = { kinds: '', find: '', task: null, window: false };
+const KEY = 'sherpa-trace-filters';
+
+/** The number of `T12` or `12`; null for other texts. */
+export function taskOf(text: string): number | null {
+  const [, number] = /^\s*[tT]?(\d+)\s*$/.exec(text) ?? [];
+  return number === undefined ? null : Number(number);
+}
+
+/** The same as a command, so that it can be repeated in a terminal. */
+export function commandOf(record: string, filter: TraceFilter, fromS: number, toS: number): string {
+  const words = ['apex trace', /\s/.test(record) ? `'${record}'` : record];
+  if (filter.kinds) words.push('--type', filter.kinds);
+  if (filter.task !== null) words.push('--object', `T${filter.task}`);
+  else if (filter.find.trim()) words.push('--object', `'${filter.find.trim()}'`);
+  if (filter.window) words.push(`--from ${fromS}s`);
+  words.push('--to', `${toS}s`);
+  return words.join(' ');
+}
+
+/** The filters of a stored text; what is not one is left out. */
+export function parseFilters(text: string | null): SavedFilter[] {
+  try {
+    const list: unknown = JSON.parse(text ?? '[]');
+    if (!Array.isArray(list)) return [];
+    return list.flatMap(one => (typeof one?.name === 'string' ? [{ ...NO_FILTER, ...one }] : []));
+  } catch {
+    return [];
+  }
+}
+
+export function readFilters(): SavedFilter[] {
+  try {
+    return parseFilters(window.localStorage.getItem(KEY));
+  } catch {
+    return [];
+  }
+}
+
+export function writeFilters(filters: readonly SavedFilter[]): void {
+  try {
+    window.localStorage.setItem(KEY, JSON.stringify(filters));
+  } catch {
+    // A browser without storage keeps them until the page is left.
+  }
+}

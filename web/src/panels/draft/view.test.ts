@@ -1,0 +1,23 @@
+import { describe, expect, it } from 'vitest';
+import { addable, commitForms, movedVisit } from './view';
+
+describe('a draft', () => {
+  it('moves visits within its ends', () => {
+    expect(movedVisit(['a', 'b', 'c'], 2, -1)).toEqual(['a', 'c', 'b']);
+    expect(movedVisit(['a', 'b'], 0, -1)).toEqual(['a', 'b']);
+    expect(movedVisit(['a', 'b'], 9, 1)).toEqual(['a', 'b']);
+  });
+
+  it('is committed by the messages that the mission plans by', () => {
+    expect(commitForms(['a', 'b'])).toEqual(['(plan-imposed (a b))', '(off-schedule imposed-plan)']);
+  });
+
+  it('offers what is still to be observed', () => {
+    const target = (id: string, state: string) => ({ id, state }) as never;
+    expect(
+      addable([target('a', 'planned'), target('b', 'observed'), target('c', 'skipped')], ['a']).map(
+        one => one.id,
+      ),
+    ).toEqual(['c']);
+  });
+});

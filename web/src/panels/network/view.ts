@@ -1,0 +1,194 @@
+/** A procedure, or a plan, as a network of activities (PERT): layers, edges, times, the longest path; pure. */
+
+import type { PlanInForce, ProcedureRow, Target, Task } from '../../record/types';
+import { clock } from '../../time/format';
+import { type Names, phrase } from '../../words/phrase';
+
+export interface Activity {
+  id: string;
+  words: string;
+  /** ○ waits, ◇ ready, ● at work, ▨ interrupted, ✓ done, – cut, ▲ failed, · not begun. */
+  glyph: string;
+  /** Times or what it waits for, in one line. */
+  note: string;
+  title: string;
+  task: number | null;
+  target: string | null;
+  place: string | null;
+  after: string[];
+  /** Duration in seconds: as executed so far, else as planned; 0 if not known. */
+  seconds: number;
+}
+
+export interface NetworkNode extends Activity {
+  x: number;
+  y: number;
+  /** On the longest path by duration. */
+  critical: boolean;
+}
+
+export interface Network {
+  nodes: NetworkNode[];
+  edges: { x0: number; y0: number; x1: number; y1: number; critical: boolean }[];
+  width: number;
+  height: number;
+}
+
+export const NODE = { width: 148, height: 40, gapX: 34, gapY: 12 };
+
+const STATE_GLYPHS: Record<Task['state'], string> = {
+  pending: '○',
+  enabled: '◇',
+  ongoing: '●',
+  interrupted: '▨',
+  terminated: '✓',
+};
+
+function glyphOf(task: Task | undefined): string {
+  if (!task) return '·';
+  if (task.state !== 'terminated') return STATE_GLYPHS[task.state];
+  return task.outcome === 'failure' ? '▲' : task.outcome === 'cut' ? '–' : '✓';
+}
+
+/** The steps of a procedure as activities, with the tasks that carry them out for `parent`. */
+export function procedureActivities(
+  row: ProcedureRow,
+  tasks: readonly Task[],
+  parent: number | null,
+  atNs: number,
+  names: Names,
+): Activity[] {
+  const known = new Set(row.steps.map(step => step.tag));
+  return row.steps.map(step => {
+    const task = tasks.findLast(one => one.parent === parent && parent !== null && one.place === step.place);
+    const begun = task && task.state !== 'pending';
+    const until = task?.state === 'terminated' ? task.since_ns : atNs;
+    const waits =
+      step.waits.length > 0
+        ? `waits for ${step.waits.length === 1 ? 'a condition' : `${step.waits.length} conditions`}`
+        : '';
+    const times = begun
+      ? `${clock(task.created_ns / 1e9)}–${task.state === 'terminated' ? clock(until / 1e9) : ''}`
+      : '';
+    return {
+      id: step.tag,
+      words: phrase(task?.goal ?? step.activity, names),
+      glyph: glyphOf(task),
+      note: [times || waits, step.repeats ? 'repeats' : '', step.ends ? 'ends it' : '']
+        .filter(Boolean)
+        .join(' · '),
+      title: [step.tag, task?.goal ?? step.activity, ...step.waits, step.place].join('\n'),
+      task: task?.id ?? null,
+      target: null,
+      place: step.place,
+      after: step.after.filter(tag => known.has(tag) && tag !== step.tag),
+      seconds: begun ? Math.max(0, until - task.created_ns) / 1e9 : 0,
+    };
+  });
+}
+
+/** The visits of a plan as activities in their order, planned next to flown. */
+export function planActivities(plan: PlanInForce, targets: readonly Target[], atNs: number): Activity[] {
+  return plan.visits.map((visit, index) => {
+    const target = targets.find(one => one.id === visit.target || one.name === visit.target);
+    const done = target?.history.find(
+      change => change.state === 'observing' && change.t_ns >= plan.adopted_ns && change.t_ns <= atNs,
+    );
+    const state = target?.state;
+    const glyph = done ? (state === 'observing' ? '●' : state === 'observed' ? '✓' : '–') : '○';
+    const planned = `planned ${clock(visit.begin_ns / 1e9)}`;
+    return {
+      id: `${index} ${visit.target}`,
+      words: target?.name ?? visit.target,
+      glyph,
+      note: done ? `${planned}, flown ${clock(done.t_ns / 1e9)}` : planned,
+      title: `${visit.target}\n${planned} to ${clock(visit.end_ns / 1e9)}`,
+      task: null,
+      target: target?.id ?? null,
+      place: null,
+      after: index === 0 ? [] : [`${index - 1} ${plan.visits[index - 1]?.target}`],
+      seconds: (visit.end_ns - visit.begin_ns) / 1e9,
+    };
+  });
+}
+
+/** Places the activities: each in the layer after the last one that it waits for. Circles are cut where they close. */
+export function layOut(activities: readonly Activity[], columns: number): Network {
+  const byId = new Map(activities.map(one => [one.id, one]));
+  const layers = new Map<string, number>();
+  const lengths = new Map<string, number>();
+  const visit = (id: string, open: Set<string>): number => {
+    const found = layers.get(id);
+    if (found !== undefined) return found;
+    const one = byId.get(id);
+    if (!one || open.has(id)) return -1;
+    open.add(id);
+    const before = one.after.map(each => visit(each, open));
+    open.delete(id);
+    const layer = Math.max(-1, ...before) + 1;
+    layers.set(id, layer);
+    lengths.set(id, one.seconds + Math.max(0, ...one.after.map(each => lengths.get(each) ?? 0)));
+    return layer;
+  };
+  for (const one of activities) visit(one.id, new Set());
+  const critical = longestPath(activities, lengths);
+  const rows = new Map<number, number>();
+  const chain =
+    activities.every(one => one.after.length <= 1) && activities.length > columns && isChain(activities);
+  const nodes = activities.map((one, index) => {
+    const layer = layers.get(one.id) ?? 0;
+    const row = rows.get(layer) ?? 0;
+    rows.set(layer, row + 1);
+    // A long chain runs in lines, like text.
+    const [column, line] = chain ? [index % columns, Math.floor(index / columns)] : [layer, row];
+    return {
+      ...one,
+      x: column * (NODE.width + NODE.gapX) + 6,
+      y: line * (NODE.height + NODE.gapY) + 6,
+      critical: critical.has(one.id),
+    };
+  });
+  const at = new Map(nodes.map(node => [node.id, node]));
+  const edges = nodes.flatMap(node =>
+    node.after.flatMap(id => {
+      const from = at.get(id);
+      if (!from) return [];
+      const wraps = from.x > node.x;
+      return [
+        {
+          x0: from.x + (wraps ? NODE.width / 2 : NODE.width),
+          y0: from.y + (wraps ? NODE.height : NODE.height / 2),
+          x1: node.x + (wraps ? NODE.width / 2 : 0),
+          y1: node.y + (wraps ? 0 : NODE.height / 2),
+          critical: from.critical && node.critical,
+        },
+      ];
+    }),
+  );
+  const width = Math.max(0, ...nodes.map(node => node.x)) + NODE.width + 6;
+  const height = Math.max(0, ...nodes.map(node => node.y)) + NODE.height + 6;
+  return { nodes, edges, width, height };
+}
+
+function isChain(activities: readonly Activity[]): boolean {
+  return activities.every((one, index) => index === 0 || one.after[0] === activities[index - 1]?.id);
+}
+
+/** The activities of the path that takes longest; none if no duration is known. */
+function longestPath(activities: readonly Activity[], lengths: ReadonlyMap<string, number>): Set<string> {
+  const path = new Set<string>();
+  const longest = (ids: readonly string[]) =>
+    ids.reduce<string | null>(
+      (best, id) => ((lengths.get(id) ?? 0) > (lengths.get(best ?? '') ?? 0) ? id : best),
+      null,
+    );
+  const byId = new Map(activities.map(one => [one.id, one]));
+  for (
+    let id = longest(activities.map(one => one.id));
+    id && !path.has(id);
+    id = longest(byId.get(id)?.after ?? [])
+  ) {
+    path.add(id);
+  }
+  return path;
+}

@@ -1,0 +1,52 @@
+/** The now line: what the agent does, because of what, and what comes next; pure. */
+
+import type { Holdings, Mission, PlanInForce, Target, Task } from '../../record/types';
+import { clock } from '../../time/format';
+import { shortValue, withDurations } from '../../words/duration';
+import { brief, type Names, phrase } from '../../words/phrase';
+
+/** Longest cause that is shown. */
+const CAUSE_MAX = 110;
+
+/** The task that holds the flight path, else any resource, else the deepest one at work. */
+export function taskAtWork(holdings: Holdings | null, tasks: readonly Task[], atNs: number): number | null {
+  const rows = holdings?.resources ?? [];
+  const open = (row: (typeof rows)[number]) =>
+    row.holdings.findLast(one => one.from_ns <= atNs && (one.open || one.to_ns > atNs))?.task;
+  const ordered = [...rows].sort(
+    (a, b) => Number(b.resource === 'flight-path') - Number(a.resource === 'flight-path'),
+  );
+  for (const row of ordered) {
+    const task = open(row);
+    if (task !== undefined) return task;
+  }
+  const ongoing = tasks.filter(task => task.state === 'ongoing');
+  return ongoing.at(-1)?.id ?? null;
+}
+
+/** The cause in the answer of the explainer, `T3 is ongoing because ..`. */
+export function causeWords(sentence: string, names: Names): string {
+  const cause = sentence.split(' because ').slice(1).join(' because ');
+  const words = shortValue(withDurations(brief(cause, names)));
+  return words.length > CAUSE_MAX ? `${words.slice(0, CAUSE_MAX - 1)}…` : words;
+}
+
+/** The next visit of the plan in force: `East Zone Complex, planned 9:35`. */
+export function nextWords(plan: PlanInForce | null, targets: readonly Target[], atNs: number): string {
+  const visit = plan?.visits.find(one => one.begin_ns > atNs);
+  if (!visit) return '';
+  const target = targets.find(one => one.id === visit.target || one.name === visit.target);
+  return `${target?.name ?? visit.target}, planned ${clock(visit.begin_ns / 1e9).slice(0, -3)}`;
+}
+
+/** How a flight that is over ended. */
+export function endWords(mission: Mission | null): { words: string; failed: boolean } | null {
+  const ending = mission?.ending;
+  return ending
+    ? { words: ending.failed ? `▲ failed: ${ending.reason}` : ending.reason, failed: ending.failed }
+    : null;
+}
+
+export function whatWords(task: Task, names: Names): string {
+  return phrase(task.goal, names);
+}

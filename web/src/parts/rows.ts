@@ -1,0 +1,63 @@
+/** Trees as rows; pure. */
+
+export interface TreeNode<T> {
+  id: string;
+  words: string;
+  /** Shape of its state; none leaves it out. */
+  glyph?: string;
+  /** A value with its unit, on the right. */
+  value?: string;
+  /** What else is known, on the right. */
+  note?: string;
+  /** All of it, for the pointer. */
+  title?: string;
+  attention?: boolean;
+  chosen?: boolean;
+  /** True if a press chooses it; otherwise it opens and closes. */
+  choosable?: boolean;
+  /** True if it is open at first. */
+  open?: boolean;
+  data?: T;
+  children: TreeNode<T>[];
+}
+
+export interface TreeRow<T> {
+  node: TreeNode<T>;
+  depth: number;
+  open: boolean;
+  leaf: boolean;
+}
+
+/** The rows in reading order; closed branches are left out. */
+export function visibleRows<T>(
+  nodes: readonly TreeNode<T>[],
+  toggled: ReadonlyMap<string, boolean>,
+): TreeRow<T>[] {
+  const rows: TreeRow<T>[] = [];
+  const visit = (node: TreeNode<T>, depth: number) => {
+    const leaf = node.children.length === 0;
+    const open = !leaf && (toggled.get(node.id) ?? node.open ?? false);
+    rows.push({ node, depth, open, leaf });
+    if (open) for (const child of node.children) visit(child, depth + 1);
+  };
+  for (const node of nodes) visit(node, 0);
+  return rows;
+}
+
+/** The rows as a table: depth, words, value, note. */
+export function tableOf<T>(nodes: readonly TreeNode<T>[]): (string | number | null)[][] {
+  const all = new Map<string, boolean>();
+  const open = (node: TreeNode<T>) => {
+    all.set(node.id, true);
+    node.children.forEach(open);
+  };
+  nodes.forEach(open);
+  const rows = visibleRows(nodes, all).map(({ node, depth }) => [
+    depth,
+    node.glyph ?? '',
+    node.words,
+    node.value ?? '',
+    node.note ?? '',
+  ]);
+  return [['depth', 'state', 'what', 'value', 'note'], ...rows];
+}

@@ -1,0 +1,72 @@
+import { describe, expect, it } from 'vitest';
+import { alarmGlyph, alarmsOf } from './alarms';
+import type { RecordedCommand, SignalWindow, Trouble } from './types';
+
+const trouble = (kind: Trouble['kind'], t_ns: number, subject = 'x'): Trouble => ({
+  t_ns,
+  kind,
+  subject,
+  cause: 'why',
+  task: 1,
+  target: null,
+});
+const said = (words: string, t_ns: number, end = 'accepted'): RecordedCommand => ({
+  t_ns,
+  number: 1,
+  words,
+  end,
+  reason: '',
+});
+const alarms = (
+  troubles: Trouble[],
+  commands: RecordedCommand[],
+  atNs = 100e9,
+  windows: SignalWindow[] = [],
+) =>
+  alarmsOf(
+    troubles,
+    windows,
+    commands,
+    atNs,
+    one => one.subject,
+    one => one.attribute,
+  );
+
+describe('alarms', () => {
+  it('are raised once for each cause and count repeats, and interruptions are none', () => {
+    const list = alarms([trouble('failed', 1e9), trouble('failed', 5e9), trouble('interrupted', 6e9)], []);
+    expect(list.map(one => [one.words, one.count, one.lastNs])).toEqual([['failed: x', 2, 5e9]]);
+  });
+
+  it('are known only from their time on', () => {
+    expect(alarms([trouble('failed', 8e9)], [], 7e9)).toEqual([]);
+  });
+
+  it('are acknowledged by an accepted command, until they are raised again', () => {
+    const id = 'acknowledge failed: x (T+0:00:01)';
+    expect(alarms([trouble('failed', 1e9)], [said(id, 3e9)])[0]?.acknowledgedNs).toBe(3e9);
+    expect(alarms([trouble('failed', 1e9)], [said(id, 3e9, 'rejected')])[0]?.acknowledgedNs).toBeNull();
+    const again = alarms([trouble('failed', 1e9), trouble('failed', 4e9)], [said(id, 3e9)])[0];
+    expect(again?.acknowledgedNs).toBeNull();
+    expect(again && alarmGlyph(again)).toBe('▲');
+  });
+
+  it('include excursions that the executive answered', () => {
+    const window = {
+      name: '(roll a)',
+      attribute: 'roll',
+      unit: 'deg',
+      limits: [{ low: null, high: 3, duration_s: 5, also: '', guarded: true, step: 'refly', place: '' }],
+      excursions: [
+        { limit: 0, from_ns: 10e9, to_ns: 16e9, peak: 17.48321, samples: 6, raised_ns: 15e9 },
+        { limit: 0, from_ns: 20e9, to_ns: 21e9, peak: 4, samples: 1, raised_ns: null },
+      ],
+    } as unknown as SignalWindow;
+    const [one, ...rest] = alarms([], [], 100e9, [window]);
+    expect(rest).toEqual([]);
+    expect([one?.words, one?.cause]).toEqual([
+      'roll beyond its limit',
+      'peak 17.48 deg, 6.0 s, watched by refly',
+    ]);
+  });
+});

@@ -1,0 +1,110 @@
+/** Alarms: failures, targets left out, and watched limits exceeded, and whether an operator has acknowledged them; pure. */
+
+import { missionTime, span } from '../time/format';
+import type { RecordedCommand, SignalWindow, Trouble } from './types';
+
+export interface Alarm {
+  /** Names it in commands: words and the time at which it was first raised. */
+  id: string;
+  words: string;
+  cause: string;
+  /** First and last time at which it was raised. */
+  firstNs: number;
+  lastNs: number;
+  /** How often it was raised. */
+  count: number;
+  /** True while it continues. */
+  open: boolean;
+  /** Time at which an operator acknowledged it; null before. */
+  acknowledgedNs: number | null;
+  task: number | null;
+  target: string | null;
+  signal: string | null;
+}
+
+/** Entries of the rail that call for an operator; interruptions are the executive's daily work. */
+const CALLS: Record<Trouble['kind'], string | null> = {
+  failed: 'failed',
+  fault: 'fault',
+  'left-out': 'left out',
+  ended: 'failed',
+  interrupted: null,
+};
+
+/** The beginning of a command that acknowledges an alarm. */
+export const ACKNOWLEDGE = 'acknowledge ';
+
+type Raised = Omit<Alarm, 'id' | 'count' | 'firstNs' | 'lastNs' | 'acknowledgedNs'> & { atNs: number };
+
+/** The alarms of an instant, newest first. Repeats of one cause count up in one alarm. */
+export function alarmsOf(
+  troubles: readonly Trouble[],
+  windows: readonly SignalWindow[],
+  commands: readonly RecordedCommand[],
+  atNs: number,
+  subject: (entry: Trouble) => string,
+  signalName: (window: SignalWindow) => string,
+): Alarm[] {
+  const raised: Raised[] = [
+    ...troubles.flatMap(entry => {
+      const word = CALLS[entry.kind];
+      if (word === null || entry.t_ns > atNs) return [];
+      const { task, target, cause, t_ns } = entry;
+      return [
+        { words: `${word}: ${subject(entry)}`, cause, atNs: t_ns, open: false, task, target, signal: null },
+      ];
+    }),
+    ...windows.flatMap(window => exceeded(window, atNs, signalName(window))),
+  ];
+  raised.sort((a, b) => a.atNs - b.atNs);
+  const alarms = new Map<string, Alarm>();
+  for (const { atNs: at, ...one } of raised) {
+    const known = alarms.get(one.words);
+    if (known) {
+      known.lastNs = at;
+      known.count += 1;
+      known.open = one.open;
+      known.cause = one.cause;
+      continue;
+    }
+    const id = `${one.words} (${missionTime(at)})`;
+    alarms.set(one.words, { ...one, id, firstNs: at, lastNs: at, count: 1, acknowledgedNs: null });
+  }
+  for (const alarm of alarms.values()) {
+    const said = commands.findLast(
+      command =>
+        command.end === 'accepted' &&
+        command.t_ns <= atNs &&
+        command.words.includes(`${ACKNOWLEDGE}${alarm.id}`),
+    );
+    // An alarm that was raised again calls again.
+    alarm.acknowledgedNs = said && said.t_ns >= alarm.lastNs ? said.t_ns : null;
+  }
+  return [...alarms.values()].sort((a, b) => b.lastNs - a.lastNs);
+}
+
+/** The excursions that the executive answered, beyond limits that a step watches all the time. */
+function exceeded(window: SignalWindow, atNs: number, name: string): Raised[] {
+  return window.excursions.flatMap(one => {
+    const limit = window.limits[one.limit];
+    if (!limit?.guarded || one.raised_ns === null || one.raised_ns > atNs) return [];
+    const ends = one.to_ns >= atNs - 10e9;
+    return [
+      {
+        words: `${name} beyond its limit`,
+        cause: `peak ${Number(one.peak.toPrecision(4))} ${window.unit}, ${span(one.to_ns - one.from_ns)}, watched by ${limit.step}`,
+        atNs: one.raised_ns,
+        open: ends,
+        task: null,
+        target: null,
+        signal: window.name,
+      },
+    ];
+  });
+}
+
+/** `▲` not acknowledged, `△` acknowledged and going on, `·` over. */
+export function alarmGlyph(alarm: Alarm): string {
+  if (alarm.acknowledgedNs === null) return '▲';
+  return alarm.open ? '△' : '·';
+}

@@ -1,0 +1,37 @@
+/** Who speaks to the server from this browser: a session, which a token begins where tokens are needed. */
+
+import { RecordError } from './source';
+
+export interface Session {
+  name: string;
+  role: 'observer' | 'operator' | 'pilot-in-command';
+  /** True if this server needs tokens. */
+  tokens: boolean;
+}
+
+/** The token in the fragment of an address, which browsers do not send: `#token=..`. */
+export function tokenIn(fragment: string): string | null {
+  return new URLSearchParams(fragment.replace(/^#/, '')).get('token');
+}
+
+/** The session of this browser; null if the server wants a token first. */
+export async function currentSession(base: string): Promise<Session | null> {
+  const response = await fetch(`${base}/api/session`);
+  return response.status === 401 ? null : answer(response);
+}
+
+/** Begins a session by a token, or by a name where no tokens are needed. */
+export async function beginSession(base: string, by: { token: string } | { name: string }): Promise<Session> {
+  const response = await fetch(`${base}/api/session`, {
+    method: 'POST',
+    headers: { 'Content-Type': 'application/json' },
+    body: JSON.stringify(by),
+  });
+  return answer(response);
+}
+
+async function answer(response: Response): Promise<Session> {
+  const body = await response.json();
+  if (!response.ok) throw new RecordError(body.error ?? response.statusText, body.help ?? '');
+  return body;
+}

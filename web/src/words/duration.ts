@@ -1,0 +1,21 @@
+/** Durations and numbers of PDL as words. Pure. */
+
+/** `P1M5S` in a text as `1 min 5 s`; `P` of ISO 8601 with days, hours, minutes and seconds as Apex prints it. */
+export function withDurations(text: string): string {
+  return text.replace(/\bP(?=\d)((?:\d+(?:\.\d+)?[DHMS])+)\b/g, (_, parts: string) =>
+    [...parts.matchAll(/(\d+(?:\.\d+)?)([DHMS])/g)]
+      .map(([, number, unit]) => `${shortNumber(number ?? '')} ${UNITS[unit ?? ''] ?? unit}`)
+      .join(' '),
+  );
+}
+
+const UNITS: Record<string, string> = { D: 'd', H: 'h', M: 'min', S: 's' };
+
+function shortNumber(text: string): string {
+  return text.includes('.') ? String(Number(Number(text).toPrecision(4))) : text;
+}
+
+/** `17.4832deg` as `17.48deg`: numbers with more than four digits are shortened. */
+export function shortValue(text: string): string {
+  return text.replace(/-?\d+\.\d{3,}/g, number => String(Number(Number(number).toPrecision(4))));
+}

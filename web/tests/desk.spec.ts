@@ -1,0 +1,324 @@
+/** The desk: panels in slots, and the panels that show what an instant knew: objects, program, network, monitors, trace, now. */
+
+import { execFileSync } from 'node:child_process';
+import { existsSync } from 'node:fs';
+import { dirname, join } from 'node:path';
+import { expect, type Page, test } from '@playwright/test';
+import type { Holdings, Mission, Monitors, PlanInForce, ProgramContents, Tasks } from '../src/record/types';
+import { expectNoFaults } from './axe';
+import { apexProgram, type Server, startServer } from './server';
+
+let server: Server;
+let mission: Mission;
+
+test.beforeAll(async () => {
+  server = await startServer();
+  mission = await ask('mission');
+});
+test.afterAll(() => server?.stop());
+
+async function ask<T>(what: string): Promise<T> {
+  const response = await fetch(`${server.url}/api/${what}`);
+  expect(response.ok, `${what}: ${response.status}`).toBe(true);
+  return response.json() as Promise<T>;
+}
+
+/** Opens the page at an instant in the middle of the flight, in whole seconds. */
+async function open(page: Page, address = ''): Promise<number> {
+  const seconds = Math.round(mission.end_ns / 2e9);
+  await page.goto(`${server.url}/?t=${seconds}${address}`);
+  await expect(page.getByTestId('now')).not.toContainText('reading');
+  return seconds;
+}
+
+/** What the executive itself recorded, up to an instant. */
+function trace(seconds: number, kinds: string): { t: number; task?: string; [key: string]: unknown }[] {
+  const out = execFileSync(
+    apexProgram(),
+    ['trace', process.env.APEX_RECORD ?? '', '--json', '--type', kinds, '--to', `${seconds}s`],
+    { maxBuffer: 1 << 29 },
+  );
+  return out
+    .toString()
+    .split('\n')
+    .filter(Boolean)
+    .map(line => JSON.parse(line));
+}
+
+test('the page fills the screen and does not scroll as a whole', async ({ page }) => {
+  for (const [width, height] of [
+    [1280, 720],
+    [1920, 1080],
+  ] as const) {
+    await page.setViewportSize({ width, height });
+    await open(page);
+    const size = await page.evaluate(() => [
+      document.documentElement.scrollHeight,
+      document.documentElement.scrollWidth,
+    ]);
+    expect(size).toEqual([height, width]);
+    for (const name of ['map', 'slot-left', 'timeline', 'slot-right'])
+      await expect(page.getByTestId(name)).toBeInViewport({ ratio: 0.99 });
+  }
+});
+
+test('the now line names the holder of the flight path, its cause, and the next visit of the plan', async ({
+  page,
+}) => {
+  const seconds = await open(page);
+  const at = seconds * 1e9;
+  const { resources } = await ask<Holdings>(`holdings?from=${at}&to=${at}&at=${at}`);
+  const held = resources.find(row => row.resource === 'flight-path') ?? resources[0];
+  const holder = held?.holdings.findLast(one => one.open || one.to_ns > at);
+  await page.getByTestId('now-task').click();
+  if (holder) await expect(page).toHaveURL(new RegExp(`sel=task:${holder.task}`));
+  const plan = await ask<PlanInForce | null>(`plan?at=${at}`);
+  if (plan?.visits.some(visit => visit.begin_ns > at))
+    await expect(page.getByTestId('now')).toContainText('next');
+  await page.keyboard.press('End');
+  await expect(page.getByTestId('now')).toContainText('ended');
+});
+
+test('objects: agents, procedures, resources with holders, monitors, variables', async ({ page }) => {
+  const seconds = await open(page, '&left=objects');
+  const tree = page.getByTestId('objects');
+  await expect(tree.getByRole('treeitem', { level: 1 })).toHaveCount(5);
+  await expect(tree).toContainText(mission.agent ?? '?');
+  const at = seconds * 1e9;
+  const { resources } = await ask<Holdings>(`holdings?from=${at}&to=${at}&at=${at}`);
+  for (const { resource, holdings } of resources) {
+    const row = tree.locator(`[data-row="resource ${resource}"]`);
+    await expect(row).toHaveCount(1);
+    const isHeld = holdings.some(one => one.from_ns <= at && (one.open || one.to_ns > at));
+    await expect(row.locator('.glyph')).toHaveText(isHeld ? '●' : '○');
+  }
+  // Keys: down to the procedures, open them, open a file, show a procedure in the program.
+  await tree.getByRole('treeitem').first().focus();
+  await page.keyboard.press('End');
+  await expect(tree.getByRole('treeitem').last()).toBeFocused();
+  await tree.locator('[data-row="procedures"]').focus();
+  await page.keyboard.press('ArrowRight');
+  await expect(tree.locator('[data-row="procedures"]')).toHaveAttribute('aria-expanded', 'true');
+  await expectNoFaults(page, 'objects');
+  await tree.locator('[data-row^="file "]').first().press('ArrowRight');
+  await tree.locator('[data-row^="procedure "]').first().press('Enter');
+  await expect(page.getByTestId('program-text').locator('.here')).toHaveCount(1);
+});
+
+test('the program marks exactly the lines whose steps are executed at the instant', async ({ page }) => {
+  const seconds = await open(page, '&left=program');
+  const { tasks } = await ask<Tasks>(`tasks?at=${seconds * 1e9}&limit=20000`);
+  const { files } = await ask<ProgramContents>('program');
+  expect(files.length).toBeGreaterThan(0);
+  const busy = tasks.filter(task => task.state === 'ongoing' && task.place);
+  const fileOf = (place: string) => place.replace(/:\d+:\d+$/, '');
+  const file = files.find(one => busy.some(task => fileOf(task.place ?? '') === one.name));
+  if (!file) throw new Error('no file of the program is executed at this instant');
+  await page.getByTestId('program-file').selectOption(file.name);
+  const text = page.getByTestId('program-text');
+  await expect(text.locator('[data-line]')).toHaveCount(file.lines);
+  const lines = new Set(
+    busy.filter(task => fileOf(task.place ?? '') === file.name).map(task => task.place?.split(':').at(-2)),
+  );
+  await expect(text.locator('.executing')).toHaveCount(lines.size);
+  await text.locator('.executing button').first().click();
+  await expect(page).toHaveURL(/sel=task:\d+/);
+  // The variables of the selected task are those of the restored agent.
+  const id = new URL(page.url()).searchParams.get('sel')?.split(':')[1];
+  const { bindings } = await ask<Monitors>(`monitors?at=${seconds * 1e9}&task=${id}`);
+  if (bindings.length > 0)
+    await expect(page.getByTestId('bindings').locator('dt')).toHaveCount(bindings.length);
+  await page.getByTestId('find-procedure').fill('observe');
+  await expect(page.getByTestId('procedures').getByRole('listitem').first()).toBeVisible();
+  await expectNoFaults(page, 'program with a search');
+});
+
+test('monitors show value, limit and since when of the samples of the record', async ({ page }) => {
+  const seconds = await open(page, '&tab=monitors');
+  const monitors = await ask<Monitors>(`monitors?at=${seconds * 1e9}`);
+  expect(monitors.monitors.length).toBeGreaterThan(0);
+  const panel = page.getByTestId('monitors');
+  await expect(page.getByTestId('monitor-count')).toContainText(
+    `${monitors.monitors.length} watched clauses`,
+  );
+  type Part = Monitors['monitors'][number]['condition'];
+  const leaves = (part: Part): Part[] => (part.parts.length === 0 ? [part] : part.parts.flatMap(leaves));
+  const measured = monitors.monitors
+    .flatMap(one => leaves(one.condition))
+    .filter(part => part.value !== null);
+  test.skip(measured.length === 0, 'no condition watches a measured value at this instant');
+  // A second witness: the newest sample that `apex trace` prints of that variable.
+  const [leaf] = measured;
+  const name = (leaf?.variable ?? '').replace(/^\(|\)$/g, '');
+  const samples = trace(seconds, 'measurement').filter(line => JSON.stringify(line).includes(name));
+  const newest = JSON.stringify(samples.at(-1) ?? {});
+  const number = Number.parseFloat(leaf?.value ?? '');
+  if (!Number.isNaN(number)) expect(newest).toContain(String(number).slice(0, 5));
+  await expect(panel.locator('.value').first()).toBeVisible();
+  await expectNoFaults(page, 'monitors');
+  await panel
+    .getByRole('treeitem')
+    .filter({ has: page.locator('.value') })
+    .first()
+    .click();
+  await expect(page.getByTestId('signal').first()).toBeVisible();
+});
+
+test('the network of a procedure and of the plan', async ({ page }) => {
+  const seconds = await open(page, '&left=network&sel=task:0');
+  const { tasks } = await ask<Tasks>(`tasks?at=${seconds * 1e9}&limit=20000`);
+  const { procedures } = await ask<ProgramContents>('program');
+  const root = tasks.find(task => task.parent === null);
+  const row = procedures.find(one => `procedure ${one.place}` === root?.method);
+  const network = page.getByTestId('network');
+  await expect(network.locator('[data-node]')).toHaveCount(row?.steps.length ?? -1);
+  // Steps at work have the full circle, as their tasks have it in the record.
+  for (const step of row?.steps ?? []) {
+    const task = tasks.findLast(one => one.parent === root?.id && one.place === step.place);
+    if (task?.state === 'ongoing')
+      await expect(network.locator(`[data-node="${step.tag}"] .words`)).toContainText('●');
+  }
+  await expectNoFaults(page, 'network');
+  const plan = await ask<PlanInForce | null>(`plan?at=${seconds * 1e9}`);
+  if (plan) {
+    await page.getByTestId('network-plan').click();
+    await expect(network.locator('[data-node]')).toHaveCount(plan.visits.length);
+  }
+  const download = page.waitForEvent('download');
+  await page.getByTestId('export-network').click();
+  const file = await (await download).path();
+  const svg = execFileSync('head', ['-c', '2000', file]).toString();
+  expect(svg).toContain('<svg');
+  expect(svg).toContain('fill:');
+});
+
+test('filters of the trace are those of apex trace, and are kept under a name', async ({ page }) => {
+  const seconds = await open(page, '&tab=log');
+  await page.getByLabel('Kind of events').selectOption('transition');
+  await page.getByTestId('trace-task').fill('T0');
+  const lines = page.getByTestId('log').locator('tr');
+  const own = trace(seconds, 'transition').filter(line => line.task === 'T0' || line.task === 'T0'.slice(1));
+  if (own.length > 0) await expect(lines).toHaveCount(own.length);
+  await page.getByTestId('filter-name').fill('root');
+  await page.getByTestId('save-filter').click();
+  await page.getByTestId('trace-task').fill('');
+  await page.reload();
+  await page.getByTestId('saved-filter').click();
+  await expect(page.getByTestId('trace-task')).toHaveValue('T0');
+  await expectNoFaults(page, 'trace with a saved filter');
+  await page.getByLabel('Forget the filter root').click();
+  await expect(page.getByTestId('saved-filter')).toHaveCount(0);
+});
+
+test('panels move between the slots, columns change their width, and address and browser keep both', async ({
+  page,
+}) => {
+  await open(page, '&tab=signals');
+  await page.getByTestId('layout-right').click();
+  await page.getByTestId('move-right').click();
+  await expect(page.getByTestId('slot-left').getByTestId('tab-signals')).toHaveAttribute(
+    'aria-selected',
+    'true',
+  );
+  const edge = page.getByRole('separator', { name: 'Width of the left column' });
+  await edge.focus();
+  const before = Number(await edge.getAttribute('aria-valuenow'));
+  await page.keyboard.press('ArrowRight');
+  await expect(edge).toHaveAttribute('aria-valuenow', String(before + 16));
+  await expect(page).toHaveURL(/layout=/);
+  const url = page.url();
+  await page.goto(server.url);
+  await expect(page.getByTestId('slot-left').getByTestId('tab-signals')).toBeVisible();
+  await page.getByTestId('layout-left').click();
+  await page.getByRole('button', { name: 'Usual layout' }).click();
+  await expect(page.getByTestId('slot-right').getByTestId('tab-signals')).toBeVisible();
+  await page.goto(url);
+  await expect(page.getByTestId('slot-left').getByTestId('tab-signals')).toBeVisible();
+  await page.goto(`${server.url}/?layout=sofa_bed`);
+  await expect(page.getByRole('alert')).toContainText('The address has layout=sofa_bed');
+});
+
+test('alarms count repeats, are known only from their time on, and none can be acknowledged on a record', async ({
+  page,
+}) => {
+  await page.goto(`${server.url}/?t=0&tab=alarms`);
+  await expect(page.getByTestId('alarm-count')).toContainText('0 alarms');
+  await page.keyboard.press('End');
+  await expect(page.getByTestId('alarms')).toBeVisible();
+  await expect(page.getByTestId('acknowledge')).toHaveCount(0);
+  await expectNoFaults(page, 'alarms');
+});
+
+test('every panel and each half of the screen sizes are free of faults, in both themes', async ({ page }) => {
+  test.setTimeout(240_000);
+  for (const theme of ['dark', 'light']) {
+    for (const [slot, panel] of [
+      ['left', 'draft'],
+      ['right', 'why'],
+      ['right', 'plans'],
+      ['right', 'whatif'],
+      ['right', 'compare'],
+      ['right', 'log'],
+    ]) {
+      await open(page, `&theme=${theme}&${slot === 'left' ? 'left' : 'tab'}=${panel}`);
+      await expect(page.locator(`[data-panel="${panel}"]`)).toBeVisible();
+      await expectNoFaults(page, `${panel}, ${theme}`);
+    }
+  }
+});
+
+test('the first load is small and asks no other server', async ({ page }) => {
+  let bytes = 0;
+  const foreign: string[] = [];
+  page.on('response', async response => {
+    const url = new URL(response.url());
+    if (!server.url.includes(url.host) && url.protocol.startsWith('http')) foreign.push(response.url());
+    const sizes = await response
+      .request()
+      .sizes()
+      .catch(() => null);
+    if (!url.pathname.startsWith('/api/')) bytes += sizes?.responseBodySize ?? 0;
+  });
+  await page.goto(server.url);
+  await page.waitForLoadState('networkidle');
+  expect(foreign).toEqual([]);
+  expect(bytes, 'bytes of scripts, styles, fonts and the base map').toBeLessThan(1_500_000);
+});
+
+test('two agents of one record: each has its own tasks, and both are on one time axis', async ({ page }) => {
+  const record = join(dirname(process.env.APEX_RECORD ?? ''), 'two-crew.apex');
+  const own = existsSync(record) ? record : null;
+  const path = own ?? join(test.info().outputPath(), 'two-crew.apex');
+  if (!own)
+    execFileSync(
+      apexProgram(),
+      ['fly', join(import.meta.dirname, '../../missions/two-crew'), '--record', path, '--no-progress'],
+      { stdio: 'ignore' },
+    );
+  const crew = await startServer(path);
+  try {
+    await page.goto(`${crew.url}/?t=60`);
+    const records = page.getByTestId('records');
+    await expect(records.locator('option')).toHaveCount(2);
+    const first = await page.getByTestId('agenda').textContent();
+    await records.selectOption({ index: 1 });
+    await expect(page).toHaveURL(/rec=1/);
+    await expect(page).toHaveURL(/t=60/);
+    await expect(page.locator('[data-task]').first()).toBeVisible();
+    expect(await page.getByTestId('agenda').textContent()).not.toBe(first);
+    const answer = await fetch(`${crew.url}/api/records/1/mission`);
+    const { agent } = (await answer.json()) as Mission;
+    expect(
+      execFileSync(apexProgram(), ['trace', path, '--agent', agent ?? '', '--json'], {
+        maxBuffer: 1 << 28,
+      }).toString(),
+    ).toContain('transition');
+    await page.getByTestId('tab-compare').click();
+    await page.getByTestId('compare-with').selectOption('0');
+    await expect(page.getByTestId('compare-rows')).toBeVisible();
+    await expect(page).toHaveURL(/vs=0/);
+    await expectNoFaults(page, 'two agents');
+  } finally {
+    crew.stop();
+  }
+});
