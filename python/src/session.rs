@@ -1,7 +1,7 @@
 //! One watched condition.
 
-use crate::errors::{ConditionError, input};
 use crate::condition_status::ConditionStatus;
+use crate::errors::{ConditionError, input};
 use crate::results::Results;
 use crate::source::{Ready, read};
 use crate::values::{Variable, from_python, nanoseconds_of};

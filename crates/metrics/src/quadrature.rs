@@ -101,7 +101,8 @@ pub fn integrate(
     cuts.push(from);
     cuts.push(until);
     cuts.sort_by(f64::total_cmp);
-    let mut pieces: Vec<Subinterval> = cuts.iter().zip(cuts.iter().skip(1)).map(|(a, b)| rule(function, *a, *b)).collect();
+    let mut pieces: Vec<Subinterval> =
+        cuts.iter().zip(cuts.iter().skip(1)).map(|(a, b)| rule(function, *a, *b)).collect();
     while pieces.len() < PIECES_MAX {
         let value: f64 = pieces.iter().map(|piece| piece.value).sum();
         let error: f64 = pieces.iter().map(|piece| piece.error).sum();

@@ -5,7 +5,7 @@
 
 use crate::planted;
 use crate::sample;
-use apex_server::{ServeOptions, serve};
+use apex_server::{AccessOptions, ServeOptions, serve};
 use std::io::{Read, Write};
 use std::net::{IpAddr, Ipv4Addr, Shutdown, SocketAddr, TcpStream};
 use std::sync::{LazyLock, mpsc};
@@ -23,7 +23,10 @@ static SERVER: LazyLock<SocketAddr> = LazyLock::new(|| {
         port: 0,
         load: None,
         door: None,
+        others: Vec::new(),
+        what_if: None,
         flights: None,
+        access: AccessOptions::default(),
         ready: Box::new(move |url| sender.send(url.to_owned()).unwrap_or_default()),
     };
     std::thread::spawn(move || serve(options).unwrap_or_else(|error| panic!("the server ended: {error}")));

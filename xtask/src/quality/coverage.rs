@@ -29,18 +29,18 @@ struct File {
 
 #[derive(Deserialize)]
 struct Summary {
-    lines: Count,
-    branches: Count,
+    lines: Covered,
+    branches: Covered,
 }
 
 #[derive(Clone, Copy, Default, Deserialize)]
-struct Count {
+struct Covered {
     count: u64,
     covered: u64,
 }
 
-impl Count {
-    fn add(&mut self, other: Count) {
+impl Covered {
+    fn add(&mut self, other: Covered) {
         self.count += other.count;
         self.covered += other.covered;
     }
@@ -57,7 +57,7 @@ impl Count {
 /// The text is not the summary of `llvm-cov export`.
 pub(super) fn table(json: &str, root: &str) -> Result<String, String> {
     let export: Export = serde_json::from_str(json).map_err(|error| format!("coverage.json: {error}"))?;
-    let mut parts: BTreeMap<String, (Count, Count)> = BTreeMap::new();
+    let mut parts: BTreeMap<String, (Covered, Covered)> = BTreeMap::new();
     for file in export.data.iter().flat_map(|data| &data.files) {
         let Some(path) = file.filename.strip_prefix(root).map(|path| path.trim_start_matches('/')) else { continue };
         for part in parts_of(path) {

@@ -79,7 +79,7 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult {
         if !sherpa.is_finished() {
             output::print_line("Sherpa goes on serving the record; Ctrl-C ends it")?;
         }
-        // Its own thread has told what went wrong, if anything.
+        // Its own thread has reported a failure, if any.
         sherpa.join().ok();
     }
     Ok(())
@@ -157,7 +157,7 @@ fn serve_beside(path: &Path, door: FlightDoor, port: u16, planners: &Arc<Registr
     std::thread::spawn(move || {
         let address = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port);
         let ready = |url: &str| {
-            // The page is served whether anybody reads this line or not.
+            // The page is served whether this line is read or not.
             output::print_line(format_args!("Sherpa: {url}")).ok();
         };
         let (record, door_of_page) = (Some((path.as_path(), 0)), Some(door.clone()));

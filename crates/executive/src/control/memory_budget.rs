@@ -44,7 +44,7 @@ fn numbered(cycle: &Cycle<'_>) -> u64 {
     agent.tasks.len() as u64 * TASK_BYTES + agent.watches.len() as u64 * WATCH_BYTES + effects * EFFECT_BYTES
 }
 
-/// Is there memory for one more task?
+/// Checks that memory is left for one more task.
 ///
 /// # Errors
 /// The cause, if the budget is used up.
