@@ -54,7 +54,7 @@ pub fn survey(reader: &mut dyn LogReader) -> io::Result<(Vec<FieldSummary>, Opti
     for (topic, (messages, own_span, fields)) in reader.topics().iter().zip(found) {
         let seconds = own_span.map_or(0.0, |(from, to)| (to - from).seconds());
         let rate_per_s = (seconds > 0.0 && messages > 1).then(|| (messages - 1) as f64 / seconds);
-        let whole = FieldValues { count: messages, ..Seen::default() };
+        let whole = FieldValues { count: messages, ..FieldValues::default() };
         if topic.fields.is_empty() {
             summaries.push(whole.summary(topic.name.clone(), rate_per_s));
         }
