@@ -42,19 +42,3 @@ fn the_readme_lists_every_target() {
         assert!(readme.contains(&format!("| `{}` |", target.name)), "the README does not list `{}`", target.name);
     }
 }
-
-#[path = "../../adapters/logs/tests/builders/mod.rs"]
-mod builders;
-
-/// `UPDATE=1` writes these seeds: small logs of all formats, each behind the number of its format.
-#[test]
-fn the_seeds_of_logs_are_those_of_the_tests_of_logs() {
-    for (number, (name, bytes)) in (0_u8..).zip(builders::all(4)) {
-        let seed = [&[number], bytes.as_slice()].concat();
-        let path = apex_fuzz::corpus("logs").join(format!("seed-{number}"));
-        if std::env::var_os("UPDATE").is_some() {
-            std::fs::write(&path, &seed).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-        }
-        assert!(std::fs::read(&path).is_ok_and(|read| read == seed), "{name} differs from {}", path.display());
-    }
-}
