@@ -20,19 +20,19 @@ const INPUTS: &str = concat!(
     "{\"t\": 3, \"measurement\": \"(level tank-1)\", \"value\": 4}\n"
 );
 
-static RECORD: LazyLock<Result<(Vec<u8>, tempfile::TempDir, Scenario), String>> = LazyLock::new(|| {
+static RECORD: LazyLock<Result<(Vec<u8>, tempfile::TempDir), String>> = LazyLock::new(|| {
     let scenario = Scenario { pdl: PROGRAM.into(), inputs: INPUTS.into(), ..Scenario::default() };
     let Recorded { reader, .. } = &recorded(&scenario)?;
     let bytes = std::fs::read(reader.path()).map_err(|error| error.to_string())?;
     let folder = folder()?;
     std::fs::write(folder.path().join("sample.apex"), &bytes).map_err(|error| error.to_string())?;
-    Ok((bytes, folder, scenario))
+    Ok((bytes, folder))
 });
 
 /// Returns the bytes of the record.
 pub(crate) fn record() -> &'static [u8] {
     match &*RECORD {
-        Ok((bytes, _, _)) => bytes,
+        Ok((bytes, _)) => bytes,
         Err(error) => panic!("the sample record cannot be made: {error}"),
     }
 }
@@ -40,7 +40,7 @@ pub(crate) fn record() -> &'static [u8] {
 /// Returns the path of the record.
 pub(crate) fn record_path() -> std::path::PathBuf {
     match &*RECORD {
-        Ok((_, folder, _)) => folder.path().join("sample.apex"),
+        Ok((_, folder)) => folder.path().join("sample.apex"),
         Err(error) => panic!("the sample record cannot be made: {error}"),
     }
 }

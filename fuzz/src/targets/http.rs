@@ -65,7 +65,7 @@ pub(crate) fn run(bytes: &[u8]) {
         assert!(bytes.is_empty() || answer.len() >= 12, "the answer ends before its status");
     }
     let good = format!("GET /api/mission HTTP/1.1\r\nHost: {}\r\nConnection: close\r\n\r\n", *SERVER);
-    if bytes.len() % 64 == 0 {
+    if bytes.len().is_multiple_of(64) {
         let again = status(&exchange(good.as_bytes()));
         assert_eq!(again, Some(200), "the server does not answer a good request any longer");
     }

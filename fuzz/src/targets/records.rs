@@ -41,7 +41,7 @@ pub(crate) fn run(edits: &[u8]) {
     let original = sample::record();
     let mut bytes = original.to_vec();
     for edit in edits.chunks_exact(4).take(EDITS_MAX) {
-        let position = usize::from(edit[0]) << 16 | usize::from(edit[1]) << 8 | usize::from(edit[2]);
+        let position = (usize::from(edit[0]) << 16) | (usize::from(edit[1]) << 8) | usize::from(edit[2]);
         if edit[0] >= 0xf0 {
             bytes.truncate(position % original.len());
         } else if let Some(byte) = bytes.get_mut(position % original.len()) {
