@@ -12,6 +12,23 @@ SEED ?= 1
 ROUNDS ?= 20
 # Random worlds with about 13 trips each: a million trips that must not enter a zone.
 TRAVEL_WORLDS ?= 100000
+CARGO_CYCLONEDX := 0.5.9
+# Tools of the LLVM that rustc has, for coverage: of rustup (llvm-tools) or of the system.
+LLVM_TOOLS := $(wildcard $(shell rustc --print sysroot)/lib/rustlib/*/bin)
+LLVM_COV ?= $(or $(wildcard $(LLVM_TOOLS)/llvm-cov),$(shell command -v llvm-cov-22))
+LLVM_PROFDATA ?= $(or $(wildcard $(LLVM_TOOLS)/llvm-profdata),$(shell command -v llvm-profdata-22))
+# Packages whose tests count for coverage; COVERAGE_PACKAGES="--package apex-executive .." measures fewer.
+COVERAGE_PACKAGES ?= $(CI_SELECTION)
+# Seconds for each fuzz target; a planted bug must be found within FUZZ_PLANTED_SECONDS.
+FUZZ_SECONDS ?= 60
+FUZZ_PLANTED_SECONDS ?= 300
+FUZZ_TARGETS := pdl inputs mission logs problems benchmarks records protocol http
+# What libFuzzer needs to see of the code: edges and compared values. Only flags of the stable toolchain.
+FUZZ_FLAGS := -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 -Cllvm-args=-sanitizer-coverage-inline-8bit-counters \
+  -Cllvm-args=-sanitizer-coverage-pc-table -Cllvm-args=-sanitizer-coverage-trace-compares -Cdebug-assertions -Coverflow-checks
+# With `--target` the flags do not reach build scripts and macros of the compiler.
+FUZZ_HOST := $(shell rustc -vV | sed -n 's/^host: //p')
+FUZZ_BUILD = RUSTFLAGS="$(FUZZ_FLAGS)" cargo build --locked --quiet $(CI_PROFILE) --target $(FUZZ_HOST) --package apex-fuzz --bin apex-fuzz
 # What has property tests.
 PROPERTIES := $(addprefix --package apex-,model pdl executive geo metrics planning solvers portfolio logs)
 # Newest version that the toolchain of this repository compiles.
@@ -30,7 +47,7 @@ RECORD ?= $(MISSION).apex
 EXTREMITY = $(TARGET)/extremity/bin/python -W ignore benches/peers/extremity_peer.py
 WEB_SOURCES := $(shell find web -type f -not -path '*/node_modules/*' -not -path '*/dist/*' -not -path '*/test-results/*' -not -path '*/tests/*' 2>/dev/null)
 
-.PHONY: help build fly test quick check web python wheel bench bench-orienteering bench-planners bench-units bench-curves bench-travel golden-travel spec sim properties deny nightly clean
+.PHONY: audit coverage fuzz fuzz-planted help quality sbom build fly test quick check web python wheel bench bench-orienteering bench-planners bench-units bench-curves bench-travel golden-travel spec sim properties deny nightly clean
 # Not part of `test`: the pictures are committed.
 .PHONY: pictures
 .PHONY: rust-lints rust-tests web-checks web-tests python-checks python-tests flights page-tests chromium
@@ -116,12 +133,77 @@ deny: ## Check licences, sources, doubled versions and, where their database can
 	if $(TARGET)/tools/bin/cargo-deny --locked fetch db; then $(TARGET)/tools/bin/cargo-deny --locked check --disable-fetch advisories; \
 	else echo "The database of advisories cannot be reached: advisories are not checked."; fi
 
+fuzz: ## Fuzz each target for FUZZ_SECONDS=60 from its corpus; counts go to target/fuzz/executions.tsv. Needs a C++ compiler.
+	$(FUZZ_BUILD) --features libfuzzer --target-dir $(TARGET)/fuzz
+	mkdir -p $(TARGET)/fuzz/new && rm -f $(TARGET)/fuzz/executions.tsv
+	for target in $(FUZZ_TARGETS); do \
+	  mkdir -p $(TARGET)/fuzz/new/$$target $(TARGET)/fuzz/artifacts; \
+	  APEX_FUZZ_TARGET=$$target $(TARGET)/fuzz/$(FUZZ_HOST)/ci/apex-fuzz $(TARGET)/fuzz/new/$$target fuzz/corpus/$$target \
+	    $$([ -f fuzz/dictionaries/$$target.dict ] && echo -dict=fuzz/dictionaries/$$target.dict) -max_total_time=$(FUZZ_SECONDS) \
+	    -timeout=20 -rss_limit_mb=4096 -artifact_prefix=$(TARGET)/fuzz/artifacts/$$target- -print_final_stats=1 > $(TARGET)/fuzz/$$target.log 2>&1 \
+	    || { tail -n 40 $(TARGET)/fuzz/$$target.log; echo "fuzz target $$target: repeat it with apex-fuzz $$target FILE"; exit 1; }; \
+	  printf '%s\t%s\n' $$target $$(sed -n 's/^stat::number_of_executed_units: *//p' $(TARGET)/fuzz/$$target.log) >> $(TARGET)/fuzz/executions.tsv; \
+	done
+	cat $(TARGET)/fuzz/executions.tsv
+
+fuzz-planted: ## Show that each fuzz target finds the bug planted in it.
+	$(FUZZ_BUILD) --features libfuzzer,planted-bugs --target-dir $(TARGET)/fuzz-planted
+	mkdir -p $(TARGET)/fuzz-planted/artifacts
+	for target in $(FUZZ_TARGETS); do \
+	  begin=$$(date +%s); \
+	  if APEX_FUZZ_TARGET=$$target $(TARGET)/fuzz-planted/$(FUZZ_HOST)/ci/apex-fuzz fuzz/corpus/$$target -runs=-1 \
+	    $$([ -f fuzz/dictionaries/$$target.dict ] && echo -dict=fuzz/dictionaries/$$target.dict) -max_total_time=$(FUZZ_PLANTED_SECONDS) \
+	    -artifact_prefix=$(TARGET)/fuzz-planted/artifacts/$$target- > $(TARGET)/fuzz-planted/$$target.log 2>&1; \
+	  then echo "fuzz target $$target: the planted bug was not found"; exit 1; \
+	  else echo "fuzz target $$target: planted bug found after $$(($$(date +%s) - begin)) s"; fi; \
+	done | tee $(TARGET)/fuzz-planted/found.txt
+
+coverage: ## Coverage of lines and branches by tests: target/quality/coverage.json. Needs the tools of LLVM (Debian: llvm-22).
+	@[ -n "$(LLVM_COV)" ] || { echo "coverage needs llvm-cov: install the package llvm-22, or the component llvm-tools of rustup" >&2; exit 1; }
+	mkdir -p $(TARGET)/quality && rm -rf $(TARGET)/coverage/profiles
+	RUSTC_BOOTSTRAP=1 RUSTFLAGS="-Cinstrument-coverage -Zcoverage-options=branch" LLVM_PROFILE_FILE=$(abspath $(TARGET))/coverage/profiles/%m.profraw \
+	  cargo test --locked --quiet --target-dir $(TARGET)/coverage $(COVERAGE_PACKAGES) --lib --tests
+	$(LLVM_PROFDATA) merge --sparse $(TARGET)/coverage/profiles/*.profraw --output $(TARGET)/coverage/all.profdata
+	$(LLVM_COV) export --summary-only --instr-profile $(TARGET)/coverage/all.profdata \
+	  $$(find $(TARGET)/coverage/debug/deps -maxdepth 1 -type f -executable -name 'apex*' | sed 's/^/--object /') > $(TARGET)/quality/coverage.json
+
+sbom: ## Bills of materials (CycloneDX) of the command and of the page: target/quality/*.cdx.json.
+	mkdir -p $(TARGET)/quality
+	cargo install --quiet --locked --root $(TARGET)/tools cargo-cyclonedx@$(CARGO_CYCLONEDX)
+	PATH="$(abspath $(TARGET))/tools/bin:$$PATH" cargo cyclonedx --quiet --manifest-path crates/cli/Cargo.toml --format json --override-filename apex.cdx
+	mv crates/cli/apex.cdx.json $(TARGET)/quality/apex.cdx.json && find adapters benches crates fuzz python spec xtask -name apex.cdx.json -delete
+	cd web && npm sbom --package-lock-only --sbom-format cyclonedx > $(abspath $(TARGET))/quality/web.cdx.json
+
+audit: ## Known vulnerabilities of packages of Rust and of the page, where their databases can be reached.
+	mkdir -p $(TARGET)/quality
+	cargo install --quiet --locked --root $(TARGET)/tools cargo-deny@$(CARGO_DENY)
+	{ if $(TARGET)/tools/bin/cargo-deny --locked check licenses bans sources > $(TARGET)/quality/deny.log 2>&1; \
+	  then echo "Licences, sources and doubled versions (cargo-deny): pass."; else echo "Licences, sources and doubled versions (cargo-deny): FAIL."; fi; echo; \
+	  if ! $(TARGET)/tools/bin/cargo-deny --locked fetch db > $(TARGET)/quality/advisories.log 2>&1; \
+	  then echo "Advisories of RustSec: not checked, the database cannot be reached."; \
+	  elif $(TARGET)/tools/bin/cargo-deny --locked check --disable-fetch advisories >> $(TARGET)/quality/advisories.log 2>&1; \
+	  then echo "Advisories of RustSec: none applies."; else echo "Advisories of RustSec: FAIL."; fi; echo; \
+	  if (cd web && npm audit --package-lock-only --json) > $(TARGET)/quality/npm-audit.json 2> /dev/null; then echo "npm audit: no known vulnerability."; \
+	  elif grep -q '"vulnerabilities"' $(TARGET)/quality/npm-audit.json; then echo "npm audit: FAIL."; \
+	  else echo "npm audit: not checked, the registry answers no audits."; fi; } > $(TARGET)/quality/audit.md
+	cat $(TARGET)/quality/audit.md
+	! grep -q FAIL $(TARGET)/quality/audit.md
+
+quality: coverage audit sbom ## Measure coverage, packages and bills of materials, and write docs/reference/quality.md from all measurements.
+	printf 'commit\t%s\ncompiler\t%s\ndate\t%s\ntests\t%s\n' "$$(git rev-parse --short=12 HEAD)" "$$(rustc --version)" "$$(date -u +%F)" \
+	  "$(COVERAGE_PACKAGES)" > $(TARGET)/quality/measured.tsv
+	[ ! -f $(TARGET)/fuzz/executions.tsv ] || cp $(TARGET)/fuzz/executions.tsv $(TARGET)/quality/fuzz.tsv
+	[ ! -f $(TARGET)/fuzz-planted/found.txt ] || sed -n 's/^fuzz target \(.*\): planted bug found after \(.*\) s$$/\1\t\2/p' $(TARGET)/fuzz-planted/found.txt > $(TARGET)/quality/planted.tsv
+	cargo xtask quality
+
 nightly: test build ## What is too slow for every change: many seeds, replay across builds, properties with new cases, a million random programs, ten million conditions, planted bugs, the planners' profile, measurements.
 	for seed in 1 2 3 4 5 6 7 8; do $(MAKE) sim SEED=$$seed; done
 	APEX_GUARDED_SEEDS=200 APEX_GUARDED_MISSIONS=200 cargo test --locked $(CI_PROFILE) --package apex-simulation --test guarded_flights
 	APEX_FAULT_HOURS=50000 APEX_FAULT_SEED=100000 cargo test --locked $(CI_PROFILE) --package apex-spec --test fault_simulator
 	for mission in $(MISSIONS); do $(APEX) replay $(FLIGHTS)/$$mission.apex; done
 	$(MAKE) deny
+	$(MAKE) fuzz fuzz-planted
+	$(MAKE) quality
 	$(MAKE) wheel
 	$(MAKE) properties
 	cargo run --locked $(CI_PROFILE) --package apex-random -- --count 1000000 --seed 1000000

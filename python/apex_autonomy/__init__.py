@@ -19,10 +19,10 @@ Words and meaning are those of PDL (``docs/reference/conditions.md``); nothing i
 from apex_autonomy._apex import (
     ApexError,
     ConditionError,
+    ConditionStatus,
     Evidence,
     InputError,
     Interval,
-    Judgement,
     MissionError,
     PlanningError,
     Quantity,
@@ -53,9 +53,13 @@ from apex_autonomy.profile import Profile, profile_cells
 from apex_autonomy.runs import Runs, fly_runs
 from apex_autonomy.tables import to_arrow
 
+#: The former name of :class:`ConditionStatus`; kept for one release.
+Judgement = ConditionStatus
+
 __all__ = [
     "ApexError",
     "ConditionError",
+    "ConditionStatus",
     "Difference",
     "Environment",
     "Evidence",

@@ -8,20 +8,20 @@ import numpy.typing as npt
 __all__ = [
     "ApexError",
     "ConditionError",
+    "ConditionStatus",
     "Evidence",
     "InputError",
     "Interval",
-    "Judgement",
     "Means",
     "Mission",
     "MissionError",
+    "PlannerContext",
     "PlanningError",
     "Quantity",
     "Reason",
     "Result",
     "Results",
     "Session",
-    "Surroundings",
     "Symbol",
     "Variable",
     "__version__",
@@ -161,7 +161,7 @@ class Reason:
     def until_ns(self) -> int | None: ...
 
 @final
-class Judgement:
+class ConditionStatus:
     @property
     def verdict(self) -> Literal["satisfied", "not satisfied", "unknown"]: ...
     @property
@@ -196,14 +196,14 @@ class Session:
     def advance(self, now: Any) -> None: ...
     def finish(self) -> None: ...
     def take_results(self) -> Results: ...
-    def take_troubles(self) -> list[str]: ...
-    def judgement(self) -> Judgement: ...
+    def take_errors(self) -> list[str]: ...
+    def status(self) -> ConditionStatus: ...
     def counts(self, variable: Variable) -> tuple[int, int, int, int]: ...
 
 def instant_ns(instant: Any) -> int: ...
 
 @final
-class Surroundings:
+class PlannerContext:
     @property
     def seed(self) -> int: ...
     @property
@@ -215,7 +215,7 @@ class Surroundings:
     def charge(self, units: int) -> bool: ...
     def report_json(self, plan: str) -> None: ...
 
-_Planners = list[tuple[str, list[str], Callable[[str, Surroundings], str], Callable[[int], None]]]
+_Planners = list[tuple[str, list[str], Callable[[str, PlannerContext], str], Callable[[int], None]]]
 
 @final
 class Means:

@@ -1,4 +1,4 @@
-"""Costs of ignorance: the score of any plan, and user-defined costs, as functions or as tables that planners can use."""
+"""Costs of ignorance: the score of any plan, and user-defined costs, as functions or as tables for planners."""
 
 from __future__ import annotations
 

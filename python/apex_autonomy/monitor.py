@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from apex_autonomy._apex import InputError, Judgement, Results, Session, Variable, instant_ns
+from apex_autonomy._apex import ConditionStatus, InputError, Results, Session, Variable, instant_ns
 
 #: Seconds as a number, or a value with a unit.
 Instant = float | int | np.timedelta64 | np.datetime64 | timedelta
@@ -263,25 +263,36 @@ class Monitor:
         self._session.finish()
         return self._take()
 
-    def judgement(self) -> Judgement:
-        """Say what is known about the condition at the newest instant that is over.
+    def status(self) -> ConditionStatus:
+        """Return the status of the condition at the newest instant that is over.
 
         Returns
         -------
-        Judgement
-            ``verdict``, and the parts that do not hold with the reason of each. ``str()`` puts it into words.
+        ConditionStatus
+            ``verdict``, and the parts that do not hold with the reason of each. ``str()`` gives it as text.
 
         Examples
         --------
         >>> monitor = Monitor("(altitude uav > 100)")
-        >>> monitor.judgement().verdict
+        >>> monitor.status().verdict
         'not satisfied'
         >>> monitor.push(1, 60)
         <0 results>
-        >>> print(monitor.judgement().because[0].now)
+        >>> print(monitor.status().because[0].now)
         (altitude uav) = 60, 40 off
         """
-        return self._session.judgement()
+        return self._session.status()
+
+    def judgement(self) -> ConditionStatus:
+        """Return :meth:`status`; deprecated.
+
+        Returns
+        -------
+        ConditionStatus
+            As :meth:`status`.
+        """
+        warnings.warn("Monitor.judgement() is now Monitor.status()", DeprecationWarning, stacklevel=2)
+        return self.status()
 
     def counts(self, variable: str | Variable | None = None) -> dict[str, int]:
         """Count the uses of the samples of a variable.
@@ -308,15 +319,26 @@ class Monitor:
         names = ("kept", "late", "replaced", "missing")
         return dict(zip(names, self._session.counts(self._variable(variable)), strict=True))
 
-    def troubles(self) -> list[str]:
-        """Take what went wrong since the last call: samples refused or too late, expressions that failed.
+    def errors(self) -> list[str]:
+        """Take the errors since the last call: samples refused or too late, expressions that failed.
 
         Returns
         -------
         list of str
             One message each.
         """
-        return self._session.take_troubles()
+        return self._session.take_errors()
+
+    def troubles(self) -> list[str]:
+        """Return :meth:`errors`; deprecated.
+
+        Returns
+        -------
+        list of str
+            As :meth:`errors`.
+        """
+        warnings.warn("Monitor.troubles() is now Monitor.errors()", DeprecationWarning, stacklevel=2)
+        return self.errors()
 
     def __repr__(self) -> str:
         """Show the condition."""

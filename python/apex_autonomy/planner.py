@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from apex_autonomy._apex import Means, Surroundings, plan_json, problem_json
+from apex_autonomy._apex import Means, PlannerContext, plan_json, problem_json
 
 __all__ = ["Environment", "Planner", "plan", "problem"]
 
@@ -21,7 +21,7 @@ class PlannerStopped(BaseException):
 class Environment:
     """What a planner may use."""
 
-    def __init__(self, surroundings: Surroundings) -> None:
+    def __init__(self, surroundings: PlannerContext) -> None:
         self._surroundings = surroundings
 
     @property
@@ -94,8 +94,8 @@ def _interrupt(identity: int) -> None:
 
 
 def _registered(planners: Iterable[Planner]) -> list[Any]:
-    def call(planner: Planner) -> Callable[[str, Surroundings], str]:
-        def planned(problem: str, surroundings: Surroundings) -> str:
+    def call(planner: Planner) -> Callable[[str, PlannerContext], str]:
+        def planned(problem: str, surroundings: PlannerContext) -> str:
             [contents] = json.loads(problem).values()
             return json.dumps(planner.plan(contents, Environment(surroundings)))
 

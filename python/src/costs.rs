@@ -39,7 +39,7 @@ fn told(python: Python<'_>, why: String, raised: &Raised) -> PyErr {
 }
 
 /// Name, expected cost, number of observations and longest gap in seconds of each target.
-type Targets = Vec<(String, f64, usize, f64)>;
+type TargetCosts = Vec<(String, f64, usize, f64)>;
 
 /// The score of visits, each a target and when its observation ends; costs have the name of their target and ages of jumps;
 /// with `survival` only the first event after an observation counts.
@@ -50,7 +50,7 @@ pub(crate) fn expected_cost_of(
     visits: Vec<(String, f64)>,
     costs: Vec<(String, Bound<'_, PyAny>, Vec<f64>)>,
     survival: bool,
-) -> PyResult<(f64, Targets)> {
+) -> PyResult<(f64, TargetCosts)> {
     let read = PlanInput::of_json(problem, "the problem").map_err(|failure| planning(python, failure))?;
     let problem = match read.problem {
         Problem::Surveillance(problem) => problem,

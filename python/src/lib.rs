@@ -1,10 +1,10 @@
 //! The native half of the Python package `apex_autonomy`: translation only. What is said about arguments and results to
 //! Python's users is in the package; what a condition means is decided in the executive.
 
+mod condition_status;
 mod costs;
 mod errors;
 mod flight;
-mod judgement;
 mod planner;
 mod planning;
 mod profile;
@@ -25,13 +25,13 @@ fn _apex(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<results::Results>()?;
     module.add_class::<results::Result>()?;
     module.add_class::<results::Evidence>()?;
-    module.add_class::<judgement::Judgement>()?;
-    module.add_class::<judgement::Reason>()?;
+    module.add_class::<condition_status::ConditionStatus>()?;
+    module.add_class::<condition_status::Reason>()?;
     module.add_class::<values::Interval>()?;
     module.add_class::<values::Quantity>()?;
     module.add_class::<values::Symbol>()?;
     module.add_class::<values::Variable>()?;
-    module.add_class::<planner::Surroundings>()?;
+    module.add_class::<planner::PlannerContext>()?;
     module.add_function(wrap_pyfunction!(instant_ns, module)?)?;
     module.add_class::<planning::Mission>()?;
     module.add_class::<planning::Means>()?;

@@ -19,7 +19,7 @@ const LOOK: Duration = Duration::from_millis(20);
 const GRACE: Duration = Duration::from_millis(500);
 
 /// Request of a planner; `Ended` is its last one.
-enum Asked {
+enum PlannerRequest {
     Charge(u64),
     Report(String),
     Ended(Result<String, String>),
@@ -27,22 +27,22 @@ enum Asked {
 
 /// Reply to a planner: work left, work used.
 #[derive(Clone, Copy)]
-struct Told {
+struct PlannerReply {
     exhausted: bool,
     used: u64,
 }
 
 /// Resources that a planner may use.
 #[pyclass(module = "apex_autonomy", frozen)]
-pub(crate) struct Surroundings {
+pub(crate) struct PlannerContext {
     seed: u64,
     previous: Option<String>,
-    asks: Sender<Asked>,
-    answers: std::sync::Mutex<Receiver<Told>>,
+    asks: Sender<PlannerRequest>,
+    answers: std::sync::Mutex<Receiver<PlannerReply>>,
 }
 
-impl Surroundings {
-    fn ask(&self, python: Python<'_>, asked: Asked) -> PyResult<Told> {
+impl PlannerContext {
+    fn ask(&self, python: Python<'_>, asked: PlannerRequest) -> PyResult<PlannerReply> {
         python.detach(|| {
             let answers = self.answers.lock().map_err(|_| input("the planner has been stopped"))?;
             self.asks.send(asked).map_err(|_| input("the planner has been stopped"))?;
@@ -52,7 +52,7 @@ impl Surroundings {
 }
 
 #[pymethods]
-impl Surroundings {
+impl PlannerContext {
     #[getter]
     fn seed(&self) -> u64 {
         self.seed
@@ -62,18 +62,18 @@ impl Surroundings {
         self.previous.as_deref()
     }
     fn charge(&self, python: Python<'_>, units: u64) -> PyResult<bool> {
-        self.ask(python, Asked::Charge(units)).map(|told| !told.exhausted)
+        self.ask(python, PlannerRequest::Charge(units)).map(|told| !told.exhausted)
     }
     #[getter]
     fn exhausted(&self, python: Python<'_>) -> PyResult<bool> {
-        self.ask(python, Asked::Charge(0)).map(|told| told.exhausted)
+        self.ask(python, PlannerRequest::Charge(0)).map(|told| told.exhausted)
     }
     #[getter]
     fn used(&self, python: Python<'_>) -> PyResult<u64> {
-        self.ask(python, Asked::Charge(0)).map(|told| told.used)
+        self.ask(python, PlannerRequest::Charge(0)).map(|told| told.used)
     }
     fn report_json(&self, python: Python<'_>, plan: String) -> PyResult<()> {
-        self.ask(python, Asked::Report(plan)).map(|_| ())
+        self.ask(python, PlannerRequest::Report(plan)).map(|_| ())
     }
 }
 
@@ -104,7 +104,7 @@ impl Solver for PythonSolver {
         let previous = environment.previous.map(|plan| json(serde_json::to_string(plan))).transpose()?;
         let (asks, asked) = channel();
         let (tell, answers) = channel();
-        let surroundings = Surroundings {
+        let surroundings = PlannerContext {
             seed: environment.seed,
             previous,
             asks: asks.clone(),
@@ -119,7 +119,7 @@ impl Solver for PythonSolver {
                 let answer = call.bind(python).call1((text, surroundings))?;
                 answer.extract::<String>()
             });
-            let _ = asks.send(Asked::Ended(answer.map_err(|error| error.to_string())));
+            let _ = asks.send(PlannerRequest::Ended(answer.map_err(|error| error.to_string())));
         };
         let builder = thread::Builder::new().name(format!("planner {}", self.name));
         builder.spawn(work).map_err(|error| format!("no thread could be started for the planner: {error}"))?;
@@ -133,20 +133,20 @@ fn serve(
     solver: &PythonSolver,
     problem: &Problem,
     environment: &mut Environment<'_>,
-    asked: &Receiver<Asked>,
-    tell: &Sender<Told>,
+    asked: &Receiver<PlannerRequest>,
+    tell: &Sender<PlannerReply>,
     mut guard: Interrupt,
 ) -> Result<Plan, String> {
     let mut exhausted_at: Option<Instant> = None;
     loop {
         match asked.recv_timeout(LOOK) {
-            Ok(Asked::Charge(units)) => environment.budget.charge(units),
-            Ok(Asked::Report(text)) => {
+            Ok(PlannerRequest::Charge(units)) => environment.budget.charge(units),
+            Ok(PlannerRequest::Report(text)) => {
                 // A report that is not a plan is the planner's mistake, reported where it made it: it ends there.
                 let plan = read(&solver.name, problem, &text)?;
                 (environment.report)(&plan);
             }
-            Ok(Asked::Ended(answer)) => {
+            Ok(PlannerRequest::Ended(answer)) => {
                 guard.armed = false;
                 return read(&solver.name, problem, &answer?);
             }
@@ -158,7 +158,7 @@ fn serve(
             }
             Err(RecvTimeoutError::Disconnected) => return Err("its thread ended".to_string()),
         }
-        let told = Told { exhausted: environment.budget.exhausted(), used: environment.budget.used() };
+        let told = PlannerReply { exhausted: environment.budget.exhausted(), used: environment.budget.used() };
         // Who does not wait for the answer has been interrupted.
         let _ = tell.send(told);
     }

@@ -1,7 +1,7 @@
 //! One watched condition.
 
+use crate::condition_status::ConditionStatus;
 use crate::errors::{ConditionError, input};
-use crate::judgement::Judgement;
 use crate::results::Results;
 use crate::source::{Ready, read};
 use crate::values::{Variable, from_python, nanoseconds_of};
@@ -107,7 +107,7 @@ impl Session {
         Results::new(self.session.take_results())
     }
 
-    fn take_troubles(&mut self) -> Vec<String> {
+    fn take_errors(&mut self) -> Vec<String> {
         self.session
             .take_troubles()
             .into_iter()
@@ -115,10 +115,10 @@ impl Session {
             .collect()
     }
 
-    fn judgement(&self) -> PyResult<Judgement> {
+    fn status(&self) -> PyResult<ConditionStatus> {
         match self.session.verdict(self.watch) {
-            Some(told) => Ok(Judgement::new(told)),
-            None => Err(ConditionError::new_err("the condition could not be watched; see the troubles")),
+            Some(told) => Ok(ConditionStatus::new(told)),
+            None => Err(ConditionError::new_err("the condition could not be watched; see the errors")),
         }
     }
 

@@ -62,7 +62,7 @@ def test_booleans_in_arrays_stay_booleans():
     for at, value in zip(t, armed.tolist(), strict=True):
         single.push(at, value)
     assert [result.start_s for result in told] == [1.0, 2.0]
-    assert whole.judgement().verdict == single.judgement().verdict == "satisfied"
+    assert whole.status().verdict == single.status().verdict == "satisfied"
     # Numbers stay numbers.
     numbers = Monitor("(armed uav = t)")
     numbers.extend(t, armed.astype(float))
@@ -122,12 +122,12 @@ def test_results_are_an_arrow_table():
 
 def test_what_is_unknown_says_why():
     monitor = Monitor(WINGS)
-    assert monitor.judgement().verdict == "unknown"
+    assert monitor.status().verdict == "unknown"
     monitor.push(0, 20)
     monitor.push(5, 20)
-    judgement = monitor.judgement()
-    assert judgement.verdict == "unknown"
-    assert "gap" in str(judgement)
+    status = monitor.status()
+    assert status.verdict == "unknown"
+    assert "gap" in str(status)
 
 
 def test_late_samples_are_counted_and_told():
@@ -135,8 +135,8 @@ def test_late_samples_are_counted_and_told():
     monitor.push(5, 30)
     assert len(monitor.push(4, 3)) == 0
     assert monitor.counts()["late"] == 1
-    (trouble,) = monitor.troubles()
-    assert "too late" in trouble and monitor.troubles() == []
+    (error,) = monitor.errors()
+    assert "too late" in error and monitor.errors() == []
 
 
 @pytest.mark.parametrize(
@@ -215,3 +215,13 @@ def test_derived_state_variables_are_computed_over_all_inputs():
     found += monitor.finish()
     final = [(result.start_ns, result.end_ns) for result in found if not result.open]
     assert final == [(1_500_000_000, 2_500_000_000)]
+
+
+def test_former_names_still_work_and_warn():
+    """Names of the release before are aliases for one release."""
+    monitor = Monitor("(altitude uav > 100)")
+    with pytest.warns(DeprecationWarning, match="status"):
+        assert monitor.judgement().verdict == monitor.status().verdict
+    with pytest.warns(DeprecationWarning, match="errors"):
+        assert monitor.troubles() == monitor.errors() == []
+    assert apex_autonomy.Judgement is apex_autonomy.ConditionStatus

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+
 from apex_autonomy import Mission, MissionError, fly_runs
 
 MISSION = Path(__file__).parents[2] / "missions" / "first-picture"

@@ -1,4 +1,4 @@
-// Who may import whom in web/src. A rule that is written down is a rule that is checked; `npm run check` runs this.
+// Permitted imports between folders of web/src. A rule that is written down is a rule that is checked; `npm run check` runs this.
 
 import { readdirSync, readFileSync } from 'node:fs';
 import { dirname, join, normalize, relative } from 'node:path';
@@ -6,7 +6,7 @@ import { fileURLToPath } from 'node:url';
 
 const source = fileURLToPath(new URL('../src', import.meta.url));
 
-/** Room -> rooms it may import. A panel may import its own folder, and no other panel. */
+/** Folder -> folders it may import. A panel may import its own folder, and no other panel. */
 const ROOMS = {
   time: [],
   files: [],
@@ -61,7 +61,7 @@ function checkRoom(file, name) {
   }
   if (/\/view\.ts$/.test(file) && /^panels\/.*\.svelte$/.test(target))
     return 'a view model may not import drawing';
-  if (from !== to && !ROOMS[from].includes(to)) return `room ${from} may not import room ${to} (${name})`;
+  if (from !== to && !ROOMS[from].includes(to)) return `folder ${from} may not import folder ${to} (${name})`;
   return undefined;
 }
 

@@ -1,4 +1,4 @@
-/** Looks at what is really on the screen. */
+/** Reads the pixels on the screen. */
 
 import type { Locator, Page } from '@playwright/test';
 

@@ -52,6 +52,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("spec/random", &["*"]),
     ("spec/definition", &[]),
     ("spec/conditions-random", &["*"]),
+    ("fuzz", &["*"]),
     ("benches", &["*"]),
     ("python", &["*"]),
     ("xtask", &[]),

@@ -16,6 +16,7 @@ mod mask;
 mod paths;
 mod phrases;
 mod prose;
+mod quality;
 mod quick;
 mod readmes;
 mod rings;
@@ -38,7 +39,8 @@ const USAGE: &str = "usage: cargo xtask tidy                check the rules of t
        cargo xtask english [--update]  list breaches of the rules for texts in changed lines; lower their ceilings
        cargo xtask pages --update      lower the ceilings of absent pages that code names
        cargo xtask wrap PATH ..        wrap long lines of Markdown
-       cargo xtask catalogue           write docs/reference/services.md from the services' headers";
+       cargo xtask catalogue           write docs/reference/services.md from the services' headers
+       cargo xtask quality             write docs/reference/quality.md from the measurements of `make quality`";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -68,6 +70,7 @@ fn run(root: &Path, words: &[&str]) -> Result<String, String> {
         ["pages", "--update"] => paths::update(root, &paths::Paths::new(&tree::names(root)?), &tree::read(root)?),
         ["wrap", paths @ ..] if !paths.is_empty() => wrap::run(root, &tree::names(root)?, paths),
         ["catalogue"] => catalogue::write(root),
+        ["quality"] => quality::write(root),
         _ => Err(USAGE.to_string()),
     }
 }

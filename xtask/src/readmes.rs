@@ -9,7 +9,7 @@ const LINES_MAX: usize = 20;
 const MISSION_LINES_MAX: usize = 45;
 /// Folders of the map; `/*` means every folder directly below.
 const FOLDERS: &[&str] =
-    &["crates/*", "adapters", "adapters/*", "library", "missions", "spec", "web", "docs", "benches", "xtask"];
+    &["crates/*", "adapters", "adapters/*", "library", "missions", "spec", "web", "docs", "benches", "fuzz", "xtask"];
 
 /// Checks that every such folder has a README of the right length.
 pub(crate) fn check(texts: &[Text]) -> Vec<Finding> {

@@ -49,14 +49,14 @@ fn check_functions(text: &Text) -> Vec<Finding> {
         .collect()
 }
 
-struct Function {
+struct FunctionSize {
     name: String,
     line: usize,
     code_lines: usize,
 }
 
 /// Every function with a body in masked Rust text.
-fn functions(masked: &str) -> Vec<Function> {
+fn functions(masked: &str) -> Vec<FunctionSize> {
     let lines: Vec<&str> = masked.lines().collect();
     let mut found = Vec::new();
     for (index, line) in lines.iter().enumerate() {
@@ -65,7 +65,7 @@ fn functions(masked: &str) -> Vec<Function> {
         {
             let body = lines.get(index + 1..last).unwrap_or_default();
             let code_lines = body.iter().filter(|line| !line.trim().is_empty()).count();
-            found.push(Function { name: name.to_string(), line: index + 1, code_lines });
+            found.push(FunctionSize { name: name.to_string(), line: index + 1, code_lines });
         }
     }
     found

@@ -25,7 +25,7 @@ pub struct FieldSummary {
 pub type Span = (Time, Time);
 
 /// Messages of a topic, their span, and their fields.
-type SeenTopic = (u64, Option<Span>, Vec<Seen>);
+type SeenTopic = (u64, Option<Span>, Vec<FieldValues>);
 
 /// Reads a log to its end; the fields in the order of their appearance, and the first and last instant.
 ///
@@ -46,7 +46,7 @@ pub fn survey(reader: &mut dyn LogReader) -> io::Result<(Vec<FieldSummary>, Opti
         *messages += 1;
         *own_span = wider(*own_span);
         if fields.len() < message.values.len() {
-            fields.resize(message.values.len(), Seen::default());
+            fields.resize(message.values.len(), FieldValues::default());
         }
         fields.iter_mut().zip(&message.values).for_each(|(seen, cell)| seen.add(cell));
     }
@@ -54,7 +54,7 @@ pub fn survey(reader: &mut dyn LogReader) -> io::Result<(Vec<FieldSummary>, Opti
     for (topic, (messages, own_span, fields)) in reader.topics().iter().zip(found) {
         let seconds = own_span.map_or(0.0, |(from, to)| (to - from).seconds());
         let rate_per_s = (seconds > 0.0 && messages > 1).then(|| (messages - 1) as f64 / seconds);
-        let whole = Seen { count: messages, ..Seen::default() };
+        let whole = FieldValues { count: messages, ..FieldValues::default() };
         if topic.fields.is_empty() {
             summaries.push(whole.summary(topic.name.clone(), rate_per_s));
         }
@@ -73,13 +73,13 @@ impl FieldUnit {
 }
 
 #[derive(Clone, Debug, Default)]
-struct Seen {
+struct FieldValues {
     count: u64,
     range: Option<(f64, f64)>,
     text: Option<String>,
 }
 
-impl Seen {
+impl FieldValues {
     fn add(&mut self, cell: &Cell) {
         match cell {
             Cell::Nothing => return,
@@ -97,7 +97,7 @@ impl Seen {
     }
 
     fn summary(self, name: String, rate_per_s: Option<f64>) -> FieldSummary {
-        let Seen { count, range, text } = self;
+        let FieldValues { count, range, text } = self;
         FieldSummary { name, count, rate_per_s, range, text, unit: None }
     }
 }

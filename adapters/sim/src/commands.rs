@@ -16,7 +16,7 @@ use apex_runtime::ports::Input;
 use apex_vehicle::Airframe;
 
 /// A command: name, usage, fewest and most positional arguments, keywords.
-struct Command {
+struct CommandForm {
     name: &'static str,
     usage: &'static str,
     arguments: (usize, usize),
@@ -28,12 +28,12 @@ const fn command(
     usage: &'static str,
     arguments: (usize, usize),
     keywords: &'static [&'static str],
-) -> Command {
-    Command { name, usage, arguments, keywords }
+) -> CommandForm {
+    CommandForm { name, usage, arguments, keywords }
 }
 
 /// Every command with its usage.
-const COMMANDS: &[Command] = &[
+const COMMANDS: &[CommandForm] = &[
     command("take-off", "(take-off ALTITUDE)", (1, 1), &[]),
     command(
         "fly-to",

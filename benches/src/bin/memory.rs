@@ -9,11 +9,11 @@ use peak_alloc::PeakAlloc;
 static MEMORY: PeakAlloc = PeakAlloc;
 
 /// The program with so many waiting tasks.
-type Text = fn(usize) -> String;
+type ProgramText = fn(usize) -> String;
 
 fn main() {
     println!("| waiting | tasks | bytes a waiting task |\n|---|---|---|");
-    let shapes: [(&str, Text); 3] = [
+    let shapes: [(&str, ProgramText); 3] = [
         ("steps of one procedure, each for its own variable", programs::waiting),
         ("steps of one procedure, each for its own bound of one variable", programs::bounds),
         ("procedures of one step, each for its own variable", |count| WATCHERS.replace("COUNT", &count.to_string())),

@@ -113,7 +113,7 @@ const BARS: &[Bar] = &[
 ];
 
 /// (group, function) -> count -> median in nanoseconds, per element where the row says elements.
-type Rows = BTreeMap<(String, String), BTreeMap<u64, f64>>;
+type Medians = BTreeMap<(String, String), BTreeMap<u64, f64>>;
 
 fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);
@@ -121,7 +121,7 @@ fn main() -> ExitCode {
         eprintln!("usage: report CRITERION_FOLDER ROWS_FOLDER [PEER.json]..");
         return ExitCode::FAILURE;
     };
-    let mut rows = Rows::new();
+    let mut rows = Medians::new();
     collect(Path::new(&folder), &mut rows);
     collect_others(Path::new(&others), &mut rows);
     if rows.is_empty() {
@@ -139,7 +139,7 @@ fn read_json(path: &Path) -> Option<Value> {
 }
 
 /// Criterion keeps `new/benchmark.json` and `new/estimates.json` for each row, at varying depth.
-fn collect(folder: &Path, rows: &mut Rows) {
+fn collect(folder: &Path, rows: &mut Medians) {
     let new = folder.join("new");
     let row = read_json(&new.join("benchmark.json")).zip(read_json(&new.join("estimates.json")));
     if let Some((benchmark, estimates)) = row {
@@ -158,7 +158,7 @@ fn collect(folder: &Path, rows: &mut Rows) {
 }
 
 /// The figures that other programs kept.
-fn collect_others(folder: &Path, rows: &mut Rows) {
+fn collect_others(folder: &Path, rows: &mut Medians) {
     let Ok(entries) = std::fs::read_dir(folder) else { return };
     for row in entries.flatten().filter_map(|entry| read_json(&entry.path())) {
         let word = |key: &str| row.get(key).and_then(Value::as_str).unwrap_or_default().to_string();
@@ -169,7 +169,7 @@ fn collect_others(folder: &Path, rows: &mut Rows) {
 }
 
 /// Every row with its growth: how many times longer the greatest count takes than the least.
-fn print_growth(rows: &Rows) {
+fn print_growth(rows: &Medians) {
     println!("| measured | median at each count | growth |\n|---|---|---|");
     for ((group, function), counts) in rows {
         let cells: Vec<String> = counts
@@ -188,7 +188,7 @@ fn print_growth(rows: &Rows) {
     println!();
 }
 
-fn print_bars(rows: &Rows, peers: &[Value]) {
+fn print_bars(rows: &Medians, peers: &[Value]) {
     println!("| quantity | count | bar | measured | | peer in the same run | ratio |\n|---|---|---|---|---|---|---|");
     for bar in BARS {
         let count = bar.count.parse().unwrap_or(0);

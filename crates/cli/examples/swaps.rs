@@ -1,4 +1,4 @@
-//! A planner of a third party in a program of its own: the whole `apex` command, with one planner more.
+//! A planner of a third party in a separate program: the whole `apex` command, with one planner more.
 
 use apex_model::problem::{Plan, Problem};
 use apex_planning::random::Generator;

@@ -1,4 +1,4 @@
-//! People and programs that speak while a run continues: lines from standard input or a port, questions on the terminal,
+//! Operators and programs that send lines while a run continues: lines from standard input or a port, questions on the terminal,
 //! Ctrl-C.
 
 mod complaints;
@@ -28,7 +28,7 @@ pub fn listen(open: &OpenQuestions, stdin: bool, port: Option<u16>) -> CliResult
     let (say, controls) = sync_channel(WAITING_MAX);
     let stop = say.clone();
     ctrlc::set_handler(move || {
-        // Nobody is there to end in good order: the run is over already.
+        // There is nothing to end cleanly: the run is over already.
         if stop.send(Control::Stop).is_err() {
             std::process::exit(130);
         }
@@ -46,7 +46,7 @@ pub fn listen(open: &OpenQuestions, stdin: bool, port: Option<u16>) -> CliResult
             hear(std::io::stdin().lock(), &Hearing { source: &source, open: &open, answers: None });
         }
         if !others {
-            // The run may be over: then nobody minds.
+            // The run may be over: then the line is dropped.
             say.send(Control::Quiet).unwrap_or_default();
         }
     });

@@ -1,4 +1,4 @@
-//! The `apex` command as a library: a program of a third party is the whole command with planners of its own.
+//! The `apex` command as a library: a program of a third party is the whole command with additional planners.
 //!
 //! ```no_run
 //! let planners = apex_cli::shipped();
@@ -6,7 +6,7 @@
 //! apex_cli::main(std::env::args_os(), planners);
 //! ```
 
-#![expect(unreachable_pub, reason = "but for `main` it has no public face; `pub` says that another module uses it")]
+#![expect(unreachable_pub, reason = "except for `main` it has no public face; `pub` says that another module uses it")]
 
 mod access;
 mod commands;
@@ -31,7 +31,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 /// Runs the command with these arguments (the program's name first) and planners. Like every command it prints what it has to
-/// say; what `clap` answers by itself, as for `--help`, ends the process.
+/// say; what `clap` answers, as for `--help`, ends the process.
 pub fn main(arguments: impl IntoIterator<Item = OsString>, planners: Registry) -> ExitCode {
     run(Options::parse_from(arguments), &Arc::new(planners))
 }

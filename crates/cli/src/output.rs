@@ -1,4 +1,4 @@
-//! Standard output and standard error. A reader that has seen enough (`apex trace F | head -1`) is no failure; a full
+//! Standard output and standard error. A reader that has seen enough (`apex trace F | head -1`) is not a failure; a full
 //! disk is one, and never a panic.
 
 use crate::error::{CliError, CliResult};
@@ -12,7 +12,7 @@ use std::rc::Rc;
 /// Prints to standard output.
 ///
 /// # Errors
-/// The output cannot be written. A reader that went away is no error.
+/// The output cannot be written. A reader that went away is not an error.
 pub fn print(text: impl fmt::Display) -> CliResult {
     let mut out = standard();
     match write!(out, "{text}").and_then(|()| out.flush()) {

@@ -1,4 +1,4 @@
-//! Programs with their diagnostics on the terminal; times and lengths as people type them.
+//! Programs with their diagnostics on the terminal; times and lengths as users type them.
 
 use crate::error::{CliError, CliResult};
 use crate::output;
@@ -51,7 +51,7 @@ pub fn inputs_of(path: &Path) -> CliResult<Vec<Input>> {
     Ok(scenario::parse("<standard input>", &text)?)
 }
 
-/// Prints what a person who runs the program must know: not the notes.
+/// Prints the diagnostics for a user who runs the program: not the notes.
 pub fn print_warnings_and_errors(checked: &Checked) {
     let serious: Vec<_> =
         checked.diagnostics.iter().filter(|each| each.severity != apex_pdl::Severity::Note).cloned().collect();
@@ -61,7 +61,7 @@ pub fn print_warnings_and_errors(checked: &Checked) {
     }
 }
 
-/// Reads an instant of mission time as people type it: `90`, `20s`, `P1M30S`, `1:30:00`.
+/// Reads an instant of mission time as users type it: `90`, `20s`, `P1M30S`, `1:30:00`.
 ///
 /// # Errors
 /// Says what was given and what is understood.

@@ -1,4 +1,4 @@
-//! Options that make no sense: told before anything is touched, with exit code 2.
+//! Invalid options: reported before anything is touched, with exit code 2.
 
 mod common;
 

@@ -1,4 +1,4 @@
-//! `apex plan --plan FILE`: plans that people draw or edit, read back, checked and scored.
+//! `apex plan --plan FILE`: plans drawn or edited by hand, read back, checked and scored.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
 
@@ -27,7 +27,7 @@ fn a_plan_that_is_brought_back_is_worth_the_same() {
     let desk = Desk::new();
     for what in [CELL, &mission("structure-watch"), &mission("western-states")] {
         let planned = answer(&plan(&desk, what, &["--json"]).well());
-        // The whole answer, or the plan by itself; times as they are, or made anew.
+        // The whole answer, or the plan alone; times as they are, or made again.
         for (text, more) in [(planned.to_string(), &[][..]), (planned["plan"].to_string(), &["--retime"][..])] {
             desk.write("p.json", &text);
             let brought = answer(&again(&desk, what, more).well());

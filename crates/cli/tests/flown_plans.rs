@@ -4,7 +4,7 @@ mod common;
 
 use common::Desk;
 
-/// Plans anew after ten minutes, and flies the new plan.
+/// Plans again after ten minutes, and flies the new plan.
 const AGAIN: &str = r#"  (step patrol (patrol the structures) (waitfor (end ?up)) (restart-when (new plan)))
   (step while (wait 10min) (waitfor (end ?up)))
   (step replan (plan (patrol the structures)) (waitfor (end ?while)))

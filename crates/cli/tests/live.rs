@@ -1,4 +1,4 @@
-//! Runs that somebody outside takes part in: scripted and typed answers, the clock on the wall, an outside simulator.
+//! Runs with input from outside: scripted and typed answers, wall time, an outside simulator.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot start its program has failed")]
 
@@ -35,7 +35,7 @@ fn scripted_answers_come_after_their_time() {
     desk.apex(&answers).complained(2, &["answers.jsonl:1: \"value\" is missing"]);
 }
 
-/// A run that goes on, and what it says on standard error.
+/// A run under way, and what it says on standard error.
 fn started(desk: &Desk, arguments: &[&str]) -> (Child, impl Iterator<Item = String>) {
     let mut command = desk.command(arguments);
     let mut run = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
@@ -144,7 +144,7 @@ fn a_simulators_mistakes_are_answered_and_change_nothing() {
     assert!(error(5).contains("agent b, which does not exist"), "{said:?}");
     let effects: Vec<String> = answers[6]["effects"].as_array().unwrap().iter().map(ToString::to_string).collect();
     assert_eq!(effects, ["{\"print\":\"seen at 5.5s\",\"t\":5.5}", "{\"command\":0,\"form\":\"(work)\",\"t\":5.5}"]);
-    assert_eq!(answers[7]["effects"][0]["withdraw"], 0, "a reset ends in good order: {said:?}");
+    assert_eq!(answers[7]["effects"][0]["withdraw"], 0, "a reset ends cleanly: {said:?}");
     assert_eq!(answers[8]["say"][0], "(from the start)");
     assert_eq!(answers[9]["effects"][0]["print"], "seen at 1s");
     assert_eq!(answers[10]["end"], "the initial task is done");

@@ -1,4 +1,4 @@
-//! `apex monitor` and `apex export`: conditions over inputs, records and logs, real ones where they are at hand.
+//! `apex monitor` and `apex export`: conditions over inputs, records and logs, real ones where they are available.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a file that cannot be read is a failed test")]
 
@@ -7,7 +7,7 @@ mod common;
 use common::{Desk, Said};
 use std::path::Path;
 
-/// Real logs for tests; they are no part of the project.
+/// Real logs for tests; they are not a part of the project.
 const LOGS: &str = "/work/shared/data/flight-logs";
 
 /// The path of a real log; none where there are none, which is said.
@@ -34,7 +34,7 @@ fn desk() -> Desk {
     desk
 }
 
-/// Results that were told, by the condition's number.
+/// Results that were printed, by the condition's number.
 fn results(said: &Said, condition: u64) -> usize {
     let of = |line: &&str| {
         line.contains(&format!("\"condition\":{condition},")) && line.contains("\"telling\":\"recognised\"")

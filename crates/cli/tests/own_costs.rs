@@ -1,4 +1,4 @@
-//! Missions whose structures have costs of their own: points of a table, or a function of the program.
+//! Missions whose structures have user-defined costs: points of a table, or a function of the program.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
 

@@ -152,7 +152,7 @@ fn replaced(bytes: &[u8], from: &[u8], to: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// A flight that is killed on its way leaves a record that says so, and that explains what it holds.
+/// A flight that is killed on its way leaves a record that reports it, and that explains what it holds.
 #[test]
 fn a_flight_that_was_cut_off_is_marked_incomplete() {
     let desk = Desk::new();
@@ -165,7 +165,7 @@ fn a_flight_that_was_cut_off_is_marked_incomplete() {
     let began = std::time::Instant::now();
     while !desk.apex(&["trace", "cut.apex", "--type", "command"]).out.contains("take off") {
         assert!(began.elapsed().as_secs() < 60, "the flight does not begin");
-        assert!(child.try_wait().unwrap().is_none(), "the flight ends by itself");
+        assert!(child.try_wait().unwrap().is_none(), "the flight ends early");
         std::thread::sleep(std::time::Duration::from_millis(50));
     }
     let second = desk.apex(&["fly", &mission, "--record", "cut.apex", "--no-progress"]);

@@ -1,4 +1,4 @@
-//! Planning again in flight: after news, by the clock, and by people (library `replanning`, docs/guides/replanning.md).
+//! Planning again in flight: after updates, by the clock, and by operators (library `replanning`, docs/guides/replanning.md).
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
 

@@ -1,5 +1,5 @@
 //! Planners of third parties, good and bad, in flight: what the good one plans is flown; what bad ones do is named in the record,
-//! and the flight goes on.
+//! and the flight continues.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
 
@@ -75,10 +75,10 @@ fn a_measured_planner_gets_into_the_table_and_is_chosen_by_it() {
     // One planner more is measured on the same missions.
     run(&["profile", "update", &profile, "--planners", "shortcut", "--table", &table, "--no-progress"]);
     assert!(desk.read("mine.csv").contains("shortcut"), "{}", desk.read("mine.csv"));
-    // Whom the table chooses flies: nobody names it.
+    // The planner that the table chooses flies: no option names it.
     run(&["fly", &folder, "--record", &record, "--table", &table, "--until", "3min", "--no-progress"]);
     desk.apex(&["trace", "r.apex", "--type", "plan"]).well().told(&["because shortcut answered request 0"]);
-    // A program without that planner says so.
+    // A program without that planner reports it.
     let other = desk.apex(&["plan", "m", "--table", "mine.csv"]);
     other.complained(2, &["there is no solver `shortcut`, which the profile table chooses"]);
     desk.write("broken.csv", "cell,budget\nnonsense,1\n");
@@ -130,7 +130,7 @@ impl Solver for Bad {
             "hoards" => loop {
                 hoard.push(vec![7; 1 << 20]);
                 environment.budget.charge(1);
-                assert!(hoard.len() < 2_000, "nobody stopped it");
+                assert!(hoard.len() < 2_000, "it was not stopped");
                 std::thread::sleep(std::time::Duration::from_micros(100));
             },
             "lies" => vec![visit(target, 2.0)],
@@ -156,7 +156,7 @@ impl Solver for Bad {
 fn fly_with(name: &'static str, more: &[&str]) -> Desk {
     let desk = Desk::with_mission("plain-watch");
     desk.change("m/mission.pdl", FORM, &format!("(solver {name} (index (patrol the structures)) :budget 1ms)"));
-    // Without a plan this mission fails; here it goes on.
+    // Without a plan this mission fails; here it continues.
     let patrol = "(step patrol (patrol the structures) (waitfor (end ?up))";
     desk.change("m/mission.pdl", patrol, &format!("{patrol} (on-failure (inform (without-a-plan)))"));
     let mut planners = apex_solvers::shipped();
@@ -187,7 +187,7 @@ fn misconduct_is_named_in_the_record_and_the_flight_goes_on() {
         let desk = fly_with(name, &["--until", "5min", "--solver-timeout", timeout, "--solver-memory", memory]);
         let trace = desk.apex(&["trace", "r.apex"]).well();
         assert!(trace.out.contains(named), "{name}: `{named}` is not in\n{}", trace.out);
-        // The executive goes on: it handles the failure, watches the radio, and flies until the time is up.
+        // The executive continues: it handles the failure, watches the radio, and flies until the time is up.
         let late = desk.apex(&["trace", "r.apex", "--from", "4:50"]).well();
         assert!(trace.out.contains("(without-a-plan)") && late.out.contains("signal-level"), "{name}\n{}", trace.out);
         desk.apex(&["replay", "r.apex"]).well();

@@ -117,7 +117,7 @@ fn a_wrong_vehicle_file_is_refused_with_its_field() {
     assert!(said.err.contains("names it as `:model \"their-uav.json\"`"), "{}", said.err);
 }
 
-/// A mission brings a sensor of its own: its bytes are in the record, and its errors name its file.
+/// A mission brings a sensor: its bytes are in the record, and its errors name its file.
 #[test]
 fn a_vehicle_file_names_sensor_files_beside_it() {
     let own = desk("first-picture", "rmax", "\"sensor\": \"rmax-camera\"", "\"sensor\": \"eye.json\"");

@@ -62,7 +62,7 @@ pub(crate) fn search(problem: &Problem<'_>) -> (Vec<Found>, SearchEnd) {
         }
         available.extend(clause);
     }
-    let mut search = Search {
+    let mut search = HittingSearch {
         problem,
         all: Bits::of(clauses, 0..clauses),
         columns,
@@ -71,7 +71,8 @@ pub(crate) fn search(problem: &Problem<'_>) -> (Vec<Found>, SearchEnd) {
         end: SearchEnd::All,
         chosen: Vec::new(),
     };
-    let state = State { set: Bits::new(problem.modes), once: Bits::new(clauses), twice: Bits::new(clauses), cost: 0.0 };
+    let state =
+        PartialSet { set: Bits::new(problem.modes), once: Bits::new(clauses), twice: Bits::new(clauses), cost: 0.0 };
     search.extend(&state, &mut available);
     if search.found.is_empty() && search.end == SearchEnd::NodeLimit {
         search.greedy(state);
@@ -80,7 +81,7 @@ pub(crate) fn search(problem: &Problem<'_>) -> (Vec<Found>, SearchEnd) {
 }
 
 /// A partial set.
-struct State {
+struct PartialSet {
     set: Bits,
     /// Clauses that are hit at least once, and at least twice.
     once: Bits,
@@ -88,7 +89,7 @@ struct State {
     cost: f64,
 }
 
-struct Search<'a> {
+struct HittingSearch<'a> {
     problem: &'a Problem<'a>,
     /// All clauses.
     all: Bits,
@@ -101,9 +102,9 @@ struct Search<'a> {
     chosen: Vec<usize>,
 }
 
-impl Search<'_> {
+impl HittingSearch<'_> {
     /// Extends a partial set by all of its ways. `available` is as before when it returns.
-    fn extend(&mut self, state: &State, available: &mut Bits) {
+    fn extend(&mut self, state: &PartialSet, available: &mut Bits) {
         let Some(branch) = self.branch(state, available) else {
             if state.once.len() == self.problem.clauses.len() {
                 self.keep(state);
@@ -135,7 +136,7 @@ impl Search<'_> {
 
     /// One set, where the nodes were not enough for the first: hits the first open clause by the mode that hits most for its cost, again
     /// and again, and then removes what is not needed.
-    fn greedy(&mut self, mut state: State) {
+    fn greedy(&mut self, mut state: PartialSet) {
         loop {
             let clause = self.unhit(&state).next();
             let Some(mode) = clause.map(|clause| self.in_order(clause, &state)) else { break };
@@ -156,7 +157,7 @@ impl Search<'_> {
     }
 
     /// The available modes of the clause that has the fewest among the first; `None` if all clauses are hit, or one cannot be.
-    fn branch(&self, state: &State, available: &Bits) -> Option<Bits> {
+    fn branch(&self, state: &PartialSet, available: &Bits) -> Option<Bits> {
         let mut fewest: Option<(usize, &Bits)> = None;
         for clause in self.unhit(state).take(SCANNED_MAX) {
             let count = clause.common(available);
@@ -174,7 +175,7 @@ impl Search<'_> {
     }
 
     /// Clauses that are not hit, in their order.
-    fn unhit<'s>(&'s self, state: &'s State) -> impl Iterator<Item = &'s Bits> {
+    fn unhit<'s>(&'s self, state: &'s PartialSet) -> impl Iterator<Item = &'s Bits> {
         let open = self.all.words().iter().zip(state.once.words()).map(|(all, once)| all & !once);
         open.enumerate()
             .flat_map(|(word, rest)| Bits::numbers(word, rest))
@@ -182,7 +183,7 @@ impl Search<'_> {
     }
 
     /// Modes of a clause, those first that hit much for their cost.
-    fn in_order(&self, branch: &Bits, state: &State) -> Vec<usize> {
+    fn in_order(&self, branch: &Bits, state: &PartialSet) -> Vec<usize> {
         let worth = |mode: usize| {
             let hits = self.columns.get(mode).map_or(0, |column| column.beyond(&state.once));
             self.cost(mode) / hits.max(1) as f64
@@ -197,7 +198,7 @@ impl Search<'_> {
     }
 
     /// The partial set with one mode more; `None` if a mode of it is then not needed, or it holds what must not be held.
-    fn with(&self, state: &State, mode: usize) -> Option<State> {
+    fn with(&self, state: &PartialSet, mode: usize) -> Option<PartialSet> {
         let column = self.columns.get(mode)?;
         let (mut once, mut twice, mut set) = (state.once.clone(), state.twice.clone(), state.set.clone());
         let pairs = twice.words_mut().iter_mut().zip(once.words()).zip(column.words());
@@ -207,11 +208,11 @@ impl Search<'_> {
         let is_needed = |chosen: &usize| self.columns.get(*chosen).is_some_and(|column| column.beyond(&twice) > 0);
         let is_good =
             self.chosen.iter().all(is_needed) && !self.problem.nogoods.iter().any(|nogood| nogood.is_subset(&set));
-        is_good.then(|| State { set, once, twice, cost: state.cost + self.cost(mode) })
+        is_good.then(|| PartialSet { set, once, twice, cost: state.cost + self.cost(mode) })
     }
 
     /// True if no set from here on can be cheaper than the worst of those kept.
-    fn is_beaten(&self, state: &State, available: &Bits) -> bool {
+    fn is_beaten(&self, state: &PartialSet, available: &Bits) -> bool {
         let worst = match self.found.last() {
             Some(worst) if self.found.len() >= self.problem.keep => worst.cost,
             _ => return false,
@@ -229,7 +230,7 @@ impl Search<'_> {
         bound > worst + TOLERANCE
     }
 
-    fn keep(&mut self, state: &State) {
+    fn keep(&mut self, state: &PartialSet) {
         // Summed in the order of the modes: equal sets have equal costs, however they were reached.
         let cost = state.set.iter().map(|mode| self.cost(mode)).sum();
         let found = Found { set: state.set.clone(), cost };

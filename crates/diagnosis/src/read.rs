@@ -13,7 +13,7 @@ const FORMAT: &str = "apex-diagnosis-1";
 /// Nesting of signals: each level is one call, and no system is this deep.
 const DEPTH_MAX: usize = 200;
 
-type Read<T> = Result<T, DiagnosisError>;
+type ModelResult<T> = Result<T, DiagnosisError>;
 
 impl Model {
     /// Reads the text of a model file; `file` names it in errors.
@@ -37,7 +37,7 @@ impl Model {
                 return Err(file.error(place, reason, "describe at least one component and one test"));
             }
         }
-        let mut reader = Reader::new(file, &raw);
+        let mut reader = ModelReader::new(file, &raw);
         reader.declare()?;
         reader.modes()?;
         reader.model()
@@ -52,7 +52,7 @@ enum Named {
     Test(usize),
 }
 
-struct Reader<'a> {
+struct ModelReader<'a> {
     file: FileName<'a>,
     raw: &'a RawModel,
     names: BTreeMap<&'a str, Named>,
@@ -65,9 +65,9 @@ struct Reader<'a> {
     path: Vec<usize>,
 }
 
-impl<'a> Reader<'a> {
-    fn new(file: FileName<'a>, raw: &'a RawModel) -> Reader<'a> {
-        Reader {
+impl<'a> ModelReader<'a> {
+    fn new(file: FileName<'a>, raw: &'a RawModel) -> ModelReader<'a> {
+        ModelReader {
             file,
             raw,
             names: BTreeMap::new(),
@@ -80,7 +80,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Checks all names and enters them.
-    fn declare(&mut self) -> Read<()> {
+    fn declare(&mut self) -> ModelResult<()> {
         let components = self.raw.components.iter().map(|component| component.name.as_str());
         let signals = self.raw.signals.iter().map(|signal| signal.name.as_str());
         let tests = self.raw.tests.iter().map(|test| test.name.as_str());
@@ -98,7 +98,7 @@ impl<'a> Reader<'a> {
         self.check_count("tests", self.raw.tests.len(), TESTS_MAX)
     }
 
-    fn check_name(&self, name: &str, place: &str) -> Read<()> {
+    fn check_name(&self, name: &str, place: &str) -> ModelResult<()> {
         let is_symbol = name.starts_with(|first: char| first.is_ascii_lowercase())
             && name.chars().all(|letter| letter.is_ascii_lowercase() || letter.is_ascii_digit() || letter == '-');
         if is_symbol {
@@ -108,7 +108,7 @@ impl<'a> Reader<'a> {
         Err(self.file.error(place, format!("{name:?} is not a name"), help))
     }
 
-    fn check_count(&self, place: &str, count: usize, most: usize) -> Read<()> {
+    fn check_count(&self, place: &str, count: usize, most: usize) -> ModelResult<()> {
         if count <= most {
             return Ok(());
         }
@@ -117,7 +117,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Reads the failure modes of all components.
-    fn modes(&mut self) -> Read<()> {
+    fn modes(&mut self) -> ModelResult<()> {
         for (index, raw) in self.raw.components.iter().enumerate() {
             let place = format!("components[{index}]");
             let first = self.modes.len();
@@ -151,7 +151,7 @@ impl<'a> Reader<'a> {
         self.check_affected()
     }
 
-    fn named_modes(&mut self, component: &'a RawComponent, modes: &'a [RawMode], index: usize) -> Read<()> {
+    fn named_modes(&mut self, component: &'a RawComponent, modes: &'a [RawMode], index: usize) -> ModelResult<()> {
         let place = format!("components[{index}].modes");
         if modes.is_empty() {
             let help = "name its failure modes, or state `probability_per_hour` of the component";
@@ -181,7 +181,7 @@ impl<'a> Reader<'a> {
         component: usize,
         (probability_per_hour, place): (f64, &str),
         is_intermittent: bool,
-    ) -> Read<()> {
+    ) -> ModelResult<()> {
         if !(probability_per_hour > 0.0 && probability_per_hour < 0.5) {
             let reason = format!("the probability {probability_per_hour} is not above 0 and below 0.5");
             let help = "state how probable this failure is in an hour of flight, such as 1e-4";
@@ -192,7 +192,7 @@ impl<'a> Reader<'a> {
     }
 
     /// A response must be one form in parentheses, so that the generated PDL can be read.
-    fn check_form(&self, text: Option<&str>, place: &str) -> Read<()> {
+    fn check_form(&self, text: Option<&str>, place: &str) -> ModelResult<()> {
         let Some(text) = text else { return Ok(()) };
         let mut depth = 0_i32;
         let mut ends = 0;
@@ -209,7 +209,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Checks that everything that a failure mode affects exists and needs its component.
-    fn check_affected(&self) -> Read<()> {
+    fn check_affected(&self) -> ModelResult<()> {
         for (index, component) in self.raw.components.iter().enumerate() {
             for (number, mode) in component.modes.iter().flatten().enumerate() {
                 for (at, affected) in mode.affects.iter().flatten().enumerate() {
@@ -240,7 +240,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    fn model(mut self) -> Read<Model> {
+    fn model(mut self) -> ModelResult<Model> {
         // All signals, so that circles are found wherever they are.
         for signal in 0..self.raw.signals.len() {
             self.signal(signal)?;
@@ -256,7 +256,7 @@ impl<'a> Reader<'a> {
         Ok(Model { name: self.raw.name.clone(), components: self.components, modes: self.modes, tests, unused_signals })
     }
 
-    fn monitor(&self, raw: &RawTest, index: usize) -> Read<Option<Monitor>> {
+    fn monitor(&self, raw: &RawTest, index: usize) -> ModelResult<Option<Monitor>> {
         let Some(RawMonitor { fails, passes }) = &raw.monitor else { return Ok(None) };
         for (key, text) in [("fails", fails), ("passes", passes)] {
             self.check_form(Some(text), &format!("tests[{index}].monitor.{key}"))?;
@@ -265,7 +265,7 @@ impl<'a> Reader<'a> {
     }
 
     /// The formula of a signal, following what it needs.
-    fn signal(&mut self, signal: usize) -> Read<Formula> {
+    fn signal(&mut self, signal: usize) -> ModelResult<Formula> {
         if let Some(known) = self.formulas.get(&signal) {
             return Ok(known.clone());
         }
@@ -289,7 +289,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Returns the condition under which something that needs all of `needs` is lost.
-    fn formula(&mut self, needs: &'a [RawNeed], whose: Named, name: &str) -> Read<Formula> {
+    fn formula(&mut self, needs: &'a [RawNeed], whose: Named, name: &str) -> ModelResult<Formula> {
         let place = place_of(whose, "needs");
         let modes = self.modes.len();
         let mut parts = Vec::new();
@@ -329,7 +329,7 @@ impl<'a> Reader<'a> {
     }
 
     /// The formula of one thing that `whose` needs.
-    fn need(&mut self, need: &str, place: &str, whose: &str) -> Read<Formula> {
+    fn need(&mut self, need: &str, place: &str, whose: &str) -> ModelResult<Formula> {
         match self.names.get(need) {
             Some(Named::Signal(signal)) => self.signal(*signal),
             Some(Named::Component(component)) => {

@@ -49,9 +49,9 @@ pub(crate) fn flight_time_limit(arguments: &[Value]) -> Result<Value, String> {
     let (airspeed, climb_rate) = (speed(airspeed, "airspeed")?, speed(climb_rate, "climb rate")?);
     let altitude_m = optional(0, "altitude", Dimension::LENGTH)?;
     let wait_s = optional(1, "time of waiting", Dimension::TIME)?.unwrap_or(0.0);
-    let mut way = Way::default();
+    let mut way = TimedWay::default();
     way.collect(places);
-    let Way { found, waits_s, names } = way;
+    let TimedWay { found, waits_s, names } = way;
     let mut seconds = BASE_S + CIRCLES * CIRCLE_S_PER_M_S * airspeed + waits_s + wait_s.max(0.0);
     if names > 0 || found.len() < 2 {
         seconds += UNKNOWN_S;
@@ -68,7 +68,7 @@ pub(crate) fn flight_time_limit(arguments: &[Value]) -> Result<Value, String> {
 
 /// Places of a list.
 #[derive(Default)]
-struct Way {
+struct TimedWay {
     found: Vec<Location>,
     /// Sum of the durations.
     waits_s: f64,
@@ -76,7 +76,7 @@ struct Way {
     names: usize,
 }
 
-impl Way {
+impl TimedWay {
     /// Collects places and durations in `value`, depth first. Keywords and numbers are skipped.
     fn collect(&mut self, value: &Value) {
         if let Ok(place) = Location::of(value) {

@@ -57,14 +57,14 @@ static SHARES: LazyLock<[[f64; 15]; 2]> = LazyLock::new(|| {
 });
 
 #[derive(Clone, Copy)]
-struct Piece {
+struct Subinterval {
     from: f64,
     until: f64,
     value: f64,
     error: f64,
 }
 
-fn rule(function: &mut dyn FnMut(f64) -> f64, from: f64, until: f64) -> Piece {
+fn rule(function: &mut dyn FnMut(f64) -> f64, from: f64, until: f64) -> Subinterval {
     let (middle, half) = (0.5 * (from + until), 0.5 * (until - from));
     let mut values = [0.0; 15];
     for (value, node) in values.iter_mut().zip(nodes()) {
@@ -82,7 +82,7 @@ fn rule(function: &mut dyn FnMut(f64) -> f64, from: f64, until: f64) -> Piece {
         let at = (middle + half * place).min(until - inside).max(from + inside);
         error += width * (function(at) - expected).abs();
     }
-    Piece { from, until, value: kronrod * half, error: error * half }
+    Subinterval { from, until, value: kronrod * half, error: error * half }
 }
 
 /// The integral of `function` from `from` to `until`, to `tolerance` relative to the integral (or absolute below 1).
@@ -101,7 +101,8 @@ pub fn integrate(
     cuts.push(from);
     cuts.push(until);
     cuts.sort_by(f64::total_cmp);
-    let mut pieces: Vec<Piece> = cuts.iter().zip(cuts.iter().skip(1)).map(|(a, b)| rule(function, *a, *b)).collect();
+    let mut pieces: Vec<Subinterval> =
+        cuts.iter().zip(cuts.iter().skip(1)).map(|(a, b)| rule(function, *a, *b)).collect();
     while pieces.len() < PIECES_MAX {
         let value: f64 = pieces.iter().map(|piece| piece.value).sum();
         let error: f64 = pieces.iter().map(|piece| piece.error).sum();
@@ -120,7 +121,7 @@ pub fn integrate(
         let middle = 0.5 * (piece.from + piece.until);
         if middle <= piece.from || middle >= piece.until {
             // A jump between two neighbouring numbers: nothing is left to integrate there.
-            pieces.push(Piece { error: 0.0, ..piece });
+            pieces.push(Subinterval { error: 0.0, ..piece });
             continue;
         }
         pieces.push(rule(function, piece.from, middle));

@@ -149,7 +149,7 @@ pub(crate) fn read(library: &Library) -> MissionResult<Settings> {
         }
     }
     let (model, start) = vehicle_of(application, place.clone())?;
-    let reader = Reader { application, place };
+    let reader = SettingsReader { application, place };
     let epoch_text = reader.text("start")?;
     let value_unit = reader.value_unit()?;
     Ok(Settings {
@@ -190,15 +190,15 @@ pub(crate) fn read(library: &Library) -> MissionResult<Settings> {
 /// # Errors
 /// No vehicle, or a form of another shape.
 pub(crate) fn vehicle_of(application: &Application, place: String) -> MissionResult<(ModelSource, Value)> {
-    Reader { application, place }.vehicle()
+    SettingsReader { application, place }.vehicle()
 }
 
-struct Reader<'a> {
+struct SettingsReader<'a> {
     application: &'a Application,
     place: String,
 }
 
-impl Reader<'_> {
+impl SettingsReader<'_> {
     fn wrong(&self, option: &str, found: &Value, wanted: &str) -> MissionError {
         MissionError::setting(format!("`:{option} {found}` cannot be read"))
             .at(&self.place)

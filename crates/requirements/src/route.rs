@@ -33,7 +33,7 @@ pub struct RouteState {
 
 /// A piece of a route.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Piece {
+enum RoutePiece {
     /// From `from` over `length_m` towards `along` (unit length).
     Straight { from: Point, along: Point, length_m: f64 },
     /// On the circle from the direction `from_rad` (east is 0, north a quarter) over `sweep_rad`, positive to the left.
@@ -46,7 +46,7 @@ enum Piece {
 struct TimedPiece {
     begin_s: f64,
     duration_s: f64,
-    piece: Piece,
+    piece: RoutePiece,
 }
 
 /// A route from now on. After its end nothing is known: [`Route::at`] answers `None`.
@@ -90,7 +90,7 @@ impl Route {
         let over_ground = triangle(track_deg, self.motion.true_airspeed_mps, self.motion.wind);
         let speed_mps = over_ground.map_or(GROUND_SPEED_MPS_MIN, |found| found.ground_speed_mps);
         let length_m = way.length();
-        self.push(Piece::Straight { from, along, length_m }, length_m, speed_mps);
+        self.push(RoutePiece::Straight { from, along, length_m }, length_m, speed_mps);
         self.end = (to, along);
         self
     }
@@ -124,14 +124,14 @@ impl Route {
     /// Stays where it is for `duration_s`.
     pub fn stop(mut self, duration_s: f64) -> Route {
         let at = self.end.0;
-        self.pieces.push(TimedPiece { begin_s: self.end_s, duration_s, piece: Piece::Stop { at } });
+        self.pieces.push(TimedPiece { begin_s: self.end_s, duration_s, piece: RoutePiece::Stop { at } });
         self.end_s += duration_s;
         self
     }
 
     fn arc(mut self, centre: Point, radius_m: f64, from_rad: f64, sweep_rad: f64) -> Route {
         let length_m = radius_m * sweep_rad.abs();
-        let piece = Piece::Arc { centre, radius_m, from_rad, sweep_rad };
+        let piece = RoutePiece::Arc { centre, radius_m, from_rad, sweep_rad };
         self.push(piece, length_m, self.motion.true_airspeed_mps);
         let end_rad = from_rad + sweep_rad;
         let outward = Point { x: libm::cos(end_rad), y: libm::sin(end_rad) };
@@ -140,7 +140,7 @@ impl Route {
         self
     }
 
-    fn push(&mut self, piece: Piece, length_m: f64, speed_mps: f64) {
+    fn push(&mut self, piece: RoutePiece, length_m: f64, speed_mps: f64) {
         if length_m <= 0.0 {
             return;
         }
@@ -177,9 +177,9 @@ impl Route {
             Some(TimedPiece { begin_s, duration_s, piece }) => {
                 let share = if *duration_s > 0.0 { ((after_s - begin_s) / duration_s).min(1.0) } else { 1.0 };
                 match *piece {
-                    Piece::Straight { from, along, length_m } => from.plus(share * length_m, along),
-                    Piece::Stop { at } => at,
-                    Piece::Arc { centre, radius_m, from_rad, sweep_rad } => {
+                    RoutePiece::Straight { from, along, length_m } => from.plus(share * length_m, along),
+                    RoutePiece::Stop { at } => at,
+                    RoutePiece::Arc { centre, radius_m, from_rad, sweep_rad } => {
                         let angle_rad = from_rad + share * sweep_rad;
                         let outward = Point { x: libm::cos(angle_rad), y: libm::sin(angle_rad) };
                         centre.plus(radius_m, outward)

@@ -81,7 +81,7 @@ impl EffectDescriber {
         self.goals.get(&task).map(|goal| Arc::clone(&goal.text)).unwrap_or_default()
     }
 
-    /// The step's inputs; must be told before its effects, because plans bring sources.
+    /// The step's inputs; must be passed before its effects, because plans bring sources.
     pub fn hear(&mut self, batch: &Batch) {
         for event in &batch.events {
             if let EventKind::SolverReported(request, SolverReport::Plan(plan)) = &event.kind {
@@ -90,7 +90,7 @@ impl EffectDescriber {
         }
     }
 
-    /// Tells one effect. Effects must be told in order, all of them.
+    /// Describes one effect. Effects must be passed in order, all of them.
     pub fn tell(&mut self, effect: &Effect) -> EffectRow {
         match effect {
             Effect::Decided(decision) => self.decided(decision),

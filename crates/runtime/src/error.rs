@@ -7,7 +7,7 @@ use thiserror::Error;
 /// A run stopped before its end.
 #[derive(Debug, Error)]
 pub enum RunError {
-    /// The link to the vehicle is beyond repair.
+    /// The link to the vehicle is lost.
     #[error("The vehicle failed at {at}: {message}")]
     Vehicle {
         /// Instant.
@@ -15,7 +15,7 @@ pub enum RunError {
         /// The vehicle's sentence.
         message: String,
     },
-    /// An observer cannot go on, usually the recorder.
+    /// An observer cannot continue, usually the recorder.
     #[error("The run stopped at {at}: {message}")]
     Observer {
         /// Instant.
@@ -23,7 +23,7 @@ pub enum RunError {
         /// The observer's sentence.
         message: String,
     },
-    /// Somebody sends more than can be worked on.
+    /// An input source produces inputs faster than the agents consume them.
     #[error(
         "More than {limit} inputs wait at {at}. Whoever sends them is faster than any vehicle; look for a loop in the vehicle or in the input file."
     )]
@@ -45,7 +45,7 @@ pub enum RunError {
         /// Cause of the last step.
         cause: String,
     },
-    /// An option makes no sense.
+    /// An option is invalid.
     #[error("{0}")]
     Options(String),
 }
@@ -87,7 +87,7 @@ pub enum RecordError {
         /// Ours.
         known: i64,
     },
-    /// Somebody else writes it now.
+    /// Another program writes it now.
     #[error("{} is being written by another run. Wait for its end or choose another file name.", path.display())]
     Busy {
         /// The file.
@@ -112,7 +112,7 @@ pub enum RecordError {
         doing: String,
     },
     /// A write failed during the flight, and none succeeded until its end.
-    #[error("The recording was lost at {since} because {reason}: the flight record {} holds everything before, and {steps} later steps that were kept in memory are not in it. Free some space or record to another disk, then fly again.", path.display())]
+    #[error("the recording was lost at {since} because {reason}: the flight record {} holds everything before, and {steps} later steps that were kept in memory are not in it; free some space or record to another disk, then fly again", path.display())]
     Lost {
         /// The file.
         path: PathBuf,

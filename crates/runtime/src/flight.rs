@@ -25,7 +25,7 @@ use apex_model::time::{Duration, Time};
 use std::sync::mpsc::Receiver;
 use std::time::Instant;
 
-/// The executive's door, as a value so that tests can stand in for it.
+/// The executive's door, as a value so that tests can replace it.
 pub(crate) type Step = fn(&mut Agent, &Batch) -> Vec<Effect>;
 
 /// Everything that a run consists of.
@@ -45,7 +45,7 @@ pub(crate) struct Flight<'a, 'o> {
     /// Wall time at which observers have written out last.
     flushed_at: Instant,
     authority: AuthorityBoard,
-    /// Somebody outside may still say something in addition `stop`.
+    /// A source outside may still send something in addition to `stop`.
     expecting: bool,
     until: Time,
     poll: Option<Duration>,
@@ -72,9 +72,9 @@ impl Drop for HeardSources {
 /// Result of waiting for an instant.
 enum Waited {
     Reached(Time),
-    /// Solvers have answered, or nobody listens from outside any more: what comes next must be asked again.
+    /// Solvers have answered, or no source outside remains: what comes next must be asked again.
     Changed,
-    /// Somebody wants the run to end, at this instant.
+    /// An operator wants the run to end, at this instant.
     Stop(Time),
 }
 
@@ -91,7 +91,7 @@ impl<'a, 'o> Flight<'a, 'o> {
     ) -> Result<Flight<'a, 'o>, RunError> {
         let pacer = Pacer::new(options.pace, Time::ZERO, options.clock).map_err(RunError::Options)?;
         let mut scheduled = options.inputs;
-        // Inputs of one instant keep their order: sorted stably first, then turned round for popping.
+        // Inputs of one instant keep their order: sorted stably first, then reversed for popping.
         scheduled.sort_by_key(|input| input.at);
         scheduled.reverse();
         let group = AgentGroup::new(agents);
@@ -202,12 +202,12 @@ impl<'a, 'o> Flight<'a, 'o> {
         self.each_observer(now, |observer| observer.flush())
     }
 
-    /// Cuts everything in good order, from outside.
+    /// Ends everything cleanly, from outside.
     pub(crate) fn stop(&mut self) -> Result<(), RunError> {
         self.stop_all(None, &EndReason::Stopped.text())
     }
 
-    /// Notices that the instant is stepped later than the clock on the wall says; tells when it gets worse.
+    /// Notices that the instant is stepped later than wall time; reports it when it gets worse.
     fn watch_lateness(&mut self, at: Time) -> Result<(), RunError> {
         let late = self.pacer.lateness(at);
         if late < LATENESS_TOLD_MIN {
@@ -287,7 +287,7 @@ impl<'a, 'o> Flight<'a, 'o> {
         }
     }
 
-    /// Cuts what the agents other than `except` still do, in good order.
+    /// Ends the work of the agents other than `except` cleanly.
     fn stop_all(&mut self, except: Option<usize>, reason: &str) -> Result<(), RunError> {
         for index in self.group.stop(except, self.now, reason)? {
             if let Some(batch) = self.group.take(index, self.now) {
@@ -313,7 +313,7 @@ impl<'a, 'o> Flight<'a, 'o> {
             }
         }
         for mut input in inputs {
-            // A vehicle that runs ahead of us must not make the executive believe in the future.
+            // A vehicle that runs ahead of us must not bring future inputs to the executive.
             input.at = input.at.min(now);
             self.group.deliver(input)?;
         }
@@ -428,7 +428,7 @@ impl<'a, 'o> Flight<'a, 'o> {
         Ok(())
     }
 
-    /// Closes the books: tells what did not happen any more.
+    /// Closes the books: reports what no longer happened.
     pub(crate) fn close(mut self, reason: EndReason) -> Result<RunEnd, RunError> {
         let now = self.now;
         for text in self.pool.close(now) {

@@ -92,21 +92,21 @@ pub fn run(
                 continue;
             }
         };
-        let request_is_reset = matches!(request, Request::Reset);
+        let request_is_reset = matches!(request, SimulatorRequest::Reset);
         let (to, inputs) = match request {
-            Request::Reset if !link.may_reset => {
+            SimulatorRequest::Reset if !link.may_reset => {
                 let fault = "this run cannot be reset, because it is recorded; stop it and start another one";
                 write_line(link, &json!({"error": fault}), now)?;
                 continue;
             }
-            Request::Stop | Request::Reset => {
+            SimulatorRequest::Stop | SimulatorRequest::Reset => {
                 reset = request_is_reset;
                 flight.stop()?;
                 flight.flush(now)?;
                 answer(link, &said, now, None, Some(&EndReason::Stopped), false)?;
                 break EndReason::Stopped;
             }
-            Request::Advance(to, inputs) => (to.min(until), inputs),
+            SimulatorRequest::Advance(to, inputs) => (to.min(until), inputs),
         };
         if let Some(fault) = inputs.iter().find_map(|input| flight.check(input).err()) {
             write_line(link, &json!({"error": fault.to_string()}), now)?;
@@ -131,7 +131,7 @@ pub fn run(
 /// Messages of the agents since the last answer, ready to be sent.
 type Said = Rc<RefCell<Vec<Json>>>;
 
-enum Request {
+enum SimulatorRequest {
     Advance(Time, Vec<Input>),
     Stop,
     Reset,
@@ -155,7 +155,7 @@ fn read_request(link: &mut SimulatorLink<'_>, now: Time) -> Result<Option<String
 }
 
 /// `{"advance": T, "inputs": [..]}` or `{"stop": true}`.
-fn understand(line: &str, now: Time, read_value: ReadValue<'_>) -> Result<Request, String> {
+fn understand(line: &str, now: Time, read_value: ReadValue<'_>) -> Result<SimulatorRequest, String> {
     if line.len() > INPUT_LINE_BYTES_MAX {
         return Err(format!("the line is longer than {INPUT_LINE_BYTES_MAX} bytes"));
     }
@@ -167,10 +167,10 @@ fn understand(line: &str, now: Time, read_value: ReadValue<'_>) -> Result<Reques
         ));
     }
     if fields.get("stop") == Some(&Json::Bool(true)) {
-        return Ok(Request::Stop);
+        return Ok(SimulatorRequest::Stop);
     }
     if fields.get("reset") == Some(&Json::Bool(true)) {
-        return Ok(Request::Reset);
+        return Ok(SimulatorRequest::Reset);
     }
     let Some(time) = fields.get("advance") else {
         return Err("\"advance\" is missing: seconds of mission time".into());
@@ -199,7 +199,7 @@ fn understand(line: &str, now: Time, read_value: ReadValue<'_>) -> Result<Reques
         }
         Some(other) => return Err(format!("\"inputs\" is {other}; expected a list")),
     };
-    Ok(Request::Advance(to, inputs))
+    Ok(SimulatorRequest::Advance(to, inputs))
 }
 
 fn answer(

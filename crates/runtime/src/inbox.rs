@@ -1,7 +1,7 @@
 //! The inbox: numbers and queues inputs, assembles the batches of executive steps.
 //!
 //! All inputs of one instant go into one batch, in order of arrival. The queue is bounded; what does not fit is an
-//! error of whoever sends, not silence.
+//! error of the sender, not silence.
 
 use crate::error::RunError;
 use crate::limits::INBOX_INPUTS_MAX;

@@ -2,7 +2,7 @@
 //!
 //! `{"t": 1.5, "event": "(stop)"}`, `{"t": 2, "measurement": "(altitude ac-1)", "value": 32000}`,
 //! `{"t": 9, "answer": 1, "value": "yes"}`; with `"agent": "pilot"` a line is for that agent alone.
-//! `{"t": 9, "acknowledge": 3, "value": 7}` or `"error": "icing"`: what became of command 3, or in a file of the next command
+//! `{"t": 9, "acknowledge": 3, "value": 7}` or `"error": "icing"`: outcome of command 3, or in a file of the next command
 //! `"(take-picture camera-1)"`. A value is a number, a string, true or false, a list of values, or
 //! `{"pdl": "(fl 120)"}`. Empty lines and lines that begin with `#` are skipped. Lines need not be in order of time.
 
@@ -75,7 +75,7 @@ pub(crate) fn read_numbered(
     read_line(line, read_value).map(Some).map_err(|fault| format!("{name}:{number}{fault}"))
 }
 
-/// Reads one line that is said while a run goes on: without `"t"` it happens at `now`.
+/// Reads one line that is said during a run: without `"t"` it happens at `now`.
 ///
 /// # Errors
 /// What is wrong with the line.

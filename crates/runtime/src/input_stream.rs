@@ -88,7 +88,7 @@ impl InputStream {
     }
 }
 
-/// What a file of inputs is like.
+/// Properties of a file of inputs.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Survey {
     /// Lines are in order of time, and none is an acknowledgement.

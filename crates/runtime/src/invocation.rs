@@ -2,7 +2,7 @@
 //!
 //! While it works its best plan so far can be polled, and it can be paused and cancelled. Whatever it does,
 //! the caller has an answer in bounded time: a panic, work beyond the budget, endless work, memory beyond the limit are named
-//! in the answer, and the best plan reported before counts. Nothing of a plan is believed here: the checker looks at it next.
+//! in the answer, and the best plan reported before counts. No plan is trusted here: the checker checks it next.
 //!
 //! Work is counted, so what is decided by count is the same in every run; timeout and memory are the machine's, far off, and
 //! recorded with the answer. A thread that calls neither `charge` nor `report` cannot be stopped, only left behind.
@@ -190,7 +190,7 @@ impl Invocation {
     /// Sets `solver` to work on `problem`, from the plan `previous` if there is one.
     ///
     /// # Errors
-    /// A sentence when the system gives no thread.
+    /// A message if the system gives no thread.
     pub fn begin(
         solver: Arc<dyn Solver>,
         problem: Arc<Problem>,
@@ -206,7 +206,7 @@ impl Invocation {
             let ended = solve(&*worker, &problem, previous.as_ref(), seed, limits, &watched);
             let cpu_s = before_s.zip(cpu_s()).map(|(before_s, after_s)| after_s - before_s);
             watched.ended.store(true, Ordering::Release);
-            // Nobody listens any more to one that was left behind.
+            // No caller listens to one that was left behind.
             let _ = sender.send((ended, cpu_s));
         };
         let builder = thread::Builder::new().name(format!("solver {}", solver.name())).stack_size(SOLVER_STACK_BYTES);
@@ -232,7 +232,7 @@ impl Invocation {
         self.shared.pause(true);
     }
 
-    /// Lets it go on.
+    /// Lets it continue.
     pub fn resume(&self) {
         self.shared.pause(false);
     }
@@ -336,7 +336,7 @@ fn cpu_s() -> Option<f64> {
     told.split_whitespace().next()?.parse::<f64>().ok().map(|nanoseconds| 1e-9 * nanoseconds)
 }
 
-/// Sets solvers to work one after the other, and remembers those that never came back.
+/// Sets solvers to work in sequence, and remembers those that never came back.
 #[derive(Debug, Default)]
 pub struct Invocations {
     left_behind: BTreeMap<String, Arc<Shared>>,
@@ -344,7 +344,7 @@ pub struct Invocations {
 }
 
 impl Invocations {
-    /// Nobody was left behind yet.
+    /// No solver was left behind yet.
     pub fn new() -> Invocations {
         Invocations::default()
     }

@@ -51,7 +51,7 @@ impl Solver for Bad {
             "hoards" => loop {
                 hoard.push(vec![7; 1 << 20]);
                 environment.budget.charge(1);
-                // A hoarder that is nobody's business would fill the machine.
+                // A hoarder without a limit would fill the machine.
                 assert!(hoard.len() < 2_000);
                 thread::sleep(Duration::from_micros(100));
             },
@@ -72,7 +72,7 @@ impl Solver for Bad {
     }
 }
 
-/// Comes back when the gate opens, and asks nobody meanwhile.
+/// Comes back when the gate opens, and checks nothing meanwhile.
 struct Sleeper(Arc<AtomicBool>);
 
 impl Solver for Sleeper {

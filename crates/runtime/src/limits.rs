@@ -1,24 +1,24 @@
-//! Every limit of the shell, with its reason. The executive's limits stand in `apex_model::limits`.
+//! Every limit of the runtime, with its reason. The executive's limits are in `apex_model::limits`.
 
 /// Inputs waiting in the inbox: a few batches of the largest size. A vehicle that says more at once is broken.
 pub const INBOX_INPUTS_MAX: usize = 4 * apex_model::limits::BATCH_EVENTS_MAX;
-/// Executive steps at one instant. Command, acknowledgement and next command may take no time, but not for ever.
+/// Executive steps at one instant. Command, acknowledgement and next command may take no time, but not forever.
 pub const STEPS_PER_INSTANT_MAX: u64 = 10_000;
 /// Rounds at one instant in which agents answer each other; what they say to each other after that is not delivered.
 pub const CONVERSATION_ROUNDS_MAX: u32 = 1_000;
-/// A paced step that comes later than this is told: people do not notice less, and timers of ordinary systems are no better
+/// A paced step that comes later than this is reported: operators do not notice less, and timers of ordinary systems are not better
 /// than a few milliseconds when they are busy.
 pub const LATENESS_TOLD_MIN: std::time::Duration = std::time::Duration::from_millis(50);
-/// A solver's answer that comes later than this after the work that it charges is told: a plan is made for a place and a time, and
+/// A solver's answer that comes later than this after the work that it charges is reported: a plan is made for a place and a time, and
 /// ordinary systems are late by less.
 pub const ANSWER_LATE_TOLD_MIN: apex_model::time::Duration = apex_model::time::Duration(1_000_000_000);
 /// Stack of a solver's thread in bytes: recursive planners go deeper than the mission loop.
 pub const SOLVER_STACK_BYTES: usize = 64 << 20;
 /// Interval of checks of a working solver: short enough to stop one that fills the memory.
 pub const SOLVER_LOOK: std::time::Duration = std::time::Duration::from_millis(10);
-/// Time that a solver has to stop when told to; well-behaved ones take some milliseconds.
+/// Time that a solver has to stop when cancelled; well-behaved ones take some milliseconds.
 pub const SOLVER_GRACE: std::time::Duration = std::time::Duration::from_secs(1);
-/// Work units that a solver may charge after its budget's double, or after it was told to stop, before it is thrown out.
+/// Work units that a solver may charge after its budget's double, or after it was cancelled, before it is thrown out.
 pub const SOLVER_OVERRUN_UNITS: u64 = 1_000_000;
 /// Wall time after which a solver that does not return is abandoned; its budget is counted in work, so this is far off.
 pub const SOLVER_TIMEOUT: std::time::Duration = std::time::Duration::from_secs(300);
@@ -42,7 +42,7 @@ pub const SOLVER_WORDS_MAX: usize = 2_000;
 pub const INPUT_MESSAGES_MAX: usize = 20;
 /// Bytes of one line of input: far more than any message, less than a file without line ends.
 pub const INPUT_LINE_BYTES_MAX: usize = 1 << 20;
-/// Tasks that have ended whose goals are remembered for words about them: what is told of an ended task is told soon after.
+/// Tasks that have ended whose goals are remembered for texts about them: reports about an ended task come soon after.
 pub const ENDED_GOALS_MAX: usize = 10_000;
 /// Live sources other than operators and safing programs at a time.
 pub const LIVE_SOURCES_MAX: usize = 64;
@@ -72,9 +72,9 @@ pub const SNAPSHOT_BATCHES_MAX: u64 = 20_000;
 pub const SNAPSHOT_BYTES_MAX: usize = 16 << 20;
 /// Candidates that an ambiguous or unknown task name lists.
 pub const CANDIDATES_MAX: usize = 12;
-/// Links of a chain of causes below one another, unless asked otherwise: back to a sentence of the program in most cases.
+/// Links of a chain of causes below one another, unless asked otherwise: back to a form of the program in most cases.
 pub const EXPLANATION_DEPTH_DEFAULT: usize = 6;
-/// Links of one chain of causes: more than anybody reads, few enough for an answer at once.
+/// Links of one chain of causes: more than a reader needs, few enough for an answer at once.
 pub const EXPLANATION_LINKS_MAX: usize = 200;
-/// Steps that one question about something missing looks at.
+/// Steps that one question about something missing inspects.
 pub const MISSING_STEPS_MAX: usize = 10_000;

@@ -14,7 +14,7 @@ pub use crate::terms::{Control, EndReason, FlyOptions, RunEnd, ScriptedAnswer};
 
 /// Flies: runs `agent` with `vehicle` from mission time 0 until the application ends or `options.until`.
 ///
-/// Observers are called in order; the recorder comes first, so that nobody sees what is not stored.
+/// Observers are called in order; the recorder comes first, so that no observer sees what is not stored.
 ///
 /// # Errors
 /// [`RunError`] when the vehicle's link or an observer breaks, or time stands still.
@@ -29,7 +29,7 @@ pub fn fly(
 }
 
 /// As [`fly`], with all agents of an application at one clock, in the order of their declarations: see
-/// [`crate::agent_group`]. The run is over when `(end-application)` says so, or when all agents are done.
+/// [`crate::agent_group`]. The run is over after `(end-application)`, or when all agents are done.
 ///
 /// # Errors
 /// As [`fly`], and when an input is for an agent that does not exist.

@@ -1,4 +1,4 @@
-//! The mission loop with stand-ins for executive, vehicle, solver and people.
+//! The mission loop with stand-ins for executive, vehicle, solver and operator.
 
 use super::*;
 use crate::commands::{Command, CommandEnd, Order, Ticket};
@@ -16,7 +16,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::channel;
 
-/// Stands in for the executive: does what messages say, `(go)`, `(plan)`, `(forget)`, `(loop)`, `(stop)`.
+/// Test double of the executive: does what messages say, `(go)`, `(plan)`, `(forget)`, `(loop)`, `(stop)`.
 fn obey(agent: &mut Agent, batch: &Batch) -> Vec<Effect> {
     agent.started = true;
     let mut effects = Vec::new();
@@ -269,7 +269,7 @@ impl SolverQueue for FakeQueue {
     }
 }
 
-/// Flies the balloon in real time by a clock that only sleeping moves, with a solver that takes so long.
+/// Flies the balloon in real time by a clock that only sleeping moves, with a solver that takes this time.
 fn fly_paced(takes_s: f64, reports: u32, options: FlyOptions) -> (RunEnd, Vec<String>, bool) {
     let (mut agent, mut scribe, clock) = (Agent::default(), Scribe::default(), Arc::new(ManualClock::default()));
     let mut balloon = Balloon { reports, ..Balloon::default() };
@@ -315,7 +315,7 @@ fn a_paced_flight_waits_for_nothing_but_the_plan_when_nothing_else_comes() {
 fn a_late_answer_to_a_cancelled_request_is_told_and_not_used() {
     let inputs = vec![said(3.0, "plan"), said(20.0, "forget")];
     let (_, lines, withdrawn) = fly_paced(50.0, 7, FlyOptions { inputs, ..FlyOptions::default() });
-    assert!(withdrawn, "the solver is told");
+    assert!(withdrawn, "the solver is cancelled");
     let note = lines.iter().find(|line| line.starts_with("note")).unwrap();
     assert!(note.contains("request 1 came at 53") && note.contains("cancelled at 20s: a plan, 3 targets"), "{note}");
     assert!(!lines.iter().any(|line| line.ends_with("plan 1")), "{lines:?}");

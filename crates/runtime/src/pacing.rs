@@ -1,4 +1,4 @@
-//! Pacing: lets mission time pass at a multiple of wall time, so that people can watch.
+//! Pacing: lets mission time pass at a multiple of wall time, so that operators can watch.
 //!
 //! Only the moment at which a step is executed depends on the pace, never what is decided: without inputs from
 //! outside, and while no solver is late, a paced run and a fast run write the same record.
@@ -19,7 +19,7 @@ pub trait Clock: fmt::Debug + Send + Sync {
     fn sleep(&self, span: Duration);
 }
 
-/// The clock on the wall.
+/// Wall time.
 #[derive(Debug)]
 pub struct WallClock(Instant);
 
@@ -45,7 +45,7 @@ impl Clock for WallClock {
     }
 }
 
-/// A clock that goes on only by sleeping, which takes no time: for tests of paced flights.
+/// A clock that advances only by sleeping, which takes no time: for tests of paced flights.
 #[derive(Debug, Default)]
 pub struct ManualClock(Mutex<Duration>);
 
@@ -73,7 +73,7 @@ pub struct Pacer {
 pub enum Wait {
     /// The instant has arrived.
     Over,
-    /// At most so long.
+    /// At most this duration.
     For(Duration),
     /// Mission time stands still until the pace changes.
     Paused,
@@ -94,7 +94,7 @@ impl Pacer {
     /// Mission time is `now`; `pace` seconds of it pass in one second; none is as fast as possible, 0 is a pause.
     ///
     /// # Errors
-    /// A sentence for a pace that is negative or no number.
+    /// A message for a pace that is negative or not a number.
     pub fn new(pace: Option<f64>, now: Time, clock: Arc<dyn Clock>) -> Result<Pacer, String> {
         let mut pacer = Pacer { pace: None, anchor_wall: clock.elapsed(), clock, anchor_mission: now };
         pacer.set(pace, now)?;
@@ -104,7 +104,7 @@ impl Pacer {
     /// Changes the pace at mission time `now`.
     ///
     /// # Errors
-    /// A sentence for a pace that is negative or no number; the old pace stays.
+    /// A message for a pace that is negative or not a number; the old pace stays.
     pub fn set(&mut self, pace: Option<f64>, now: Time) -> Result<(), String> {
         if let Some(pace) = pace.filter(|pace| !(0.0..=1e9).contains(pace)) {
             return Err(format!(

@@ -1,4 +1,4 @@
-//! The ports of the shell: what a vehicle, a source of planning problems and an observer of a run must offer.
+//! The ports of the runtime: what a vehicle, a source of planning problems and an observer of a run must offer.
 //!
 //! One trait per border. Adapters implement [`Vehicle`]; the command and tests implement the others.
 
@@ -20,7 +20,7 @@ pub struct Input {
     pub at: Time,
     /// Content.
     pub kind: EventKind,
-    /// The agent that it is for, by name; none is every agent. Answers find whoever asked.
+    /// The agent that it is for, by name; none is every agent. Answers find the agent that asked.
     pub agent: Option<Symbol>,
     /// For an acknowledgement that names its command by the form instead of a number: the form. Its number is known when
     /// the command is sent ([`crate::program`]).
@@ -42,7 +42,7 @@ pub trait Vehicle {
     /// Lets it live until `to` (never backwards) and collects what it says, in order of time, none later than `to`.
     ///
     /// # Errors
-    /// A sentence when the link is beyond repair.
+    /// A message if the link is lost.
     fn advance(&mut self, to: Time, inputs: &mut Vec<Input>) -> Result<(), String>;
 
     /// Sends a command, for example `(fly-to (34.7 -119.8 7010))`. The answer comes as `CommandAcknowledged`
@@ -178,12 +178,12 @@ impl CancelToken {
 ///
 /// Where several agents run, `turn` tells before the other calls whose step they are about.
 /// Per step the calls are `begin`, (the executive works), `observe`, (the effects go out), `inspect`.
-/// An error of any call is a sentence that says why going on would lose data (an unwritable record); the run stops.
+/// An error of any call is a message that states why continuing would lose data (an unwritable record); the run stops.
 pub trait Observer {
     /// The agent with this number, in order of declaration from 0, steps from now on.
     ///
     /// # Errors
-    /// A sentence; the run stops.
+    /// A message; the run stops.
     fn turn(&mut self, agent: usize) -> Result<(), String> {
         let _ = agent;
         Ok(())
@@ -192,7 +192,7 @@ pub trait Observer {
     /// The batch that is about to be executed: recorders store inputs before they are used.
     ///
     /// # Errors
-    /// A sentence; the run stops.
+    /// A message; the run stops.
     fn begin(&mut self, batch: &Batch) -> Result<(), String> {
         let _ = batch;
         Ok(())
@@ -201,7 +201,7 @@ pub trait Observer {
     /// One executive step: the batch that went in and the effects that came out, before they are sent.
     ///
     /// # Errors
-    /// A sentence when going on would lose data (an unwritable record); the run stops.
+    /// A message if continuing would lose data (an unwritable record); the run stops.
     fn observe(&mut self, batch: &Batch, effects: &[Effect]) -> Result<(), String>;
 
     /// The agent after the step, for snapshots; `deliberator` has observed the same step.
@@ -232,10 +232,10 @@ pub trait Observer {
         Ok(())
     }
 
-    /// Something that the shell itself decided, for example a solver's answer that was dropped.
+    /// A decision of the runtime, for example a solver's answer that was dropped.
     ///
     /// # Errors
-    /// A sentence; the run stops.
+    /// A message; the run stops.
     fn note(&mut self, at: Time, text: &str) -> Result<(), String> {
         let _ = (at, text);
         Ok(())
@@ -244,7 +244,7 @@ pub trait Observer {
     /// The run is about to sleep or to end: whatever is held back should go out now.
     ///
     /// # Errors
-    /// A sentence; the run stops.
+    /// A message; the run stops.
     fn flush(&mut self) -> Result<(), String> {
         Ok(())
     }
@@ -255,7 +255,7 @@ pub trait Observer {
     }
 }
 
-/// What an observer has to tell the agents and everybody who watches.
+/// Report of an observer to the agents and the operators.
 #[derive(Clone, Debug, PartialEq)]
 pub struct News {
     /// The message to all agents, an input like others.

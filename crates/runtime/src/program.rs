@@ -11,11 +11,11 @@ use apex_model::time::Time;
 use apex_model::value::Value;
 use std::collections::BTreeSet;
 
-/// Runs `agent` without a vehicle until its application ends, `options.until`, or nothing can happen any more.
+/// Runs `agent` without a vehicle until its application ends, `options.until`, or nothing can happen any longer.
 ///
-/// Commands are acknowledged at the instant at which they are sent, with `nil`, but for those that an input acknowledges,
+/// Commands are acknowledged at the instant at which they are sent, with `nil`, except for those that an input acknowledges,
 /// by number or by form. Requests to solvers fail, with a
-/// reason; give a deliberator to [`run_with`] where planners are at hand.
+/// reason; give a deliberator to [`run_with`] if planners are available.
 ///
 /// # Errors
 /// As [`fly`].
@@ -48,7 +48,7 @@ pub fn run_all(
     fly_all(agents, &mut NoVehicle::beside(&mut options.inputs), &mut NoDeliberator, observers, options)
 }
 
-/// Stands in for a vehicle: does nothing, and acknowledges at once what no input acknowledges.
+/// Replaces a vehicle: does nothing, and acknowledges at once what no input acknowledges.
 #[derive(Debug, Default)]
 pub struct NoVehicle {
     /// In order of time.
@@ -57,7 +57,7 @@ pub struct NoVehicle {
     numbered: BTreeSet<CommandId>,
     /// Acknowledgements of commands by form, in order of time.
     named: Vec<Input>,
-    /// Somebody else acknowledges.
+    /// Another source acknowledges.
     silent: bool,
 }
 
@@ -114,7 +114,7 @@ impl Vehicle for NoVehicle {
     }
 }
 
-/// Stands in for planners: every request fails with a reason.
+/// Replaces planners: every request fails with a reason.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoDeliberator;
 

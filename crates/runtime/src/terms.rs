@@ -1,4 +1,4 @@
-//! The terms of a run: what it is told beforehand, what people may say while it goes on, how it ends.
+//! The terms of a run: settings, orders of operators, end.
 
 use crate::authority::AuthorityBoard;
 use crate::commands::Command;
@@ -76,7 +76,7 @@ pub struct ScriptedAnswer {
     pub after: Duration,
 }
 
-/// Said from outside while a run goes on.
+/// Order from outside during a run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Control {
     /// An input, now: an operator's answer, a message.
@@ -109,7 +109,7 @@ pub enum EndReason {
 }
 
 impl EndReason {
-    /// True if the application ended by itself and its initial task did not fail.
+    /// True if the application ended without an order and its initial task did not fail.
     pub fn is_success(&self) -> bool {
         matches!(self, EndReason::Application(reason) if !reason.contains("failed"))
     }

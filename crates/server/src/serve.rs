@@ -118,13 +118,7 @@ pub fn serve(options: ServeOptions) -> Result<(), ServeError> {
     if let Some(view) = background {
         std::thread::spawn(move || index_log(&view));
     }
-    let shelf = Shelf::default();
-    if let Some(record) = &record {
-        shelf.stand(record, Some(agent))?;
-    }
-    for other in &others {
-        shelf.stand(other, None)?;
-    }
+    let shelf = filled_shelf(record.as_ref(), agent, &others)?;
     let what_if = what_if.map(|(means, read)| WhatIf::new(means, read));
     let forks = what_if.as_ref().map(|what_if| Arc::clone(&what_if.forks));
     let tower = flights.map(|flights| Arc::new(Tower::new(flights)));
@@ -186,6 +180,18 @@ pub fn serve(options: ServeOptions) -> Result<(), ServeError> {
     }
     runtime.shutdown_timeout(STOP_PATIENCE);
     result
+}
+
+/// Returns the shelf with the record and the other records.
+fn filled_shelf(record: Option<&PathBuf>, agent: usize, others: &[PathBuf]) -> Result<Shelf, ServeError> {
+    let shelf = Shelf::default();
+    if let Some(record) = record {
+        shelf.stand(record, Some(agent))?;
+    }
+    for other in others {
+        shelf.stand(other, None)?;
+    }
+    Ok(shelf)
 }
 
 /// Reads the log of the record into its index, in pauses of the questions. What is written later each question reads itself.

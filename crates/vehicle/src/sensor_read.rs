@@ -39,7 +39,7 @@ const TEMPERATURE: &[&str] = &["low_c", "high_c", "heat_capacity_j_k", "conducta
 const DATA: &[&str] = &["image_bytes", "processing_s", "product_bytes", "store_bytes"];
 const HELP_SECTION: &str = "add the section; docs/reference/sensors.md lists its members";
 
-type Read<T> = Result<T, VehicleFileError>;
+type SensorResult<T> = Result<T, VehicleFileError>;
 
 impl SensorModel {
     /// Reads the text of a sensor file; `file` names it in errors.
@@ -59,7 +59,7 @@ impl SensorModel {
     }
 }
 
-fn read(file: FileName<'_>, root: &Node) -> Read<SensorModel> {
+fn read(file: FileName<'_>, root: &Node) -> SensorResult<SensorModel> {
     let root = Section::open(file, "", root, ROOT)?;
     root.word("format", &[FORMAT])?;
     let optics = optics(&root)?;
@@ -81,12 +81,12 @@ fn read(file: FileName<'_>, root: &Node) -> Read<SensorModel> {
 }
 
 /// Opens a section that must be present.
-fn open<'a>(root: &Section<'a>, name: &str, known: &[&str]) -> Read<Section<'a>> {
+fn open<'a>(root: &Section<'a>, name: &str, known: &[&str]) -> SensorResult<Section<'a>> {
     Section::open(root.file(), name, root.required(name, "an object", HELP_SECTION)?, known)
 }
 
 /// Reads the section of the sensor's kind and refuses those of other kinds.
-fn optics(root: &Section<'_>) -> Read<Optics> {
+fn optics(root: &Section<'_>) -> SensorResult<Optics> {
     let kind = root.word("kind", &["line-scanner", "frame", "video"])?;
     let own = match kind {
         "line-scanner" => "modes",
@@ -107,7 +107,7 @@ fn optics(root: &Section<'_>) -> Read<Optics> {
     })
 }
 
-fn modes(root: &Section<'_>) -> Read<Vec<ScannerMode>> {
+fn modes(root: &Section<'_>) -> SensorResult<Vec<ScannerMode>> {
     root.required("modes", "a list of modes", "write [..] with one object for each scan head")?;
     let mode = |(path, node): (String, &Node)| {
         let section = Section::open(root.file(), &path, node, MODE)?;
@@ -122,7 +122,7 @@ fn modes(root: &Section<'_>) -> Read<Vec<ScannerMode>> {
     root.items("modes")?.into_iter().map(mode).collect()
 }
 
-fn frame(section: &Section<'_>) -> Read<FrameOptics> {
+fn frame(section: &Section<'_>) -> SensorResult<FrameOptics> {
     Ok(FrameOptics {
         pixels_across: section.figure("pixels_across")?,
         pixels_along: section.figure("pixels_along")?,
@@ -133,7 +133,7 @@ fn frame(section: &Section<'_>) -> Read<FrameOptics> {
     })
 }
 
-fn video(section: &Section<'_>) -> Read<VideoOptics> {
+fn video(section: &Section<'_>) -> SensorResult<VideoOptics> {
     Ok(VideoOptics {
         pixels_across: section.figure("pixels_across")?,
         pixels_along: section.figure("pixels_along")?,
@@ -142,7 +142,7 @@ fn video(section: &Section<'_>) -> Read<VideoOptics> {
     })
 }
 
-fn bands(root: &Section<'_>) -> Read<Vec<Band>> {
+fn bands(root: &Section<'_>) -> SensorResult<Vec<Band>> {
     root.required("bands", "a list of bands", "write [..] with one object for each band")?;
     let band = |(path, node): (String, &Node)| {
         let section = Section::open(root.file(), &path, node, BAND)?;
@@ -160,7 +160,7 @@ fn bands(root: &Section<'_>) -> Read<Vec<Band>> {
 }
 
 /// A line scanner looks straight down and has no separate mount.
-fn mount(root: &Section<'_>, scans: bool) -> Read<Mount> {
+fn mount(root: &Section<'_>, scans: bool) -> SensorResult<Mount> {
     if scans {
         return match root.member("mount") {
             None => Ok(Mount::Fixed { tilt_deg: -90.0, pan_deg: 0.0 }),
@@ -196,7 +196,7 @@ fn mount(root: &Section<'_>, scans: bool) -> Read<Mount> {
     })
 }
 
-fn motion(section: &Section<'_>) -> Read<MotionLimits> {
+fn motion(section: &Section<'_>) -> SensorResult<MotionLimits> {
     Ok(MotionLimits {
         roll_deg_valid: section.figure("roll_deg_valid")?,
         roll_deg_zero: section.figure("roll_deg_zero")?,
@@ -205,7 +205,7 @@ fn motion(section: &Section<'_>) -> Read<MotionLimits> {
     })
 }
 
-fn temperature(root: &Section<'_>) -> Read<SensorTemperature> {
+fn temperature(root: &Section<'_>) -> SensorResult<SensorTemperature> {
     let section = open(root, "temperature", TEMPERATURE)?;
     Ok(SensorTemperature {
         low_c: section.figure("low_c")?,
@@ -216,7 +216,7 @@ fn temperature(root: &Section<'_>) -> Read<SensorTemperature> {
     })
 }
 
-fn data(section: &Section<'_>) -> Read<SensorData> {
+fn data(section: &Section<'_>) -> SensorResult<SensorData> {
     Ok(SensorData {
         image_bytes: section.figure("image_bytes")?,
         processing_s: section.figure("processing_s")?,

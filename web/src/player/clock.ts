@@ -29,7 +29,7 @@ export function clamp(atNs: number, range: Range): number {
   return Math.min(Math.max(atNs, range.fromNs), range.toNs);
 }
 
-/** Where the cursor is after `elapsedMs` of playing, and whether it has come to the end. */
+/** Where the cursor is after `elapsedMs` of playing, and whether it is at the end. */
 export function advance(
   atNs: number,
   elapsedMs: number,

@@ -31,7 +31,7 @@ import type { Panel } from './layout';
 import { Other } from './other.svelte';
 import { Scenery } from './scenery.svelte';
 
-/** A growing record is read again at most this often; drawing all of it is the dear part. */
+/** A growing record is read again at most this often; drawing all of it is the expensive part. */
 const REREAD_MS = 1500;
 /** A full explanation restores an instant: it is asked for when the cursor has rested this long. */
 const REST_MS = 250;

@@ -24,7 +24,7 @@ export function changesOf(plan: PlanInForce, before: PlanInForce | null): Change
   );
   return [...new Set(ids)].flatMap(target => {
     const [old, now] = [place(before, target), place(plan, target)];
-    // A visit that is over when the plan is made is no change.
+    // A visit that is over when the plan is made is not a change.
     if (
       before &&
       now.beginNs === null &&

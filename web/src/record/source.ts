@@ -1,4 +1,4 @@
-/** The one way to a flight record: questions to the server, and news of its growth. */
+/** The one way to a flight record: questions to the server, and updates of its growth. */
 
 import type { Footprints, MissionFacts } from './seen';
 import type {

@@ -9,7 +9,7 @@ export interface Visit {
   name: string;
   fromNs: number;
   toNs: number;
-  /** How it ended, `observing` while it goes on. */
+  /** How it ended, `observing` while it continues. */
   state: string;
 }
 

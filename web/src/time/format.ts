@@ -17,7 +17,7 @@ export function clock(seconds: number, decimals = 0): string {
   return `${Math.floor(whole / 3600)}:${two(Math.floor(whole / 60) % 60)}:${two(whole % 60)}${fraction}`;
 }
 
-/** `2 h 05 min`, `3 min 20 s`, `4.2 s`, `120 ms`: a span for people. */
+/** `2 h 05 min`, `3 min 20 s`, `4.2 s`, `120 ms`: a span, human-readable. */
 export function span(ns: number): string {
   const seconds = ns / NANOSECONDS_PER_SECOND;
   if (seconds >= 3600) return `${Math.floor(seconds / 3600)} h ${two(Math.floor(seconds / 60) % 60)} min`;
@@ -35,7 +35,7 @@ export function civilTime(atNs: number, epochUtc: string | null): string | null 
   return Number.isNaN(at.getTime()) ? null : `${at.toISOString().slice(0, 19).replace('T', ' ')}Z`;
 }
 
-/** Distances between time marks that people can count in, in seconds. */
+/** Distances between time marks that are easy to count, in seconds. */
 const STEPS_S = [
   0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800,
   3600, 7200, 10800, 21600, 43200, 86400,

@@ -1,4 +1,4 @@
-/** Units of aviation at the edge: records and PDL keep theirs, people read feet, knots and nautical miles. Pure. */
+/** Units of aviation at the edge: records and PDL keep theirs, operators read feet, knots and nautical miles. Pure. */
 
 /** How numbers of a unit are shown: value in the record's unit times `factor`. */
 export interface ShownUnit {

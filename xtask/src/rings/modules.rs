@@ -28,7 +28,7 @@ struct Module {
 
 /// Target of a path.
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum Place {
+enum PathTarget {
     Module(ModuleId),
     /// An item of this file.
     Item(String),
@@ -111,7 +111,7 @@ impl Modules {
             let imported = imports.map(|import| (self.follow(id, &import.path, &mut Visited::new()), import.line));
             let named = module.paths.iter().map(|(path, line)| (self.follow(id, path, &mut Visited::new()), *line));
             for (place, line) in imported.chain(named) {
-                if let Some(Place::Item(to)) = place
+                if let Some(PathTarget::Item(to)) = place
                     && to != module.file
                 {
                     let first = edges.entry((&module.file, to)).or_insert(line);
@@ -128,21 +128,21 @@ impl Modules {
     }
 
     /// Returns the target of `path`, seen from module `from`; `None` if it leaves the crate or names something local.
-    fn follow(&self, from: ModuleId, path: &[String], visited: &mut Visited) -> Option<Place> {
+    fn follow(&self, from: ModuleId, path: &[String], visited: &mut Visited) -> Option<PathTarget> {
         let (first, rest) = path.split_first()?;
         let mut place = match first.as_str() {
-            "crate" => Place::Module(0),
-            "self" => Place::Module(from),
-            "super" => Place::Module(self.all.get(from)?.parent?),
+            "crate" => PathTarget::Module(0),
+            "self" => PathTarget::Module(from),
+            "super" => PathTarget::Module(self.all.get(from)?.parent?),
             name => self.lookup(from, name, rest.is_empty(), visited)?,
         };
         for (index, name) in rest.iter().enumerate() {
-            let Place::Module(id) = place else { return Some(place) };
+            let PathTarget::Module(id) = place else { return Some(place) };
             place = if name == "super" {
-                Place::Module(self.all.get(id)?.parent?)
+                PathTarget::Module(self.all.get(id)?.parent?)
             } else {
                 let found = self.lookup(id, name, index + 1 == rest.len(), visited);
-                found.or_else(|| self.macros.get(name).map(|file| Place::Item(file.clone())))?
+                found.or_else(|| self.macros.get(name).map(|file| PathTarget::Item(file.clone())))?
             };
         }
         Some(place)
@@ -150,25 +150,26 @@ impl Modules {
 
     /// Returns the meaning of `name` within module `id`. The last name of a path is an item rather than a module of
     /// equal name.
-    fn lookup(&self, id: ModuleId, name: &str, is_last: bool, visited: &mut Visited) -> Option<Place> {
+    fn lookup(&self, id: ModuleId, name: &str, is_last: bool, visited: &mut Visited) -> Option<PathTarget> {
         if !visited.insert((id, name.to_string(), is_last)) {
             return None;
         }
         let module = self.all.get(id)?;
-        let child = module.children.get(name).map(|child| Place::Module(*child));
-        let item = module.items.contains(name).then(|| Place::Item(module.file.clone()));
+        let child = module.children.get(name).map(|child| PathTarget::Module(*child));
+        let item = module.items.contains(name).then(|| PathTarget::Item(module.file.clone()));
         let imports: Vec<&Import> = module.imports.iter().filter(|each| each.name.as_deref() == Some(name)).collect();
         let imported = || {
-            let places: Vec<Place> = imports.iter().filter_map(|each| self.follow(id, &each.path, visited)).collect();
-            let wanted = places.iter().find(|place| matches!(place, Place::Item(_)) == is_last);
+            let places: Vec<PathTarget> =
+                imports.iter().filter_map(|each| self.follow(id, &each.path, visited)).collect();
+            let wanted = places.iter().find(|place| matches!(place, PathTarget::Item(_)) == is_last);
             wanted.or(places.first()).cloned()
         };
         let found = if is_last { item.or_else(imported).or(child) } else { child.or_else(imported).or(item) };
         found.or_else(|| {
             let globs = module.imports.iter().filter(|import| import.name.is_none());
             globs.map(|glob| &glob.path).find_map(|path| match self.follow(id, path, visited)? {
-                Place::Module(other) => self.lookup(other, name, is_last, visited),
-                Place::Item(_) => None,
+                PathTarget::Module(other) => self.lookup(other, name, is_last, visited),
+                PathTarget::Item(_) => None,
             })
         })
     }

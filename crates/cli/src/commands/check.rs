@@ -9,7 +9,7 @@ use apex_mission::check_report;
 use apex_pdl::{Checked, Severity};
 use std::io::IsTerminal;
 
-/// Checks each file by itself with what it requires.
+/// Checks each file alone with the files that it requires.
 pub fn run(options: &CheckOptions) -> CliResult {
     if options.fix {
         return fix::run(options);

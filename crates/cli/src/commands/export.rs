@@ -12,7 +12,7 @@ use apex_tables::{CsvWriter, ParquetWriter, SampleTable, TableWriter};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Writes every sample and event with what became of it.
+/// Writes every sample and event with its use.
 pub fn run(options: &ExportOptions) -> CliResult {
     let mut source = Source::of(&options.inputs, options.mapping.as_deref(), options.log_time)?;
     let library = Arc::new(library(options, &mut source)?);

@@ -1,4 +1,4 @@
-//! `apex check --fix`: makes the safe fixes, pass after pass, and says what is left.
+//! `apex check --fix`: makes the safe fixes, pass after pass, and reports the remaining mistakes.
 
 use super::check;
 use crate::error::{CliError, CliResult};
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// The file name that means standard input.
 const STANDARD_INPUT: &str = "-";
 
-/// Fixes each program by itself, with the files that it requires.
+/// Fixes each program alone, with the files that it requires.
 pub fn run(options: &CheckOptions) -> CliResult {
     let mut wrong = false;
     for file in &options.files {

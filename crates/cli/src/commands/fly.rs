@@ -64,7 +64,7 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult {
         ..MissionFlight::terms(&mission, until)
     };
     let means = means(options, planners)?;
-    let mut progress = Progress::new(terms.until, options.no_progress || options.json);
+    let mut progress = TimeBar::new(terms.until, options.no_progress || options.json);
     let mut observers: Vec<&mut dyn Observer> = vec![&mut progress];
     observers.extend(watch.as_mut().map(|watch| watch as &mut dyn Observer));
     let flown = apex_simulation::fly(mission, means, options.seed, terms, &mut recorder, &mut observers);
@@ -79,7 +79,7 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult {
         if !sherpa.is_finished() {
             output::print_line("Sherpa goes on serving the record; Ctrl-C ends it")?;
         }
-        // Its own thread has told what went wrong, if anything.
+        // Its own thread has reported a failure, if any.
         sherpa.join().ok();
     }
     Ok(())
@@ -157,7 +157,7 @@ fn serve_beside(path: &Path, door: FlightDoor, port: u16, planners: &Arc<Registr
     std::thread::spawn(move || {
         let address = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port);
         let ready = |url: &str| {
-            // The page is served whether anybody reads this line or not.
+            // The page is served whether this line is read or not.
             output::print_line(format_args!("Sherpa: {url}")).ok();
         };
         let (record, door_of_page) = (Some((path.as_path(), 0)), Some(door.clone()));
@@ -188,23 +188,23 @@ fn stopped_by_signal() -> Receiver<Control> {
 }
 
 /// A bar over mission time.
-struct Progress {
+struct TimeBar {
     bar: ProgressBar,
     shown: u64,
 }
 
-impl Progress {
-    fn new(until: Time, hidden: bool) -> Progress {
+impl TimeBar {
+    fn new(until: Time, hidden: bool) -> TimeBar {
         let bar = if hidden { ProgressBar::hidden() } else { ProgressBar::new(until.seconds() as u64) };
         let style = ProgressStyle::with_template("{bar:40} {percent:>3} %  mission time {msg}  (real {elapsed})");
         if let Ok(style) = style {
             bar.set_style(style);
         }
-        Progress { bar, shown: 0 }
+        TimeBar { bar, shown: 0 }
     }
 }
 
-impl Observer for Progress {
+impl Observer for TimeBar {
     fn observe(&mut self, batch: &Batch, _: &[Effect]) -> Result<(), String> {
         let minutes = (batch.now.seconds() / 60.0) as u64;
         if minutes > self.shown {

@@ -24,7 +24,7 @@ type ResultTable = ResultWriter<BufWriter<File>>;
 
 const OPEN: ResultEvent = ResultEvent::Recognised { open: true };
 
-/// Watches the conditions over the input and prints what comes of them.
+/// Watches the conditions over the input and prints their results.
 pub fn run(options: &MonitorOptions) -> CliResult {
     let standard = [PathBuf::from("-")];
     let inputs = if options.inputs.is_empty() { standard.as_slice() } else { options.inputs.as_slice() };
@@ -205,7 +205,7 @@ fn conditions(options: &MonitorOptions, source: &mut Source) -> CliResult<Checke
     Ok(read)
 }
 
-/// A session with what is told of it.
+/// A session with its reports.
 struct Watching<'a> {
     session: MonitorSession,
     conditions: Vec<Condition>,
@@ -278,7 +278,7 @@ impl Watching<'_> {
         Ok(())
     }
 
-    /// Prints the remaining results, the verdicts, and what was never heard of.
+    /// Prints the remaining results, the verdicts, and the variables without samples.
     fn end(&mut self) -> CliResult<Vec<String>> {
         if !self.heard {
             self.begin(self.created.unwrap_or(Time::ZERO))?;

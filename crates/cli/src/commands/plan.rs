@@ -79,7 +79,7 @@ pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> CliResult {
 /// Finds out what is to be planned.
 ///
 /// # Errors
-/// When nothing of that name exists, or it is no problem.
+/// When nothing of that name exists, or it is not a problem.
 fn read(options: &PlanOptions) -> CliResult<PlanInput> {
     let mut question = match PlanInput::find(&options.mission)? {
         Some(question) => question,
@@ -96,7 +96,7 @@ fn read(options: &PlanOptions) -> CliResult<PlanInput> {
     }
     if let Some(budget) = &options.bound_budget {
         let end = parse_time(budget, "--bound-budget")?;
-        // Nothing to spend leaves the quick bound.
+        // Nothing to spend leaves the fast bound.
         question.bound_budget = end - Time::ZERO;
     }
     question.seed = options.seed.unwrap_or(question.seed);

@@ -1,4 +1,4 @@
-//! `apex run`: any PDL program without a vehicle, in simulated time, by the clock on the wall or at that of an outside
+//! `apex run`: any PDL program without a vehicle, in simulated time, by wall time or at that of an outside
 //! simulator, with a trace.
 
 use crate::console;
@@ -203,7 +203,7 @@ fn tell_end(end: &RunEnd) {
 enum ClockSource {
     /// Simulated time, as fast as possible.
     Simulated,
-    /// The clock on the wall, at this pace.
+    /// Wall time, at this pace.
     Wall(f64),
     /// The clock of an outside simulator.
     Simulator,

@@ -32,7 +32,7 @@ pub fn run(options: &ServeOptions, planners: &Arc<Registry>) -> CliResult {
     let served = Served { record, door: None, others: options.with.clone(), flights };
     let (access, said) = access::access(options, address)?;
     serve(served, planners, access, SocketAddr::new(address, options.port), move |url| {
-        // The page is served whether anybody reads this line or not.
+        // The page is served whether this line is read or not.
         output::print_line(format_args!("Sherpa: {url}  (Ctrl-C ends it)")).ok();
         said.into_iter().for_each(|line| output::print_line(line).unwrap_or_default());
         if open {
@@ -41,7 +41,7 @@ pub fn run(options: &ServeOptions, planners: &Arc<Registry>) -> CliResult {
     })
 }
 
-/// The number of the agent to show. Opens the record so that a wrong file is told before a port is taken.
+/// The number of the agent to show. Opens the record so that a wrong file is reported before a port is taken.
 fn agent_of(record: &Path, options: &ServeOptions) -> CliResult<usize> {
     let reader = recording::open(record)?;
     apex_mission::recording::protect(record);

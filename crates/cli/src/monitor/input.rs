@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 
 /// Source of the data.
 pub enum Source {
-    /// Lines of JSON on standard input, told as they come.
+    /// Lines of JSON on standard input, passed on as they arrive.
     Lines,
     /// A file of such lines.
     LinesFile(PathBuf),

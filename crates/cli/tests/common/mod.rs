@@ -1,4 +1,4 @@
-//! Runs the `apex` command as a user would, in a folder of its own.
+//! Runs the `apex` command as a user would, in a separate folder.
 
 #![allow(dead_code, unreachable_pub, reason = "each test file uses its part")]
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot prepare its folder has failed")]
@@ -150,11 +150,11 @@ impl Said {
         }
     }
 
-    /// It went well and complained of nothing.
+    /// It succeeded without any message.
     #[track_caller]
     pub fn well(self) -> Said {
         assert_eq!(self.code, Some(0), "{self:?}");
-        assert_eq!(self.err, "", "nothing to complain of");
+        assert_eq!(self.err, "", "no message");
         self
     }
 

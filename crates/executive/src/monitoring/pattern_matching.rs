@@ -83,7 +83,7 @@ struct Matcher<'a> {
 }
 
 /// Result of one step.
-enum Progress<'a> {
+enum MatchStep<'a> {
     Fail,
     Continue(Goals<'a>),
 }
@@ -135,13 +135,13 @@ impl Matcher<'_> {
                 return Err(self.error(format!("the match takes more than MATCH_STEPS_MAX = {MATCH_STEPS_MAX} steps")));
             }
             let mut progress = self.advance(node.goal, &node.next, 0, &mut choices)?;
-            while let Progress::Fail = progress {
+            while let MatchStep::Fail = progress {
                 let Some(choice) = choices.pop() else { return Ok(false) };
                 *self.steps += 1;
                 self.bindings.truncate(choice.bound);
                 progress = self.advance(choice.goal, &choice.next, choice.attempt, &mut choices)?;
             }
-            let Progress::Continue(next) = progress else { return Ok(false) };
+            let MatchStep::Continue(next) = progress else { return Ok(false) };
             goals = next;
         }
     }
@@ -152,7 +152,7 @@ impl Matcher<'_> {
         next: &Goals<'p>,
         attempt: usize,
         choices: &mut Vec<Choice<'p>>,
-    ) -> Result<Progress<'p>, EvaluationError> {
+    ) -> Result<MatchStep<'p>, EvaluationError> {
         match goal {
             Goal::One(pattern, value) => self.one(pattern, value, next, attempt, choices),
             Goal::Sequence(patterns, values) => self.sequence(patterns, values, next, attempt, choices),
@@ -166,7 +166,7 @@ impl Matcher<'_> {
         next: &Goals<'p>,
         attempt: usize,
         choices: &mut Vec<Choice<'p>>,
-    ) -> Result<Progress<'p>, EvaluationError> {
+    ) -> Result<MatchStep<'p>, EvaluationError> {
         let holds = match pattern {
             Pattern::Not(inner) => {
                 let bound = self.bindings.len();
@@ -182,17 +182,17 @@ impl Matcher<'_> {
                 let all = patterns.iter().rev().fold(next.clone(), |next, pattern| {
                     Some(Rc::new(GoalStack { goal: Goal::One(pattern, value), next }))
                 });
-                return Ok(Progress::Continue(all));
+                return Ok(MatchStep::Continue(all));
             }
             Pattern::Or(patterns) => {
-                let Some(chosen) = patterns.get(attempt) else { return Ok(Progress::Fail) };
+                let Some(chosen) = patterns.get(attempt) else { return Ok(MatchStep::Fail) };
                 let goal = Goal::One(pattern, value);
                 choices.push(Choice { goal, next: next.clone(), bound: self.bindings.len(), attempt: attempt + 1 });
                 return Ok(push(Goal::One(chosen, value), next.clone()));
             }
             _ => self.simple(pattern, value)?.unwrap_or(false),
         };
-        Ok(if holds { Progress::Continue(next.clone()) } else { Progress::Fail })
+        Ok(if holds { MatchStep::Continue(next.clone()) } else { MatchStep::Fail })
     }
 
     fn sequence<'p>(
@@ -202,39 +202,39 @@ impl Matcher<'_> {
         next: &Goals<'p>,
         attempt: usize,
         choices: &mut Vec<Choice<'p>>,
-    ) -> Result<Progress<'p>, EvaluationError> {
+    ) -> Result<MatchStep<'p>, EvaluationError> {
         let Some((first, rest)) = patterns.split_first() else {
-            return Ok(if values.is_empty() { Progress::Continue(next.clone()) } else { Progress::Fail });
+            return Ok(if values.is_empty() { MatchStep::Continue(next.clone()) } else { MatchStep::Fail });
         };
         match first {
             Pattern::Segment { variable, minimum, maximum } => {
                 let least = usize::from(*minimum).max(attempt);
                 let most = maximum.map_or(values.len(), usize::from);
                 if least > most {
-                    return Ok(Progress::Fail);
+                    return Ok(MatchStep::Fail);
                 }
                 let (Some(taken), Some(left)) = (values.get(..least), values.get(least..)) else {
-                    return Ok(Progress::Fail);
+                    return Ok(MatchStep::Fail);
                 };
                 let goal = Goal::Sequence(patterns, values);
                 choices.push(Choice { goal, next: next.clone(), bound: self.bindings.len(), attempt: least + 1 });
                 if let Some(variable) = variable
                     && !self.bind(variable, &Value::list(taken.iter().cloned()))
                 {
-                    return Ok(Progress::Fail);
+                    return Ok(MatchStep::Fail);
                 }
                 Ok(push(Goal::Sequence(rest, left), next.clone()))
             }
             Pattern::Guard(expr) => Ok(match self.evaluate(expr)?.is_true() {
                 true => push(Goal::Sequence(rest, values), next.clone()),
-                false => Progress::Fail,
+                false => MatchStep::Fail,
             }),
             pattern => match values.split_first() {
                 Some((value, left)) => {
                     let after = Some(Rc::new(GoalStack { goal: Goal::Sequence(rest, left), next: next.clone() }));
                     Ok(push(Goal::One(pattern, value), after))
                 }
-                None => Ok(Progress::Fail),
+                None => Ok(MatchStep::Fail),
             },
         }
     }
@@ -268,6 +268,6 @@ impl Matcher<'_> {
     }
 }
 
-fn push<'p>(goal: Goal<'p>, next: Goals<'p>) -> Progress<'p> {
-    Progress::Continue(Some(Rc::new(GoalStack { goal, next })))
+fn push<'p>(goal: Goal<'p>, next: Goals<'p>) -> MatchStep<'p> {
+    MatchStep::Continue(Some(Rc::new(GoalStack { goal, next })))
 }

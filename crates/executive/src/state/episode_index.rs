@@ -31,7 +31,7 @@ pub struct EpisodeIndex {
     /// Instants at which runs are long enough; the end of time without a run.
     deadlines: Vec<Time>,
     gaps: Vec<Duration>,
-    states: Vec<State>,
+    states: Vec<LeafState>,
     /// Samples seen so far, the newest included.
     samples: i64,
     newest: Time,
@@ -50,7 +50,7 @@ pub struct EpisodeIndex {
 
 /// The part of the state that seldom changes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct State {
+struct LeafState {
     duration_min: Duration,
     window_start: Time,
     /// It has seen a sample before it came in, or `samples` has grown since.
@@ -80,11 +80,11 @@ struct Before {
     found_at: Option<Time>,
 }
 
-impl State {
+impl LeafState {
     /// The truth, or the run, is another one from the sample at `at` on, which is number `sample`.
     fn turn(&mut self, at: Time, sample: i64, held: bool, holds: bool, cut: Option<Duration>) {
         let contradicted = self.contradicted || (!held && self.has_seen_any(sample.saturating_sub(1)));
-        let State { start, first, gap, open, .. } = *self;
+        let LeafState { start, first, gap, open, .. } = *self;
         let found_at = open.map(|open| open.recognised_at);
         self.before = Before { at, held, start, first, contradicted, gap, found_at };
         self.open = None;
@@ -195,7 +195,7 @@ impl EpisodeIndex {
         true
     }
 
-    fn state_of(&self, wanted: &ThresholdEpisode, run: Option<&ObjectRun>) -> (bool, State) {
+    fn state_of(&self, wanted: &ThresholdEpisode, run: Option<&ObjectRun>) -> (bool, LeafState) {
         let nothing = Before {
             at: Time::BEGINNING,
             held: false,
@@ -205,7 +205,7 @@ impl EpisodeIndex {
             gap: None,
             found_at: None,
         };
-        let mut state = State {
+        let mut state = LeafState {
             duration_min: wanted.duration_min,
             window_start: wanted.window_start,
             seen: false,
@@ -228,7 +228,7 @@ impl EpisodeIndex {
         }
         let (held, holds) = (run.is_some(), newest.holds.is_some());
         let cut = run.as_ref().map(|run| newest.at - run.last).filter(|gap| *gap > wanted.gap_max);
-        let State { start, first, .. } = state;
+        let LeafState { start, first, .. } = state;
         if held != holds || cut.is_some() {
             state.turn(newest.at, self.samples, held, holds, cut);
         } else {

@@ -1,8 +1,8 @@
-//! What an agent holds in bytes, apart from what is counted by number.
+//! Memory of an agent in bytes, apart from items that are limited by number.
 
 use serde::{Deserialize, Serialize};
 
-/// What the agent holds beside tasks and monitors, in bytes. Part of the agent, so that replay refuses the same.
+/// Memory of the agent in addition to tasks and monitors, in bytes. Part of the agent, so that replay refuses the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MemoryCount {
     /// Large values and samples at the last count.

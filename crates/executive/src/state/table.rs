@@ -14,7 +14,7 @@ const VACANT: u32 = u32::MAX;
 /// Entries of type `T` by number.
 #[derive(Clone, Debug)]
 pub struct Table<T> {
-    pages: Vec<Option<Box<Page>>>,
+    pages: Vec<Option<Box<TablePage>>>,
     slots: Slots<T>,
     free: Vec<u32>,
     length: usize,
@@ -55,7 +55,7 @@ impl<T> Slots<T> {
 }
 
 #[derive(Clone, Debug)]
-struct Page {
+struct TablePage {
     slots: [u32; PAGE as usize],
     used: u32,
 }
@@ -125,7 +125,7 @@ impl<T> Table<T> {
             self.pages.resize_with(page + 1, || None);
         }
         if let Some(place) = self.pages.get_mut(page) {
-            let page = place.get_or_insert_with(|| Box::new(Page { slots: [VACANT; PAGE as usize], used: 0 }));
+            let page = place.get_or_insert_with(|| Box::new(TablePage { slots: [VACANT; PAGE as usize], used: 0 }));
             if let (Some(pointer), Some(room)) = (page.slots.get_mut(offset), self.slots.place(slot as usize)) {
                 *pointer = slot;
                 *room = Some(entry);

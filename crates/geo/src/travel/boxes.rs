@@ -14,7 +14,7 @@ struct Box2 {
 }
 
 #[derive(Clone, Debug, PartialEq)]
-enum Node {
+enum BoxNode {
     /// Items `from..until` of the order.
     Leaf { bounds: Box2, from: usize, until: usize },
     /// The node after this one, and this one.
@@ -24,7 +24,7 @@ enum Node {
 /// A tree over numbered boxes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Boxes {
-    nodes: Vec<Node>,
+    nodes: Vec<BoxNode>,
     order: Vec<(usize, Box2)>,
 }
 
@@ -45,13 +45,13 @@ impl Boxes {
         let mut open = vec![0];
         while let Some(index) = open.pop() {
             match self.nodes.get(index) {
-                Some(Node::Leaf { bounds, from, until }) if bounds.meets(a, b) => {
+                Some(BoxNode::Leaf { bounds, from, until }) if bounds.meets(a, b) => {
                     let items = self.order.get(*from..*until).unwrap_or_default();
                     if items.iter().any(|(number, bounds)| bounds.meets(a, b) && found(*number)) {
                         return true;
                     }
                 }
-                Some(Node::Fork { bounds, right }) if bounds.meets(a, b) => open.extend([*right, index + 1]),
+                Some(BoxNode::Fork { bounds, right }) if bounds.meets(a, b) => open.extend([*right, index + 1]),
                 _ => {}
             }
         }
@@ -60,26 +60,26 @@ impl Boxes {
 }
 
 /// Adds the node for `items`, which begin at `offset`, and those below it.
-fn grow(nodes: &mut Vec<Node>, items: &mut [(usize, Box2)], offset: usize) {
+fn grow(nodes: &mut Vec<BoxNode>, items: &mut [(usize, Box2)], offset: usize) {
     let empty = Box2 {
         low: Point { x: f64::INFINITY, y: f64::INFINITY },
         high: Point { x: f64::NEG_INFINITY, y: f64::NEG_INFINITY },
     };
     let bounds = items.iter().fold(empty, |all, (_, one)| all.with(one));
     if items.len() <= LEAF_MAX {
-        nodes.push(Node::Leaf { bounds, from: offset, until: offset + items.len() });
+        nodes.push(BoxNode::Leaf { bounds, from: offset, until: offset + items.len() });
         return;
     }
     let wide = bounds.high.x - bounds.low.x > bounds.high.y - bounds.low.y;
     let middle = |one: &Box2| if wide { one.low.x + one.high.x } else { one.low.y + one.high.y };
     items.sort_by(|(m, a), (n, b)| middle(a).total_cmp(&middle(b)).then(m.cmp(n)));
     let fork = nodes.len();
-    nodes.push(Node::Fork { bounds, right: 0 });
+    nodes.push(BoxNode::Fork { bounds, right: 0 });
     let half = items.len() / 2;
     let (left, right) = items.split_at_mut(half);
     grow(nodes, left, offset);
     let next = nodes.len();
-    if let Some(Node::Fork { right, .. }) = nodes.get_mut(fork) {
+    if let Some(BoxNode::Fork { right, .. }) = nodes.get_mut(fork) {
         *right = next;
     }
     grow(nodes, right, offset + half);

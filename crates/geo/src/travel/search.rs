@@ -34,7 +34,7 @@ impl Ord for Order {
 
 /// The earliest arrival at a bend in one of its spans.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Label {
+struct ArrivalLabel {
     arrive_s: f64,
     /// The label before, none at the first bend, and the ride from there.
     before: Option<(Option<usize>, DirectedLeg)>,
@@ -45,7 +45,7 @@ struct Label {
 pub(super) struct Tree {
     /// The first label of each bend; its spans follow.
     firsts: Vec<usize>,
-    labels: Vec<Label>,
+    labels: Vec<ArrivalLabel>,
 }
 
 impl Tree {
@@ -83,7 +83,7 @@ impl Network {
         let mut tree = Tree::default();
         for open_s in &self.bends_open_s {
             tree.firsts.push(tree.labels.len());
-            tree.labels.extend(open_s.iter().map(|_| Label { arrive_s: f64::INFINITY, before: None }));
+            tree.labels.extend(open_s.iter().map(|_| ArrivalLabel { arrive_s: f64::INFINITY, before: None }));
         }
         let mut open: BinaryHeap<Reverse<(Order, usize)>> = BinaryHeap::new();
         let Some(until_s) = self.may_hold_until_s(from, depart_s) else { return tree };
@@ -137,7 +137,7 @@ impl Network {
             let arrive_s = self.arrive(join.ride, depart_s);
             if arrive_s < best_s && arrive_s <= until_s {
                 if let Some(label) = tree.labels.get_mut(first + index) {
-                    *label = Label { arrive_s, before: Some((before, join.ride)) };
+                    *label = ArrivalLabel { arrive_s, before: Some((before, join.ride)) };
                 }
                 open.push(Reverse((Order(arrive_s), first + index)));
             }

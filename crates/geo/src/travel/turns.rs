@@ -64,7 +64,7 @@ pub(super) struct Turned {
 }
 
 /// From one bend to the next: along the x axis of a local plane.
-struct Piece<'a> {
+struct TurnLeg<'a> {
     from: &'a PreparedPoint,
     to: &'a PreparedPoint,
     length: f64,
@@ -81,15 +81,15 @@ enum Frame {
     Earth([Direction; 3], f64),
 }
 
-impl Piece<'_> {
-    fn of<'a>(from: &'a PreparedPoint, to: &'a PreparedPoint, on_plane: bool) -> Piece<'a> {
+impl TurnLeg<'_> {
+    fn of<'a>(from: &'a PreparedPoint, to: &'a PreparedPoint, on_plane: bool) -> TurnLeg<'a> {
         let bearing = |(east, north): (f64, f64)| libm::atan2(east, north);
         if on_plane {
             let apart = to.point.minus(from.point);
             let along = apart.unit().unwrap_or(Point { x: 1.0, y: 0.0 });
             let bearing_rad = bearing((along.x, along.y));
             let frame = Frame::Plane(along, Point { x: -along.y, y: along.x });
-            return Piece { from, to, length: apart.length(), frame, bearings_rad: (bearing_rad, bearing_rad) };
+            return TurnLeg { from, to, length: apart.length(), frame, bearings_rad: (bearing_rad, bearing_rad) };
         }
         let up = from.direction;
         // Between two places that are one, any line will do.
@@ -104,7 +104,7 @@ impl Piece<'_> {
         let per_m = if length > 0.0 { angle_rad / length } else { 1.0 / EARTH_RADIUS_M_MEAN };
         let ahead = up.blended(-libm::sin(angle_rad), along, libm::cos(angle_rad));
         let bearings_rad = (bearing(up.east_north(along)), bearing(to.direction.east_north(ahead)));
-        Piece { from, to, length, frame: Frame::Earth([up, along, left], per_m), bearings_rad }
+        TurnLeg { from, to, length, frame: Frame::Earth([up, along, left], per_m), bearings_rad }
     }
 
     /// A point of the piece's plane on the ground.
@@ -140,7 +140,7 @@ impl Piece<'_> {
     }
 }
 
-impl Piece<'_> {
+impl TurnLeg<'_> {
     fn end(&self) -> Point {
         Point { x: self.length, y: 0.0 }
     }
@@ -247,7 +247,7 @@ impl Network {
     /// which zones that it meets are shut.
     fn free_path(
         &self,
-        piece: &Piece<'_>,
+        piece: &TurnLeg<'_>,
         flyer: &Flyer,
         (from, to): (At, At),
     ) -> Option<(TurnPath, Drawn, Vec<Span>)> {
@@ -273,9 +273,9 @@ impl Network {
     }
 
     /// The pieces of a way, and how the places between them are flown over: in the direction halfway between two legs.
-    fn pieces<'a>(&self, spots: &'a [PreparedPoint], ends: (At, At)) -> (Vec<Piece<'a>>, Vec<At>) {
+    fn pieces<'a>(&self, spots: &'a [PreparedPoint], ends: (At, At)) -> (Vec<TurnLeg<'a>>, Vec<At>) {
         let pairs = spots.iter().zip(spots.iter().skip(1));
-        let pieces: Vec<Piece<'a>> = pairs.map(|(from, to)| Piece::of(from, to, self.on_plane)).collect();
+        let pieces: Vec<TurnLeg<'a>> = pairs.map(|(from, to)| TurnLeg::of(from, to, self.on_plane)).collect();
         let mut at = vec![ends.0];
         for (into, out) in pieces.iter().zip(pieces.iter().skip(1)) {
             let (into_rad, out_rad) = (into.bearings_rad.1, out.bearings_rad.0);
@@ -286,7 +286,7 @@ impl Network {
     }
 
     /// Returns the greatest time of a piece with a circle at one end or both; `None` without space for it.
-    fn circled_s(&self, piece: &Piece<'_>, wind_mps: Point, ends: (At, At)) -> Option<f64> {
+    fn circled_s(&self, piece: &TurnLeg<'_>, wind_mps: Point, ends: (At, At)) -> Option<f64> {
         let rounds = self.rounds(wind_mps)?;
         if ends.0 != At::Circle {
             return Some(self.passage(piece, &rounds, ends, None)?.time_s);
@@ -305,7 +305,7 @@ impl Network {
     }
 
     /// May a circle at the beginning of a piece be left by the opposite turn? None where there is no room for circles at all.
-    fn has_room_for_the_opposite_turn(&self, piece: &Piece<'_>, to: At) -> Option<bool> {
+    fn has_room_for_the_opposite_turn(&self, piece: &TurnLeg<'_>, to: At) -> Option<bool> {
         let (radius, room) = (self.turns.circle_radius, self.turns.room());
         let clear = |width: f64| self.ground.is_clear(piece.from, piece.to, (width, room));
         let narrow = if let At::Track(_) = to { 2.0 * radius } else { radius };
@@ -317,7 +317,7 @@ impl Network {
 
     /// Returns the fastest flight over a piece that has a circle at one end or both, from `on` if it begins on one,
     /// else from the best point of the circle.
-    fn passage(&self, piece: &Piece<'_>, rounds: &Rounds, ends: (At, At), on: Option<On>) -> Option<Passage> {
+    fn passage(&self, piece: &TurnLeg<'_>, rounds: &Rounds, ends: (At, At), on: Option<On>) -> Option<Passage> {
         if ends.0 != At::Circle {
             let wide = (2.0 * self.turns.circle_radius, self.turns.room());
             let track_rad = piece.track_rad(ends.0, false);
@@ -400,7 +400,7 @@ impl Network {
         (begin_s, lasts_s): (f64, f64),
     ) -> Option<(Drawn, Circling)> {
         let spot = &self.places.get(place.0)?.spot;
-        let piece = Piece::of(spot, spot, self.on_plane);
+        let piece = TurnLeg::of(spot, spot, self.on_plane);
         let rounds = self.rounds(piece.wind(self, self.air.span_at(begin_s)))?;
         let on = piece.on(from);
         let (after, by_rad) = rounds.after(on, lasts_s);

@@ -88,7 +88,7 @@ impl DiagnosisService {
         diagnoser.set_all(self.outcomes.iter().copied().enumerate());
         let next = Published::of(diagnoser);
         let before = self.published.replace(next.clone());
-        Changes { model, now: batch.now, before: before.as_ref(), next: &next }.report(&mut reported);
+        DiagnosisChanges { model, now: batch.now, before: before.as_ref(), next: &next }.report(&mut reported);
         reported
     }
 }
@@ -134,14 +134,14 @@ impl Published {
 }
 
 /// The difference of two diagnoses.
-struct Changes<'a> {
+struct DiagnosisChanges<'a> {
     model: &'a Model,
     now: Time,
     before: Option<&'a Published>,
     next: &'a Published,
 }
 
-impl Changes<'_> {
+impl DiagnosisChanges<'_> {
     fn report(&self, reported: &mut Reported) {
         for (index, (test, outcome)) in self.model.tests.iter().zip(&self.next.outcomes).enumerate() {
             if self.before.and_then(|before| before.outcomes.get(index)) != Some(outcome) {

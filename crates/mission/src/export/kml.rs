@@ -16,10 +16,10 @@ type Xml = quick_xml::Writer<Vec<u8>>;
 const WALL_M_MAX: f64 = 30_000.0;
 
 /// Name of a style, its parts, and their values.
-type Style = (&'static str, &'static [(&'static str, &'static [(&'static str, &'static str)])]);
+type KmlStyle = (&'static str, &'static [(&'static str, &'static [(&'static str, &'static str)])]);
 
 /// Colours are `aabbggrr`.
-const STYLES: &[Style] = &[
+const STYLES: &[KmlStyle] = &[
     ("path", &[("LineStyle", &[("color", "ff00a5ff"), ("width", "3")])]),
     ("target", &[("IconStyle", &[("color", "ff50c878")])]),
     ("left-out", &[("IconStyle", &[("color", "ff808080")])]),
@@ -69,7 +69,7 @@ fn content(xml: &mut Xml, chart: &Chart) -> io::Result<()> {
     folder(xml, "airspace", &chart.zones, zone)
 }
 
-fn style(xml: &mut Xml, (name, parts): &Style) -> io::Result<()> {
+fn style(xml: &mut Xml, (name, parts): &KmlStyle) -> io::Result<()> {
     xml.create_element("Style").with_attribute(("id", *name)).write_inner_content(|xml| {
         parts.iter().try_for_each(|(part, values)| {
             element(xml, part, |xml| values.iter().try_for_each(|(key, value)| leaf(xml, key, value)))

@@ -7,14 +7,14 @@ use apex_model::problem::Position;
 
 /// An edge of a ring as a segment of the plane of degrees.
 #[derive(Clone, Copy)]
-struct Edge {
+struct RingEdge {
     /// Number of its first corner.
     number: usize,
     from: (f64, f64),
     to: (f64, f64),
 }
 
-impl Edge {
+impl RingEdge {
     fn west(&self) -> f64 {
         self.from.0.min(self.to.0)
     }
@@ -24,14 +24,14 @@ impl Edge {
     }
 
     /// True if the two cross inside of both: outlines may touch themselves.
-    fn crosses(&self, other: &Edge) -> bool {
+    fn crosses(&self, other: &RingEdge) -> bool {
         let side = |a: (f64, f64), b: (f64, f64), c: (f64, f64)| (b.0 - a.0) * (c.1 - a.1) - (b.1 - a.1) * (c.0 - a.0);
         let apart = |a: f64, b: f64| (a < 0.0 && b > 0.0) || (a > 0.0 && b < 0.0);
         apart(side(self.from, self.to, other.from), side(self.from, self.to, other.to))
             && apart(side(other.from, other.to, self.from), side(other.from, other.to, self.to))
     }
 
-    fn overlaps_north_south(&self, other: &Edge) -> bool {
+    fn overlaps_north_south(&self, other: &RingEdge) -> bool {
         self.from.1.min(self.to.1) <= other.from.1.max(other.to.1)
             && other.from.1.min(other.to.1) <= self.from.1.max(self.to.1)
     }
@@ -53,7 +53,7 @@ pub(super) fn crossing(ring: &[Position]) -> Option<(usize, usize)> {
     None
 }
 
-fn edges(ring: &[Position]) -> Vec<Edge> {
+fn edges(ring: &[Position]) -> Vec<RingEdge> {
     let Some(first) = ring.first() else { return Vec::new() };
     // Longitudes continue beyond 180 degrees, because an outline across the date line does not cross itself.
     let mut before = first.longitude_deg;
@@ -64,7 +64,7 @@ fn edges(ring: &[Position]) -> Vec<Edge> {
         corners.push((before, corner.latitude_deg));
     }
     let next = corners.iter().skip(1).chain(corners.first());
-    corners.iter().zip(next).zip(1..).map(|((from, to), number)| Edge { number, from: *from, to: *to }).collect()
+    corners.iter().zip(next).zip(1..).map(|((from, to), number)| RingEdge { number, from: *from, to: *to }).collect()
 }
 
 #[cfg(test)]

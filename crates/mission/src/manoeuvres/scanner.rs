@@ -16,7 +16,7 @@ use apex_observation::target::{ObservedTarget, TargetArea};
 use std::collections::BTreeMap;
 
 /// A sweep before its factors are predicted.
-struct Draft {
+struct SweepDraft {
     name: String,
     altitude_m: f64,
     lines: Vec<(Position, Position)>,
@@ -83,7 +83,7 @@ fn draft(
     scanner: &PredictedScanner,
     (name, swath_m): (&str, f64),
     altitude_m: f64,
-) -> Result<Draft, String> {
+) -> Result<SweepDraft, String> {
     let Wish { mission, target, fire, look, .. } = wish;
     let height_m = altitude_m - target.elevation_m;
     let wind = wind::at(&mission.forecast, target.position, altitude_m, wish.from_s);
@@ -118,7 +118,7 @@ fn draft(
     let pixel_m = scanner.setting.mode.nadir_pixel_m(height_m);
     let promise = clarity(scanner, edr) * look.resolution.factor(pixel_m, pixel_m);
     let name = format!("{}-{name}-{altitude_m:.0}m", if along { "perimeter" } else { "sweep" });
-    Ok(Draft { name, altitude_m, lines, flown, promise })
+    Ok(SweepDraft { name, altitude_m, lines, flown, promise })
 }
 
 /// The grounds of a target in order.
@@ -133,8 +133,8 @@ pub(super) fn grounds(wanted: &ObservedTarget) -> Vec<Ground> {
 }
 
 /// Drafts that none beats in promise and time at once: the rest need no prediction.
-fn promising(drafts: Vec<Draft>) -> Vec<Draft> {
-    let beaten = |draft: &Draft| {
+fn promising(drafts: Vec<SweepDraft>) -> Vec<SweepDraft> {
+    let beaten = |draft: &SweepDraft| {
         drafts.iter().any(|other| {
             let same_lines = other.lines.len() >= draft.lines.len();
             same_lines
@@ -167,7 +167,7 @@ impl Sweep {
 }
 
 /// The sweep with its predicted factors; none where it adds nothing.
-fn predicted(wish: &Wish<'_>, scanner: &PredictedScanner, draft: Draft) -> Option<Sweep> {
+fn predicted(wish: &Wish<'_>, scanner: &PredictedScanner, draft: SweepDraft) -> Option<Sweep> {
     let lines: Vec<PlannedLine> = draft
         .flown
         .lines

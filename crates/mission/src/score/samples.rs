@@ -23,10 +23,10 @@ pub(super) struct Latest {
     pub(super) is_on: bool,
     /// Share of the line of sight that is free of cloud, where the record knows it.
     pub(super) clear_share: Option<f64>,
-    roll_deg: Option<Measured>,
-    pitch_deg: Option<Measured>,
-    heading_deg: Option<Measured>,
-    speed_mps: Option<Measured>,
+    roll_deg: Option<TimedValue>,
+    pitch_deg: Option<TimedValue>,
+    heading_deg: Option<TimedValue>,
+    speed_mps: Option<TimedValue>,
     /// Angles of the mounts of cameras by their names.
     tilts_deg: BTreeMap<String, f64>,
     pans_deg: BTreeMap<String, f64>,
@@ -35,7 +35,7 @@ pub(super) struct Latest {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Measured {
+struct TimedValue {
     value: f64,
     at: Time,
 }
@@ -46,7 +46,7 @@ impl Latest {
         let (attribute, object) = (variable.attribute.folded(), &variable.object);
         let angle_deg = || match value {
             Value::Quantity(angle) if angle.dimension == Dimension::ANGLE => {
-                Some(Measured { value: angle.si.to_degrees(), at })
+                Some(TimedValue { value: angle.si.to_degrees(), at })
             }
             _ => None,
         };
@@ -65,7 +65,7 @@ impl Latest {
             "pitch-angle" => self.pitch_deg = angle_deg(),
             "heading" => self.heading_deg = angle_deg(),
             "ground-speed" => {
-                self.speed_mps = value.as_number().map(|(value, _)| Measured { value, at });
+                self.speed_mps = value.as_number().map(|(value, _)| TimedValue { value, at });
             }
             "scanner-state" => self.is_on = value.as_symbol().is_some_and(|state| state.is("on")),
             _ => {}
@@ -114,6 +114,6 @@ impl Latest {
     }
 }
 
-fn known(measured: Option<Measured>, at: Time) -> Option<f64> {
+fn known(measured: Option<TimedValue>, at: Time) -> Option<f64> {
     measured.filter(|measured| (at - measured.at).seconds() <= AGE_S_MAX).map(|measured| measured.value)
 }

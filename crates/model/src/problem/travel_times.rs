@@ -41,7 +41,7 @@ pub struct LaterTimes {
 
 /// Two ends of a leg.
 #[derive(Clone, Copy)]
-enum Leg {
+enum LegEnds {
     Out(usize),
     Between(usize, usize),
     Home(usize),
@@ -56,11 +56,11 @@ fn pair(rows: &[Vec<f64>], from: usize, to: usize) -> f64 {
 }
 
 impl LaterTimes {
-    fn leg_s(&self, leg: Leg) -> f64 {
+    fn leg_s(&self, leg: LegEnds) -> f64 {
         match leg {
-            Leg::Out(to) => one(&self.from_start_s, to),
-            Leg::Between(from, to) => pair(&self.between_s, from, to),
-            Leg::Home(from) => one(&self.to_base_s, from),
+            LegEnds::Out(to) => one(&self.from_start_s, to),
+            LegEnds::Between(from, to) => pair(&self.between_s, from, to),
+            LegEnds::Home(from) => one(&self.to_base_s, from),
         }
     }
 }
@@ -101,32 +101,32 @@ impl TravelTimes {
 
     /// From the start to target `to`, leaving at `depart_s`.
     pub fn start_to_at(&self, to: usize, depart_s: f64) -> f64 {
-        if self.later.is_empty() { self.start_to(to) } else { self.at(Leg::Out(to), depart_s) }
+        if self.later.is_empty() { self.start_to(to) } else { self.at(LegEnds::Out(to), depart_s) }
     }
 
     /// From target `from` to target `to`, leaving at `depart_s`.
     pub fn between_at(&self, from: usize, to: usize, depart_s: f64) -> f64 {
-        if self.later.is_empty() { self.between(from, to) } else { self.at(Leg::Between(from, to), depart_s) }
+        if self.later.is_empty() { self.between(from, to) } else { self.at(LegEnds::Between(from, to), depart_s) }
     }
 
     /// From target `from` to the base, leaving at `depart_s`.
     pub fn to_base_at(&self, from: usize, depart_s: f64) -> f64 {
-        if self.later.is_empty() { self.to_base(from) } else { self.at(Leg::Home(from), depart_s) }
+        if self.later.is_empty() { self.to_base(from) } else { self.at(LegEnds::Home(from), depart_s) }
     }
 
     /// From target `from` to target `to` at the best departure.
     pub fn between_s_min(&self, from: usize, to: usize) -> f64 {
-        self.least_of(Leg::Between(from, to))
+        self.least_of(LegEnds::Between(from, to))
     }
 
     /// From the start to target `to` at the best departure.
     pub fn start_to_s_min(&self, to: usize) -> f64 {
-        self.least_of(Leg::Out(to))
+        self.least_of(LegEnds::Out(to))
     }
 
     /// From target `from` to the base at the best departure.
     pub fn to_base_s_min(&self, from: usize) -> f64 {
-        self.least_of(Leg::Home(from))
+        self.least_of(LegEnds::Home(from))
     }
 
     /// Constant times that no departure undercuts: between two departures times lie between those of the two.
@@ -140,15 +140,15 @@ impl TravelTimes {
         self.merged(|leg| self.mean_of(leg, until_s))
     }
 
-    fn first(&self, leg: Leg) -> f64 {
+    fn first(&self, leg: LegEnds) -> f64 {
         match leg {
-            Leg::Out(to) => self.start_to(to),
-            Leg::Between(from, to) => self.between(from, to),
-            Leg::Home(from) => self.to_base(from),
+            LegEnds::Out(to) => self.start_to(to),
+            LegEnds::Between(from, to) => self.between(from, to),
+            LegEnds::Home(from) => self.to_base(from),
         }
     }
 
-    fn at(&self, leg: Leg, depart_s: f64) -> f64 {
+    fn at(&self, leg: LegEnds, depart_s: f64) -> f64 {
         let after = self.later.partition_point(|later| later.depart_s <= depart_s);
         let before = after.checked_sub(1).and_then(|before| self.later.get(before));
         let (from_s, time_s) = before.map_or((0.0, self.first(leg)), |before| (before.depart_s, before.leg_s(leg)));
@@ -164,11 +164,11 @@ impl TravelTimes {
         }
     }
 
-    fn least_of(&self, leg: Leg) -> f64 {
+    fn least_of(&self, leg: LegEnds) -> f64 {
         self.later.iter().fold(self.first(leg), |least_s, later| least_s.min(later.leg_s(leg)))
     }
 
-    fn mean_of(&self, leg: Leg, until_s: f64) -> f64 {
+    fn mean_of(&self, leg: LegEnds, until_s: f64) -> f64 {
         let (mut sum, mut from_s, mut time_s, mut most_s) = (0.0, 0.0, self.first(leg), self.first(leg));
         for later in &self.later {
             let end_s = later.depart_s.min(until_s);
@@ -181,12 +181,13 @@ impl TravelTimes {
         if most_s >= UNREACHABLE_S || until_s <= 0.0 { most_s } else { sum / until_s }
     }
 
-    fn merged(&self, time_s: impl Fn(Leg) -> f64) -> TravelTimes {
-        let row = |(from, row): (usize, &Vec<f64>)| (0..row.len()).map(|to| time_s(Leg::Between(from, to))).collect();
+    fn merged(&self, time_s: impl Fn(LegEnds) -> f64) -> TravelTimes {
+        let row =
+            |(from, row): (usize, &Vec<f64>)| (0..row.len()).map(|to| time_s(LegEnds::Between(from, to))).collect();
         TravelTimes {
-            from_start_s: (0..self.from_start_s.len()).map(|to| time_s(Leg::Out(to))).collect(),
+            from_start_s: (0..self.from_start_s.len()).map(|to| time_s(LegEnds::Out(to))).collect(),
             between_s: self.between_s.iter().enumerate().map(row).collect(),
-            to_base_s: (0..self.to_base_s.len()).map(|from| time_s(Leg::Home(from))).collect(),
+            to_base_s: (0..self.to_base_s.len()).map(|from| time_s(LegEnds::Home(from))).collect(),
             later: Vec::new(),
         }
     }

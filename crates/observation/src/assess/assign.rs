@@ -50,7 +50,7 @@ struct PassWorth {
 
 /// A partial assignment.
 #[derive(Clone, Copy)]
-struct State {
+struct PartialAssignment {
     served: usize,
     /// The last pass that counts and the set of wanted looks that it serves.
     last: Option<(usize, usize)>,
@@ -118,8 +118,8 @@ fn passes_of(by_cell: &ByCell<'_>, cell: usize, worths: &[StripWorth<'_>]) -> Ve
     passes
 }
 
-fn best_assignment(passes: &[PassWorth], worths: &[StripWorth<'_>]) -> State {
-    let start = State { served: 0, last: None, sum: 0.0, chosen: [None; WANTED_LOOKS_MAX] };
+fn best_assignment(passes: &[PassWorth], worths: &[StripWorth<'_>]) -> PartialAssignment {
+    let start = PartialAssignment { served: 0, last: None, sum: 0.0, chosen: [None; WANTED_LOOKS_MAX] };
     let mut states = vec![start];
     for (index, pass) in passes.iter().enumerate() {
         for from in 0..states.len() {
@@ -138,19 +138,19 @@ fn best_assignment(passes: &[PassWorth], worths: &[StripWorth<'_>]) -> State {
 
 /// The state after this pass serves the wanted looks in `set` as well; none if that is not allowed or is worth nothing.
 fn extended(
-    state: &State,
+    state: &PartialAssignment,
     set: usize,
     index: usize,
     pass: &PassWorth,
     passes: &[PassWorth],
     worths: &[StripWorth<'_>],
-) -> Option<State> {
+) -> Option<PartialAssignment> {
     let members = || worths.iter().enumerate().filter(|(k, _)| set & (1 << k) != 0);
     if members().filter(|(_, worth)| !worth.look.may_share).count() > 1 {
         return None;
     }
     let before = state.last.and_then(|(last, served)| Some((pass.time_s - passes.get(last)?.time_s, served)));
-    let mut next = State { served: state.served | set, last: Some((index, set)), ..*state };
+    let mut next = PartialAssignment { served: state.served | set, last: Some((index, set)), ..*state };
     for (k, worth) in members() {
         let interval = before.map_or(1.0, |(since_s, last)| {
             let in_last = worths.iter().enumerate().filter(|(k, _)| last & (1 << k) != 0);
@@ -175,7 +175,7 @@ fn interval_factor(need: IntervalNeed, since_s: f64) -> f64 {
 }
 
 /// Keeps the best state of each set of served looks and last pass.
-fn keep_best(states: &mut Vec<State>, next: State) {
+fn keep_best(states: &mut Vec<PartialAssignment>, next: PartialAssignment) {
     match states.iter_mut().find(|state| state.served == next.served && state.last == next.last) {
         Some(same) if same.sum < next.sum => *same = next,
         Some(_) => {}

@@ -42,7 +42,7 @@ fn repetitions(program: &Program<'_>, number: usize, procedure: &Procedure, repo
         if !at_once || ends || !program.endings.activity_takes_no_time(number, index) {
             continue;
         }
-        let said = Said::by(program, number, index);
+        let said = SentMessages::by(program, number, index);
         let announces = said.others || !said.forms.is_empty();
         // What it says may end it from outside.
         let severity = if announces { Severity::Warning } else { Severity::Error };
@@ -226,7 +226,7 @@ fn answers(program: &Program<'_>, number: usize, procedure: &Procedure, report: 
     for (index, step) in procedure.steps.iter().enumerate() {
         let Some(awaited) = answered_form(step, &given) else { continue };
         if program.endings.activity_takes_no_time(number, index) && !ends_procedure(&step.activity) {
-            reactive.push((index, awaited, Said::by(program, number, index).forms));
+            reactive.push((index, awaited, SentMessages::by(program, number, index).forms));
         }
         if reactive.len() == REACTIVE_MAX {
             break;
@@ -295,7 +295,7 @@ fn report_answers(
 
 /// Messages that a step sends as it is carried out.
 #[derive(Default)]
-struct Said {
+struct SentMessages {
     /// Messages that it surely sends.
     forms: Vec<Template>,
     /// It may send others, or end everything.
@@ -309,9 +309,9 @@ struct Said {
 /// Steps below one step that are inspected for their messages.
 const SAYING_MAX: usize = 1_000;
 
-impl Said {
-    fn by(program: &Program<'_>, procedure: usize, step: usize) -> Said {
-        let mut said = Said::default();
+impl SentMessages {
+    fn by(program: &Program<'_>, procedure: usize, step: usize) -> SentMessages {
+        let mut said = SentMessages::default();
         said.step(program, procedure, step);
         said
     }

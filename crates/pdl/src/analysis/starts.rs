@@ -266,8 +266,8 @@ fn node_of(horn: &mut Horn, need: &Need, begins: &[Node], ends: &[Node], done: &
 fn needs_of(library: &Library, procedure: &Procedure) -> Vec<Need> {
     let tags: Lookup<&Symbol, usize> =
         procedure.steps.iter().enumerate().map(|(number, step)| (&step.tag, number)).collect();
-    let results = Results::new(procedure);
-    let reader = Reader { library, tags };
+    let results = StepResults::new(procedure);
+    let reader = NeedReader { library, tags };
     let sequential = procedure.kind == ProcedureKind::Sequential;
     let steps = procedure.steps.iter().enumerate();
     let needs = steps.map(|(number, step)| {
@@ -282,13 +282,13 @@ fn needs_of(library: &Library, procedure: &Procedure) -> Vec<Need> {
 }
 
 /// Results of steps that other steps wait for.
-struct Results<'l> {
+struct StepResults<'l> {
     awaited: Option<Awaited<'l>>,
     producers: Lookup<Symbol, Vec<usize>>,
 }
 
-impl<'l> Results<'l> {
-    fn new(procedure: &'l Procedure) -> Results<'l> {
+impl<'l> StepResults<'l> {
+    fn new(procedure: &'l Procedure) -> StepResults<'l> {
         let mut producers: Lookup<Symbol, Vec<usize>> = Lookup::default();
         for (number, step) in procedure.steps.iter().enumerate() {
             step.binds.iter().for_each(|pattern| {
@@ -296,7 +296,7 @@ impl<'l> Results<'l> {
             });
         }
         if producers.is_empty() {
-            return Results { awaited: None, producers };
+            return StepResults { awaited: None, producers };
         }
         // What the index or a hook gives a value is there without the step.
         variables::of_pattern(&procedure.index, &mut |name| {
@@ -307,7 +307,7 @@ impl<'l> Results<'l> {
                 producers.remove(name);
             }
         });
-        Results { awaited: Some(Awaited::new(procedure)), producers }
+        StepResults { awaited: Some(Awaited::new(procedure)), producers }
     }
 
     fn needs(&self, step: usize) -> Vec<Need> {
@@ -322,12 +322,12 @@ impl<'l> Results<'l> {
 }
 
 /// Reads conditions as needs.
-struct Reader<'l> {
+struct NeedReader<'l> {
     library: &'l Library,
     tags: Lookup<&'l Symbol, usize>,
 }
 
-impl Reader<'_> {
+impl NeedReader<'_> {
     fn need(&self, condition: &Condition, own: usize) -> Need {
         if impossible(condition, self.library).is_some() {
             return Need::Leaf(Premise::Impossible);

@@ -160,7 +160,7 @@ fn definitions(program: &Program<'_>, report: &mut Report<'_>) {
             }
         }
     }
-    let names = Names::of(library);
+    let names = UsedNames::of(library);
     for (name, function) in &library.functions {
         if is_own(function.place) && !names.functions.contains(name) {
             add(function.place, report, format!("function `{name}` is never called"), "no expression names it");
@@ -219,7 +219,7 @@ fn reached(program: &Program<'_>) -> Option<BTreeSet<Method>> {
 
 /// Names that expressions and profiles use.
 #[derive(Default)]
-struct Names<'l> {
+struct UsedNames<'l> {
     functions: BTreeSet<&'l Symbol>,
     indexicals: BTreeSet<&'l Symbol>,
     resources: BTreeSet<&'l Symbol>,
@@ -227,9 +227,9 @@ struct Names<'l> {
     any_resource: bool,
 }
 
-impl<'l> Names<'l> {
-    fn of(library: &'l Library) -> Names<'l> {
-        let mut names = Names::default();
+impl<'l> UsedNames<'l> {
+    fn of(library: &'l Library) -> UsedNames<'l> {
+        let mut names = UsedNames::default();
         let mut exprs: Vec<&Expr> = Vec::new();
         walk::library(library, &mut |expr| exprs.push(expr));
         for expr in exprs {

@@ -135,8 +135,8 @@ impl Page {
             let is_value = option && previous.is_some_and(takes_keyword);
             let leads = index >= header && !is_value && entry.node().is_some_and(leads);
             let place = match previous {
-                None if entry.node().is_none() => Place::SameLine,
-                None => Place::Here,
+                None if entry.node().is_none() => BreakKind::SameLine,
+                None => BreakKind::Here,
                 Some(previous) => self.place(
                     entry,
                     previous,
@@ -144,10 +144,10 @@ impl Page {
                 ),
             };
             match place {
-                Place::Here => {}
-                Place::SameLine => self.put(" "),
-                Place::Aligned => self.new_line(aligned, entry.blank_before),
-                Place::Below => self.new_line(indent, entry.blank_before),
+                BreakKind::Here => {}
+                BreakKind::SameLine => self.put(" "),
+                BreakKind::Aligned => self.new_line(aligned, entry.blank_before),
+                BreakKind::Below => self.new_line(indent, entry.blank_before),
             }
             if leads {
                 let column = self.column + entry.flat_width().unwrap_or(0) + 1;
@@ -163,29 +163,29 @@ impl Page {
     }
 
     /// Returns the position of `entry` after `previous`.
-    fn place(&self, entry: &Entry, previous: &Entry, role: Role) -> Place {
+    fn place(&self, entry: &Entry, previous: &Entry, role: Role) -> BreakKind {
         let Some(node) = entry.node() else {
-            return if self.line_ended || entry.own_line { Place::Below } else { Place::SameLine };
+            return if self.line_ended || entry.own_line { BreakKind::Below } else { BreakKind::SameLine };
         };
         if role.leads {
-            return Place::Below;
+            return BreakKind::Below;
         }
         if self.line_ended {
-            return Place::Aligned;
+            return BreakKind::Aligned;
         }
         let fits = self.fits(entry.flat_width().map(|width| width + 1), role.after);
         if role.is_value {
             // The value of an option starts on its line; if it must be broken, it is broken there.
             let start = self.column + 1 < LINE_CHARACTERS_MAX * 3 / 4;
-            return if fits || start { Place::SameLine } else { Place::Aligned };
+            return if fits || start { BreakKind::SameLine } else { BreakKind::Aligned };
         }
         let is_long_list =
             node.atom().is_none() && node.flat_width().is_none_or(|width| width > LINE_CHARACTERS_MAX / 2);
         if role.in_header && (fits || is_long_list) {
-            return Place::SameLine;
+            return BreakKind::SameLine;
         }
         let both_atoms = node.atom().is_some() && previous.node().is_some_and(|before| before.atom().is_some());
-        if both_atoms && fits { Place::SameLine } else { Place::Aligned }
+        if both_atoms && fits { BreakKind::SameLine } else { BreakKind::Aligned }
     }
 }
 
@@ -203,7 +203,7 @@ struct Role {
 }
 
 #[derive(Clone, Copy, PartialEq)]
-enum Place {
+enum BreakKind {
     /// Directly after the opening parenthesis.
     Here,
     /// After a blank.

@@ -11,14 +11,15 @@ use apex_model::symbol::Symbol;
 
 /// Part of a parameter list.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Part {
+enum ParameterKind {
     Required,
     Optional,
     Rest,
 }
 
 /// The marks between parameters.
-const MARKS: &[(&str, Part)] = &[("&optional", Part::Optional), ("&rest", Part::Rest), ("&body", Part::Rest)];
+const MARKS: &[(&str, ParameterKind)] =
+    &[("&optional", ParameterKind::Optional), ("&rest", ParameterKind::Rest), ("&body", ParameterKind::Rest)];
 
 /// Least and greatest number of arguments that a list of parameters takes, before its expressions are checked.
 pub(crate) fn argument_counts(parameters: &[Datum]) -> (usize, Option<usize>) {
@@ -57,7 +58,7 @@ impl Lowering {
             return self.refuse(diagnostic);
         };
         let mut parameters = Parameters::default();
-        let mut part = Part::Required;
+        let mut part = ParameterKind::Required;
         for item in items {
             if let Some(mark) = item.as_symbol().filter(|name| name.folded().starts_with('&')) {
                 part = self.mark(item, mark, part)?;
@@ -70,23 +71,23 @@ impl Lowering {
             }
             self.scope.locals.push(name.clone());
             match part {
-                Part::Required => parameters.required.push(name),
-                Part::Optional => parameters.optional.push((name, default)),
-                Part::Rest if parameters.rest.is_none() => parameters.rest = Some(name),
-                Part::Rest => {
+                ParameterKind::Required => parameters.required.push(name),
+                ParameterKind::Optional => parameters.optional.push((name, default)),
+                ParameterKind::Rest if parameters.rest.is_none() => parameters.rest = Some(name),
+                ParameterKind::Rest => {
                     let diagnostic = Diagnostic::error(codes::MALFORMED, item.span, "nothing can follow `&rest NAME`")
                         .reason("it takes all arguments that are left");
                     return self.refuse(diagnostic);
                 }
             }
         }
-        if part == Part::Rest && parameters.rest.is_none() {
+        if part == ParameterKind::Rest && parameters.rest.is_none() {
             return self.missing_part(datum.span, "`&rest` is followed by a name", "(NAME.. &rest NAME)");
         }
         Some(parameters)
     }
 
-    fn mark(&mut self, item: &Datum, mark: &Symbol, before: Part) -> Option<Part> {
+    fn mark(&mut self, item: &Datum, mark: &Symbol, before: ParameterKind) -> Option<ParameterKind> {
         let known = MARKS.iter().find(|(name, _)| mark.is(name)).map(|(_, part)| *part);
         match known {
             Some(part) if part > before => Some(part),
@@ -104,16 +105,16 @@ impl Lowering {
     }
 
     /// A name, or an optional one with what it is where a call leaves it out.
-    fn parameter(&mut self, item: &Datum, part: Part) -> Option<(Symbol, Option<Expr>)> {
+    fn parameter(&mut self, item: &Datum, part: ParameterKind) -> Option<(Symbol, Option<Expr>)> {
         if let Some(name) = local_name(item) {
             return Some((name, None));
         }
         match item.as_list() {
-            Some([name, default]) if part == Part::Optional && local_name(name).is_some() => {
+            Some([name, default]) if part == ParameterKind::Optional && local_name(name).is_some() => {
                 let default = self.expression(default)?;
                 local_name(name).map(|name| (name, Some(default)))
             }
-            Some([name]) if part == Part::Optional => local_name(name).map(|name| (name, None)),
+            Some([name]) if part == ParameterKind::Optional => local_name(name).map(|name| (name, None)),
             _ => {
                 let diagnostic = Diagnostic::error(codes::MALFORMED, item.span, "a parameter is a name")
                     .help("one that may be left out stands after `&optional`: `NAME` or `(NAME DEFAULT)`");

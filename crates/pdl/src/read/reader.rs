@@ -50,7 +50,7 @@ struct Reader<'t> {
     file: u32,
     /// Top-level data, and behind them the parts of open lists, outer ones first: each list is then made in its size.
     data: Vec<Datum>,
-    open: Vec<Open>,
+    open: Vec<OpenList>,
     /// End of the last token, in bytes.
     end: usize,
     /// Each name of the text once: equal names then are equal at a glance.
@@ -59,7 +59,7 @@ struct Reader<'t> {
 }
 
 /// A list or a prefixed datum whose end has not been seen.
-struct Open {
+struct OpenList {
     at: Position,
     prefix: Option<SyntaxKind>,
     /// Number of data before its parts.
@@ -68,7 +68,7 @@ struct Open {
 
 impl<'t> Sink<'t> for Reader<'t> {
     fn open(&mut self, _: SyntaxKind, at: Position) {
-        self.open.push(Open { at, prefix: None, before: self.data.len() });
+        self.open.push(OpenList { at, prefix: None, before: self.data.len() });
     }
 
     fn token(&mut self, kind: SyntaxKind, text: &'t str, at: Position) {

@@ -23,7 +23,7 @@ pub(crate) fn parse_into<'t, S: Sink<'t>>(text: &'t str, sink: impl Fn() -> S) -
 }
 
 #[derive(Clone, Copy)]
-struct Open {
+struct OpenForm {
     is_list: bool,
     start: usize,
     column: usize,
@@ -32,7 +32,7 @@ struct Open {
 struct Structure<S> {
     sink: S,
     flaws: Vec<Flaw>,
-    stack: Vec<Open>,
+    stack: Vec<OpenForm>,
     /// Open parentheses beyond the depth limit.
     overflow: usize,
     /// An inner list that probably lacks its `)`.
@@ -105,7 +105,7 @@ impl<'t, S: Sink<'t>> Structure<S> {
         }
         self.sink.open(SyntaxKind::List, self.at);
         self.push(SyntaxKind::Open, text);
-        self.stack.push(Open { is_list: true, start: self.at.offset, column: self.at.column });
+        self.stack.push(OpenForm { is_list: true, start: self.at.offset, column: self.at.column });
     }
 
     fn close(&mut self, text: &'t str) {
@@ -135,7 +135,7 @@ impl<'t, S: Sink<'t>> Structure<S> {
         }
         self.sink.open(SyntaxKind::Prefixed, self.at);
         self.push(token.kind, token.text);
-        self.stack.push(Open { is_list: false, start: self.at.offset, column: self.at.column });
+        self.stack.push(OpenForm { is_list: false, start: self.at.offset, column: self.at.column });
     }
 
     fn too_deep(&mut self) -> bool {

@@ -39,7 +39,7 @@ pub(super) fn violations(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -
         }
         let begins = manoeuvre.lines.first().map_or(target.position, |(from, _)| *from);
         let entry = manoeuvre.entry.unwrap_or(begins);
-        let leg = Leg { to: &visit.target, from_m: altitude_m, to_m: manoeuvre.altitude_m };
+        let leg = CheckedLeg { to: &visit.target, from_m: altitude_m, to_m: manoeuvre.altitude_m };
         if problem.travel.is_none() {
             if visit.depart_s < time_s - 1e-6 {
                 found.push(format!("leaves for {} before the visit before has ended", visit.target));
@@ -64,7 +64,7 @@ pub(super) fn violations(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -
     {
         // Nothing is flown: the vehicle stays where it is.
     } else if let Some(base) = problem.base {
-        let leg = Leg { to: "the base", from_m: altitude_m, to_m: problem.vehicle.cruise_altitude_m };
+        let leg = CheckedLeg { to: "the base", from_m: altitude_m, to_m: problem.vehicle.cruise_altitude_m };
         ends_meet(&plan.return_route, here, base, "the base", &mut found);
         let depart_s = plan.return_depart_s.max(time_s);
         let flown = turns::flown(problem, &plan.return_route, &plan.return_path);
@@ -79,7 +79,7 @@ pub(super) fn violations(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -
     found
 }
 
-struct Leg<'a> {
+struct CheckedLeg<'a> {
     to: &'a str,
     from_m: f64,
     to_m: f64,
@@ -96,7 +96,7 @@ fn ends_meet(route: &[Position], from: Position, to: Position, name: &str, found
 fn fly(
     problem: &SingleVisitProblem,
     route: &[Position],
-    leg: &Leg<'_>,
+    leg: &CheckedLeg<'_>,
     (depart_s, arrive_s): (f64, f64),
     found: &mut Vec<String>,
 ) {
@@ -127,7 +127,7 @@ fn fly(
 }
 
 /// The altitudes that the vehicle may have `flown_s` after it left: it climbs or descends at once, and may be there already.
-fn heights_m(problem: &SingleVisitProblem, leg: &Leg<'_>, flown_s: f64) -> (f64, f64) {
+fn heights_m(problem: &SingleVisitProblem, leg: &CheckedLeg<'_>, flown_s: f64) -> (f64, f64) {
     let vehicle = &problem.vehicle;
     let (climb, descent) = (vehicle.climb_rate_mps, vehicle.descent_rate_mps);
     let now_m = match leg.to_m > leg.from_m {

@@ -35,7 +35,7 @@ pub(super) fn end_track_rad(flown: &[Position]) -> Option<f64> {
 }
 
 /// A piece of a path: in which direction the air is flown through, and for how long.
-struct Piece {
+struct CheckedPiece {
     heading_rad: f64,
     lasts_s: f64,
 }
@@ -53,12 +53,12 @@ pub(super) fn check(
     if vehicle.turn_radius_m <= 0.0 {
         return;
     }
-    let mut pieces: Vec<Piece> = Vec::new();
-    let still = Piece { heading_rad: 0.0, lasts_s: 0.0 };
+    let mut pieces: Vec<CheckedPiece> = Vec::new();
+    let still = CheckedPiece { heading_rad: 0.0, lasts_s: 0.0 };
     // A path is one for the wind in which it is begun: where that changes under way the vehicle flies another one.
     let air = |track_rad: f64, place: Position| heading_rad(problem, track_rad, place, depart_s);
     if let (Some(track_rad), Some(place)) = (ends.0, flown.first()) {
-        pieces.push(Piece { heading_rad: air(track_rad, *place), ..still });
+        pieces.push(CheckedPiece { heading_rad: air(track_rad, *place), ..still });
     }
     for (from, to) in flown.iter().zip(flown.iter().skip(1)) {
         let (length_m, azimuth_deg) = geodesy::inverse(*from, *to);
@@ -71,11 +71,11 @@ pub(super) fn check(
         // A long piece is a great circle: its direction changes on the way.
         for (track_deg, place) in [(azimuth_deg, *from), (arrives_deg, *to)] {
             let heading_rad = air(track_deg * RAD_PER_DEG, place);
-            pieces.push(Piece { heading_rad, lasts_s: 0.5 * lasts_s });
+            pieces.push(CheckedPiece { heading_rad, lasts_s: 0.5 * lasts_s });
         }
     }
     if let (Some(track_rad), Some(place)) = (ends.1, flown.last()) {
-        pieces.push(Piece { heading_rad: air(track_rad, *place), lasts_s: 0.0 });
+        pieces.push(CheckedPiece { heading_rad: air(track_rad, *place), lasts_s: 0.0 });
     }
     let rate = vehicle.true_airspeed_mps / vehicle.turn_radius_m * (1.0 + TURN_TOLERANCE);
     let tight = pieces.iter().zip(pieces.iter().skip(1)).any(|(before, after)| {

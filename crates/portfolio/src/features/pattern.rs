@@ -24,7 +24,7 @@ pub(super) fn unlikelihoods(given: &ClassifierInput<'_>) -> [[f64; 3]; 3] {
         .iter()
         .map(|point| Point { x: point.x / given.metres_per_metre(), y: point.y / given.metres_per_metre() })
         .collect();
-    let shape = Shape::of(&points);
+    let shape = PointStatistics::of(&points);
     let each = Scale::ALL.map(|scale| Space::ALL.map(|space| -shape.log_likelihood(scale.side_m(), space)));
     let least = each.iter().flatten().copied().fold(f64::INFINITY, f64::min);
     let count = points.len().max(1) as f64;
@@ -32,7 +32,7 @@ pub(super) fn unlikelihoods(given: &ClassifierInput<'_>) -> [[f64; 3]; 3] {
 }
 
 /// Statistics of the points for the likelihoods.
-struct Shape {
+struct PointStatistics {
     count: f64,
     width_m: f64,
     height_m: f64,
@@ -42,8 +42,8 @@ struct Shape {
     within_m2: f64,
 }
 
-impl Shape {
-    fn of(points: &[Point]) -> Shape {
+impl PointStatistics {
+    fn of(points: &[Point]) -> PointStatistics {
         let range = |axis: fn(&Point) -> f64| {
             let ends = points
                 .iter()
@@ -60,7 +60,7 @@ impl Shape {
         };
         let right = sides.iter().filter(|side| **side).count() as f64;
         let within_m2: f64 = squares(a, &|side| !side);
-        Shape {
+        PointStatistics {
             count: points.len() as f64,
             width_m: range(|point| point.x),
             height_m: range(|point| point.y),

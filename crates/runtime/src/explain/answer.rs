@@ -5,7 +5,7 @@ use super::{Link, Moment};
 use apex_executive::explanation::ReasonKind;
 use serde::Serialize;
 
-/// The version of the JSON form. A new member is no new version; one that changes or goes is.
+/// The version of the JSON form. A new member does not change it; one that changes or goes is.
 pub const EXPLANATION_VERSION: u32 = 1;
 
 /// Head of every answer.
@@ -96,7 +96,7 @@ pub struct CommandAnswer {
     pub about: About,
     /// Its form.
     pub form: String,
-    /// Cause, back to a sample, a message or a sentence of the program.
+    /// Cause, back to a sample, a message or a form of the program.
     pub because: Link,
 }
 
@@ -121,7 +121,7 @@ pub struct WhyNot {
     /// Head.
     #[serde(flatten)]
     pub about: About,
-    /// The answer in a sentence.
+    /// The answer in one line.
     pub answer: String,
     /// For what was never created: from what was asked about up to the first that exists.
     pub missing: Vec<Missing>,
@@ -147,7 +147,7 @@ pub struct Missing {
     pub place: String,
     /// The text of that line.
     pub source: Option<String>,
-    /// Missing requirement, as a sentence.
+    /// Missing requirement, human-readable.
     pub because: String,
 }
 
@@ -190,7 +190,7 @@ pub struct Why {
     pub method: Option<String>,
     /// `file:line:column` of its step.
     pub place: Option<String>,
-    /// Cause of its state, back to a sample, a message or a sentence of the program.
+    /// Cause of its state, back to a sample, a message or a form of the program.
     pub because: Option<Link>,
     /// Methods for its goal with the reasons of their order; the chosen one is the first that matches.
     pub choices: Vec<Choice>,

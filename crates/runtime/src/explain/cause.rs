@@ -73,7 +73,7 @@ pub enum PartValue {
         /// The amount with its unit; null means all of it.
         amount: Option<String>,
     },
-    /// A sentence of a vehicle, a solver, or the executive.
+    /// A message of a vehicle, a solver, or the executive.
     Message {
         /// The sentence.
         message: String,

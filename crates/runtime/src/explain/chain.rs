@@ -1,4 +1,4 @@
-//! Chains: a decision, what it rests on, what that rests on, back to a sample, a message or a sentence of the program.
+//! Chains: a decision, what it rests on, what that rests on, back to a sample, a message or a form of the program.
 
 use super::cause::CauseDetail;
 use super::history::{because_of, selected_text};
@@ -154,8 +154,7 @@ impl<'a> Chain<'a> {
 
     /// The decisions that a cause names, or that stand behind it without being named.
     fn behind(&self, row: &Row, cause: &Cause) -> Found {
-        let (log, here) = (self.log.decisions, (row.id, row.at));
-        let own = row.task.unwrap_or(TaskId(u64::MAX));
+        let (log, here, own) = (self.log.decisions, (row.id, row.at), row.task.unwrap_or(TaskId(u64::MAX)));
         let found = match cause {
             Cause::ParentStarted { parent } | Cause::ItemOf { parent } | Cause::Meanwhile { parent } => {
                 log.transition(*parent, "ongoing", here)?
@@ -250,7 +249,7 @@ impl<'a> Chain<'a> {
         if changed.is_some() { Ok(changed) } else { self.log.decisions.beside(task, "satisfied", here) }
     }
 
-    /// A result stands in the context of the parent.
+    /// A result is in the context of the parent.
     fn result(&self, own: TaskId, variable: &str, row: &Row) -> Found {
         let Some(created) = self.log.decisions.before(own, "created", row.id)? else { return Ok(Vec::new()) };
         let parent = match created.effect {

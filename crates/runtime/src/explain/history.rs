@@ -72,7 +72,7 @@ impl History {
             }
             "satisfied" => (format!("{} satisfied", row.subject), row.text.clone()),
             "bound" | "procedure-added" => (row.subject.clone(), row.text.clone()),
-            // The message of a failure that is handled is its cause, told already.
+            // The message of a failure that is handled is its cause, reported already.
             "trouble" if row.subject.starts_with(&row.text) => (format!("trouble: {}", row.text), String::new()),
             "trouble" => (format!("trouble: {}", row.subject), row.text.clone()),
             "print" => (format!("prints {}", row.text), String::new()),
@@ -95,7 +95,7 @@ impl History {
         });
     }
 
-    /// The conflict that a cause tells of; repeated, it began earlier.
+    /// The conflict that a cause reports; repeated, it began earlier.
     fn conflict(&self, because: Option<&Because>, at: Time) -> Option<Conflict> {
         let Cause::Outranked { by, resource, winner, loser, .. } = &because?.cause else { return None };
         let (by, resource) = (*by, resource.to_string());

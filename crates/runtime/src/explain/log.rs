@@ -15,7 +15,7 @@ pub(super) struct Log<'a> {
 
 impl Log<'_> {
     /// The largest time between two of the `samples` of a run, as they were recorded by the instant at which it was known; none for one sample, and where
-    /// other instants than the run's own stand in the record: some came too late, or were no numbers.
+    /// other instants than the run's own are in the record: some came too late, or were no numbers.
     pub(super) fn largest_gap(
         &self,
         variable: &StateVariable,

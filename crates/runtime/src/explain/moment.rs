@@ -32,7 +32,7 @@ pub struct Moment {
     pub subject: String,
     /// The selected method, for `selected`.
     pub method: Option<MethodDetail>,
-    /// The cause with its parts; none for what is no decision.
+    /// The cause with its parts; `None` for a moment that is not a decision.
     pub cause: Option<CauseDetail>,
 }
 

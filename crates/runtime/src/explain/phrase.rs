@@ -1,5 +1,5 @@
 //! Phrases: goals, activities and indexes as words, so that a question can be compared with what is written, variables
-//! standing for anything. People's words are read loosely: outer parentheses may be missing, case does not matter.
+//! standing for anything. Words of a question are read loosely: outer parentheses may be missing, case does not matter.
 
 use apex_model::expression::Template;
 use apex_model::pattern::Pattern;
@@ -20,7 +20,7 @@ pub(super) enum Phrase {
 }
 
 impl Phrase {
-    /// Reads a person's words.
+    /// Reads the words of a question.
     pub(super) fn read(text: &str) -> Phrase {
         let spaced = text.replace('(', " ( ").replace(')', " ) ");
         let mut open: Vec<Vec<Phrase>> = vec![Vec::new()];
@@ -100,7 +100,7 @@ impl Phrase {
         }
     }
 
-    /// Says so much that it can name something: not only variables.
+    /// Returns true if it is specific enough to name something: not only variables.
     pub(super) fn is_telling(&self) -> bool {
         match self {
             Phrase::Word(_) => true,

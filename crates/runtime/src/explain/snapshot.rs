@@ -14,7 +14,7 @@ use apex_model::time::Time;
 
 /// Longer goals are cut where they are only mentioned.
 const GOAL_CHARACTERS_MAX: usize = 60;
-/// Stands for what is cut.
+/// Sign in place of a cut part.
 const CUT_SIGN: &str = " ..)";
 
 /// Question to a record.
@@ -29,7 +29,7 @@ pub struct Question {
 }
 
 impl Question {
-    /// A question about `what` at `at`, answered as deep as people read.
+    /// A question about `what` at `at`, answered to the default depth.
     pub fn new(what: &str, at: Time) -> Question {
         Question { what: what.into(), at, depth: crate::limits::EXPLANATION_DEPTH_DEFAULT }
     }
@@ -113,7 +113,7 @@ impl<'a> RecordSnapshot<'a> {
     /// The goal of a task as known at the instant; of one that is gone, as known last. Long ones are cut.
     pub(super) fn goal(&self, task: TaskId) -> String {
         let goal = self.whole_goal(task);
-        // What is left out must be longer than the sign that stands for it.
+        // The omitted part must be longer than the sign in its place.
         let is_long = goal.char_indices().nth(GOAL_CHARACTERS_MAX + CUT_SIGN.len()).is_some();
         match goal.char_indices().nth(GOAL_CHARACTERS_MAX).filter(|_| is_long) {
             Some((end, _)) => format!("{}{CUT_SIGN}", goal.get(..end).unwrap_or_default().trim_end()),

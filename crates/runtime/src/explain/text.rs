@@ -5,7 +5,7 @@ use super::{Link, Moment};
 use apex_model::time::Time;
 use std::fmt;
 
-/// Moments that a text shows; a step that repeats for hours has more than anybody reads.
+/// Moments that a text shows; a step that repeats for hours has more than a reader needs.
 const MOMENTS_MAX: usize = 40;
 /// Of these, the first ones.
 const MOMENTS_FIRST: usize = 8;
@@ -57,7 +57,7 @@ fn write_chain(f: &mut fmt::Formatter<'_>, because: Option<&Link>) -> fmt::Resul
     Ok(())
 }
 
-/// The choice is told where there was one.
+/// The choice is printed if there was one.
 fn write_choices(why: &Why, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     if why.choices.len() < 2 && why.choices.iter().all(|choice| choice.matches) {
         return Ok(());

@@ -122,7 +122,7 @@ fn subtasks(snapshot: &RecordSnapshot<'_>, parent: TaskId) -> Result<Vec<Subtask
     let mut subtasks = Vec::new();
     let lives = |task: &&TaskRow| task.parent == Some(parent) && task.created <= snapshot.at;
     for task in snapshot.tasks.iter().filter(lives) {
-        // A task that ended long ago and did not come back needs no look at its decisions.
+        // A task that ended long ago and did not come back needs no search in its decisions.
         if task.ended.is_some_and(|ended| ended <= snapshot.at) {
             continue;
         }

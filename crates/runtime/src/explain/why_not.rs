@@ -103,7 +103,7 @@ fn sentence(task: &Why) -> String {
     }
 }
 
-/// A step or goal of the program that no task stands for.
+/// A step or goal of the program without a task.
 fn of_step(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Result<Option<Draft>, RecordError> {
     let Some(agent) = snapshot.agent() else { return Ok(None) };
     let all = absence::program_steps(agent);
@@ -195,7 +195,7 @@ fn of_procedure(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Resul
     Ok(Some(Draft { answer: draft(snapshot, "procedure", asked, text), task }))
 }
 
-/// A resource: who has it.
+/// A resource with its holders.
 fn of_resource(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Result<Option<Draft>, RecordError> {
     let Some(found) = things::of_resource(snapshot, name, "why-not")? else { return Ok(None) };
     let names = |list: &[super::Holder]| {
@@ -222,7 +222,7 @@ fn of_resource(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Result
     Ok(Some(Draft { answer: draft(snapshot, "resource", asked, text), task }))
 }
 
-/// A target: what became of it, and the step of the plan that is to visit it.
+/// A target: its history, and the step of the plan that is to visit it.
 fn of_target(snapshot: RecordSnapshot<'_>, asked: &str, id: &str) -> Result<WhyNot, RecordError> {
     let moments = target::moments(&snapshot, id)?;
     let mut answer = draft(&snapshot, "target", asked, target_sentence(id, snapshot.at, moments.last()));

@@ -34,7 +34,7 @@ impl Introduction {
 
     fn of(fields: &Map<String, Json>) -> Result<Introduction, String> {
         if let Some(stranger) = fields.keys().find(|key| !["source", "class"].contains(&key.as_str())) {
-            return Err(format!("\"{stranger}\" is not known beside \"source\"; an introduction has \"class\" too"));
+            return Err(format!("\"{stranger}\" is not known next to \"source\"; an introduction has \"class\" too"));
         }
         let name = match fields.get("source") {
             Some(Json::String(name)) if is_name(name) => name.clone(),

@@ -163,7 +163,7 @@ fn shape(value: &Value) -> Option<Shape> {
 /// Reads a batch of the instant `now` back.
 ///
 /// # Errors
-/// What is wrong with the bytes, as a fragment of a sentence.
+/// What is wrong with the bytes, as a fragment of a message.
 pub(super) fn decode(now: Time, bytes: &[u8], variables: &Variables) -> Result<Batch, String> {
     let mut input = Input { bytes };
     let count = input.unsigned()?;

@@ -25,7 +25,7 @@ pub struct RecordReader {
     pub(super) connection: Connection,
     /// The names of the agents.
     agents: Vec<String>,
-    /// The agent that is looked at.
+    /// The selected agent.
     pub(super) agent: usize,
     /// Reason to trust the rows; advances with a record that grows.
     trust: RefCell<Trust>,
@@ -100,7 +100,7 @@ impl RecordReader {
     /// Opens the record at `path`.
     ///
     /// # Errors
-    /// [`RecordError`] for a missing file, a file that is no record, and a record of a newer Apex.
+    /// [`RecordError`] for a missing file, a file that is not a record, and a record of a newer Apex.
     pub fn open(path: &Path) -> Result<RecordReader, RecordError> {
         RecordReader::open_at(path, 0)
     }

@@ -40,7 +40,7 @@ impl RecordReader {
     /// # Errors
     /// [`RecordError`] when the record cannot be read or its mission not loaded.
     pub fn restore_with(&self, at: Time, program: &Program) -> Result<Agent, RecordError> {
-        // Another version's snapshot may decode into nonsense. It is no loss: everything can be had from the inputs.
+        // Another version's snapshot may decode into nonsense. Nothing is lost: everything can be had from the inputs.
         let ours = self.meta("apex_version")?.as_deref() == Some(env!("CARGO_PKG_VERSION"));
         let stored = if ours { self.snapshot_before(at)? } else { None };
         let snapshot =

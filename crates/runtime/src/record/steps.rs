@@ -38,7 +38,7 @@ impl RecordedEffect {
     /// The effect itself.
     ///
     /// # Errors
-    /// What is wrong with the bytes, as a sentence fragment.
+    /// What is wrong with the bytes, as a fragment of a message.
     pub fn effect(&self) -> Result<Effect, String> {
         postcard::from_bytes(&self.body).map_err(|error| format!("effect {} is garbled ({error})", self.number))
     }
@@ -48,7 +48,7 @@ impl RecordedStep {
     /// The effects themselves.
     ///
     /// # Errors
-    /// What is wrong with the bytes, as a sentence fragment.
+    /// What is wrong with the bytes, as a fragment of a message.
     pub fn decoded_effects(&self) -> Result<Vec<Effect>, String> {
         self.effects.iter().map(RecordedEffect::effect).collect()
     }
@@ -61,7 +61,7 @@ pub struct Steps<'a> {
     next_batch: i64,
     to: Time,
     with_effects: bool,
-    /// Of all agents, not only of the one that the reader looks at.
+    /// Of all agents, not only of the one that the reader selects.
     of_all: bool,
     page: VecDeque<RecordedStep>,
     ended: bool,
@@ -120,7 +120,7 @@ impl<'a> Steps<'a> {
             }
             let batch = codec::decode(now, bytes, &self.variables)
                 .map_err(|fault| reader.garbled(format!("batch {batch_number} at {now} cannot be read: {fault}")));
-            // What stands before the damage is told before it.
+            // Steps before the damage are returned before it.
             let batch = match batch {
                 Ok(batch) => batch,
                 Err(fault) => {
@@ -168,7 +168,7 @@ impl Iterator for Steps<'_> {
             }
             self.ended |= self.failure.is_some();
         }
-        // What stands before the damage is told before it.
+        // Steps before the damage are returned before it.
         match self.page.pop_front() {
             Some(step) => Some(Ok(step)),
             None => self.failure.take().map(Err),

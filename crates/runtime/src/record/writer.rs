@@ -44,7 +44,7 @@ pub struct RecordOptions {
     pub kept_bytes_max: Option<usize>,
 }
 
-/// Writes a flight record while the flight goes on. Put it first among the observers of a run.
+/// Writes a flight record during the flight. Put it first among the observers of a run.
 pub struct Recorder {
     pub(super) store: Box<dyn RowStore>,
     agents: Vec<RecordedAgent>,
@@ -402,7 +402,7 @@ impl Observer for Recorder {
     }
 }
 
-/// What agents, operators and the record are told of the disk.
+/// Returns the report about the disk for agents, operators and the record.
 fn news_of(news: &DiskNews) -> News {
     let word = |word: &str| Value::symbol(word);
     let count = |number: u64| Value::Integer(i64::try_from(number).unwrap_or(i64::MAX));

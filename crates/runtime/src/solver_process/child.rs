@@ -14,10 +14,10 @@ use std::time::{Duration, Instant};
 
 /// Lines that wait to be read; a program that says more waits.
 const LINES_WAITING_MAX: usize = 4;
-/// How long a program that has closed its output may take to end.
+/// Time that a program which has closed its output may take to end.
 const END_PATIENCE: Duration = Duration::from_millis(500);
 
-/// What a running program may take.
+/// Limits of a running program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ProcessLimits {
     /// Bytes of memory.
@@ -134,7 +134,7 @@ impl Running {
         }
     }
 
-    /// What it does that it must not do, other than by its lines.
+    /// Returns the violation of the program, other than by its lines.
     pub(super) fn misconduct(&mut self) -> Option<String> {
         let written = self.last_words.lock().unwrap_or_else(PoisonError::into_inner).count;
         if written > SOLVER_ERROR_BYTES_MAX {
@@ -146,7 +146,7 @@ impl Running {
             .then(|| format!("took more than {} MiB of memory", self.limits.memory_bytes >> 20))
     }
 
-    /// How it ended without an answer, with its last words.
+    /// Returns the reason if it ended without an answer, with its last lines.
     pub(super) fn end(&mut self) -> String {
         let since = Instant::now();
         let status = loop {

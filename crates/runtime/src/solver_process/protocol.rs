@@ -10,7 +10,7 @@ use serde_json::Value as Json;
 /// The version of the protocol, as the member `apex_solver` of a request.
 pub(super) const VERSION: u32 = 1;
 
-/// What Apex asks: the first line.
+/// Request of Apex: the first line.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Request {

@@ -81,7 +81,7 @@ fn every_way_to_break_down_is_an_outcome_with_a_cause() {
         let answer = ask(script, usual());
         let violation = answer.violation.unwrap_or_default();
         assert!(
-            violation.starts_with("the solver mine broke down: ") && violation.contains(cause),
+            violation.starts_with("the solver mine broke down: ") && violation.contains(cause), // english: allow
             "{script}: {violation}"
         );
         assert_eq!(answer.plan.unwrap_err(), violation, "{script}");

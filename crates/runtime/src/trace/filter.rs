@@ -56,7 +56,7 @@ impl TraceFilter {
     /// Checks the names of kinds.
     ///
     /// # Errors
-    /// A sentence that names the unknown kind and all known ones.
+    /// A message that names the unknown kind and all known ones.
     pub fn check(&self) -> Result<(), String> {
         match self.kinds.iter().find(|kind| !KINDS.contains(&kind.as_str())) {
             None => Ok(()),

@@ -14,7 +14,7 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::sync::Arc;
 
-/// Columns that the instant takes in text, so that lines of one hour stand under each other.
+/// Columns that the instant takes in text, so that lines of one hour are aligned.
 const TIME_COLUMNS: usize = 12;
 
 /// A line before it is written.
@@ -125,7 +125,7 @@ impl Line {
         line
     }
 
-    /// The line of something that the shell decided.
+    /// The line of a decision of the runtime.
     pub(super) fn of_note(at: Time, text: &str) -> Line {
         let mut line = Line::new(at, "note", String::new(), format!("note: {text}"));
         line.text_field("text", text);

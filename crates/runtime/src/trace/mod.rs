@@ -26,7 +26,7 @@ use std::sync::Arc;
 /// Format of lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TraceFormat {
-    /// One JSON object a line; keys in a fixed order.
+    /// One JSON object per line; keys in a fixed order.
     JsonLines,
     /// One aligned sentence a line.
     Text,
@@ -70,7 +70,7 @@ impl<W: Write> Tracer<W> {
         Tracer { out, format, filter, agents, turn: 0 }
     }
 
-    /// Writes what is left and gives the output back.
+    /// Writes the rest and gives the output back.
     ///
     /// # Errors
     /// The output's own.

@@ -1,5 +1,5 @@
-//! Flights by a clock on the wall whose solvers misbehave: the executive is never late, and the record names what they did. The
-//! clock is the test's own: it goes on by sleeping only, so a flight that waited for its solver would stand still.
+//! Flights by wall time whose solvers misbehave: the executive is never late, and the record names what they did. The
+//! clock is the test's own: it advances by sleeping only, so a flight that waited for its solver would stand still.
 
 use super::support::{altitude, load, record_with};
 use apex_model::effect::SolveRequest;
@@ -51,7 +51,7 @@ impl Solver for Bad {
             "hoards" => loop {
                 hoard.push(vec![7; 1 << 20]);
                 environment.budget.charge(1);
-                assert!(hoard.len() < 2_000, "nobody stopped it");
+                assert!(hoard.len() < 2_000, "it was not stopped");
                 pause();
             },
             "obeys" => {
@@ -234,7 +234,7 @@ fn who_hangs_is_overtaken_by_the_executive_which_goes_on() {
 
 #[test]
 fn a_solver_whose_plan_is_not_waited_for_any_more_is_told_to_stop() {
-    // It never ends by itself: its budget is endless.
+    // It never ends: its budget is endless.
     let told = fly("obeys", false);
     assert!(told.contains("0:01:05 CancelSolve") && told.contains("the answer of bad to request 0"), "{told}");
 }

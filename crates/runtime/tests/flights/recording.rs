@@ -36,7 +36,7 @@ fn a_program_runs_without_a_vehicle_and_its_trace_tells_why() {
     ] {
         assert!(text.contains(line), "`{line}` is missing in\n{text}");
     }
-    assert_eq!(text.matches("(looking fire)").count(), 1, "an inform is told once:\n{text}");
+    assert_eq!(text.matches("(looking fire)").count(), 1, "an inform is printed once:\n{text}");
 }
 
 #[test]
@@ -189,7 +189,7 @@ fn any_instant_is_restored_from_snapshot_or_from_inputs() {
     }
     connection.execute("UPDATE meta SET value = ?1 WHERE key = 'apex_version'", [env!("CARGO_PKG_VERSION")]).unwrap();
     reseal(&connection);
-    assert_eq!(at(40.0), from_snapshot[1], "a snapshot that cannot be read is passed over");
+    assert_eq!(at(40.0), from_snapshot[1], "a snapshot that cannot be read is skipped");
     connection.execute("DELETE FROM snapshot", []).unwrap();
     reseal(&connection);
     assert_eq!([at(10.0), at(40.0), at(89.0)], from_snapshot);

@@ -122,7 +122,7 @@ fn a_record_whose_disk_was_full_for_a_while_has_no_gap() {
     assert_eq!((report.batches, report.difference, report.gap), (flown.end.steps, None, None));
     let troubles = reader.steps().unwrap().flat_map(|step| step.unwrap().decoded_effects().unwrap());
     let told = troubles.filter(|effect| format!("{effect:?}").contains("RecordingLost")).count();
-    assert_eq!(told, 1, "a trouble tells it");
+    assert_eq!(told, 1, "a fault reports it");
 }
 
 #[test]
@@ -140,7 +140,7 @@ fn memory_that_is_too_small_leaves_a_gap_that_everybody_is_told() {
     let report = replay(&reader, &load).unwrap();
     assert_eq!((report.difference.clone(), report.gap), (None, Some(gap)));
     assert!(report.to_string().contains("confirmed up to its gap"), "{report}");
-    // No state is made up across the gap; behind the snapshot that follows it there is one.
+    // No state is invented across the gap; behind the snapshot that follows it there is one.
     let program = reader.load(&load).unwrap();
     assert!(reader.restore_with(Time::from_seconds(19.0), &program).is_ok());
     let refused = reader.restore_with(Time::from_seconds(39.0), &program).unwrap_err().to_string();
@@ -153,7 +153,7 @@ fn a_record_that_never_resumes_says_so_at_the_end_and_holds_what_came_before() {
     let flown = fly_with_a_full_disk((20.0, 1e6), 64 << 20);
     assert_eq!(flown.end.reason, EndReason::Until, "the flight goes on to its end");
     let told = flown.closed.unwrap_err();
-    assert!(told.contains("The recording was lost at ") && told.contains("the disk is full"), "{told}");
+    assert!(told.contains("the recording was lost at ") && told.contains("the disk is full"), "{told}");
     let reader = RecordReader::open(&flown.path).unwrap();
     assert!(!reader.is_complete().unwrap());
     let steps = reader.steps().unwrap().count();

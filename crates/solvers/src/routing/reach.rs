@@ -14,7 +14,7 @@ const NODES_MAX: usize = 2_000;
 const SLACK_S: f64 = 1e-6;
 
 /// One way to observe one target.
-struct Node {
+struct ReachNode {
     target: usize,
     manoeuvre: usize,
     duration_s: f64,
@@ -32,7 +32,7 @@ pub(crate) fn out_of_reach(schedule: &mut Schedule<'_>, suspects: &[usize]) -> V
     let home_s = quickest_home_s(schedule, &nodes);
     for suspect in suspects {
         let of = nodes.iter().zip(ends_s.iter().zip(&home_s)).filter(|(node, _)| node.target == *suspect);
-        let possible: Vec<&Node> = of
+        let possible: Vec<&ReachNode> = of
             .filter(|(_, (end_s, home_s))| *end_s + *home_s <= schedule.limit_s + SLACK_S)
             .map(|(node, _)| node)
             .collect();
@@ -44,15 +44,15 @@ pub(crate) fn out_of_reach(schedule: &mut Schedule<'_>, suspects: &[usize]) -> V
     out
 }
 
-fn nodes(schedule: &Schedule<'_>) -> Vec<Node> {
+fn nodes(schedule: &Schedule<'_>) -> Vec<ReachNode> {
     let of = |(target, data): (usize, &apex_model::problem::SingleVisitTarget)| {
         let durations = data.manoeuvres.iter().map(|manoeuvre| manoeuvre.duration_s).enumerate();
-        durations.map(|(manoeuvre, duration_s)| Node { target, manoeuvre, duration_s }).collect::<Vec<Node>>()
+        durations.map(|(manoeuvre, duration_s)| ReachNode { target, manoeuvre, duration_s }).collect::<Vec<ReachNode>>()
     };
     schedule.problem.targets.iter().enumerate().flat_map(of).collect()
 }
 
-fn least_s(schedule: &Schedule<'_>, from: Option<&Node>, to: &Node) -> f64 {
+fn least_s(schedule: &Schedule<'_>, from: Option<&ReachNode>, to: &ReachNode) -> f64 {
     if from.is_some_and(|from| from.target == to.target) {
         return f64::INFINITY;
     }
@@ -61,8 +61,8 @@ fn least_s(schedule: &Schedule<'_>, from: Option<&Node>, to: &Node) -> f64 {
 }
 
 /// Returns the earliest end of the observation of each node; infinite if its windows are over before (Dijkstra).
-fn earliest_ends_s(schedule: &Schedule<'_>, nodes: &[Node]) -> Vec<f64> {
-    let end_s = |node: &Node, arrive_s: f64| {
+fn earliest_ends_s(schedule: &Schedule<'_>, nodes: &[ReachNode]) -> Vec<f64> {
+    let end_s = |node: &ReachNode, arrive_s: f64| {
         let open = schedule.windows(node.target, node.manoeuvre).iter().find(|it| arrive_s <= it.until_s + SLACK_S);
         open.map_or(f64::INFINITY, |window| window.from_s.max(arrive_s) + node.duration_s)
     };
@@ -76,8 +76,8 @@ fn earliest_ends_s(schedule: &Schedule<'_>, nodes: &[Node]) -> Vec<f64> {
 }
 
 /// The least time from the end of each node's observation to the end of the flight.
-fn quickest_home_s(schedule: &Schedule<'_>, nodes: &[Node]) -> Vec<f64> {
-    let direct_s = |node: &Node| match schedule.problem.base {
+fn quickest_home_s(schedule: &Schedule<'_>, nodes: &[ReachNode]) -> Vec<f64> {
+    let direct_s = |node: &ReachNode| match schedule.problem.base {
         Some(_) => schedule.travel.time_s_min(PointKey::Exit(node.target, node.manoeuvre), PointKey::Base),
         None => 0.0,
     };
@@ -117,7 +117,7 @@ fn at_slot(least: &[f64], open: &[usize], slot: usize) -> f64 {
 }
 
 /// Are the lines of a manoeuvre allowed at any time of the flight? What is allowed changes only when wind or zones do.
-fn lines_are_ever_free(schedule: &mut Schedule<'_>, node: &Node) -> bool {
+fn lines_are_ever_free(schedule: &mut Schedule<'_>, node: &ReachNode) -> bool {
     let problem = schedule.problem;
     if problem.travel.is_some() || (problem.zones.is_empty() && problem.landing_distance_m_max.is_none()) {
         return true;

@@ -9,7 +9,7 @@ export interface Row {
   open: boolean;
 }
 
-/** What the user opened and closed by hand, against what is open by itself. */
+/** What the user opened and closed by hand, against what is open by default. */
 export type Toggled = ReadonlyMap<number, boolean>;
 
 export const STATES: readonly TaskState[] = ['pending', 'enabled', 'ongoing', 'interrupted', 'terminated'];
@@ -38,7 +38,7 @@ export function rowsOf(tasks: readonly Task[], toggled: Toggled, filtering: bool
   return rows;
 }
 
-/** The root is always open, and what goes on is; what has ended is folded away. */
+/** The root is always open, and ongoing work is; what has ended is folded away. */
 function opensByItself(task: Task, depth: number): boolean {
   return depth === 0 || task.state !== 'terminated';
 }

@@ -60,7 +60,7 @@ export function columnsOf(window: SignalWindow, atNs: number): Columns {
   return columns;
 }
 
-/** The range of the value axis: all values, the limits within reach of them, and some room. */
+/** The range of the value axis: all values, the limits within reach of them, and a margin. */
 export function valueRange(window: SignalWindow): [number, number] {
   if (window.kind === 'words') return [-0.5, Math.max(window.words.length - 0.5, 0.5)];
   const { factor } = unitOf(window);

@@ -1,4 +1,4 @@
-/** What is told about one task, the log and the report; pure. */
+/** Texts about one task, the log and the report; pure. */
 
 import type { Blocked, EventRow, Moment, Report, Snippet, Task, TaskExplanation } from '../../record/types';
 import { civilTime, missionTime, NANOSECONDS_PER_SECOND, span } from '../../time/format';
@@ -16,7 +16,7 @@ export interface CauseView {
 
 export interface WhyView {
   sentences: string[];
-  /** The newest first: why it is as it is now stands at the top. */
+  /** The newest first: why it is as it is now is at the top. */
   causes: CauseView[];
   facts: { name: string; value: string }[];
 }

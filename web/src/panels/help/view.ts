@@ -52,7 +52,7 @@ export const KEYS: { keys: string[]; does: string }[] = [
   { keys: ['?', 'Esc'], does: 'open and close this help' },
 ];
 
-/** The action for a key press; none while the user types, but for Escape. */
+/** The action for a key press; none while the user types, except for Escape. */
 export function actionFor(press: Press, typing: boolean): Action | undefined {
   if (press.ctrlKey || press.metaKey || press.altKey) return undefined;
   if (typing && press.key !== 'Escape') return undefined;

@@ -48,7 +48,7 @@ export interface Frame {
 
 const PLACE_FONT = `11px ${SANS}`;
 const LABEL_FONT = `600 11.5px ${SANS}`;
-/** Room at the lower right for the scale bar and the credit. */
+/** Space at the lower right for the scale bar and the credit. */
 const CORNER_PX = 290;
 const GRID_FONT = `11px ${MONO}`;
 

@@ -56,7 +56,7 @@ export function countUntil(times: readonly number[], at: number): number {
   return low;
 }
 
-/** Where the aircraft was, between samples on the straight line; before the first sample it stands there. */
+/** Where the aircraft was, between samples on the straight line; before the first sample it is there. */
 export function aircraftAt(path: Path, atNs: number): Aircraft | null {
   const count = countUntil(path.times, atNs);
   const index = Math.max(count - 1, 0);
@@ -230,7 +230,7 @@ export interface Box {
   height: number;
 }
 
-/** Where to write a label beside a symbol without covering what is written already; null when there is no room. */
+/** Where to write a label next to a symbol without covering what is written already; null when there is no space. */
 export function placeLabel(
   x: number,
   y: number,

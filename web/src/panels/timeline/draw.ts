@@ -1,4 +1,4 @@
-/** Draws the timeline on a canvas; the cursor lies above it as an element of its own, so that it moves for nothing. */
+/** Draws the timeline on a canvas; the cursor lies above it as a separate element, so that it moves for nothing. */
 
 import type { Range } from '../../player/clock';
 import { COLOURS, MONO, SANS, stateColour } from '../../theme/colours';
@@ -156,7 +156,7 @@ function drawVisits(context: CanvasRenderingContext2D, picture: Picture, y: numb
     const text = context.measureText(visit.name).width;
     const inside = width >= text + 6;
     const at = inside ? x + 3 : Math.max(x + width + 3, free);
-    // A name beside its bar must not run into the next one.
+    // A name next to its bar must not run into the next one.
     const next = picture.visits.find(other => scale.x(other.fromNs) > x + width);
     if (!inside && (at > x + width + 12 || (next && at + text > scale.x(next.fromNs)))) continue;
     context.fillStyle = inside ? COLOURS.ground : stateColour(visit.state);

@@ -191,7 +191,7 @@ export function laneAtWork(lanes: readonly LaneRow[], atNs: number): LaneRow | u
   return best?.lane;
 }
 
-/** Where to scroll so that a lane, and where there is room the lane above it, is in sight. */
+/** Where to scroll so that a lane, and where there is space the lane above it, is in sight. */
 export function scrollTo(lane: LaneRow, scrollPx: number, room: number): number {
   if (lane.y >= scrollPx && lane.y + lane.height <= scrollPx + room) return scrollPx;
   return Math.max(0, lane.y < scrollPx ? lane.y - ROW_PX : lane.y + lane.height + ROW_PX - room);

@@ -80,7 +80,7 @@ method: string | null,
  */
 place: string | null, 
 /**
- * Cause of its state, back to a sample, a message or a sentence of the program.
+ * Cause of its state, back to a sample, a message or a form of the program.
  */
 because: Link | null, 
 /**
@@ -251,7 +251,7 @@ subject: string,
  */
 method: MethodDetail | null, 
 /**
- * The cause with its parts; none for what is no decision.
+ * The cause with its parts; `None` for a moment that is not a decision.
  */
 cause: CauseDetail | null, };
 

@@ -11,7 +11,7 @@ use apex_planning::solver::Solver;
 use apex_portfolio::profile::{Planner, Profile, conclusion, measure, named};
 use std::path::Path;
 
-/// Measures all planners anew.
+/// Measures all planners again.
 pub(super) fn build(options: &ProfileBuildOptions, registry: &Registry) -> CliResult {
     let cells = named::cells(&options.cells)?;
     let budgets = options.budgets.iter().map(|text| units(text, "--budgets")).collect::<CliResult<_>>()?;

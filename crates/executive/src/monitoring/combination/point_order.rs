@@ -32,8 +32,9 @@ use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use std::collections::BTreeSet;
 
-/// Number of kept results from which on a sweep is worth its time; few in tests, so that short stories sweep too.
-const SWEEP_AT_LEAST: usize = if cfg!(test) { 4 } else { 64 };
+/// Number of kept results from which on a sweep is worth its time. Small, so that short stories in tests sweep as flights do; a
+/// sweep is linear, and the next one comes at twice the results that it leaves.
+const SWEEP_AT_LEAST: usize = 8;
 
 /// Bookkeeping for `composite` if it is an order of points: measurements of named or bound objects without `:lateness` and
 /// messages, with delays between them, without constraints. `binds`: a pattern variable occurs in it.

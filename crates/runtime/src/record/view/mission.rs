@@ -20,7 +20,7 @@ pub enum RecordStatus {
     Complete,
     /// Being written now.
     Live,
-    /// Not closed properly, and without a writer: the flight broke off.
+    /// Not closed properly, and without a writer: the flight was cut off.
     Incomplete,
 }
 

@@ -87,7 +87,7 @@ struct Indexes {
 }
 
 impl RecordView {
-    /// Opens the record at `path` to look at agent number `agent`, from 0 in the order of the declarations.
+    /// Opens the record at `path` to read agent number `agent`, from 0 in the order of the declarations.
     ///
     /// # Errors
     /// As [`RecordReader::open`].

@@ -1,4 +1,4 @@
-//! A task's state as the word that stands in the record and in answers.
+//! A task's state as the word in the record and in answers.
 
 use apex_model::task::TaskState;
 use rusqlite::types::{FromSql, FromSqlError, FromSqlResult, ValueRef};

@@ -7,7 +7,7 @@ use crate::error::RecordError;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Maximum number of selected tasks, unless the query states one: more than a person reads, few enough to draw while
+/// Maximum number of selected tasks, unless the query states one: more than an operator reads, few enough to draw while
 /// time runs.
 const LIMIT_DEFAULT: usize = 1_000;
 /// Maximum number of selected tasks of any answer.

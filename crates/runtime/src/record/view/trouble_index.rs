@@ -17,7 +17,7 @@ pub struct Trouble {
     pub kind: TroubleKind,
     /// The goal, target or message that it is about.
     pub subject: String,
-    /// Why.
+    /// Cause.
     pub cause: String,
     /// The task's number, if it is about one.
     pub task: Option<u64>,

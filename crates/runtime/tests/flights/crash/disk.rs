@@ -79,7 +79,7 @@ fn write(file: &mut Vec<u8>, offset: usize, data: &[u8]) {
     file[offset..end].copy_from_slice(data);
 }
 
-/// What is safe on the disk, and what was written since and is not.
+/// Durable data of the disk, and data written since that are not durable.
 #[derive(Clone, Default)]
 pub(crate) struct Disk {
     safe: Files,

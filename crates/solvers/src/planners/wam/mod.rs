@@ -97,7 +97,7 @@ fn best_of_passes(
 
 /// State between two visits: position of the vehicle and age of its knowledge.
 #[derive(Clone, Debug)]
-struct State {
+struct TourState {
     place: Option<usize>,
     time_s: f64,
     last_s: Vec<f64>,
@@ -105,7 +105,7 @@ struct State {
 
 #[derive(Clone, Debug)]
 struct SearchNode {
-    state: State,
+    state: TourState,
     first: Option<Stop>,
     cost: f64,
 }
@@ -120,7 +120,7 @@ fn build(
     let problem = scenario.problem();
     let window_s = pass.0 * scenario.mean_transit_s();
     let ages = problem.targets.iter().map(|target| -target.initial_age_s).collect();
-    let mut state = State { place: None, time_s: 0.0, last_s: ages };
+    let mut state = TourState { place: None, time_s: 0.0, last_s: ages };
     let mut tour = Vec::new();
     while tour.len() < apex_planning::surveillance::scenario::VISITS_MAX {
         if budget.exhausted() && !certain {
@@ -134,7 +134,7 @@ fn build(
     Some(tour)
 }
 
-fn visit(state: &mut State, stop: Stop) {
+fn visit(state: &mut TourState, stop: Stop) {
     if let Some(last_s) = state.last_s.get_mut(stop.target) {
         *last_s = stop.end_s;
     }
@@ -144,7 +144,7 @@ fn visit(state: &mut State, stop: Stop) {
 /// Returns the first visit of the tour with the least expected cost over the window; `None` if no visit is possible.
 fn best_first(
     scenario: &Scenario<'_>,
-    state: &State,
+    state: &TourState,
     until_s: f64,
     (open_max, children_max): (usize, usize),
     budget: &mut dyn Budget,
@@ -179,7 +179,7 @@ fn best_first(
 }
 
 /// Returns the change of the expected cost until `until_s` by a visit: zero or less.
-fn change(scenario: &Scenario<'_>, state: &State, stop: Stop, until_s: f64) -> f64 {
+fn change(scenario: &Scenario<'_>, state: &TourState, stop: Stop, until_s: f64) -> f64 {
     let (Some(target), Some(last_s)) = (scenario.problem().targets.get(stop.target), state.last_s.get(stop.target))
     else {
         return 0.0;
@@ -189,7 +189,7 @@ fn change(scenario: &Scenario<'_>, state: &State, stop: Stop, until_s: f64) -> f
 }
 
 /// The possible visits with the highest priority.
-fn children(scenario: &Scenario<'_>, state: &State, most: usize, budget: &mut dyn Budget) -> Vec<Stop> {
+fn children(scenario: &Scenario<'_>, state: &TourState, most: usize, budget: &mut dyn Budget) -> Vec<Stop> {
     scenario.charge(scenario.usable().len() as u64 * (PRIORITY_NS + scenario.departure_ns()), budget);
     // The best so far, best first; of equals the earlier.
     let mut ranked: Vec<(f64, Stop)> = Vec::with_capacity(most + 1);
@@ -205,7 +205,7 @@ fn children(scenario: &Scenario<'_>, state: &State, most: usize, budget: &mut dy
 }
 
 /// `importance x obsolescence / transit` of a visit; none where it would end too late.
-fn priority(scenario: &Scenario<'_>, state: &State, target: usize) -> Option<(f64, Stop)> {
+fn priority(scenario: &Scenario<'_>, state: &TourState, target: usize) -> Option<(f64, Stop)> {
     let stop = scenario.next_stop(state.place, state.time_s, target)?;
     let data = scenario.problem().targets.get(target)?;
     let obsolescence_s = stop.end_s - *state.last_s.get(target)?;

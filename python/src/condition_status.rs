@@ -1,27 +1,27 @@
 //! Status of a condition with its reasons.
 
-use apex_executive::Judgement as Told;
+use apex_executive::Judgement;
 use apex_executive::state::monitors::monitor::{Unmet, Verdict};
 use pyo3::prelude::*;
 
 /// Status of a condition.
 #[pyclass(frozen, module = "apex_autonomy")]
-pub(crate) struct Judgement {
-    told: Told,
+pub(crate) struct ConditionStatus {
+    judgement: Judgement,
 }
 
-impl Judgement {
-    pub(crate) fn new(told: Told) -> Judgement {
-        Judgement { told }
+impl ConditionStatus {
+    pub(crate) fn new(judgement: Judgement) -> ConditionStatus {
+        ConditionStatus { judgement }
     }
 }
 
 #[pymethods]
-impl Judgement {
+impl ConditionStatus {
     /// str: ``"satisfied"``, ``"not satisfied"`` or ``"unknown"``.
     #[getter]
     fn verdict(&self) -> &'static str {
-        match &self.told.verdict {
+        match &self.judgement.verdict {
             Verdict::Satisfied(_) => "satisfied",
             Verdict::NotSatisfied => "not satisfied",
             Verdict::Unknown => "unknown",
@@ -31,17 +31,17 @@ impl Judgement {
     /// list of Reason: The parts of the condition that do not hold; empty when it is satisfied.
     #[getter]
     fn because(&self) -> Vec<Reason> {
-        self.told.because.iter().cloned().map(|unmet| Reason { unmet }).collect()
+        self.judgement.because.iter().cloned().map(|unmet| Reason { unmet }).collect()
     }
 
-    /// int: How many results there were so far.
+    /// int: Number of results so far.
     #[getter]
     fn results(&self) -> u64 {
-        self.told.results
+        self.judgement.results
     }
 
     fn __str__(&self) -> String {
-        let reasons: Vec<String> = self.told.because.iter().map(sentence).collect();
+        let reasons: Vec<String> = self.judgement.because.iter().map(sentence).collect();
         match reasons.is_empty() {
             true => self.verdict().to_string(),
             false => format!("{}: {}", self.verdict(), reasons.join("; ")),
@@ -49,7 +49,7 @@ impl Judgement {
     }
 
     fn __repr__(&self) -> String {
-        format!("<Judgement {}>", self.__str__())
+        format!("<ConditionStatus {}>", self.__str__())
     }
 }
 
