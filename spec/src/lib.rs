@@ -9,6 +9,7 @@ pub mod data_file;
 pub mod diff;
 pub mod explained;
 pub mod late;
+pub mod observed;
 pub mod outside;
 pub mod page;
 pub mod projection;

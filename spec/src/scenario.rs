@@ -31,6 +31,8 @@ pub struct Scenario {
     pub inputs: String,
     /// `until 20s`, `show print ongoing`, `vehicle silent`, `planner fails after 3s no idea`.
     pub options: String,
+    /// Ground, wanted looks, lines and costs to be scored (`observed.rs`).
+    pub look: String,
 }
 
 /// The run of the scenario with everything it told.

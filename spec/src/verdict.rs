@@ -1,7 +1,8 @@
-//! A whole page: every `trace`, `why`, `check` and `memory` block against what really happens.
+//! A whole page: every `trace`, `why`, `check`, `memory` and `score` block against what really happens.
 
 use crate::data_file;
 use crate::diff;
+use crate::observed;
 use crate::page::{self, Block};
 use crate::question;
 use crate::scenario::{self, Scenario};
@@ -33,7 +34,8 @@ pub fn judge(text: &str) -> Verdict {
         }
     }
     if compared == 0 {
-        differences.push_str("  the page compares nothing: it needs a `trace`, `why`, `check` or `memory` block\n");
+        differences
+            .push_str("  the page compares nothing: it needs a `trace`, `why`, `check`, `memory` or `score` block\n");
     }
     if differences.is_empty() { Verdict::Holds } else { Verdict::Differs(differences) }
 }
@@ -72,6 +74,7 @@ fn results(text: &str) -> Vec<(Block, Result<String, String>)> {
             word @ ("why" | "why-not") => question::answer(&scenario, word, &block.argument),
             "check" => Ok(scenario::messages(&scenario::check(&scenario))),
             "memory" => Ok(apex_executive::memory::report(&scenario::check(&scenario).library)),
+            "score" => observed::score(&scenario.look),
             other => Err(format!("a page has no blocks of kind `{other}`")),
         };
         (block, actual)
@@ -95,6 +98,7 @@ pub fn scenarios(text: &str) -> Vec<(Block, Scenario)> {
             "file" => files.push((block.argument, block.body)),
             "inputs" => scenario.inputs = block.body,
             "options" => scenario.options = block.body,
+            "look" => scenario.look = block.body,
             "" => {}
             _ => found.push((block, scenario.clone())),
         }
