@@ -8,13 +8,14 @@ mod commanded_route;
 mod readings;
 mod recovery;
 mod response;
+mod sensors;
 mod start;
 mod statement;
 mod watch;
 
 pub use readings::Reading;
 pub use response::Response;
-pub use statement::{LandingReach, Requirements};
+pub use statement::{LandingReach, Requirements, SunKeepOut};
 pub use watch::{Findings, Watch};
 
 pub(crate) use start::{StartConditions, check_start};

@@ -193,8 +193,9 @@ impl<'a> Scene<'a> {
 
     /// The readings of all requirements that the mission states and the vehicle's reports allow, most important first.
     pub(super) fn readings(&self) -> Vec<Reading> {
-        let all = [self.terrain(), self.energy(), self.landing(), self.airspace(), self.turbulence(), self.wind()];
-        all.into_iter().flatten().collect()
+        let flight = [self.terrain(), self.energy(), self.landing(), self.airspace(), self.turbulence(), self.wind()];
+        let all = flight.into_iter().chain([self.sun()]);
+        all.flatten().collect()
     }
 
     /// Elevation of the ground below the vehicle, as its height above ground says.

@@ -32,7 +32,8 @@ impl Scene<'_> {
     pub(super) fn recovery(&self, reading: &Reading, is_escalated: bool) -> (Response, Location) {
         let site = self.nearest_site(self.here).0;
         let to_site = Location { position: site.position, altitude_m: site.elevation_m };
-        if is_escalated && reading.concern != Concern::Terrain && reading.response != Response::LandHere {
+        let may_land = !matches!(reading.concern, Concern::Terrain | Concern::Sensor);
+        if is_escalated && may_land && reading.response != Response::LandHere {
             return (Response::LandAt, to_site);
         }
         let here = Location { position: self.here, altitude_m: self.flown.altitude_m };
@@ -54,7 +55,8 @@ impl Scene<'_> {
             (Concern::LandingDistance, _) => (Response::TurnAway, self.towards(site.position)),
             (Concern::Weather, _) => self.calmer_layer(reading).unwrap_or((Response::LandAt, to_site)),
             (Concern::Airspace, _) => self.leave_airspace(reading),
-            (Concern::Link | Concern::Sensor, _) => (Response::TurnAway, self.turn_away().0),
+            (Concern::Sensor, _) => (Response::Stow, here),
+            (Concern::Link, _) => (Response::TurnAway, self.turn_away().0),
         }
     }
 
