@@ -161,7 +161,6 @@ impl SimulatedWorld {
         let (order, spot_altitude_m) = self.read_order(name, arguments, altitude_keyword.is_some())?;
         let altitude_m = altitude_keyword.or(spot_altitude_m);
         let points = arguments.way_keyword()?;
-        // A way is flown at its own altitude; the goal's counts where it ends.
         let arrives = points.last().map_or(self.state.position, |point| point.position);
         let points = match &order {
             Order::FlyTo { to, .. } if self.situation().fixed() => with_goal(points, to.position),
@@ -271,8 +270,7 @@ impl SimulatedWorld {
 
     /// Where the vehicle is; for a rotorcraft where it can stop.
     fn spot_here(&self) -> Spot {
-        let fixed = self.model.airframe == Airframe::FixedWing;
-        let position = if fixed { self.state.position } else { self.situation().stopping_place() };
+        let position = if self.situation().fixed() { self.state.position } else { self.situation().stopping_place() };
         Spot { position, altitude_m: None, thing_altitude_m: None, given: Value::symbol("here") }
     }
 
@@ -291,10 +289,8 @@ impl SimulatedWorld {
         Ok(Order::Loiter { around, radius_m, duration })
     }
 
-    /// Refuses an altitude that the vehicle cannot hold, or that is too low over the ground at `place`.
     fn check_altitude(&self, arguments: &Arguments, altitude_m: f64, place: Position) -> Result<(), String> {
-        let fixed = self.model.airframe == Airframe::FixedWing;
-        let height_m = if fixed { HEIGHT_M_MIN.0 } else { HEIGHT_M_MIN.1 };
+        let height_m = if self.situation().fixed() { HEIGHT_M_MIN.0 } else { HEIGHT_M_MIN.1 };
         let lowest_m = self.ground.elevation_m_at(place) + height_m;
         let ceiling_m = self.model.ceiling_m;
         if altitude_m > ceiling_m {

@@ -30,14 +30,14 @@ pub struct TerrainGrid {
     /// Above mean sea level; NaN where it is not known.
     elevations_m: Vec<f32>,
     block_columns: usize,
-    /// Highest elevation of each block, negative infinity where nothing is known.
+    /// Highest elevation of each block, negative infinity if nothing is known.
     blocks_m: Vec<f32>,
     range_m: (f64, f64),
 }
 
 /// Rows and columns of a grid, each with its first and last.
 #[derive(Clone, Copy, Debug)]
-struct Window {
+struct PostWindow {
     rows: (usize, usize),
     columns: (usize, usize),
 }
@@ -47,7 +47,7 @@ impl TerrainGrid {
     /// `columns` numbers from the southern row on, NaN where the elevation is not known.
     ///
     /// # Errors
-    /// A sentence that says which figure makes no sense.
+    /// An error message that names the figure that is wrong.
     pub fn new(
         south_west: Position,
         step_deg: (f64, f64),
@@ -133,7 +133,7 @@ impl TerrainGrid {
     }
 
     /// The posts of all cells that a box of this half width touches; none if it lies outside.
-    fn window(&self, position: Position, radius_m: f64) -> Option<Window> {
+    fn window(&self, position: Position, radius_m: f64) -> Option<PostWindow> {
         let north_deg = radius_m / METRES_PER_DEGREE_MIN;
         let poleward_deg = (position.latitude_deg.abs() + north_deg).min(89.9);
         let east_deg = north_deg / libm::cos(poleward_deg * RAD_PER_DEG);
@@ -141,16 +141,16 @@ impl TerrainGrid {
     }
 
     /// The posts of all cells from so many degrees south and west of a place to so many north and east of it.
-    fn window_deg(&self, position: Position, north_deg: f64, east_deg: f64) -> Option<Window> {
+    fn window_deg(&self, position: Position, north_deg: f64, east_deg: f64) -> Option<PostWindow> {
         let row = (position.latitude_deg - self.south_west.latitude_deg) / self.step_deg.0;
         let column = self.east_deg(position.longitude_deg) / self.step_deg.1;
         let rows = span(row, north_deg / self.step_deg.0, self.rows)?;
         let columns = span(column, east_deg / self.step_deg.1, self.columns)?;
-        Some(Window { rows, columns })
+        Some(PostWindow { rows, columns })
     }
 
     /// The highest elevation of a window: whole blocks by what is stored of them, the rest post by post.
-    fn highest_m_in(&self, window: Window) -> f64 {
+    fn highest_m_in(&self, window: PostWindow) -> f64 {
         let mut highest_m = f32::NEG_INFINITY;
         for block_row in window.rows.0 / BLOCK..=window.rows.1 / BLOCK {
             let rows = (block_row * BLOCK, ((block_row + 1) * BLOCK - 1).min(self.rows - 1));
@@ -207,7 +207,7 @@ impl Terrain {
         ranges.fold((f64::INFINITY, f64::NEG_INFINITY), |all, range| (all.0.min(range.0), all.1.max(range.1)))
     }
 
-    /// The highest elevation in an area; none where nothing is known.
+    /// The highest elevation in an area; none if nothing is known.
     pub fn highest_m_in(&self, area: &Area) -> Option<f64> {
         let middle_deg = 0.5 * (area.south_deg + area.north_deg);
         let height_deg = 0.5 * (area.north_deg - area.south_deg);
@@ -234,14 +234,14 @@ impl Terrain {
         self.grids.iter().map(side_m).fold(f64::INFINITY, f64::min).max(1.0)
     }
 
-    /// The highest elevation within `radius_m` of a place; none where nothing is known.
+    /// The highest elevation within `radius_m` of a place; none if nothing is known.
     pub fn highest_m_near(&self, position: Position, radius_m: f64) -> Option<f64> {
         let windows = self.grids.iter().filter_map(|grid| Some(grid.highest_m_in(grid.window(position, radius_m)?)));
         windows.max_by(f64::total_cmp).filter(|highest_m| highest_m.is_finite())
     }
 
     /// The highest elevation within `half_width_m` of the geodesic between two places, `skip_m` at its beginning and at its end left out;
-    /// none where nothing is known or nothing is left.
+    /// none if nothing is known or nothing is left.
     pub fn highest_m_along(&self, from: Position, to: Position, half_width_m: f64, skip_m: (f64, f64)) -> Option<f64> {
         let (length_m, azimuth_deg) = geodesy::inverse(from, to);
         let (begin_m, end_m) = (skip_m.0, length_m - skip_m.1);

@@ -15,6 +15,7 @@ pub mod files;
 pub mod fixing;
 pub mod flight;
 pub mod fork;
+mod ground;
 pub mod link;
 mod link_form;
 mod link_level;
@@ -284,7 +285,7 @@ impl Mission {
         found.and_then(|(terrain, area)| terrain.highest_m_in(&area)).unwrap_or(f64::NEG_INFINITY)
     }
 
-    /// How far the vehicle may be carried from a place by its turns there.
+    /// Space for turns around a place.
     fn ground_room_m(&self) -> f64 {
         ROOM_M_MIN.max(ROOM_RADII * vehicle::turn_radius_m(&self.model))
     }

@@ -2,17 +2,14 @@
 
 use crate::Mission;
 use crate::vehicle::{Airframe, VehicleModel};
-use apex_geo::terrain::Terrain;
 use apex_geo::wind;
 use apex_model::problem::{Position, WindField};
 use apex_observation::clarity::{AttitudeHold, share_within};
-use apex_observation::footprint::Ground;
 use apex_observation::predict::{AirConditions, Conditions, PredictedScanner};
 use apex_observation::result::LossCause;
 use apex_observation::sensor::{CameraSetting, Gimbal, RateLimits, RollLimits, ScannerMode};
 use apex_observation::strip::ScannerSetting;
 use apex_vehicle::{Mount, Optics};
-use std::sync::Arc;
 
 /// Losses by which coverage falls below 1.
 pub(crate) const COVERAGE: [LossCause; 1] = [LossCause::NotSeen];
@@ -44,41 +41,6 @@ pub(crate) const TIMING: [LossCause; 7] = [
 /// Share of valid lines in turbulence of this eddy dissipation rate, m^(2/3)/s.
 pub(crate) fn clarity(scanner: &PredictedScanner, edr: f64) -> f64 {
     scanner.setting.roll.map_or(1.0, |roll| share_within(scanner.hold.roll_sigma_deg(edr), &roll))
-}
-
-/// The ground of a mission: its terrain; where that is not known the ground lies at the elevation of each target.
-#[derive(Clone, Debug)]
-pub(crate) struct MissionGround {
-    terrain: Option<Arc<Terrain>>,
-    range_m: (f64, f64),
-    cell_m: f64,
-}
-
-impl MissionGround {
-    /// The ground of a mission with this terrain, in which no target lies lower than `lowest_m`.
-    pub(crate) fn new(terrain: Option<Arc<Terrain>>, lowest_m: f64) -> MissionGround {
-        // Without terrain no higher than any target, so that each one's own elevation counts.
-        let range_m = terrain.as_ref().map_or((lowest_m - 1.0, lowest_m), |terrain| {
-            let (low_m, high_m) = terrain.range_m();
-            (low_m.min(lowest_m) - 1.0, high_m)
-        });
-        let cell_m = terrain.as_ref().map_or(f64::INFINITY, |terrain| terrain.cell_m());
-        MissionGround { terrain, range_m, cell_m }
-    }
-}
-
-impl Ground for MissionGround {
-    fn elevation_m_at(&self, position: Position) -> Option<f64> {
-        self.terrain.as_ref()?.elevation_m_at(position)
-    }
-
-    fn elevation_range_m(&self) -> (f64, f64) {
-        self.range_m
-    }
-
-    fn cell_m(&self) -> f64 {
-        self.cell_m
-    }
 }
 
 /// The line scanner that a vehicle carries, in the mode that it is flown in, and how the vehicle holds its attitude; none if

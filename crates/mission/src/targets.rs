@@ -6,7 +6,7 @@ pub(crate) use looks::Terms;
 
 use super::features::{self, NamedFeature};
 use crate::error::MissionResult;
-use crate::observing::MissionGround;
+use crate::ground::MissionGround;
 use crate::sources::DataFile;
 use apex_geo::geodesy;
 use apex_geo::terrain::Terrain;

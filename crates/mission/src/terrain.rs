@@ -9,20 +9,20 @@ use apex_geo::geodesy::Position;
 use apex_geo::terrain::{Terrain, TerrainGrid};
 use std::str::FromStr;
 
-/// Keys of the header of an ASCII grid, each with what it stands for.
+/// Keys of the header of an ASCII grid.
 const KEYS: &str =
     "ncols, nrows, xllcorner or xllcenter, yllcorner or yllcenter, cellsize (or dx and dy), NODATA_value";
 /// Posts along a side of SRTM tiles of 3 and of 1 arc seconds.
 const TILE_POSTS: [usize; 2] = [1_201, 3_601];
 /// Elevation of a post of a tile that is not known.
 const TILE_VOID: i16 = -32_768;
-/// What a stated elevation may differ from the ground there: geoids, levelled airfields, coarse grids.
+/// Difference allowed between a stated elevation and the ground there: geoids, levelled airfields, coarse grids.
 const STATED_M: f64 = 150.0;
 
 /// Reads one file of elevations. The end of its name says the format.
 ///
 /// # Errors
-/// Another format; a header or number that makes no sense, with its line; a tile of another size or name.
+/// Another format; a header or number that is invalid, with its line; a tile of another size or name.
 pub(crate) fn grid(file: &DataFile) -> MissionResult<TerrainGrid> {
     let extension = file.place.rsplit_once('.').map(|(_, end)| end.to_lowercase());
     match extension.as_deref() {
@@ -35,7 +35,7 @@ pub(crate) fn grid(file: &DataFile) -> MissionResult<TerrainGrid> {
     }
 }
 
-/// What the header of an ASCII grid states.
+/// Header of an ASCII grid.
 #[derive(Default)]
 struct Header {
     columns: Option<usize>,
@@ -191,7 +191,7 @@ fn made(
 ) -> MissionResult<TerrainGrid> {
     let elevations_m: Vec<f32> = from_north.chunks(columns).rev().flatten().copied().collect();
     TerrainGrid::new(south_west, step_deg, (rows, columns), elevations_m).map_err(|reason| {
-        MissionError::data("the terrain file makes no sense")
+        MissionError::data("the terrain file is invalid")
             .at(place)
             .because(reason)
             .help("check the header and the elevations; they are metres above mean sea level")
@@ -201,7 +201,7 @@ fn made(
 /// The elevation of a place of the mission: the stated one, which must agree with the ground, or that of the ground.
 ///
 /// # Errors
-/// A sentence: the terrain does not reach the place, or knows another elevation there.
+/// The terrain does not reach the place, or knows another elevation there.
 pub(crate) fn elevation_m(
     terrain: Option<&Terrain>,
     position: Position,
@@ -216,7 +216,7 @@ pub(crate) fn elevation_m(
     }
 }
 
-/// How a place and the terrain disagree.
+/// Disagreement of a place and the terrain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Mismatch {
     /// The terrain does not reach the place.
@@ -226,9 +226,9 @@ pub(crate) enum Mismatch {
     },
     /// The stated elevation is another one.
     Other {
-        /// What the file of the place states.
+        /// Elevation in the file of the place.
         stated_m: f64,
-        /// What the terrain has there.
+        /// Elevation of the terrain there.
         ground_m: f64,
     },
 }

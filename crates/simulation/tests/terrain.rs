@@ -59,7 +59,7 @@ fn write(folder: &Path, options: &str, body: &str, targets: &str) {
     std::fs::write(folder.join("ground.asc"), grid()).unwrap();
 }
 
-/// What a flight recorded.
+/// A recorded flight.
 struct Flown {
     report: Report,
     /// Time, height over ground, altitude.

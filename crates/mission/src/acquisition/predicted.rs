@@ -3,7 +3,8 @@
 use super::form::path_of;
 use super::paths::{height_m, manoeuvre_of};
 use super::vehicle::{craft_of, elevation_m, instrument_of, scene_of, target_of};
-use crate::observing::{ForecastAir, MissionGround};
+use crate::ground::MissionGround;
+use crate::observing::ForecastAir;
 use crate::{Mission, TargetKind};
 use apex_geo::geodesy::Position;
 use apex_model::value::Value;

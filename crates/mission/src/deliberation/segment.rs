@@ -6,7 +6,8 @@
 //! GAIN PRICE TEXT)` enters the next batch, and is recorded like all inputs.
 //! Bound: one planning problem posed of the n visits that the plan still has ahead, and O(n^2) judgements of them.
 
-use crate::observing::{ForecastAir, MissionGround, scanner_of};
+use crate::ground::MissionGround;
+use crate::observing::{ForecastAir, scanner_of};
 use crate::problem::single_visits;
 use crate::score::FlownScore;
 use crate::situation::Situation;

@@ -2,7 +2,8 @@
 
 use super::scanner::quality;
 use super::wish::Wish;
-use crate::observing::{ForecastAir, MissionGround};
+use crate::ground::MissionGround;
+use crate::observing::ForecastAir;
 use apex_model::problem::{Manoeuvre, PictureWork, Position, QualityFactors};
 use apex_observation::pictures::{PlannedPicture, predict_pictures};
 use apex_observation::predict::PredictionContext;

@@ -4,7 +4,8 @@
 use super::altitudes::{self, closed_by};
 use super::flying::{FlownLines, fly};
 use super::wish::Wish;
-use crate::observing::{CLARITY, COVERAGE, ForecastAir, MissionGround, RESOLUTION, clarity, scanner_of};
+use crate::ground::MissionGround;
+use crate::observing::{CLARITY, COVERAGE, ForecastAir, RESOLUTION, clarity, scanner_of};
 use apex_geo::coverage::{Ground, SweepSettings, sweep_lines};
 use apex_geo::geodesy::RAD_PER_DEG;
 use apex_geo::perimeter::perimeter_lines;

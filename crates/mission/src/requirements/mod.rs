@@ -3,6 +3,7 @@
 //! `statement` reads them from the application and the vehicle; `watch` compares them with the flight and predicts violations
 //! along the commanded route; `readings` computes each margin, `recovery` a way out.
 
+mod clearance;
 mod commanded;
 mod commanded_route;
 mod readings;

@@ -70,7 +70,7 @@ impl Scene<'_> {
         })
     }
 
-    /// When the sight line, kept on the ground that it meets now, first comes too near to the sun along the route.
+    /// The first instant at which the sight line, kept on the ground that it meets now, comes too near to the sun along the route.
     fn first_sun(&self, here: Sight, margin_deg: impl Fn(Position, Sight, f64) -> f64) -> Option<f64> {
         let height_m = self.flown.height_above_ground_m.unwrap_or(0.0);
         let seen = (here.elevation_deg < GROUND_TILT_DEG && height_m > 0.0).then(|| {
@@ -95,7 +95,7 @@ impl Scene<'_> {
         })
     }
 
-    /// How far the course between two points of the route is turned from the present one.
+    /// Angle from the present course to the course between two points of the route.
     fn turned_deg(&self, from: Point, to: Point) -> f64 {
         let along = to.minus(from);
         if along.length() < 1.0 { 0.0 } else { libm::atan2(along.x, along.y).to_degrees() - self.flown.track_deg() }

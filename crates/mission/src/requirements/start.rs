@@ -105,7 +105,7 @@ fn airspace(mission: &StartConditions<'_>) -> MissionResult<()> {
     Ok(())
 }
 
-/// What the forecast has at the start must not be more than what the flight may meet: it could not even take off.
+/// Checks the forecast at the start against the weather that the flight may meet: it could not even take off.
 fn weather(mission: &StartConditions<'_>) -> MissionResult<()> {
     let requirements = mission.requirements;
     let there = wind::at(mission.forecast, mission.start, mission.start_altitude_m, 0.0);

@@ -60,7 +60,7 @@ pub struct Requirements {
     pub look_ahead_s: f64,
 }
 
-/// How far the fields of view of cameras stay from the sun.
+/// Distance of the fields of view of cameras from the sun.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SunKeepOut {
     /// Angle between field of view and sun; `None`: that of each sensor file.

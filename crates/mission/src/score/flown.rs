@@ -2,7 +2,8 @@
 
 use super::footprints::{FootprintLog, Footprints};
 use super::samples::Latest;
-use crate::observing::{MissionGround, camera_names, camera_of, looks_with, scanner_of};
+use crate::ground::MissionGround;
+use crate::observing::{camera_names, camera_of, looks_with, scanner_of};
 use crate::{Mission, Site, Target, TargetKind};
 use apex_model::event::{Batch, EventKind};
 use apex_model::problem::Position;
