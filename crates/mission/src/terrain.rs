@@ -271,12 +271,13 @@ mod tests {
 
     #[test]
     fn an_ascii_grid_begins_in_the_north_west_and_its_posts_are_middles_of_cells() {
-        let grid = grid(&file("a.asc", GRID.as_bytes())).unwrap();
-        assert_eq!(grid.elevation_m_at(Position::new(35.5, -120.0)), Some(10.0));
-        assert_eq!(grid.elevation_m_at(Position::new(34.5, -118.0)), None, "next to the unknown post");
-        let whole = GRID.replace("-9999 60", "50 60").replace("xllcorner -120.5", "XLLCENTER -120");
-        let grid = super::grid(&file("a.asc", whole.as_bytes())).unwrap();
-        assert_eq!(grid.elevation_m_at(Position::new(35.0, -119.0)), Some(35.0));
+        let grid = |text: &str| super::grid(&file("a.asc", text.as_bytes())).unwrap();
+        assert_eq!(grid(GRID).elevation_m_at(Position::new(35.0, -119.5)), None, "next to the unknown post");
+        let whole = GRID.replace("-9999 60", "50 60");
+        assert_eq!(grid(&whole).elevation_m_at(Position::new(35.5, -120.0)), Some(10.0));
+        assert_eq!(grid(&whole).elevation_m_at(Position::new(34.5, -118.0)), Some(60.0));
+        let centred = whole.replace("xllcorner -120.5", "XLLCENTER -120");
+        assert_eq!(grid(&centred).elevation_m_at(Position::new(35.0, -119.0)), Some(35.0));
     }
 
     #[test]
