@@ -122,7 +122,7 @@ fn a_figure_without_a_source_is_refused() {
 
 #[test]
 fn figures_that_cannot_be_are_named_with_their_rule() {
-    rejects("rmax", "\"value\": 12.0,", "\"value\": -12.0,", "flight.true_airspeed_m_s_cruise", "greater than zero");
+    rejects("rmax", "\"value\": 12.0,", "\"value\": -12.0,", "flight.true_airspeed_m_s_cruise", "greater than 0");
     rejects(
         "rmax",
         "\"value\": 2500.0, \"source\": \"assumption\"}",
