@@ -10,6 +10,7 @@ pub mod diagnosis;
 pub mod diff;
 pub mod explained;
 pub mod late;
+pub mod observed;
 pub mod outside;
 pub mod page;
 pub mod projection;

@@ -33,6 +33,8 @@ pub struct Scenario {
     pub options: String,
     /// Outcomes of the tests of a dependency model, as JSON.
     pub outcomes: String,
+    /// Ground, wanted looks, lines and costs to be scored (`observed.rs`).
+    pub look: String,
 }
 
 /// Runs the scenario and returns everything that it reported.

@@ -1,8 +1,9 @@
-//! A whole page: every `trace`, `why`, `check`, `memory`, `diagnosis` and `testability` block against what really happens.
+//! A whole page: every `trace`, `why`, `check`, `memory` and `score` block against what really happens.
 
 use crate::data_file;
 use crate::diagnosis;
 use crate::diff;
+use crate::observed;
 use crate::page::{self, Block};
 use crate::question;
 use crate::scenario::{self, Scenario};
@@ -34,7 +35,8 @@ pub fn judge(text: &str) -> Verdict {
         }
     }
     if compared == 0 {
-        differences.push_str("  the page compares nothing: it needs a `trace`, `why`, `check` or `memory` block\n");
+        differences
+            .push_str("  the page compares nothing: it needs a `trace`, `why`, `check`, `memory` or `score` block\n");
     }
     if differences.is_empty() { Verdict::Holds } else { Verdict::Differs(differences) }
 }
@@ -75,6 +77,7 @@ fn results(text: &str) -> Vec<(Block, Result<String, String>)> {
             "testability" => diagnosis::report(&block.argument),
             "diagnosis" => diagnosis::answer(&block.argument, &scenario.outcomes),
             "memory" => Ok(apex_executive::memory::report(&scenario::check(&scenario).library)),
+            "score" => observed::score(&scenario.look),
             other => Err(format!("a page has no blocks of kind `{other}`")),
         };
         (block, actual)
@@ -99,6 +102,7 @@ pub fn scenarios(text: &str) -> Vec<(Block, Scenario)> {
             "inputs" => scenario.inputs = block.body,
             "options" => scenario.options = block.body,
             "outcomes" => scenario.outcomes = block.body,
+            "look" => scenario.look = block.body,
             "" => {}
             _ => found.push((block, scenario.clone())),
         }

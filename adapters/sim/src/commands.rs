@@ -10,6 +10,7 @@ use crate::names::unknown_name;
 use crate::way::{Way, with_goal};
 use crate::world::{Setpoint, SimulatedWorld};
 use apex_model::effect::CommandId;
+use apex_model::problem::Position;
 use apex_model::quantity::Dimension;
 use apex_model::value::Value;
 use apex_runtime::ports::Input;
@@ -120,7 +121,7 @@ impl SimulatedWorld {
             }
             "set-altitude" => {
                 let altitude_m = arguments.altitude(0)?;
-                self.check_altitude(&arguments, altitude_m)?;
+                self.check_altitude(&arguments, altitude_m, self.state.position)?;
                 let answer = Value::measured(altitude_m, Dimension::LENGTH);
                 self.claim_altitude(altitude_m, Some(Setpoint { command: id, text: form.to_string(), answer }), inputs);
                 Ok(())
@@ -160,6 +161,7 @@ impl SimulatedWorld {
         let (order, spot_altitude_m) = self.read_order(name, arguments, altitude_keyword.is_some())?;
         let altitude_m = altitude_keyword.or(spot_altitude_m);
         let points = arguments.way_keyword()?;
+        let arrives = points.last().map_or(self.state.position, |point| point.position);
         let points = match &order {
             Order::FlyTo { to, .. } if self.situation().fixed() => with_goal(points, to.position),
             _ => points,
@@ -168,7 +170,7 @@ impl SimulatedWorld {
         let hold = arguments.hold_keyword()?;
         // The final approach of a small aircraft begins below the lowest altitude of other flights.
         if let Some(altitude_m) = altitude_m.filter(|_| !matches!(order, Order::Land { .. })) {
-            self.check_altitude(arguments, altitude_m)?;
+            self.check_altitude(arguments, altitude_m, arrives)?;
         }
         if let Some(speed) = speed {
             self.check_speed(arguments, speed)?;
@@ -232,7 +234,7 @@ impl SimulatedWorld {
                 let points = arguments.points(0)?;
                 let speeds = arguments.speeds_keyword(points.len())?;
                 for altitude_m in points.iter().filter_map(|point| point.altitude_m) {
-                    self.check_altitude(arguments, altitude_m)?;
+                    self.check_altitude(arguments, altitude_m, self.state.position)?;
                 }
                 let last_m = points.last().and_then(|point| point.altitude_m);
                 let path = FollowedPath::new(points, &speeds, &self.situation());
@@ -268,8 +270,7 @@ impl SimulatedWorld {
 
     /// Returns the position of the vehicle; for a rotorcraft the place at which it can stop.
     fn spot_here(&self) -> Spot {
-        let fixed = self.model.airframe == Airframe::FixedWing;
-        let position = if fixed { self.state.position } else { self.situation().stopping_place() };
+        let position = if self.situation().fixed() { self.state.position } else { self.situation().stopping_place() };
         Spot { position, altitude_m: None, thing_altitude_m: None, given: Value::symbol("here") }
     }
 
@@ -288,10 +289,9 @@ impl SimulatedWorld {
         Ok(Order::Loiter { around, radius_m, duration })
     }
 
-    fn check_altitude(&self, arguments: &Arguments, altitude_m: f64) -> Result<(), String> {
-        let fixed = self.model.airframe == Airframe::FixedWing;
-        let height_m = if fixed { HEIGHT_M_MIN.0 } else { HEIGHT_M_MIN.1 };
-        let lowest_m = self.ground.elevation_m_at(self.state.position) + height_m;
+    fn check_altitude(&self, arguments: &Arguments, altitude_m: f64, place: Position) -> Result<(), String> {
+        let height_m = if self.situation().fixed() { HEIGHT_M_MIN.0 } else { HEIGHT_M_MIN.1 };
+        let lowest_m = self.ground.elevation_m_at(place) + height_m;
         let ceiling_m = self.model.ceiling_m;
         if altitude_m > ceiling_m {
             return Err(arguments.wrong(&format!("{altitude_m:.0} m is above the ceiling of {ceiling_m:.0} m")));

@@ -3,12 +3,14 @@
 use crate::living::{BurnableSite, LivingWorld};
 use apex_geo::geodesy;
 use apex_geo::link::{LevelLaw, LevelModel};
+use apex_geo::terrain::Terrain;
 use apex_model::event::StateVariable;
 use apex_model::problem::{Position, WindField};
 use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_vehicle::VehicleModel;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// Everything that [`crate::SimulatedWorld::new`] needs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -49,7 +51,7 @@ impl WorldConfig {
             start,
             seed: 0,
             wind: WindField::default(),
-            ground: Ground { elevation_m, patches: Vec::new() },
+            ground: Ground { elevation_m, ..Ground::default() },
             modems: Vec::new(),
             places: Vec::new(),
             events: Vec::new(),
@@ -147,11 +149,13 @@ impl Start {
     }
 }
 
-/// The ground: one elevation, with round patches of others. Later patches win.
+/// The ground: one elevation, with grids of others where they are known, and round patches of others. Later patches win.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ground {
-    /// Elevation where no patch lies.
+    /// Elevation where no patch lies and the terrain is not known.
     pub elevation_m: f64,
+    /// Elevations where no patch lies.
+    pub terrain: Option<Arc<Terrain>>,
     /// Patches, for example one for each target.
     pub patches: Vec<GroundPatch>,
 }
@@ -170,6 +174,11 @@ pub struct GroundPatch {
 impl Ground {
     /// Elevation at `position`. O(patches); far patches are dismissed without a geodesic.
     pub fn elevation_m_at(&self, position: Position) -> f64 {
+        self.elevation_m_among(&self.patches, position)
+    }
+
+    /// Elevation at `position` if of all patches only these count.
+    pub(crate) fn elevation_m_among(&self, patches: &[GroundPatch], position: Position) -> f64 {
         // No degree of latitude is shorter than this, nor one of longitude at the equator.
         const METRES_PER_DEGREE_MIN: f64 = 110_000.0;
         let inside = |patch: &&GroundPatch| {
@@ -185,7 +194,9 @@ impl Ground {
             let far = east_deg < 10.0 && 0.99 * east_deg * parallel * METRES_PER_DEGREE_MIN > patch.radius_m;
             !far && geodesy::distance_m(middle, position) <= patch.radius_m
         };
-        self.patches.iter().rev().find(inside).map_or(self.elevation_m, |patch| patch.elevation_m)
+        let patch_m = patches.iter().rev().find(inside).map(|patch| patch.elevation_m);
+        let terrain_m = || self.terrain.as_ref()?.elevation_m_at(position);
+        patch_m.or_else(terrain_m).unwrap_or(self.elevation_m)
     }
 }
 
@@ -270,7 +281,8 @@ mod tests {
     fn patches_are_found_up_to_their_edge_and_later_ones_win() {
         let patch =
             |radius_m, elevation_m| GroundPatch { position: Position::new(47.0, -114.0), radius_m, elevation_m };
-        let ground = Ground { elevation_m: 5.0, patches: vec![patch(30_000.0, 100.0), patch(1_000.0, 200.0)] };
+        let ground =
+            Ground { elevation_m: 5.0, patches: vec![patch(30_000.0, 100.0), patch(1_000.0, 200.0)], terrain: None };
         for azimuth_deg in [0.0, 45.0, 90.0, 135.0, 270.0] {
             let at = |distance_m| {
                 ground.elevation_m_at(geodesy::destination(Position::new(47.0, -114.0), azimuth_deg, distance_m))

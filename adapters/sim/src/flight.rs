@@ -236,7 +236,8 @@ impl ActiveOrder {
         let landing = matches!(self.order, Order::Land { .. });
         match &self.stage {
             Stage::ClimbOut => (here.altitude_m, slow(1.4)),
-            Stage::Way => {
+            // A wait climbs or descends to the altitude of the way, for which its space was looked for.
+            Stage::Wait(_) | Stage::Way => {
                 let stated_m = self.way.as_ref().and_then(Way::altitude_m);
                 (stated_m.unwrap_or(here.altitude_m), here.true_airspeed)
             }

@@ -1,6 +1,6 @@
 //! The ground under the vehicle: only the patches near it are read, chosen again when it has moved on.
 
-use crate::config::Ground;
+use crate::config::{Ground, GroundPatch};
 use crate::geodesic::bearing;
 use apex_geo::geodesy::wrap_180;
 use apex_model::problem::Position;
@@ -14,15 +14,15 @@ const NEAR_M: f64 = 16_000.0;
 #[derive(Clone, Debug)]
 pub(crate) struct Terrain {
     all: Ground,
-    near: Ground,
+    /// The patches near the vehicle.
+    near: Vec<GroundPatch>,
     /// Position for which `near` was chosen.
     middle: Option<Position>,
 }
 
 impl Terrain {
     pub(crate) fn new(all: Ground) -> Terrain {
-        let near = Ground { elevation_m: all.elevation_m, patches: Vec::new() };
-        Terrain { all, near, middle: None }
+        Terrain { all, near: Vec::new(), middle: None }
     }
 
     /// Elevation anywhere.
@@ -33,7 +33,7 @@ impl Terrain {
     /// Elevation under the vehicle: the same number, found faster from step to step.
     pub(crate) fn elevation_m_below(&mut self, vehicle: Position) -> f64 {
         if self.all.patches.is_empty() {
-            return self.all.elevation_m;
+            return self.all.elevation_m_at(vehicle);
         }
         let holds = |middle: Position| {
             (vehicle.latitude_deg - middle.latitude_deg).abs() < NEAR_DEG
@@ -42,10 +42,10 @@ impl Terrain {
         if !self.middle.is_some_and(holds) {
             let patches = self.all.patches.iter();
             let within = patches.filter(|patch| bearing(vehicle, patch.position).1 <= patch.radius_m + NEAR_M);
-            self.near.patches = within.cloned().collect();
+            self.near = within.cloned().collect();
             self.middle = Some(vehicle);
         }
-        self.near.elevation_m_at(vehicle)
+        self.all.elevation_m_among(&self.near, vehicle)
     }
 }
 
@@ -65,7 +65,7 @@ mod tests {
                 elevation_m: index,
             }
         });
-        let mut terrain = Terrain::new(Ground { elevation_m: -1.0, patches: patches.collect() });
+        let mut terrain = Terrain::new(Ground { elevation_m: -1.0, patches: patches.collect(), terrain: None });
         let mut seen = Vec::new();
         for step in 0..4_000 {
             let position = destination(Position::new(59.8, 177.5), 33.0, 150.0 * f64::from(step));

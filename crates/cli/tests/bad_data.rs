@@ -241,3 +241,25 @@ fn what_is_no_mission_is_told_apart() {
     assert_eq!(desk.names(), ["go.jsonl", "greetings.pdl"]);
     picture("mission.pdl", "(step up", "(step up (", &["error[", "m/mission.pdl:", "fix: "]);
 }
+
+#[test]
+fn a_check_reads_the_data_of_the_mission() {
+    let desk = Desk::with_mission("first-picture");
+    let good = desk.apex(&["check", "m"]).well();
+    assert!(!good.out.contains("in the data"), "{}", good.out);
+    desk.change("m/targets.geojson", SPOT, "[37.4155, -122.0535]");
+    let said = desk.apex(&["check", "m"]);
+    assert_eq!(said.code, Some(2), "{said:?}");
+    let said = said.told(&[
+        "error: m/targets.geojson: feature 1 `hangar-1`: impossible coordinates",
+        "0 errors, 0 warnings",
+        "1 error in the data of the mission",
+    ]);
+    assert_eq!(said.err, "");
+    let lines = desk.apex(&["check", "m", "--json"]).json_lines();
+    let error = lines.iter().find(|line| line["severity"] == "error").unwrap();
+    assert!(error["file"].as_str().unwrap().contains("targets.geojson"), "{error}");
+    assert!(!error["help"].as_array().unwrap().is_empty(), "{error}");
+    // A fragment has no data of its own.
+    desk.apex(&["check", "m", "--fragment"]).well();
+}

@@ -106,7 +106,7 @@ fn a_wrong_vehicle_file_is_refused_with_its_field() {
         "\"value\": -1, \"source\": \"none\"}",
         &[
             "vehicle file `m/my-uav.json`: invalid `flight.ceiling_m`",
-            "why: expected a number greater than zero, found -1",
+            "why: expected a number greater than 0 and at most 50000, found -1",
             "help: correct the figure",
         ],
     );

@@ -14,6 +14,7 @@ pub mod location;
 pub mod perimeter;
 pub mod plane;
 pub mod sun;
+pub mod terrain;
 mod time_limit;
 pub mod travel;
 pub mod wind;

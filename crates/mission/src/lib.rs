@@ -15,6 +15,7 @@ pub mod files;
 pub mod fixing;
 pub mod flight;
 pub mod fork;
+mod ground;
 pub mod link;
 mod link_form;
 mod link_level;
@@ -43,6 +44,7 @@ mod sources;
 mod surroundings;
 mod tables;
 mod targets;
+mod terrain;
 pub mod text;
 pub mod vehicle;
 pub mod verification;
@@ -55,6 +57,8 @@ pub use surroundings::Airfield;
 pub use targets::{Fire, PictureTerms, Site, Target, TargetKind};
 
 use crate::error::{MissionError, MissionResult};
+use apex_geo::geodesy;
+use apex_geo::terrain::Terrain;
 use apex_model::library::{AgentDeclaration, Library};
 use apex_model::planned::Location;
 use apex_model::problem::{AirspaceZone, CrewMember, FailureTerm, LandingPlace, Position, WindField};
@@ -98,6 +102,10 @@ pub struct Mission {
     pub zones: Vec<AirspaceZone>,
     /// Airfields.
     pub airfields: Vec<Airfield>,
+    /// The ground, where the mission has files of it; without them it is known at targets and airfields alone.
+    pub terrain: Option<Arc<Terrain>>,
+    /// Highest ground of `terrain` between and around targets and airfields; negative infinity without terrain.
+    pub highest_ground_m: f64,
     /// Wind that the planner believes in.
     pub forecast: WindField,
     /// All forecasts by the names of their files: the first is assumed at the start, others when they are said to be out.
@@ -162,20 +170,20 @@ impl Mission {
         let settings = settings::read(&library)?;
         let mut files = Files { sources, place: settings.place.clone(), data: Vec::new() };
         let model = vehicle::load(&settings.model, &mut files)?;
+        let terrain = files.terrain(&settings.terrain)?;
         let terms = Terms {
             duration_s: settings.duration.seconds(),
             epoch_unix_s: settings.epoch_unix_s,
             money_per_point: settings.value_unit,
+            terrain: terrain.as_ref(),
         };
         let mut targets =
             files.read("targets", &settings.targets, |file| targets::read(file, terms))?.unwrap_or_default();
         costs::apply(&settings, &library, &mut targets)?;
-        let airfields = files.read("airfields", &settings.airfields, surroundings::airfields)?.unwrap_or_default();
-        let mut forecasts = Vec::new();
-        for name in &settings.forecasts {
-            let wind = files.read("forecast", &Some(name.clone()), surroundings::wind)?;
-            forecasts.push((name.clone(), wind.unwrap_or_default()));
-        }
+        let airfields = files
+            .read("airfields", &settings.airfields, |file| surroundings::airfields(file, terrain.as_deref()))?
+            .unwrap_or_default();
+        let forecasts = files.forecasts(&settings.forecasts)?;
         let forecast = forecasts.first().map(|(_, wind)| wind.clone());
         let weather = files.read("weather", &settings.weather, surroundings::wind)?;
         let planned_margin_m = match targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_))) {
@@ -211,8 +219,11 @@ impl Mission {
             model,
             targets,
             airfields,
+            terrain,
+            highest_ground_m: f64::NEG_INFINITY,
         };
         (mission.start, mission.start_altitude_m) = mission.start_place()?;
+        mission.highest_ground_m = mission.ground_between_m();
         mission.check_ceiling()?;
         mission.modems = modems::read(&mission)?;
         mission.read_links()?;
@@ -222,6 +233,7 @@ impl Mission {
             model: &mission.model,
             zones: &mission.zones,
             landing_places: mission.landing_places(),
+            forecast: &mission.forecast,
             start: mission.start,
             start_altitude_m: mission.start_altitude_m,
         })?;
@@ -260,7 +272,14 @@ impl Mission {
 
     fn start_place(&self) -> MissionResult<(Position, f64)> {
         let start = &self.settings.start;
-        self.place(start).ok_or_else(|| {
+        let found = self.place(start).map(|(position, stated_m)| {
+            let stated_m = (stated_m != 0.0).then_some(stated_m);
+            let ground_m = terrain::elevation_m(self.terrain.as_deref(), position, stated_m);
+            let ground_m =
+                ground_m.map_err(|mismatch| mismatch.error(&format!("the start `{start}`"), &self.settings.place));
+            ground_m.map(|ground_m| (position, ground_m))
+        });
+        found.transpose()?.ok_or_else(|| {
             let mut names: Vec<&str> = self.place_names().collect();
             names.truncate(12);
             MissionError::setting(format!("the vehicle's start `:at {start}` is no place"))
@@ -269,12 +288,43 @@ impl Mission {
         })
     }
 
+    /// Highest ground of the terrain in the box around all places, with space for turns.
+    fn ground_between_m(&self) -> f64 {
+        let room_m = self.ground_room_m();
+        let places = self.targets.iter().map(|target| target.position).chain([self.start]);
+        let places: Vec<Position> = places.chain(self.airfields.iter().map(|field| field.position)).collect();
+        let corners =
+            |place: &Position| [45.0, 225.0].map(|azimuth_deg| geodesy::destination(*place, azimuth_deg, 1.5 * room_m));
+        let around: Vec<Position> = places.iter().flat_map(corners).collect();
+        let found = self.terrain.as_ref().zip(geodesy::bounding_area(&around));
+        found.and_then(|(terrain, area)| terrain.highest_m_in(&area)).unwrap_or(f64::NEG_INFINITY)
+    }
+
+    /// Space for turns around a place.
+    fn ground_room_m(&self) -> f64 {
+        ROOM_M_MIN.max(ROOM_RADII * vehicle::turn_radius_m(&self.model))
+    }
+
+    /// The lowest altitude that keeps the clearance of requirement `terrain` within `reach_m` of a place and of the turns around it;
+    /// none where the ground is not known.
+    pub(crate) fn clear_altitude_m(&self, position: Position, reach_m: f64) -> Option<f64> {
+        let highest_m = self.terrain.as_ref()?.highest_m_near(position, reach_m + self.ground_room_m())?;
+        Some(highest_m + self.requirements.terrain_clearance_m.unwrap_or(0.0))
+    }
+
     /// Altitude above mean sea level of flights between targets.
     pub fn cruise_altitude_m(&self) -> f64 {
         let targets = self.targets.iter().map(|target| target.elevation_m + target.height_m);
         let fields = self.airfields.iter().map(|airfield| airfield.elevation_m);
         let highest_m = targets.chain(fields).fold(self.start_altitude_m, f64::max);
-        self.model.planning.cruise.altitude_m(highest_m)
+        let cruise = &self.model.planning.cruise;
+        // Over everything where the vehicle can; around what is higher where it cannot.
+        let over_all_m = cruise.altitude_m(highest_m.max(self.highest_ground_m));
+        if over_all_m <= self.model.planning.ceiling_share * self.model.ceiling_m {
+            over_all_m
+        } else {
+            cruise.altitude_m(highest_m)
+        }
     }
 
     fn place_names(&self) -> impl Iterator<Item = &str> {
@@ -333,6 +383,10 @@ pub fn read_wind(path: &Path) -> MissionResult<WindField> {
     surroundings::wind(&DataFile { place: path.display().to_string(), bytes })
 }
 
+/// Room for turns next to a place: so many turn radii, and for vehicles that turn on the spot.
+const ROOM_RADII: f64 = 3.0;
+const ROOM_M_MIN: f64 = 50.0;
+
 fn possible(position: Position) -> bool {
     position.latitude_deg.abs() <= 90.0 && position.longitude_deg.abs() <= 180.0
 }
@@ -345,6 +399,25 @@ struct Files<'a> {
 }
 
 impl Files<'_> {
+    /// The ground of these files; none without any.
+    fn terrain(&mut self, names: &[String]) -> MissionResult<Option<Arc<Terrain>>> {
+        let mut grids = Vec::new();
+        for name in names {
+            grids.extend(self.read("terrain", &Some(name.clone()), terrain::grid)?);
+        }
+        Ok(Terrain::new(grids).map(Arc::new))
+    }
+
+    /// The forecasts of these files with their names.
+    fn forecasts(&mut self, names: &[String]) -> MissionResult<Vec<(String, WindField)>> {
+        let mut forecasts = Vec::new();
+        for name in names {
+            let wind = self.read("forecast", &Some(name.clone()), surroundings::wind)?;
+            forecasts.push((name.clone(), wind.unwrap_or_default()));
+        }
+        Ok(forecasts)
+    }
+
     fn read<T>(
         &mut self,
         option: &str,

@@ -5,7 +5,6 @@ use crate::vehicle::{Airframe, VehicleModel};
 use apex_geo::wind;
 use apex_model::problem::{Position, WindField};
 use apex_observation::clarity::{AttitudeHold, share_within};
-use apex_observation::footprint::Ground;
 use apex_observation::predict::{AirConditions, Conditions, PredictedScanner};
 use apex_observation::result::LossCause;
 use apex_observation::sensor::{CameraSetting, Gimbal, RateLimits, RollLimits, ScannerMode};
@@ -42,28 +41,6 @@ pub(crate) const TIMING: [LossCause; 7] = [
 /// Share of valid lines in turbulence of this eddy dissipation rate, m^(2/3)/s.
 pub(crate) fn clarity(scanner: &PredictedScanner, edr: f64) -> f64 {
     scanner.setting.roll.map_or(1.0, |roll| share_within(scanner.hold.roll_sigma_deg(edr), &roll))
-}
-
-/// Terrain is not known: the ground lies at the elevation of each target.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct NoTerrain {
-    /// Elevation of the lowest target, m.
-    pub(crate) lowest_m: f64,
-}
-
-impl Ground for NoTerrain {
-    fn elevation_m_at(&self, _: Position) -> Option<f64> {
-        None
-    }
-
-    /// No higher than any target, so that each one's own elevation counts.
-    fn elevation_range_m(&self) -> (f64, f64) {
-        (self.lowest_m - 1.0, self.lowest_m)
-    }
-
-    fn cell_m(&self) -> f64 {
-        f64::INFINITY
-    }
 }
 
 /// The line scanner that a vehicle carries, in the mode that it is flown in, and how the vehicle holds its attitude; none if

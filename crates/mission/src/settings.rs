@@ -34,6 +34,8 @@ pub struct Settings {
     pub targets: Option<String>,
     /// Zones.
     pub airspace: Option<String>,
+    /// Files of elevations, the first that knows an elevation counts.
+    pub terrain: Vec<String>,
     /// Emergency landing places and bases.
     pub airfields: Option<String>,
     /// Winds that the planner assumes, in sequence.
@@ -89,6 +91,7 @@ const KNOWN: &[&str] = &[
     "seed",
     "targets",
     "airspace",
+    "terrain",
     "airfields",
     "forecast",
     "weather",
@@ -163,6 +166,7 @@ pub(crate) fn read(library: &Library) -> MissionResult<Settings> {
         seed: reader.seed()?,
         targets: reader.text("targets")?,
         airspace: reader.text("airspace")?,
+        terrain: reader.texts("terrain")?,
         airfields: reader.text("airfields")?,
         forecasts: reader.texts("forecast")?,
         weather: reader.text("weather")?,

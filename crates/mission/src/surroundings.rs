@@ -4,6 +4,7 @@ use super::{features, tables};
 use crate::error::MissionResult;
 use crate::sources::DataFile;
 use apex_geo::plane::{Plane, Point};
+use apex_geo::terrain::Terrain;
 use apex_geo::travel::crossing;
 use apex_model::problem::{
     AirspaceZone, Area, CrewMember, FOREVER_S, Position, TimeWindow, WindField, WindLayer, ZoneKind,
@@ -111,11 +112,11 @@ fn in_order(feature: &features::NamedFeature, corners: &[Position]) -> MissionRe
         .help("give the corners in order around the area, each once; two areas are two polygons"))
 }
 
-/// Reads airfields.
+/// Reads airfields on this ground.
 ///
 /// # Errors
 /// As docs/reference/mission-data.md lists them.
-pub(crate) fn airfields(file: &DataFile) -> MissionResult<Vec<Airfield>> {
+pub(crate) fn airfields(file: &DataFile, terrain: Option<&Terrain>) -> MissionResult<Vec<Airfield>> {
     features::read(file)?
         .iter()
         .map(|feature| {
@@ -123,7 +124,7 @@ pub(crate) fn airfields(file: &DataFile) -> MissionResult<Vec<Airfield>> {
             Ok(Airfield {
                 id: feature.id.clone(),
                 position: feature.position()?,
-                elevation_m: feature.number("elevation_m", -500.0, 9_000.0)?.unwrap_or(0.0),
+                elevation_m: feature.elevation_m(terrain)?,
             })
         })
         .collect()

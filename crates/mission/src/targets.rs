@@ -6,8 +6,10 @@ pub(crate) use looks::Terms;
 
 use super::features::{self, NamedFeature};
 use crate::error::MissionResult;
+use crate::ground::MissionGround;
 use crate::sources::DataFile;
 use apex_geo::geodesy;
+use apex_geo::terrain::Terrain;
 use apex_metrics::tabulate::POINTS_MAX;
 use apex_model::problem::{CostFunction, EventRate, Position};
 use apex_observation::grid::{GridSettings, PLANNING_CELLS, TargetGrid};
@@ -167,7 +169,7 @@ fn maximum(cost: &CostFunction) -> f64 {
 ///
 /// # Errors
 /// As docs/reference/mission-data.md lists them, each with file, feature and property.
-pub(crate) fn read(file: &DataFile, terms: Terms) -> MissionResult<Vec<Target>> {
+pub(crate) fn read(file: &DataFile, terms: Terms<'_>) -> MissionResult<Vec<Target>> {
     let features = features::read(file)?;
     let targets = features.iter().map(|feature| target(feature, terms)).collect::<MissionResult<Vec<_>>>()?;
     for (feature, target) in features.iter().zip(&targets) {
@@ -182,7 +184,7 @@ pub(crate) fn read(file: &DataFile, terms: Terms) -> MissionResult<Vec<Target>> 
     Ok(targets)
 }
 
-fn target(feature: &NamedFeature, terms: Terms) -> MissionResult<Target> {
+fn target(feature: &NamedFeature, terms: Terms<'_>) -> MissionResult<Target> {
     let polygons = feature.polygons()?;
     let kind = feature.word("kind", &["fire", "inspection", "structure", "target", "base"])?;
     let is_line = !feature.line()?.is_empty();
@@ -207,7 +209,7 @@ fn target(feature: &NamedFeature, terms: Terms) -> MissionResult<Target> {
         id: feature.id.clone(),
         name: feature.name.clone(),
         position: feature.position()?,
-        elevation_m: elevation_m(feature)?,
+        elevation_m: feature.elevation_m(terms.terrain.map(Arc::as_ref))?,
         announced_late: feature.word("announced", &["at-start", "by-event"])? == Some("by-event"),
         height_m: feature.number("height_m", 0.0, 9_000.0)?.unwrap_or(0.0),
         polygons,
@@ -221,7 +223,7 @@ const PERIMETER_WIDTH_M: f64 = 500.0;
 /// Corners of the polygon that represents a circle.
 const CIRCLE_CORNERS: u32 = 64;
 
-fn fire(feature: &NamedFeature, polygons: &[Vec<Position>], terms: Terms) -> MissionResult<Fire> {
+fn fire(feature: &NamedFeature, polygons: &[Vec<Position>], terms: Terms<'_>) -> MissionResult<Fire> {
     let acres = feature.number("acres", f64::MIN_POSITIVE, 1e9)?;
     let area_m2 = match (acres, polygons.is_empty()) {
         (_, false) => polygons.iter().map(|ring| features::area_m2(ring)).sum(),
@@ -237,17 +239,28 @@ fn fire(feature: &NamedFeature, polygons: &[Vec<Position>], terms: Terms) -> Mis
     let wanted = ObservedTarget {
         name: feature.id.clone(),
         area: area(feature, polygons, position, radius_m)?,
-        elevation_m: elevation_m(feature)?,
+        elevation_m: feature.elevation_m(terms.terrain.map(Arc::as_ref))?,
         is_water: feature.flag("water")?.unwrap_or(false),
         looks: looks::read(feature, position, terms)?,
         after: looks::after(feature)?,
     };
-    Ok(Fire { radius_m, grid: grid(feature, &wanted)?, wanted, pictures: picture_terms(feature)? })
+    if polygons.is_empty() {
+        feature.covered(terms.terrain.map(Arc::as_ref), circle(position, radius_m))?;
+    }
+    Ok(Fire { radius_m, grid: grid(feature, &wanted, terms.terrain)?, wanted, pictures: picture_terms(feature)? })
 }
 
-fn grid(feature: &NamedFeature, wanted: &ObservedTarget) -> MissionResult<Arc<TargetGrid>> {
+fn grid(
+    feature: &NamedFeature,
+    wanted: &ObservedTarget,
+    terrain: Option<&Arc<Terrain>>,
+) -> MissionResult<Arc<TargetGrid>> {
     let settings = GridSettings { cells: PLANNING_CELLS, ..GridSettings::default() };
-    TargetGrid::new(wanted, settings).map(Arc::new).map_err(|error| {
+    let on_ground = |grid: TargetGrid| match terrain {
+        None => grid,
+        Some(terrain) => grid.with_elevations(&MissionGround::new(Some(Arc::clone(terrain)), wanted.elevation_m)),
+    };
+    TargetGrid::new(wanted, settings).map(on_ground).map(Arc::new).map_err(|error| {
         feature
             .trouble("its ground cannot be cut into cells")
             .because(error)
@@ -256,7 +269,7 @@ fn grid(feature: &NamedFeature, wanted: &ObservedTarget) -> MissionResult<Arc<Ta
 }
 
 /// A point, a line or an area that a camera observes. A point is at the height of the thing itself.
-fn inspection(feature: &NamedFeature, polygons: &[Vec<Position>], terms: Terms) -> MissionResult<Fire> {
+fn inspection(feature: &NamedFeature, polygons: &[Vec<Position>], terms: Terms<'_>) -> MissionResult<Fire> {
     let position = feature.position()?;
     let line = feature.line()?;
     let (area, reach) = match (polygons.is_empty(), line.is_empty()) {
@@ -271,13 +284,13 @@ fn inspection(feature: &NamedFeature, polygons: &[Vec<Position>], terms: Terms) 
     let wanted = ObservedTarget {
         name: feature.id.clone(),
         area,
-        elevation_m: elevation_m(feature)? + height_m,
+        elevation_m: feature.elevation_m(terms.terrain.map(Arc::as_ref))? + height_m,
         is_water: feature.flag("water")?.unwrap_or(false),
         looks: looks::read(feature, position, terms)?,
         after: looks::after(feature)?,
     };
     let radius_m = reach.iter().map(|place| geodesy::distance_m(position, *place)).fold(0.0, f64::max);
-    Ok(Fire { radius_m, grid: grid(feature, &wanted)?, wanted, pictures: picture_terms(feature)? })
+    Ok(Fire { radius_m, grid: grid(feature, &wanted, terms.terrain)?, wanted, pictures: picture_terms(feature)? })
 }
 
 /// Overlap of the pictures of a line, and of neighbouring lines, where the mission states none: enough to join the pictures.
@@ -330,10 +343,6 @@ fn area(
 fn circle(centre: Position, radius_m: f64) -> Vec<Position> {
     let corner = |number| geodesy::destination(centre, 360.0 * f64::from(number) / f64::from(CIRCLE_CORNERS), radius_m);
     (0..CIRCLE_CORNERS).map(corner).collect()
-}
-
-fn elevation_m(feature: &NamedFeature) -> MissionResult<f64> {
-    Ok(feature.number("elevation_m", -500.0, 9_000.0)?.unwrap_or(0.0))
 }
 
 fn site(feature: &NamedFeature) -> MissionResult<Site> {

@@ -11,11 +11,16 @@ pub(crate) fn sites(mission: &Mission) -> impl Iterator<Item = &Target> {
 /// Altitude above mean sea level from which a site is observed.
 pub fn visit_altitude_m(mission: &Mission, site: &Target) -> f64 {
     match mission.model.airframe {
-        Airframe::Rotorcraft => site.elevation_m + hover_height_m(mission, site),
+        Airframe::Rotorcraft => {
+            let clear_m = mission.clear_altitude_m(site.position, 0.0).map(|clear_m| clear_m + LEVEL_M);
+            (site.elevation_m + hover_height_m(mission, site)).max(clear_m.unwrap_or(f64::NEG_INFINITY))
+        }
         Airframe::FixedWing => {
             let planning = &mission.model.planning;
             let highest_m = sites(mission).map(|site| site.elevation_m).fold(f64::NEG_INFINITY, f64::max);
-            (highest_m + planning.visit_height_m).min(planning.ceiling_share * mission.model.ceiling_m)
+            let clear_m = sites(mission).filter_map(|site| mission.clear_altitude_m(site.position, 0.0));
+            let clear_m = clear_m.fold(f64::NEG_INFINITY, f64::max) + LEVEL_M;
+            (highest_m + planning.visit_height_m).max(clear_m).min(planning.ceiling_share * mission.model.ceiling_m)
         }
     }
 }

@@ -6,6 +6,10 @@ use apex_sim::{BurnableSite, Ground, GroundPatch, LivingWorld, Modem, NamedPlace
 
 /// Added around every target for its patch of ground: aircraft see and turn next to it.
 const PATCH_MARGIN_M: f64 = 10_000.0;
+/// Ground at the elevation of the start where there is no other.
+const START_M: f64 = 1_000.0;
+/// Levelled ground around an airfield on known terrain.
+const FIELD_M: f64 = 300.0;
 /// Heading of the parked vehicle.
 const START_HEADING_DEG: f64 = 0.0;
 
@@ -82,16 +86,21 @@ fn ground(mission: &Mission) -> Ground {
         radius_m: radius_m(target) + PATCH_MARGIN_M,
         elevation_m: target.elevation_m,
     };
+    // Where the terrain is known, fields alone are levelled.
+    let is_known = mission.terrain.is_some();
+    let field_m = if is_known { FIELD_M } else { PATCH_MARGIN_M };
     let airfields = mission.airfields.iter().map(|airfield| GroundPatch {
         position: airfield.position,
-        radius_m: PATCH_MARGIN_M,
+        radius_m: field_m,
         elevation_m: airfield.elevation_m,
     });
-    let mut patches: Vec<GroundPatch> = mission.targets.iter().map(target_patch).chain(airfields).collect();
+    let targets = mission.targets.iter().filter(|_| !is_known).map(target_patch);
+    let mut patches: Vec<GroundPatch> = targets.chain(airfields).collect();
+    let start_m = if is_known { FIELD_M } else { START_M };
     // Later patches win: the start's own ground must be the one below it.
-    patches.push(GroundPatch { position: mission.start, radius_m: 1_000.0, elevation_m: mission.start_altitude_m });
+    patches.push(GroundPatch { position: mission.start, radius_m: start_m, elevation_m: mission.start_altitude_m });
     let lowest_m = patches.iter().map(|patch| patch.elevation_m).fold(mission.start_altitude_m, f64::min);
-    Ground { elevation_m: lowest_m, patches }
+    Ground { elevation_m: lowest_m, patches, terrain: mission.terrain.clone() }
 }
 
 fn radius_m(target: &Target) -> f64 {

@@ -263,6 +263,47 @@ fn what_is_kept_is_reported_and_raises_no_alarm() {
     flown.assert_replays();
 }
 
+/// The camera of a helicopter in the evening: at 01:30 UTC of the equinox the sun stands 5 degrees above the western horizon there.
+fn evening(target: &str) -> Flown {
+    fly(
+        ":vehicle (sim :model rmax :at home) :start \"2026-03-20T01:30:00Z\" :duration 1h :targets \"base.geojson\"",
+        &format!(
+            "(procedure :sequential (index (fly the mission)) (step up (take off to 60m)) (step work (work)))\n\
+             (procedure (index (work)) (step guard (guard the flight)) (step power (power-up camera-1)) \
+               (step look (orient camera-1 to {target}) (waitfor (end ?power)) (on-failure (wait 0s))) \
+               (step end (terminate) (waitfor (:delay 2min))))"
+        ),
+        &[("base.geojson", BASE)],
+    )
+}
+
+#[test]
+fn a_camera_that_looks_into_the_sun_rests() {
+    let flown = evening("(37.0 -117.05 60)");
+    let alarms = flown.said("requirement-at-risk");
+    assert!(alarms[0].1.starts_with("(requirement-at-risk sun \"camera-1\""), "{alarms:?}");
+    assert!(alarms[0].1.ends_with("stow camera-1)"), "{alarms:?}");
+    let states: Vec<(f64, String)> = flown
+        .events()
+        .into_iter()
+        .filter_map(|(at_s, kind)| match kind {
+            EventKind::Measurement(variable, value) if variable.attribute.is("camera-state") => {
+                Some((at_s, value.to_string()))
+            }
+            _ => None,
+        })
+        .collect();
+    let rested = states.iter().find(|(at_s, state)| *at_s >= alarms[0].0 && state == "ready");
+    assert!(rested.is_some_and(|(at_s, _)| at_s - alarms[0].0 < 5.0), "{states:?}, {alarms:?}");
+    flown.assert_replays();
+}
+
+#[test]
+fn a_camera_that_looks_down_needs_no_response_to_the_sun() {
+    let flown = evening("(37.001 -117.001 0)");
+    assert_eq!(flown.said("requirement-at-risk"), []);
+}
+
 #[test]
 fn a_requirement_that_cannot_be_met_from_the_start_is_an_error() {
     let load = |options: &str, files: &[(&str, &str)]| {
@@ -290,6 +331,11 @@ fn a_requirement_that_cannot_be_met_from_the_start_is_an_error() {
     assert!(far.contains("no landing place"), "{far}");
     let high = load(":requirements ((terrain :clearance 9km))", &[]);
     assert!(high.contains("`terrain`") && high.contains("ceiling"), "{high}");
+    let windy = "altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps,edr\n0,20000,270,20,0.3\n";
+    let wind = load(":forecast \"wind.csv\" :requirements ((wind :at-most 15m/s))", &[("wind.csv", windy)]);
+    assert!(wind.contains("`wind`") && wind.contains("20.00 m/s"), "{wind}");
+    let edr = load(":forecast \"wind.csv\" :requirements ((turbulence :at-most 0.2))", &[("wind.csv", windy)]);
+    assert!(edr.contains("`turbulence`") && edr.contains("0.30"), "{edr}");
     for wrong in
         ["(airspaces :off)", "(energy :reserve 5m)", "(wind :at-most -3m/s)", "(terrain)", "(airspace :time)", "wind"]
     {

@@ -8,6 +8,11 @@ use crate::sensor::Optics;
 
 /// Slowest indicated airspeed at which a fixed wing can stay in the air.
 const FIXED_WING_M_S_MIN: f64 = 5.0;
+/// Figures above these are taken for mistakes in units: no aircraft has them.
+const MASS_KG_MAX: f64 = 1e6;
+const SPEED_M_S_MAX: f64 = 1_000.0;
+const CLIMB_M_S_MAX: f64 = 300.0;
+const CEILING_M_MAX: f64 = 50_000.0;
 /// A range shorter than this is taken for a mistake in units.
 const RANGE_M_MIN: f64 = 1_000.0;
 /// Greatest deviation of the endurance by the energy figures from the stated one.
@@ -39,20 +44,20 @@ impl VehicleModel {
         let if_rotorcraft = |rule: Rule| if fixed_wing { Rule::Between(0.0, 0.0) } else { rule };
         let slowest = if_fixed_wing(Rule::Between(FIXED_WING_M_S_MIN, 500.0));
         let figures = [
-            ("mass_kg", self.mass_kg, Rule::Positive),
+            ("mass_kg", self.mass_kg, Rule::AboveUpTo(0.0, MASS_KG_MAX)),
             ("indicated_airspeed_m_s_stall", self.indicated_airspeed_m_s_stall, if_fixed_wing(Rule::Positive)),
             ("indicated_airspeed_m_s_min", self.indicated_airspeed_m_s_min, slowest),
-            ("true_airspeed_m_s_cruise", self.true_airspeed_m_s_cruise, Rule::Positive),
-            ("true_airspeed_m_s_max", self.true_airspeed_m_s_max, Rule::Positive),
+            ("true_airspeed_m_s_cruise", self.true_airspeed_m_s_cruise, Rule::AboveUpTo(0.0, SPEED_M_S_MAX)),
+            ("true_airspeed_m_s_max", self.true_airspeed_m_s_max, Rule::AboveUpTo(0.0, SPEED_M_S_MAX)),
             ("acceleration_m_s2_max", self.acceleration_m_s2_max, Rule::Positive),
             ("bank_deg_max", self.bank_deg_max, Rule::AboveUpTo(0.0, 60.0)),
             ("level_roll_deg_max", self.level_roll_deg_max, Rule::AboveUpTo(0.0, 45.0)),
             ("roll_rate_deg_s_max", self.roll_rate_deg_s_max, Rule::Positive),
             ("yaw_rate_deg_s_max", self.yaw_rate_deg_s_max, Rule::Positive),
-            ("climb_rate_m_s_max", self.climb_rate_m_s_max, Rule::Positive),
-            ("descent_rate_m_s_max", self.descent_rate_m_s_max, Rule::Positive),
-            ("ceiling_m", self.ceiling_m, Rule::Positive),
-            ("wind_m_s_max", self.wind_m_s_max, Rule::Positive),
+            ("climb_rate_m_s_max", self.climb_rate_m_s_max, Rule::AboveUpTo(0.0, CLIMB_M_S_MAX)),
+            ("descent_rate_m_s_max", self.descent_rate_m_s_max, Rule::AboveUpTo(0.0, CLIMB_M_S_MAX)),
+            ("ceiling_m", self.ceiling_m, Rule::AboveUpTo(0.0, CEILING_M_MAX)),
+            ("wind_m_s_max", self.wind_m_s_max, Rule::AboveUpTo(0.0, SPEED_M_S_MAX)),
             ("glide_ratio", self.glide_ratio, Rule::Between(0.0, 60.0)),
             ("final_approach_m", self.final_approach_m, if_fixed_wing(Rule::Positive)),
             ("final_approach_height_m", self.final_approach_height_m, if_fixed_wing(Rule::Positive)),

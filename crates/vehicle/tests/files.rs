@@ -122,7 +122,7 @@ fn a_figure_without_a_source_is_refused() {
 
 #[test]
 fn figures_that_cannot_be_are_named_with_their_rule() {
-    rejects("rmax", "\"value\": 12.0,", "\"value\": -12.0,", "flight.true_airspeed_m_s_cruise", "greater than zero");
+    rejects("rmax", "\"value\": 12.0,", "\"value\": -12.0,", "flight.true_airspeed_m_s_cruise", "greater than 0");
     rejects(
         "rmax",
         "\"value\": 2500.0, \"source\": \"assumption\"}",
@@ -152,6 +152,8 @@ fn figures_that_cannot_be_are_named_with_their_rule() {
         "true_airspeed_m_s_max",
     );
     rejects("predator-b", "\"value\": 7000.0", "\"value\": 20000", "planning.cruise_altitude_m", "`flight.ceiling_m`");
+    rejects("predator-b", "\"value\": 15240.0", "\"value\": 1e9", "flight.ceiling_m", "at most 50000");
+    rejects("predator-b", "\"value\": 118.3", "\"value\": 2300", "flight.true_airspeed_m_s_max", "at most 1000");
     rejects("predator-b", "[0.55, 0.0, 0.45]", "[0.55, 0.0, -0.55]", "fuel.share", "greater than zero");
     rejects("rmax", "\"value\": 8.2", "\"value\": 1.2e-5", "fuel.capacity_kg", "expected energy for at least 1000 m");
     rejects(

@@ -5,11 +5,14 @@ use crate::error::{CliError, CliResult};
 use crate::options::CheckOptions;
 use crate::{output, sources};
 use apex_executive::memory;
-use apex_mission::check_report;
+use apex_mission::error::{MissionError, MissionResult};
+use apex_mission::{Mission, check_report};
 use apex_pdl::{Checked, Severity};
 use std::io::IsTerminal;
+use std::path::Path;
+use std::sync::Arc;
 
-/// Checks each file alone with the files that it requires.
+/// Checks each file by itself with what it requires; of a mission the data, too.
 pub fn run(options: &CheckOptions) -> CliResult {
     if options.fix {
         return fix::run(options);
@@ -22,9 +25,15 @@ pub fn run(options: &CheckOptions) -> CliResult {
         if options.memory {
             memory(&checked, options.json)?;
         }
+        let data = if options.fragment || checked.has_errors() { Ok(()) } else { check_data(file, &checked) };
+        wrong |= data.is_err();
+        if let Err(error) = &data {
+            print_data(error, options.json)?;
+        }
         if !options.json {
+            let of_data = if data.is_err() { "; 1 error in the data of the mission" } else { "" };
             output::print_line(format_args!(
-                "{}: {}",
+                "{}: {}{of_data}",
                 sources::program_path(file).display(),
                 check_report::summary(&checked)
             ))?;
@@ -34,6 +43,33 @@ pub fn run(options: &CheckOptions) -> CliResult {
         }
     }
     if wrong { Err(CliError::already_reported()) } else { Ok(()) }
+}
+
+/// Reads the data of a mission, as planning and flying do. A program without a vehicle has none.
+fn check_data(file: &Path, checked: &Checked) -> MissionResult {
+    let application = checked.library.application.as_ref();
+    if application.is_none_or(|application| application.option("vehicle").is_none()) {
+        return Ok(());
+    }
+    Mission::of_program(file, Arc::new(checked.library.clone())).map(|_| ())
+}
+
+/// Prints an error of a mission's data, as text or as a JSON line with the members of a diagnostic.
+fn print_data(error: &MissionError, json: bool) -> CliResult {
+    if !json {
+        return output::print_line(format_args!("error: {error}\n"));
+    }
+    output::print_line(serde_json::json!({
+        "code": null,
+        "severity": "error",
+        "message": error.message,
+        "file": error.place,
+        "line": null,
+        "column": null,
+        "reason": error.reason,
+        "help": error.help.iter().collect::<Vec<_>>(),
+        "fixes": [],
+    }))
 }
 
 /// Prints diagnostics, as text or as JSON lines.

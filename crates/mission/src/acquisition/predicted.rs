@@ -3,7 +3,8 @@
 use super::form::path_of;
 use super::paths::{height_m, manoeuvre_of};
 use super::vehicle::{craft_of, elevation_m, instrument_of, scene_of, target_of};
-use crate::observing::{ForecastAir, NoTerrain};
+use crate::ground::MissionGround;
+use crate::observing::ForecastAir;
 use crate::{Mission, TargetKind};
 use apex_geo::geodesy::Position;
 use apex_model::value::Value;
@@ -72,7 +73,7 @@ pub(super) fn forecast_of(
 ) -> Result<Forecast, Refusal> {
     let first_valid_s = BTreeMap::new();
     let air = ForecastAir::new(mission);
-    let ground = NoTerrain { lowest_m: target.elevation_m };
+    let ground = MissionGround::new(mission.terrain.clone(), target.elevation_m);
     let prediction = PredictionContext {
         zero_unix_s: mission.settings.epoch_unix_s.unwrap_or(0.0),
         ground: &ground,

@@ -6,7 +6,8 @@
 //! GAIN PRICE TEXT)` enters the next batch, and is recorded like all inputs.
 //! Bound: one planning problem posed of the n visits that the plan still has ahead, and O(n^2) judgements of them.
 
-use crate::observing::{ForecastAir, NoTerrain, scanner_of};
+use crate::ground::MissionGround;
+use crate::observing::{ForecastAir, scanner_of};
 use crate::problem::single_visits;
 use crate::score::FlownScore;
 use crate::situation::Situation;
@@ -278,7 +279,7 @@ fn gain(
     let grid = observation.grid(&target.id).ok_or("the target has no ground to be seen")?;
     let first_valid_s = observation.first_valid_s();
     let air = PresentAir { forecast: ForecastAir::new(mission), edr: situation.edr() };
-    let ground: &dyn Ground = &NoTerrain { lowest_m: target.elevation_m };
+    let ground: &dyn Ground = &MissionGround::new(mission.terrain.clone(), target.elevation_m);
     let context = PredictionContext {
         zero_unix_s: mission.settings.epoch_unix_s.unwrap_or(0.0),
         ground,

@@ -12,7 +12,9 @@ mod table;
 
 use crate::error::{MissionError, MissionResult};
 use crate::sources::DataFile;
+use crate::terrain;
 use apex_geo::geodesy;
+use apex_geo::terrain::Terrain;
 use apex_model::problem::{Position, TimeWindow};
 use geojson::{Feature, GeometryValue, JsonValue};
 use placed::PlacedFeature;
@@ -78,6 +80,36 @@ impl NamedFeature {
     pub(crate) fn trouble(&self, what: impl std::fmt::Display) -> MissionError {
         let which = if self.id.is_empty() { String::new() } else { format!(" `{}`", self.id) };
         MissionError::data(what.to_string()).at(format!("{}{which}", self.place))
+    }
+
+    /// Elevation of the ground: the property `elevation_m`, that of the terrain if the mission has one, or 0.
+    ///
+    /// # Errors
+    /// An elevation that is not one of the Earth or not that of the terrain; a place that the terrain does not cover.
+    pub(crate) fn elevation_m(&self, terrain: Option<&Terrain>) -> MissionResult<f64> {
+        let stated_m = self.number("elevation_m", -500.0, 9_000.0)?;
+        let Some(terrain) = terrain else { return Ok(stated_m.unwrap_or(0.0)) };
+        let what = format!("`{}`", self.id);
+        let found = terrain::elevation_m(Some(terrain), self.position()?, stated_m);
+        let ground_m = found.map_err(|mismatch| mismatch.error(&what, &self.place))?;
+        self.covered(Some(terrain), self.polygons()?.into_iter().flatten().chain(self.line()?))?;
+        Ok(ground_m)
+    }
+
+    /// All of these places must lie on the terrain, if the mission has one.
+    ///
+    /// # Errors
+    /// The first that does not.
+    pub(crate) fn covered(
+        &self,
+        terrain: Option<&Terrain>,
+        places: impl IntoIterator<Item = Position>,
+    ) -> MissionResult<()> {
+        let Some(terrain) = terrain else { return Ok(()) };
+        let uncovered = places.into_iter().find(|place| terrain.elevation_m_at(*place).is_none());
+        uncovered.map_or(Ok(()), |position| {
+            Err(terrain::Mismatch::NotCovered { position }.error(&format!("`{}`", self.id), &self.place))
+        })
     }
 
     /// Returns true if the property exists.

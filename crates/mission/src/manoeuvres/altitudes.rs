@@ -26,7 +26,9 @@ pub(super) fn of(wish: &Wish<'_>, mode: &ScannerMode) -> Result<Vec<f64>, String
     let ceiling_m = model.ceiling_m * model.planning.ceiling_share;
     // Pixels that are too large are worth nothing: no higher than this.
     let highest_m = ground_m + look.resolution.zero_multiple * look.resolution.wanted_m / mode.pixel_rad();
-    let lowest_m = ground_m + mode.height_m_min_any(model.true_airspeed_m_s_cruise);
+    let scan_m = ground_m + mode.height_m_min_any(model.true_airspeed_m_s_cruise);
+    let clear_m = mission.clear_altitude_m(wish.target.position, wish.fire.radius_m).map(|clear_m| clear_m + LEVEL_M);
+    let lowest_m = clear_m.unwrap_or(scan_m).max(scan_m);
     let top_m = ceiling_m.min(highest_m);
     if lowest_m > top_m {
         let limit = if highest_m < ceiling_m {
@@ -34,7 +36,8 @@ pub(super) fn of(wish: &Wish<'_>, mode: &ScannerMode) -> Result<Vec<f64>, String
         } else {
             format!("the vehicle flies no higher than {ceiling_m:.0} m")
         };
-        return Err(format!("scanning without gaps needs an altitude of {lowest_m:.0} m, {limit}"));
+        let need = if lowest_m > scan_m { "the clearance of the terrain around it" } else { "scanning without gaps" };
+        return Err(format!("{need} needs an altitude of {lowest_m:.0} m, {limit}"));
     }
     if top_m <= ground_m {
         return Err(format!("the ground lies at {ground_m:.0} m, the vehicle flies no higher than {ceiling_m:.0} m"));

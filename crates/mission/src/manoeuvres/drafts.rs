@@ -2,7 +2,8 @@
 
 use super::scanner::quality;
 use super::wish::Wish;
-use crate::observing::{ForecastAir, NoTerrain};
+use crate::ground::MissionGround;
+use crate::observing::ForecastAir;
 use apex_model::problem::{Manoeuvre, PictureWork, Position, QualityFactors};
 use apex_observation::pictures::{PlannedPicture, predict_pictures};
 use apex_observation::predict::PredictionContext;
@@ -30,7 +31,7 @@ pub(super) fn predicted(wish: &Wish<'_>, draft: Draft) -> Option<Manoeuvre> {
     let first_valid_s = BTreeMap::new();
     let context = PredictionContext {
         zero_unix_s: wish.mission.settings.epoch_unix_s.unwrap_or(0.0),
-        ground: &NoTerrain { lowest_m: wanted.elevation_m },
+        ground: &MissionGround::new(wish.mission.terrain.clone(), wanted.elevation_m),
         conditions: &air,
         seen: None,
         products: &[],

@@ -20,7 +20,8 @@ pub(super) fn of(wish: &Wish<'_>, camera: &CameraSetting, look_angle_deg: f64) -
     let Wish { mission, look, .. } = wish;
     let (model, ground_m, seen_m) = (&mission.model, wish.target.elevation_m, wish.fire.wanted.elevation_m);
     let clearance_m = mission.requirements.terrain_clearance_m.unwrap_or(0.0);
-    let lowest_m = ground_m.max(seen_m) + clearance_m + LEVEL_M;
+    let clear_m = mission.clear_altitude_m(wish.target.position, wish.fire.radius_m);
+    let lowest_m = clear_m.unwrap_or(f64::NEG_INFINITY).max(ground_m.max(seen_m) + clearance_m) + LEVEL_M;
     let ceiling_m = model.ceiling_m * model.planning.ceiling_share;
     let cosine = libm::cos(look_angle_deg * RAD_PER_DEG);
     // The worst direction of a pixel grows with the square of the distance over the height.

@@ -4,7 +4,8 @@
 use super::altitudes::{self, closed_by};
 use super::flying::{FlownLines, fly};
 use super::wish::Wish;
-use crate::observing::{CLARITY, COVERAGE, ForecastAir, NoTerrain, RESOLUTION, clarity, scanner_of};
+use crate::ground::MissionGround;
+use crate::observing::{CLARITY, COVERAGE, ForecastAir, RESOLUTION, clarity, scanner_of};
 use apex_geo::coverage::{Ground, SweepSettings, sweep_lines};
 use apex_geo::geodesy::RAD_PER_DEG;
 use apex_geo::perimeter::perimeter_lines;
@@ -208,7 +209,7 @@ fn factors(
     let air = ForecastAir::new(wish.mission);
     let context = PredictionContext {
         zero_unix_s: wish.mission.settings.epoch_unix_s.unwrap_or(0.0),
-        ground: &NoTerrain { lowest_m: wanted.elevation_m },
+        ground: &MissionGround::new(wish.mission.terrain.clone(), wanted.elevation_m),
         conditions: &air,
         seen: None,
         products: &[],

@@ -8,6 +8,7 @@ use apex_model::problem::Position;
 use apex_model::quantity::Dimension;
 use apex_model::value::Value;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// Order of a flight command.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -221,6 +222,9 @@ pub(super) struct Flown {
     pub(super) is_on_ground: bool,
     /// Taking off or landing: near the ground on purpose.
     pub(super) is_near_ground: bool,
+    pub(super) heading_deg: Option<f64>,
+    /// Cameras by their names.
+    pub(super) cameras: BTreeMap<String, ReportedCamera>,
     track_deg: Option<f64>,
     /// The position before this one, for vehicles that report no track.
     previous: Option<Position>,
@@ -244,6 +248,7 @@ impl Flown {
             "ground-speed" => self.ground_speed_mps = of(Dimension::SPEED),
             "wind-speed" => self.wind_mps = of(Dimension::SPEED),
             "edr" => self.edr = of(Dimension::NONE),
+            "heading" => self.heading_deg = of(Dimension::ANGLE).map(f64::to_degrees),
             "track" => self.track_deg = of(Dimension::ANGLE).map(f64::to_degrees),
             "endurance-remaining" => self.endurance_s = of(Dimension::TIME),
             "on-ground" => self.is_on_ground = value.is_true(),
@@ -263,6 +268,36 @@ impl Flown {
     pub(super) fn track_deg(&self) -> f64 {
         let moved = self.previous.zip(self.position).filter(|(from, to)| distance_m(*from, *to) > 1.0);
         self.track_deg.or_else(|| moved.map(|(from, to)| azimuth_deg(from, to))).unwrap_or(0.0)
+    }
+}
+
+/// A camera as last reported.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct ReportedCamera {
+    /// From the horizon up.
+    pub(super) tilt_deg: f64,
+    /// From the nose clockwise.
+    pub(super) pan_deg: f64,
+    /// It slews, points or exposes.
+    pub(super) is_pointing: bool,
+    /// It did so before.
+    pub(super) has_pointed: bool,
+}
+
+impl ReportedCamera {
+    /// Takes a sample of the camera.
+    pub(super) fn measure(&mut self, attribute: &str, value: &Value) {
+        let angle_deg = || number(value, Dimension::ANGLE).map(f64::to_degrees);
+        match attribute {
+            "camera-tilt" => self.tilt_deg = angle_deg().unwrap_or(self.tilt_deg),
+            "camera-pan" => self.pan_deg = angle_deg().unwrap_or(self.pan_deg),
+            "camera-state" => {
+                let word = value.as_symbol().map_or("", |symbol| symbol.folded());
+                self.is_pointing = matches!(word, "slewing" | "pointing" | "exposing");
+                self.has_pointed |= self.is_pointing;
+            }
+            _ => {}
+        }
     }
 }
 

@@ -3,18 +3,20 @@
 //! `statement` reads them from the application and the vehicle; `watch` compares them with the flight and predicts violations
 //! along the commanded route; `readings` computes each margin, `recovery` a way out.
 
+mod clearance;
 mod commanded;
 mod commanded_route;
 mod readings;
 mod recovery;
 mod response;
+mod sensors;
 mod start;
 mod statement;
 mod watch;
 
 pub use readings::Reading;
 pub use response::Response;
-pub use statement::{LandingReach, Requirements};
+pub use statement::{LandingReach, Requirements, SunKeepOut};
 pub use watch::{Findings, Watch};
 
 pub(crate) use start::{StartConditions, check_start};

@@ -13,7 +13,7 @@ use apex_model::problem::WindField;
 use apex_model::quantity::Dimension;
 use apex_requirements::margin::landing::{Glide, disc_m, glide_m};
 use apex_requirements::margin::zone::{KeepIn, LocalZone, ZoneBuffer};
-use apex_requirements::margin::{energy, terrain, weather};
+use apex_requirements::margin::{energy, weather};
 use apex_requirements::prediction::{Span, active_span};
 use apex_requirements::response::turn_away_s;
 use apex_requirements::{Concern, Motion, Route, first_violation};
@@ -49,8 +49,6 @@ const ROLL_IN_S: f64 = 3.0;
 const DETOUR: f64 = 1.1;
 /// Steps along the route for what changes slowly.
 const COARSE_S: f64 = 30.0;
-/// Deceleration with which a descent is stopped.
-const PULL_UP_M_S2: f64 = 1.0;
 
 /// A place to land.
 #[derive(Clone, Copy, Debug)]
@@ -193,29 +191,9 @@ impl<'a> Scene<'a> {
 
     /// The readings of all requirements that the mission states and the vehicle's reports allow, most important first.
     pub(super) fn readings(&self) -> Vec<Reading> {
-        let all = [self.terrain(), self.energy(), self.landing(), self.airspace(), self.turbulence(), self.wind()];
-        all.into_iter().flatten().collect()
-    }
-
-    fn terrain(&self) -> Option<Reading> {
-        let clearance_m = self.requirements().terrain_clearance_m?;
-        if self.flown.is_near_ground {
-            return None;
-        }
-        let height_m = self.flown.height_above_ground_m?;
-        let ground_m = self.flown.altitude_m - height_m;
-        let margin = terrain::terrain_m(self.flown.altitude_m, ground_m, clearance_m);
-        let lost = terrain::first_loss(&self.route, self.requirements().look_ahead_s, clearance_m, |_| ground_m);
-        Some(Reading {
-            concern: Concern::Terrain,
-            name: "terrain",
-            margin,
-            unit: Dimension::LENGTH,
-            after_s: lost.map(|lost| lost.after_s),
-            response_s: self.motion.descent_mps / PULL_UP_M_S2,
-            what: "ground".to_string(),
-            response: Response::Climb,
-        })
+        let flight = [self.terrain(), self.energy(), self.landing(), self.airspace(), self.turbulence(), self.wind()];
+        let all = flight.into_iter().chain([self.sun()]);
+        all.flatten().collect()
     }
 
     fn energy(&self) -> Option<Reading> {

@@ -32,7 +32,8 @@ impl Scene<'_> {
     pub(super) fn recovery(&self, reading: &Reading, is_escalated: bool) -> (Response, Location) {
         let site = self.nearest_site(self.here).0;
         let to_site = Location { position: site.position, altitude_m: site.elevation_m };
-        if is_escalated && reading.concern != Concern::Terrain && reading.response != Response::LandHere {
+        let may_land = !matches!(reading.concern, Concern::Terrain | Concern::Sensor);
+        if is_escalated && may_land && reading.response != Response::LandHere {
             return (Response::LandAt, to_site);
         }
         let here = Location { position: self.here, altitude_m: self.flown.altitude_m };
@@ -42,16 +43,20 @@ impl Scene<'_> {
                 (Response::LandHere, Location { altitude_m: ground_m, ..here })
             }
             (Concern::Energy, _) => (Response::LandAt, to_site),
-            (Concern::Terrain, _) => {
+            (Concern::Terrain, wanted) => {
                 let clearance_m = self.requirements().terrain_clearance_m.unwrap_or(0.0);
-                let ground_m = self.flown.altitude_m - self.flown.height_above_ground_m.unwrap_or(0.0);
-                let altitude_m = (ground_m + CLEARANCE_SHARE * clearance_m).max(self.flown.altitude_m);
-                (Response::Climb, Location { altitude_m: altitude_m.min(self.mission.model.ceiling_m), ..here })
+                let altitude_m = (self.ground_ahead_m() + CLEARANCE_SHARE * clearance_m).max(self.flown.altitude_m);
+                let altitude_m = altitude_m.min(self.mission.model.ceiling_m);
+                match wanted {
+                    Response::TurnAway => (wanted, Location { altitude_m, ..self.turn_away().0 }),
+                    _ => (Response::Climb, Location { altitude_m, ..here }),
+                }
             }
             (Concern::LandingDistance, _) => (Response::TurnAway, self.towards(site.position)),
             (Concern::Weather, _) => self.calmer_layer(reading).unwrap_or((Response::LandAt, to_site)),
             (Concern::Airspace, _) => self.leave_airspace(reading),
-            (Concern::Link | Concern::Sensor, _) => (Response::TurnAway, self.turn_away().0),
+            (Concern::Sensor, _) => (Response::Stow, here),
+            (Concern::Link, _) => (Response::TurnAway, self.turn_away().0),
         }
     }
 
@@ -166,12 +171,19 @@ impl Scene<'_> {
         let altitude_m = self.flown.altitude_m;
         let route = Route::begin(Point::default(), track, (altitude_m, altitude_m), self.motion).fly_to(to);
         let reach = self.requirements().landing_distance_m_max();
+        let clearance_m = self.requirements().terrain_clearance_m.unwrap_or(0.0);
+        // A climb on the way counts: what is to be left may be the ground.
+        let over_ground_m = |point: Point, after_s: f64| {
+            let ground_m = self.known_ground_m(self.plane.position(point)).unwrap_or(f64::NEG_INFINITY);
+            altitude_m + self.motion.climb_mps * after_s - ground_m - clearance_m
+        };
         let margin = |point: Point, at_s: f64| self.zone_margin_m(point, (altitude_m, at_s), zones, area, buffer);
         let mut worst_m = to.length();
         let count = (route.end_s() / 2.0) as u32;
         for number in 0..=count {
             if let Some(state) = route.at(f64::from(number) * 2.0) {
                 worst_m = worst_m.min(margin(state.point, self.now_s + state.after_s));
+                worst_m = worst_m.min(over_ground_m(state.point, state.after_s));
             }
         }
         if let Some(most_m) = reach {

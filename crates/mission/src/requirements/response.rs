@@ -13,6 +13,8 @@ pub enum Response {
     LandAt,
     /// Land below.
     LandHere,
+    /// Let a camera look at nothing.
+    Stow,
 }
 
 impl Response {
@@ -24,6 +26,7 @@ impl Response {
             Response::Descend => "descend",
             Response::LandAt => "land-at",
             Response::LandHere => "land-here",
+            Response::Stow => "stow",
         }
     }
 }

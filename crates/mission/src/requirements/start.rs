@@ -4,7 +4,8 @@ use super::statement::{LandingReach, Requirements};
 use crate::error::{MissionError, MissionResult};
 use apex_geo::landing;
 use apex_geo::plane::{Plane, inside};
-use apex_model::problem::{AirspaceZone, LandingPlace, Position, ZoneKind};
+use apex_geo::wind;
+use apex_model::problem::{AirspaceZone, LandingPlace, Position, WindField, ZoneKind};
 use apex_vehicle::VehicleModel;
 
 /// Part of a mission that determines whether its requirements can be met from the start.
@@ -19,6 +20,8 @@ pub(crate) struct StartConditions<'a> {
     pub(crate) zones: &'a [AirspaceZone],
     /// Emergency landing places.
     pub(crate) landing_places: Vec<LandingPlace>,
+    /// Wind as assumed at the start.
+    pub(crate) forecast: &'a WindField,
     /// Start of the vehicle.
     pub(crate) start: Position,
     /// Altitude there above mean sea level.
@@ -67,6 +70,7 @@ pub(crate) fn check_start(mission: &StartConditions<'_>) -> MissionResult<()> {
         );
         return Err(unmet(mission, "terrain", why, "state a smaller clearance, or another vehicle"));
     }
+    weather(mission)?;
     energy(mission)
 }
 
@@ -99,6 +103,23 @@ fn airspace(mission: &StartConditions<'_>) -> MissionResult<()> {
         return Err(unmet(mission, "airspace", why, "move the start, or extend the permitted zone in `:airspace`"));
     }
     Ok(())
+}
+
+/// Checks the forecast at the start against the weather that the flight may meet: it could not even take off.
+fn weather(mission: &StartConditions<'_>) -> MissionResult<()> {
+    let requirements = mission.requirements;
+    let there = wind::at(mission.forecast, mission.start, mission.start_altitude_m, 0.0);
+    let speed_mps = libm::hypot(there.east_mps, there.north_mps);
+    let figures = [
+        ("turbulence", there.edr, requirements.edr_max, "m^(2/3)/s"),
+        ("wind", speed_mps, requirements.wind_mps_max, "m/s"),
+    ];
+    let stated = figures.into_iter().filter_map(|(name, forecast, most, unit)| Some((name, forecast, most?, unit)));
+    let unmet_one = stated.into_iter().find(|(_, forecast, most, _)| forecast > most);
+    let Some((name, forecast, most, unit)) = unmet_one else { return Ok(()) };
+    let why =
+        format!("`:forecast` has {forecast:.2} {unit} at the start at time 0; at most {most:.2} {unit} may be met");
+    Err(unmet(mission, name, why, "state a greater `:at-most` in :requirements, or start at another time"))
 }
 
 fn energy(mission: &StartConditions<'_>) -> MissionResult<()> {

@@ -54,8 +54,17 @@ pub struct Requirements {
     pub edr_max: Option<f64>,
     /// Greatest wind.
     pub wind_mps_max: Option<f64>,
+    /// Cameras stay off the sun; `None`: not watched.
+    pub sun: Option<SunKeepOut>,
     /// Time over which violations are predicted.
     pub look_ahead_s: f64,
+}
+
+/// Distance of the fields of view of cameras from the sun.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SunKeepOut {
+    /// Angle between field of view and sun; `None`: that of each sensor file.
+    pub margin_deg: Option<f64>,
 }
 
 impl Requirements {
@@ -84,7 +93,8 @@ const TIME_S_MAX: f64 = 30.0 * 86_400.0;
 const SPEED_MPS_MAX: f64 = 1_000.0;
 
 const USAGE: &str = "`:requirements ((airspace :horizontal 500m :vertical 150m :time 2min) (terrain :clearance 300m) (landing-distance :within 200km) \
-    (energy :reserve 45min) (turbulence :at-most 0.4) (wind :at-most 15m/s) (look-ahead 5min))`; (NAME :off) takes a requirement out";
+    (energy :reserve 45min) (turbulence :at-most 0.4) (wind :at-most 15m/s) \
+    (sun :margin 10deg) (look-ahead 5min))`; (NAME :off) takes a requirement out";
 
 /// The requirements of a mission with these settings and this vehicle, whose plans keep `planned_margin_m` from zones. Those that it does not state have thresholds from the
 /// vehicle's figures.
@@ -128,6 +138,7 @@ fn of_vehicle(settings: &Stated<'_>, model: &VehicleModel, planned_margin_m: f64
         energy_reserve_s: Some(reserve_s(model)),
         edr_max: None,
         wind_mps_max: None,
+        sun: Some(SunKeepOut { margin_deg: None }),
         look_ahead_s: LOOK_AHEAD_S,
     }
 }
@@ -178,12 +189,17 @@ impl Statement<'_> {
             "energy" => requirements.energy_reserve_s = self.one(is_off, ":reserve", Dimension::TIME, TIME_S_MAX)?,
             "turbulence" => requirements.edr_max = self.one(is_off, ":at-most", Dimension::NONE, 10.0)?,
             "wind" => requirements.wind_mps_max = self.one(is_off, ":at-most", Dimension::SPEED, SPEED_MPS_MAX)?,
+            "sun" => {
+                let margin_rad = self.one(is_off, ":margin", Dimension::ANGLE, std::f64::consts::FRAC_PI_2)?;
+                requirements.sun =
+                    margin_rad.map(|margin_rad| SunKeepOut { margin_deg: Some(margin_rad.to_degrees()) });
+            }
             "look-ahead" => {
                 let [value] = self.rest else { return Err(self.wrong("expected one duration".to_string())) };
                 requirements.look_ahead_s = self.figure(value, Dimension::TIME, 86_400.0)?;
             }
             other => {
-                let known = "airspace, terrain, landing-distance, energy, turbulence, wind, look-ahead";
+                let known = "airspace, terrain, landing-distance, energy, turbulence, wind, sun, look-ahead";
                 return Err(self.wrong(format!("unknown requirement `{other}`; known are {known}")));
             }
         }
@@ -259,6 +275,7 @@ fn word(unit: Dimension) -> &'static str {
         Dimension::LENGTH => "length",
         Dimension::TIME => "duration",
         Dimension::SPEED => "speed",
+        Dimension::ANGLE => "angle",
         _ => "number",
     }
 }

@@ -7,6 +7,7 @@
 
 use super::commanded::{Commanded, Flown};
 use super::readings::{Reading, Scene};
+use super::response::Response;
 use crate::Mission;
 use apex_model::effect::Effect;
 use apex_model::event::{Batch, EventKind, StateVariable};
@@ -82,6 +83,10 @@ impl Watch {
             match &event.kind {
                 EventKind::Measurement(variable, value) if variable.object.as_symbol() == Some(vehicle) => {
                     moved |= self.flown.measure(variable.attribute.folded(), value);
+                }
+                EventKind::Measurement(variable, value) if variable.attribute.folded().starts_with("camera-") => {
+                    let camera = self.flown.cameras.entry(variable.object.to_string().to_lowercase()).or_default();
+                    camera.measure(variable.attribute.folded(), value);
                 }
                 kind => self.commanded.hear(kind),
             }
@@ -159,7 +164,10 @@ fn raise(scene: &Scene<'_>, reading: &Reading, is_escalated: bool, now: Time, fi
             Value::Duration(instant),
             margin,
             Value::symbol(response.word()),
-            way_out.value(),
+            match response {
+                Response::Stow => Value::symbol(&reading.what),
+                _ => way_out.value(),
+            },
         ],
     );
 }

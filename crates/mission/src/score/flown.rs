@@ -2,7 +2,8 @@
 
 use super::footprints::{FootprintLog, Footprints};
 use super::samples::Latest;
-use crate::observing::{NoTerrain, camera_names, camera_of, looks_with, scanner_of};
+use crate::ground::MissionGround;
+use crate::observing::{camera_names, camera_of, looks_with, scanner_of};
 use crate::{Mission, Site, Target, TargetKind};
 use apex_model::event::{Batch, EventKind};
 use apex_model::problem::Position;
@@ -28,7 +29,7 @@ const STEEPNESS_MIN: f64 = 0.2;
 #[derive(Clone)]
 pub struct FlownScore {
     observation: FlownObservation,
-    ground: NoTerrain,
+    ground: MissionGround,
     /// Setting of the scanner while it is on; `None`: the vehicle carries none.
     scanner: Option<ScannerSetting>,
     /// The cameras that the vehicle carries.
@@ -78,7 +79,7 @@ impl FlownScore {
             return Ok(None);
         }
         let lowest_m = wanted.iter().map(|target| target.elevation_m).fold(f64::INFINITY, f64::min);
-        let (scanner, ground) = (scanner_of(&mission.model), NoTerrain { lowest_m });
+        let (scanner, ground) = (scanner_of(&mission.model), MissionGround::new(mission.terrain.clone(), lowest_m));
         let settings = FlownSettings {
             zero_unix_s: mission.settings.epoch_unix_s.unwrap_or(0.0),
             grid: GridSettings::default(),

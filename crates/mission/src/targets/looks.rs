@@ -2,12 +2,14 @@
 
 use crate::error::MissionResult;
 use crate::features::NamedFeature;
+use apex_geo::terrain::Terrain;
 use apex_model::problem::Position;
 use apex_observation::target::{
     IntervalNeed, LookAngles, MustTerm, OrderNeed, PixelMeasure, ResolutionNeed, WANTED_LOOKS_MAX, WantedLook,
 };
 use apex_observation::timing::passes::{PassLimits, Satellite, passes};
 use apex_observation::timing::{LatencyNeed, LightNeed, OverpassNeed, ValueSlope, WindowNeed};
+use std::sync::Arc;
 
 const SECONDS_PER_HOUR: f64 = 3600.0;
 const SECONDS_PER_MINUTE: f64 = 60.0;
@@ -45,20 +47,22 @@ const KNOWN: &[&str] = &[
 
 /// Data of a mission on which looks depend.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Terms {
+pub(crate) struct Terms<'t> {
     /// Its duration, s.
     pub(crate) duration_s: f64,
     /// Civil time of its beginning, s since 1970-01-01T00:00Z.
     pub(crate) epoch_unix_s: Option<f64>,
     /// Money that one point represents.
     pub(crate) money_per_point: f64,
+    /// The ground, where the mission knows it.
+    pub(crate) terrain: Option<&'t Arc<Terrain>>,
 }
 
 /// The looks that a feature wants: those of `looks`, or one that its own properties describe.
 ///
 /// # Errors
 /// As docs/reference/mission-data.md lists them, each with file, feature and property.
-pub(super) fn read(feature: &NamedFeature, place: Position, terms: Terms) -> MissionResult<Vec<WantedLook>> {
+pub(super) fn read(feature: &NamedFeature, place: Position, terms: Terms<'_>) -> MissionResult<Vec<WantedLook>> {
     let parts = feature.parts("looks", KNOWN)?;
     if parts.len() > WANTED_LOOKS_MAX {
         return Err(feature
@@ -93,7 +97,7 @@ pub(super) fn after(feature: &NamedFeature) -> MissionResult<Vec<OrderNeed>> {
     Ok(targets.into_iter().map(|target| OrderNeed { target, discount }).collect())
 }
 
-fn look(feature: &NamedFeature, value: f64, place: Position, terms: Terms) -> MissionResult<WantedLook> {
+fn look(feature: &NamedFeature, value: f64, place: Position, terms: Terms<'_>) -> MissionResult<WantedLook> {
     let minutes = |key: &str| Ok(feature.number(key, 0.0, 1e6)?.unwrap_or(0.0) * SECONDS_PER_MINUTE);
     let measure = match feature.word("resolution_measure", &["worst-direction", "geometric-mean"])? {
         Some("geometric-mean") => PixelMeasure::GeometricMean,
@@ -133,7 +137,7 @@ fn look(feature: &NamedFeature, value: f64, place: Position, terms: Terms) -> Mi
     })
 }
 
-fn must(feature: &NamedFeature, terms: Terms) -> MissionResult<Option<MustTerm>> {
+fn must(feature: &NamedFeature, terms: Terms<'_>) -> MissionResult<Option<MustTerm>> {
     let factor_min = feature.number("must_factor_min", 0.0, 1.0)?;
     let cost = feature.number("must_cost", 0.0, 1e12)?;
     if feature.flag("must")?.unwrap_or(false) {
@@ -150,7 +154,7 @@ fn must(feature: &NamedFeature, terms: Terms) -> MissionResult<Option<MustTerm>>
 }
 
 /// Windows, of which one at least must lie in the mission.
-fn windows(feature: &NamedFeature, ramp_s: f64, terms: Terms) -> MissionResult<Vec<WindowNeed>> {
+fn windows(feature: &NamedFeature, ramp_s: f64, terms: Terms<'_>) -> MissionResult<Vec<WindowNeed>> {
     let windows: Vec<WindowNeed> = feature
         .spans_s("windows_h")?
         .into_iter()
@@ -261,7 +265,7 @@ fn check_age(feature: &NamedFeature, satellite: &Satellite, zero_unix_s: f64, du
         .help("take elements whose epoch is nearer to `:start`, or leave `overpass` out"))
 }
 
-fn overpass(feature: &NamedFeature, place: Position, terms: Terms) -> MissionResult<Option<OverpassNeed>> {
+fn overpass(feature: &NamedFeature, place: Position, terms: Terms<'_>) -> MissionResult<Option<OverpassNeed>> {
     if !feature.has("overpass") {
         return Ok(None);
     }

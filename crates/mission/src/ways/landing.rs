@@ -1,6 +1,6 @@
 //! Ways to a field: which final approach is open, and how to get onto it.
 
-use super::limits::Limits;
+use super::limits::{GROUND, Limits};
 use super::route::{CIRCLE_ROOM, MARGIN_SHARES, Strictness};
 use super::{Broken, Request, Way};
 use apex_geo::geodesy;
@@ -86,6 +86,10 @@ impl Limits {
         let final_leg = Request { from: begin, from_altitude_m: request.to_altitude_m, ..*request };
         if let Some(name) = self.shut_by(&final_leg, (room_m, margins)) {
             return Err(name);
+        }
+        let field_m = request.to_altitude_m - self.final_approach_height_m;
+        if !self.approach_is_clear(begin, request.to, field_m) {
+            return Err(GROUND.to_string());
         }
         let to_begin = Request { to: begin, to_track_rad: Some(course_deg.to_radians()), ..*request };
         let strict = Strictness::all(margins);

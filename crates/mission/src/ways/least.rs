@@ -4,7 +4,7 @@
 //! last. Of airspace, that is broken which takes the least time: an end that lies where it is forbidden to be is left, or
 //! reached, by the shortest leg; zones that enclose everything are passed through one by one.
 
-use super::limits::{Limits, TURN_WIDTH};
+use super::limits::{GROUND, Limits, TURN_WIDTH};
 use super::route::{MARGIN_SHARES, Strictness};
 use super::{Broken, Request, Way};
 use apex_geo::geodesy;
@@ -207,7 +207,10 @@ impl Limits {
         let time_s = geodesy::distance_m(request.from, request.to) / self.true_airspeed_mps;
         let altitude_m = request.to_altitude_m;
         let way = Way { via: Vec::new(), altitude_m, hold_s: 0.0, hold_around: None, time_s, broken: None };
-        self.breaking(request, way, ("landing distance", &why), false)
+        let lowest_m = request.from_altitude_m.min(request.to_altitude_m);
+        let is_low = lowest_m < self.lowest_altitude_m(&[request.from, request.to], (request.from, request.to));
+        let name = if is_low { GROUND } else { "landing distance" };
+        self.breaking(request, way, (name, &why), false)
     }
 
     /// Returns the time that a path spends inside restricted zones of these names, or outside of permitted ones.

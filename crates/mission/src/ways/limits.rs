@@ -5,8 +5,10 @@ use crate::vehicle::{VehicleModel, turn_radius_m};
 use crate::{Mission, TargetKind};
 use apex_geo::landing;
 use apex_geo::plane::{self, Plane, Point};
+use apex_geo::terrain::Terrain;
 use apex_model::problem::{AirspaceZone, LandingPlace, Position, WindField, ZoneKind};
 use std::borrow::Cow;
+use std::sync::Arc;
 
 /// A part of the ground of one elevation.
 #[derive(Clone, Debug)]
@@ -26,6 +28,8 @@ pub struct Limits {
     pub(super) landing_distance_m_max: Option<f64>,
     pub(super) wind: WindField,
     pub(super) patches: Vec<Patch>,
+    /// The ground between them, where the mission knows it.
+    pub(super) terrain: Option<Arc<Terrain>>,
     /// Distance kept from zones.
     pub(super) margin_m: f64,
     /// Height kept over ground away from where one starts and where one goes.
@@ -59,11 +63,31 @@ pub(crate) fn lead_in_s(model: &VehicleModel) -> f64 {
     (LEAD_IN_ROLLS * model.bank_deg_max / model.roll_rate_deg_s_max).clamp(LEAD_IN_S.0, LEAD_IN_S.1)
 }
 
+/// The name of the requirement to stay above the ground, where it has to be broken.
+pub(super) const GROUND: &str = "ground";
 /// Width of a turn, across, and its overshoot, as multiples of the radius over ground.
 pub(super) const TURN_WIDTH: f64 = 3.0;
 /// Height over ground that ways keep: fixed wing, rotorcraft. The first is 1,000 feet, the least height over open country
 /// (ICAO Annex 2, 4.6); the second is what small aircraft keep from obstacles.
 const GROUND_MARGIN_M: (f64, f64) = (300.0, 30.0);
+/// Ground that counts on either side of a leg: so many turn radii, at least this.
+const GROUND_WIDTH_RADII: f64 = 1.0;
+const GROUND_WIDTH_M_MIN: f64 = 50.0;
+/// Room around a landing place for a vehicle that lands on the spot.
+const FIELD_M: f64 = 200.0;
+/// Steps along a final approach, and the ground that counts around each.
+const APPROACH_STEP_M: f64 = 1_500.0;
+const APPROACH_WIDTH_M: f64 = 500.0;
+
+/// Height over ground that ways keep: that of the requirement where the ground is known.
+fn ground_margin_m(mission: &Mission, is_fixed_wing: bool) -> f64 {
+    let usual_m = if is_fixed_wing { GROUND_MARGIN_M.0 } else { GROUND_MARGIN_M.1 };
+    let required_m = mission.requirements.terrain_clearance_m.filter(|_| mission.terrain.is_some());
+    required_m.map_or(usual_m, |required_m| usual_m.max(REQUIRED_SHARE * required_m))
+}
+
+/// Ways keep this multiple of the required clearance: altitudes are held within some metres.
+const REQUIRED_SHARE: f64 = 1.1;
 /// Extent of the known elevation around a target or an airfield.
 const PATCH_M: f64 = 10_000.0;
 
@@ -89,11 +113,12 @@ impl Limits {
             landing_distance_m_max: mission.requirements.landing_distance_m_max(),
             wind: mission.forecast.clone(),
             patches: targets.chain(airfields).collect(),
+            terrain: mission.terrain.clone(),
             margin_m: match single_visits {
                 true => mission.requirements.zone_margin_m,
                 false => mission.requirements.obstacle_margin_m,
             },
-            ground_margin_m: if is_fixed_wing { GROUND_MARGIN_M.0 } else { GROUND_MARGIN_M.1 },
+            ground_margin_m: ground_margin_m(mission, is_fixed_wing),
             true_airspeed_mps: model.true_airspeed_m_s_cruise,
             turn_radius_m: turn_radius_m(model),
             circle_width: model.turns.circle_width,
@@ -110,7 +135,7 @@ impl Limits {
 
     /// Returns true if the mission does not limit the airspace.
     pub(super) fn are_none(&self) -> bool {
-        self.zones.is_empty() && self.landing_distance_m_max.is_none()
+        self.zones.is_empty() && self.landing_distance_m_max.is_none() && self.terrain.is_none()
     }
 
     /// Returns true if a link is weak somewhere.
@@ -143,6 +168,9 @@ impl Limits {
 
     /// Elevation of the ground at a position, as far as it is known.
     pub(super) fn elevation_m_at(&self, position: Position) -> f64 {
+        if let Some(elevation_m) = self.terrain.as_ref().and_then(|terrain| terrain.elevation_m_at(position)) {
+            return elevation_m;
+        }
         let near = self.patches.iter().map(|patch| (apex_geo::geodesy::distance_m(position, patch.position), patch));
         let near = near.filter(|(distance_m, patch)| *distance_m <= patch.radius_m);
         near.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.0, |(_, patch)| patch.elevation_m)
@@ -177,8 +205,59 @@ impl Limits {
             let near_a_leg = |pair: (&Position, &Position)| leg_is_near(*pair.0, *pair.1, patch);
             !is_at(ends.0) && !is_at(ends.1) && places.iter().zip(places.iter().skip(1)).any(near_a_leg)
         };
-        let elevations = self.patches.iter().filter(counts).map(|patch| patch.elevation_m);
-        elevations.fold(f64::NEG_INFINITY, f64::max) + self.ground_margin_m
+        let highest_m = match &self.terrain {
+            Some(terrain) => self.highest_ground_m(terrain, places),
+            None => {
+                let elevations = self.patches.iter().filter(counts).map(|patch| patch.elevation_m);
+                elevations.fold(f64::NEG_INFINITY, f64::max)
+            }
+        };
+        highest_m + self.ground_margin_m
+    }
+
+    /// The highest ground under the legs and the turns at their ends, without what lies around the landing places at which they begin or
+    /// end: there the vehicle climbs or descends.
+    fn highest_ground_m(&self, terrain: &Terrain, places: &[Position]) -> f64 {
+        let half_width_m = GROUND_WIDTH_M_MIN.max(GROUND_WIDTH_RADII * self.turn_radius_m_over_ground());
+        let skip_m = |end: Option<&Position>| end.map_or(0.0, |end| self.field_room_m(*end));
+        let (first_m, last_m) = (skip_m(places.first()), skip_m(places.last()));
+        let legs = places.iter().zip(places.iter().skip(1));
+        let lengths_m: Vec<f64> = legs.clone().map(|(from, to)| apex_geo::geodesy::distance_m(*from, *to)).collect();
+        let whole_m: f64 = lengths_m.iter().sum();
+        let (mut before_m, mut highest_m) = (0.0, f64::NEG_INFINITY);
+        for ((from, to), length_m) in legs.zip(&lengths_m) {
+            let after_m = whole_m - before_m - length_m;
+            let skip_m = ((first_m - before_m).max(0.0), (last_m - after_m).max(0.0));
+            if let Some(found_m) = terrain.highest_m_along(*from, *to, half_width_m, skip_m) {
+                highest_m = highest_m.max(found_m);
+            }
+            before_m += length_m;
+        }
+        highest_m
+    }
+
+    /// Room for climbs and descents around the landing place at which a way begins or ends; 0 elsewhere.
+    fn field_room_m(&self, end: Position) -> f64 {
+        let room_m = FIELD_M.max(self.final_approach_m + 2.0 * self.circle_radius_m());
+        let is_field = |place: &LandingPlace| apex_geo::geodesy::distance_m(place.position, end) <= room_m;
+        if self.landing_places.iter().any(is_field) { room_m } else { 0.0 }
+    }
+
+    /// The lowest that a vehicle may be on its glide path to a landing place, by the ground below the final approach.
+    pub(super) fn approach_is_clear(&self, begin: Position, field: Position, field_m: f64) -> bool {
+        let Some(terrain) = &self.terrain else { return true };
+        let (length_m, azimuth_deg) = apex_geo::geodesy::inverse(field, begin);
+        let count = libm::ceil(length_m / APPROACH_STEP_M) as u32;
+        (0..=count).map(|number| f64::from(number) * APPROACH_STEP_M).filter(|out_m| *out_m >= APPROACH_STEP_M).all(
+            |out_m| {
+                let there = apex_geo::geodesy::destination(field, azimuth_deg, out_m.min(length_m));
+                let path_m = field_m + self.final_approach_height_m * (out_m / self.final_approach_m).min(1.0);
+                let ground_m = terrain.highest_m_near(there, APPROACH_WIDTH_M);
+                // Half of the glide path's height, or what is kept under way, whichever is less.
+                let kept_m = self.ground_margin_m.min(0.5 * (path_m - field_m));
+                ground_m.is_none_or(|ground_m| path_m - ground_m >= kept_m)
+            },
+        )
     }
 
     /// Returns true if a leg is at least `slack_m` within reach of the landing places.

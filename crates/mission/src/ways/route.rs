@@ -90,7 +90,8 @@ impl Limits {
         };
         let mut altitudes_m = vec![request.to_altitude_m];
         if request.to_track_rad.is_some() {
-            // A line is met at its own altitude.
+            // A line is met at its own altitude; where the ground between is higher, the way to it is not flown there.
+            altitudes_m.extend((self.terrain.is_some() && lowest_m > request.to_altitude_m).then_some(lowest_m));
             return altitudes_m;
         }
         let others = std::iter::once(request.from_altitude_m).chain(edges).chain([lowest_m]);
@@ -155,6 +156,9 @@ impl Limits {
         let rate_mps = if climb_m > 0.0 { self.climb_rate_mps } else { self.descent_rate_mps };
         let way_s = trip.arrive_s - trip.depart_s;
         let hold_s = (trip.depart_s - request.at_s).max(self.climb_hold_s(request, altitude_m, way_s));
+        // Below the ground ahead an aircraft climbs before it leaves.
+        let below_m = if self.terrain.is_some() { needs_m.min(altitude_m) - request.from_altitude_m } else { 0.0 };
+        let hold_s = hold_s.max(below_m / self.climb_rate_mps);
         let mut via = thinned(&path);
         if climb_m != 0.0 {
             // The whole way is flown at its altitude.

@@ -1,7 +1,7 @@
 //! Check of the straight path, with space for the turns at its ends.
 
 use super::Request;
-use super::limits::{Limits, TURN_WIDTH};
+use super::limits::{GROUND, Limits, TURN_WIDTH};
 use apex_geo::plane::{self, Plane, Point};
 use apex_model::problem::{AirspaceZone, Position, ZoneKind};
 
@@ -47,7 +47,7 @@ impl Limits {
         if !self.leg_is_within_reach(from, to, rim_m) {
             return Some("landing distance".to_string());
         }
-        (lowest_m < self.lowest_altitude_m(&[from, to], (from, to))).then(|| "height over ground".to_string())
+        (lowest_m < self.lowest_altitude_m(&[from, to], (from, to))).then(|| GROUND.to_string())
     }
 }
 

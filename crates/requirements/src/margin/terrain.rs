@@ -36,6 +36,30 @@ pub fn climb_over(
     ClimbOver { height_m, climb_s: duration_s, climb_m, latest_start_s: (distance_m - climb_m) / ground_speed_mps }
 }
 
+/// The climb along `route` that must begin first, so that `clearance_m` is kept over all ground within the look-ahead; none if no ground
+/// along it is too high. Sampled each second.
+pub fn latest_climb(
+    route: &Route,
+    look_ahead_s: f64,
+    clearance_m: f64,
+    climb_mps: f64,
+    mut ground_m: impl FnMut(Point) -> f64,
+) -> Option<ClimbOver> {
+    let until_s = route.end_s().min(look_ahead_s);
+    let states = (0..=until_s.max(0.0) as u32).filter_map(|second| route.at(f64::from(second)));
+    let climbs = states.filter_map(|state| {
+        let height_m = -terrain_m(state.altitude_m, ground_m(state.point), clearance_m);
+        let duration_s = climb_s(height_m.max(0.0), climb_mps);
+        (height_m > 0.0).then_some(ClimbOver {
+            height_m,
+            climb_s: duration_s,
+            climb_m: duration_s * route.speed_mps_max(),
+            latest_start_s: state.after_s - duration_s,
+        })
+    });
+    climbs.min_by(|a, b| a.latest_start_s.total_cmp(&b.latest_start_s))
+}
+
 /// The first instant along `route` at which the clearance is lost; `ground_m` gives the highest ground near a point. Sampled each
 /// second: the ground may rise at any rate.
 pub fn first_loss(

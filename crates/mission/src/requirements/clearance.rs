@@ -1,0 +1,69 @@
+//! Requirement `terrain`: the ground below the vehicle and along the commanded route.
+
+use super::readings::{Reading, Scene};
+use super::response::Response;
+use apex_geo::geodesy::Position;
+use apex_geo::plane::Point;
+use apex_model::quantity::Dimension;
+use apex_requirements::Concern;
+use apex_requirements::margin::terrain;
+
+/// Deceleration with which a descent is stopped.
+const PULL_UP_M_S2: f64 = 1.0;
+
+impl Scene<'_> {
+    /// Elevation of the ground below the vehicle, as its height above ground says.
+    pub(super) fn ground_below_m(&self) -> Option<f64> {
+        Some(self.flown.altitude_m - self.flown.height_above_ground_m?)
+    }
+
+    /// The highest ground within a second's flight of a place, where the mission knows it.
+    pub(super) fn known_ground_m(&self, position: Position) -> Option<f64> {
+        self.mission.terrain.as_ref()?.highest_m_near(position, self.motion.true_airspeed_mps)
+    }
+
+    /// The highest ground along the route within the look-ahead, and below the vehicle.
+    pub(super) fn ground_ahead_m(&self) -> f64 {
+        let below_m = self.ground_below_m().unwrap_or(f64::NEG_INFINITY);
+        let until_s = self.route.end_s().min(self.requirements().look_ahead_s);
+        let instants = (0..=until_s as u32).map(f64::from);
+        let ahead =
+            instants.filter_map(|after_s| self.known_ground_m(self.plane.position(self.route.at(after_s)?.point)));
+        ahead.fold(below_m, f64::max)
+    }
+
+    /// Clearance of the ground, below and along the route.
+    pub(super) fn terrain(&self) -> Option<Reading> {
+        let clearance_m = self.requirements().terrain_clearance_m?;
+        if self.flown.is_near_ground {
+            return None;
+        }
+        let below_m = self.ground_below_m()?;
+        let margin = terrain::terrain_m(self.flown.altitude_m, below_m, clearance_m);
+        let look_ahead_s = self.requirements().look_ahead_s;
+        let ground_m = |point: Point| self.known_ground_m(self.plane.position(point)).unwrap_or(below_m);
+        let lost = terrain::first_loss(&self.route, look_ahead_s, clearance_m, ground_m);
+        // The time until the climb must begin decides, not the instant of the loss itself: a high ridge is climbed over early.
+        let climb = self.mission.terrain.as_ref().and_then(|_| {
+            terrain::latest_climb(&self.route, look_ahead_s, clearance_m, self.motion.climb_mps, ground_m)
+        });
+        let after_s = lost.map(|lost| lost.after_s);
+        let level_off_s = self.motion.descent_mps / PULL_UP_M_S2;
+        let response_s = match (after_s, climb) {
+            (Some(after_s), Some(climb)) => level_off_s.max(after_s - climb.latest_start_s),
+            _ => level_off_s,
+        };
+        // Straight ahead it is too late to climb: a turn leads away from the ground.
+        let is_too_late = climb.is_some_and(|climb| climb.latest_start_s < -level_off_s);
+        Some(Reading {
+            concern: Concern::Terrain,
+            name: "terrain",
+            margin,
+            unit: Dimension::LENGTH,
+            after_s,
+            response_s,
+            what: "ground".to_string(),
+            response: if is_too_late { Response::TurnAway } else { Response::Climb },
+        })
+    }
+}
