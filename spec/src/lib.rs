@@ -6,6 +6,7 @@
 
 pub mod coverage;
 pub mod data_file;
+pub mod diagnosis;
 pub mod diff;
 pub mod explained;
 pub mod late;

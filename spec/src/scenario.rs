@@ -31,6 +31,8 @@ pub struct Scenario {
     pub inputs: String,
     /// `until 20s`, `show print ongoing`, `vehicle silent`, `planner fails after 3s no idea`.
     pub options: String,
+    /// Outcomes of the tests of a dependency model, as JSON.
+    pub outcomes: String,
 }
 
 /// The run of the scenario with everything it told.

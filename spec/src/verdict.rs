@@ -1,6 +1,7 @@
-//! A whole page: every `trace`, `why`, `check` and `memory` block against what really happens.
+//! A whole page: every `trace`, `why`, `check`, `memory`, `diagnosis` and `testability` block against what really happens.
 
 use crate::data_file;
+use crate::diagnosis;
 use crate::diff;
 use crate::page::{self, Block};
 use crate::question;
@@ -71,6 +72,8 @@ fn results(text: &str) -> Vec<(Block, Result<String, String>)> {
             "trace" => scenario::run(&scenario).map(|told| told.text()),
             word @ ("why" | "why-not") => question::answer(&scenario, word, &block.argument),
             "check" => Ok(scenario::messages(&scenario::check(&scenario))),
+            "testability" => diagnosis::report(&block.argument),
+            "diagnosis" => diagnosis::answer(&block.argument, &scenario.outcomes),
             "memory" => Ok(apex_executive::memory::report(&scenario::check(&scenario).library)),
             other => Err(format!("a page has no blocks of kind `{other}`")),
         };
@@ -95,6 +98,7 @@ pub fn scenarios(text: &str) -> Vec<(Block, Scenario)> {
             "file" => files.push((block.argument, block.body)),
             "inputs" => scenario.inputs = block.body,
             "options" => scenario.options = block.body,
+            "outcomes" => scenario.outcomes = block.body,
             "" => {}
             _ => found.push((block, scenario.clone())),
         }
