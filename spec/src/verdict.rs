@@ -1,4 +1,4 @@
-//! A whole page: every `trace`, `why`, `check`, `memory` and `score` block against what really happens.
+//! A whole page: every `trace`, `why`, `check`, `memory`, `diagnosis` and `testability` block against what really happens.
 
 use crate::data_file;
 use crate::diagnosis;
@@ -103,6 +103,7 @@ pub fn scenarios(text: &str) -> Vec<(Block, Scenario)> {
             "options" => scenario.options = block.body,
             "outcomes" => scenario.outcomes = block.body,
             "look" => scenario.look = block.body,
+            "outcomes" => scenario.outcomes = block.body,
             "" => {}
             _ => found.push((block, scenario.clone())),
         }

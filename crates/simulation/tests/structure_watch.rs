@@ -8,8 +8,12 @@ use apex_mission::deliberation::PlanningResources;
 use apex_mission::flight::{FlightOutcome, MissionFlight};
 use apex_mission::report::MissionValue;
 use apex_mission::situation::Situation;
+use apex_model::effect::Effect;
+use apex_model::event::{Batch, EventKind};
 use apex_model::problem::Problem;
 use apex_model::time::Time;
+use apex_model::value::Value;
+use apex_runtime::ports::Observer;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -18,13 +22,17 @@ fn shipped() -> PathBuf {
 }
 
 fn fly(mission: Mission) -> FlightOutcome {
+    fly_in(mission, None, &mut [])
+}
+
+fn fly_in(mission: Mission, seed: Option<u64>, observers: &mut [&mut dyn Observer]) -> FlightOutcome {
     let mission = Arc::new(mission);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("watch.apex");
-    let mut recorder = apex_simulation::create_record(&path, &mission, None).unwrap();
+    let mut recorder = apex_simulation::create_record(&path, &mission, seed).unwrap();
     let means = PlanningResources::of(&Arc::new(apex_solvers::shipped()));
     let terms = MissionFlight::terms(&mission, None);
-    apex_simulation::fly(Arc::clone(&mission), means, None, terms, &mut recorder, &mut []).unwrap()
+    apex_simulation::fly(Arc::clone(&mission), means, seed, terms, &mut recorder, observers).unwrap()
 }
 
 /// Returns the instant of the first note that begins so, in seconds.
@@ -68,6 +76,47 @@ fn every_update_and_the_wind_lead_to_a_new_plan_and_every_look_to_a_picture() {
         assert!(pixel_m > 0.02 && pixel_m <= 0.05, "{site:?}");
         assert!(site.look_angle_deg.unwrap() < 5.0 && site.quality > 0.99, "{site:?}");
     }
+}
+
+/// Sites of fires that pictures showed, with the instants.
+#[derive(Default)]
+struct Sightings(Vec<(String, f64)>);
+
+impl Observer for Sightings {
+    fn observe(&mut self, batch: &Batch, _: &[Effect]) -> Result<(), String> {
+        for event in &batch.events {
+            if let EventKind::Occurrence(form) = &event.kind
+                && let Some([Value::Symbol(head), Value::Symbol(site)]) = form.as_list()
+                && head.is("fire-sighted")
+            {
+                self.0.push((site.folded().to_string(), event.at.seconds()));
+            }
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn a_fire_that_a_picture_shows_is_likelier_to_burn_again_and_leads_to_a_new_plan() {
+    let mut count = 0;
+    for seed in 2..=4 {
+        let mut sightings = Sightings::default();
+        let flown = fly_in(Mission::load(&shipped()).unwrap(), Some(seed), &mut [&mut sightings]);
+        // The last plan is made some minutes before the end of the watch.
+        for (site, seen_s) in sightings.0.iter().filter(|(_, seen_s)| *seen_s < 2_700.0) {
+            count += 1;
+            let after =
+                |text: &str| {
+                    flown.report.notes.iter().any(|note| {
+                        (*seen_s..=seen_s + 300.0).contains(&note.at.seconds()) && note.text.starts_with(text)
+                    })
+                };
+            let text = flown.report.text();
+            assert!(after(&format!("{site}: 0.8 events an hour")), "{site} at {seen_s} s, seed {seed}\n{text}");
+            assert!(after("replanning wanted"), "{site} at {seen_s} s, seed {seed}\n{text}");
+        }
+    }
+    assert!(count >= 1, "no fire was seen in three flights");
 }
 
 #[test]

@@ -1,0 +1,134 @@
+//! Flights with seeded failures of the vehicle, its sensors, its link, its planners and its operators, and what must hold in all of them:
+//!
+//! 1. a flight ends, by its application or at its time limit, and no task is silent: after every step each says what it waits for;
+//! 2. it ends on the ground, or in safing (the time limit came while it holds, returns or waits); a crash has a cause that was there;
+//! 3. a violated requirement was reported by the flight;
+//! 4. the same seed gives the same flight, and its record replays without a difference.
+//!
+//! `APEX_FAULT_HOURS` says how many flight hours are flown (200 in `make test`, 50,000 in `make nightly`), `APEX_FAULT_SEED` where they
+//! begin. A failure names its seed: `APEX_FAULT_SEED=N APEX_FAULT_HOURS=1` repeats it.
+
+#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a failed test should stop")]
+
+#[path = "fault_simulator/draws.rs"]
+mod draws;
+#[path = "fault_simulator/invariants.rs"]
+mod invariants;
+#[path = "fault_simulator/link.rs"]
+mod link;
+#[path = "fault_simulator/mission.rs"]
+mod mission;
+#[path = "fault_simulator/solver.rs"]
+mod solver;
+
+use apex_mission::Mission;
+use apex_mission::deliberation::PlanningResources;
+use apex_mission::flight::MissionFlight;
+use apex_mission::recorded::replay;
+use apex_mission::verification::FlightCheck;
+use apex_runtime::ports::Observer;
+use apex_runtime::record::RecordReader;
+use invariants::{Story, broken};
+use link::BadLink;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Every so many flights one is recorded, replayed and flown twice.
+const REPLAYED_EVERY: u64 = 10;
+
+fn number(name: &str, usual: u64) -> u64 {
+    std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
+}
+
+/// A flight: its hours, what it said, and what it broke.
+struct Flown {
+    hours: f64,
+    story: Story,
+    broken: Vec<String>,
+}
+
+fn fly(seed: u64, replayed: bool) -> Flown {
+    let folder = tempfile::tempdir().unwrap();
+    mission::write(seed, folder.path());
+    let mission = Arc::new(Mission::load(folder.path()).unwrap_or_else(|error| panic!("mission {seed}: {error:?}")));
+    let means = PlanningResources::of(&solver::planners());
+    let world = apex_simulation::world(&mission, Some(seed)).unwrap_or_else(|error| panic!("world {seed}: {error:?}"));
+    let mut vehicle = BadLink::new(world, seed);
+    let (mut story, mut check) = (Story::default(), FlightCheck::new(&mission));
+    let path = folder.path().join("flight.apex");
+    let mut recorder = replayed.then(|| apex_simulation::create_record(&path, &mission, Some(seed)).unwrap());
+    let mut observers: Vec<&mut dyn Observer> = Vec::new();
+    observers.extend(recorder.as_mut().map(|recorder| recorder as &mut dyn Observer));
+    observers.push(&mut story);
+    observers.push(&mut check);
+    let terms = MissionFlight::terms(&mission, None);
+    let flown = MissionFlight::new(Arc::clone(&mission), means).fly(&mut vehicle, terms, &mut observers);
+    let mut broken_rules = Vec::new();
+    let mut hours = mission.settings.duration.seconds() / 3_600.0;
+    match flown {
+        Err(error) => broken_rules.push(format!("the flight broke: {error}")),
+        Ok(flown) => {
+            hours = flown.end.at.seconds() / 3_600.0;
+            broken_rules.extend(broken(&story, &flown.end, check.result()));
+            if !broken_rules.is_empty() {
+                let notes = flown.report.notes.iter().rev().take(4);
+                broken_rules.extend(notes.map(|note| format!("{} {}", note.at, note.text)));
+            }
+            if let Some(mut recorder) = recorder {
+                flown.store(&mut recorder).unwrap();
+                drop(recorder);
+                let report = replay(&RecordReader::open(&path).unwrap()).unwrap();
+                broken_rules.extend(report.difference.map(|difference| format!("replay differs: {}", difference.what)));
+            }
+        }
+    }
+    Flown { hours, story, broken: broken_rules }
+}
+
+#[test]
+fn flights_with_failures_end_well_or_say_why_not() {
+    let (first, wanted) = (number("APEX_FAULT_SEED", 1), number("APEX_FAULT_HOURS", 200) as f64);
+    let (mut hours, mut wrong) = (0.0, Vec::new());
+    let mut seen: BTreeMap<String, usize> = BTreeMap::new();
+    let mut seed = first;
+    while hours < wanted {
+        let flown = fly(seed, seed.is_multiple_of(REPLAYED_EVERY));
+        hours += flown.hours;
+        for kind in flown.story.faults.keys() {
+            *seen.entry(kind.clone()).or_default() += 1;
+        }
+        *seen.entry(flown.story.outcome().to_string()).or_default() += 1;
+        if !flown.broken.is_empty() {
+            wrong.push(format!("APEX_FAULT_SEED={seed} APEX_FAULT_HOURS=1: {}", flown.broken.join("; ")));
+        }
+        seed += 1;
+    }
+    println!("{hours:.0} flight hours in {} flights: {seen:?}", seed - first);
+    assert!(wrong.is_empty(), "{} of {} flights:\n{}", wrong.len(), seed - first, wrong.join("\n"));
+    // A simulator whose failures do not come tests nothing.
+    if wanted >= 200.0 {
+        for kind in [
+            "engine",
+            "leak",
+            "navigation",
+            "freeze",
+            "silence",
+            "bias",
+            "modem",
+            "payload-power",
+            "acknowledgements",
+            "gimbal",
+        ] {
+            assert!(seen.get(kind).is_some_and(|count| *count >= 2), "no failure of {kind}: {seen:?}");
+        }
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_flight() {
+    for seed in [3, 8, 21] {
+        let (once, twice) = (fly(seed, false), fly(seed, false));
+        assert_eq!(once.story.digest(), twice.story.digest(), "seed {seed}");
+        assert!(once.broken.is_empty(), "seed {seed}: {:?}", once.broken);
+    }
+}
