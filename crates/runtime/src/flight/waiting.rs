@@ -41,6 +41,10 @@ impl Flight<'_, '_> {
                     if let Some(waited) = self.take_live(instant)? {
                         return Ok(waited);
                     }
+                    // A flood does not put off what is due.
+                    if wait == Wait::Over {
+                        return Ok(Waited::Reached(instant));
+                    }
                 }
                 None if wait == Wait::Over => return Ok(Waited::Reached(instant)),
                 None if listening && self.controls.is_none() => return Ok(Waited::Changed),

@@ -6,6 +6,8 @@
 //! that it is. What a source loses is an input of the run: `(live-source NAME lost COUNT VARIABLE)`.
 
 mod class;
+#[cfg(test)]
+mod flight_tests;
 mod introduction;
 mod queue;
 mod rate_limit;
