@@ -29,7 +29,7 @@ for (let press = 0; press < Number(presses); press += 1) {
 }
 const paints = (await page.evaluate(() => window.paints)).sort((a, b) => a - b);
 const at = share => paints[Math.min(Math.floor(paints.length * share), paints.length - 1)] ?? 0;
-// Quicker ones than 16 ms are not reported by the browser.
+// The browser does not report those below 16 ms.
 console.log(
   `${presses} keys, ${paints.length} took 16 ms or more: median ${at(0.5)} ms, p95 ${at(0.95)} ms; the bar is ${BAR_MS} ms`,
 );
