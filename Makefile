@@ -48,8 +48,8 @@ EXTREMITY = $(TARGET)/extremity/bin/python -W ignore benches/peers/extremity_pee
 WEB_SOURCES := $(shell find web -type f -not -path '*/node_modules/*' -not -path '*/dist/*' -not -path '*/test-results/*' -not -path '*/tests/*' 2>/dev/null)
 
 .PHONY: audit coverage fuzz fuzz-planted help quality sbom build fly test quick check web python wheel bench bench-orienteering bench-planners bench-units bench-curves bench-travel golden-travel spec sim properties deny nightly clean
-# Not part of `test`: the pictures are committed.
-.PHONY: pictures
+# Not part of `test`: the pictures are committed, and times need a quiet machine.
+.PHONY: pictures bench-page
 .PHONY: rust-lints rust-tests web-checks web-tests python-checks python-tests flights page-tests chromium
 
 help: ## List the commands.
@@ -316,6 +316,9 @@ page-tests: $(CI_APEX) web/node_modules/.installed chromium
 pictures: $(CI_APEX) web/node_modules/.installed chromium ## Take the pictures of Sherpa and of each of its panels in docs/pictures.
 	[ -f $(FLIGHTS)/western-states.apex ] || $(MAKE) flights
 	cd web && APEX_BINARY=$(abspath $(CI_APEX)) node scripts/picture.mjs $(abspath $(FLIGHTS)/western-states.apex) ../docs/pictures
+
+bench-page: web/node_modules/.installed chromium ## Measure the time to the next paint of Sherpa at URL while the record plays.
+	cd web && node scripts/paint.mjs $(URL)
 
 chromium:
 	@if ! command -v chromium > /dev/null; then \

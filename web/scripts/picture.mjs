@@ -3,6 +3,7 @@
 
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
+import { existsSync } from 'node:fs';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { chromium } from '@playwright/test';
@@ -14,7 +15,7 @@ if (!source || !folder) {
   process.exit(2);
 }
 /** Time for the map to load, and for answers that restore an instant. */
-const [LOAD_MS, SETTLE_MS] = [4000, 2500];
+const [LOAD_MS, SETTLE_MS, WAIT_MS] = [4000, 2500, 120_000];
 /** Panels of each slot, with what is chosen in them first. */
 const LEFT = ['agenda', 'objects', 'program', 'network', 'draft'];
 const RIGHT = ['why', 'monitors', 'signals', 'plans', 'log', 'alarms', 'whatif', 'compare', 'report'];
@@ -28,14 +29,15 @@ const SCREENS = [
 
 const browser = await chromium.launch(launchOptions);
 const page = await browser.newPage({ viewport: { width: 1280, height: 720 } });
-let server;
+const servers = [];
 const base = source.startsWith('http') ? source.replace(/\/$/, '') : await served(source);
 
 /** Serves a record; the address. */
 async function served(record) {
   const program =
     process.env.APEX_BINARY ?? fileURLToPath(new URL('../../target/release/apex', import.meta.url));
-  server = spawn(program, ['serve', record, '--port', '0'], { stdio: ['ignore', 'pipe', 'inherit'] });
+  const server = spawn(program, ['serve', record, '--port', '0'], { stdio: ['ignore', 'pipe', 'inherit'] });
+  servers.push(server);
   const [said] = await once(server.stdout, 'data');
   return /https?:\/\/[^\s/]+/.exec(String(said))[0];
 }
@@ -63,6 +65,10 @@ for (const panel of [...LEFT, ...RIGHT]) {
   await page.getByTestId(`tab-${panel}`).waitFor();
   if (panel === 'draft') await page.getByTestId('draft-from-plan').click();
   if (panel === 'report') await page.keyboard.press('End');
+  // These restore the instant.
+  if (panel === 'monitors') await page.getByTestId('monitors').waitFor({ timeout: WAIT_MS });
+  if (panel === 'objects')
+    await page.getByTestId('objects').getByText('flight-path').waitFor({ timeout: WAIT_MS });
   await part(panel, page.getByTestId(`slot-${slot}`));
 }
 await page.goto(`${base}/?t=${seconds}&sel=target:${target}`);
@@ -74,5 +80,19 @@ for (const rows of ['all', 'resources']) {
 await page.goto(`${base}/?print=1&t=${seconds}`);
 await page.getByTestId('paper').waitFor({ timeout: 60_000 });
 await part('paper', page.getByTestId('paper'));
+// Two futures of a short flight, if its record is next to the other.
+const short = join(source, '..', 'structure-watch.apex');
+if (existsSync(short)) {
+  const watch = await served(short);
+  await page.goto(`${watch}/?t=600&tab=whatif`);
+  await page.getByTestId('whatif-wind').fill('3');
+  await page.getByTestId('whatif-begin').click();
+  await page.getByTestId('comparison').waitFor({ timeout: WAIT_MS });
+  await part('whatif', page.getByTestId('slot-right'));
+  await page.getByTestId('whatif-compare').click();
+  await page.getByTestId('compare-rows').waitFor();
+  await page.keyboard.press('End');
+  await part('compare', page.getByTestId('slot-right'));
+}
 await browser.close();
-server?.kill('SIGTERM');
+for (const server of servers) server.kill('SIGTERM');

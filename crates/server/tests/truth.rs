@@ -95,6 +95,8 @@ fn answers(record: &Path, agent: usize, at_ns: i64) -> Value {
         "track": view.track(&TrackQuery { to_ns, ..TrackQuery::default() }).unwrap(),
         "report": view.report(to_ns).unwrap(),
         "plan": view.plan(to_ns).unwrap(),
+        "plans": view.plans(to_ns).unwrap(),
+        "commands": view.operator_commands(to_ns).unwrap(),
         "troubles": view.troubles(to_ns).unwrap(), // english: allow
     })
 }

@@ -92,7 +92,7 @@ function exceeded(window: SignalWindow, atNs: number, name: string): Raised[] {
     return [
       {
         words: `${name} beyond its limit`,
-        cause: `peak ${Number(one.peak.toPrecision(4))} ${window.unit}, ${span(one.to_ns - one.from_ns)}, watched by ${limit.step}`,
+        cause: `peak ${`${Number(one.peak.toPrecision(4))} ${window.unit}`.trim()}, ${span(one.to_ns - one.from_ns)}, watched by ${limit.step}`,
         atNs: one.raised_ns,
         open: ends,
         task: null,

@@ -29,12 +29,13 @@ export interface NetworkNode extends Activity {
 
 export interface Network {
   nodes: NetworkNode[];
-  edges: { x0: number; y0: number; x1: number; y1: number; critical: boolean }[];
+  /** Outlines of the arrows, as SVG paths. */
+  edges: { path: string; critical: boolean }[];
   width: number;
   height: number;
 }
 
-export const NODE = { width: 148, height: 40, gapX: 34, gapY: 12 };
+export const NODE = { width: 148, height: 40, gapX: 34, gapY: 18 };
 
 const STATE_GLYPHS: Record<Task['state'], string> = {
   pending: '○',
@@ -153,16 +154,15 @@ export function layOut(activities: readonly Activity[], columns: number): Networ
     node.after.flatMap(id => {
       const from = at.get(id);
       if (!from) return [];
-      const wraps = from.x > node.x;
-      return [
-        {
-          x0: from.x + (wraps ? NODE.width / 2 : NODE.width),
-          y0: from.y + (wraps ? NODE.height : NODE.height / 2),
-          x1: node.x + (wraps ? NODE.width / 2 : 0),
-          y1: node.y + (wraps ? 0 : NODE.height / 2),
-          critical: from.critical && node.critical,
-        },
-      ];
+      // To the right from side to side, else from below to the top.
+      const right = from.x < node.x;
+      const [x0, y0] = right
+        ? [from.x + NODE.width, from.y + NODE.height / 2]
+        : [from.x + NODE.width / 2, from.y + NODE.height];
+      const [x1, y1] = right ? [node.x, node.y + NODE.height / 2] : [node.x + NODE.width / 2, node.y];
+      const [bendX, bendY] = right ? [NODE.gapX / 2, 0] : [0, NODE.gapY];
+      const path = `M${x0} ${y0}C${x0 + bendX} ${y0 + bendY} ${x1 - bendX} ${y1 - bendY} ${x1} ${y1}`;
+      return [{ path, critical: from.critical && node.critical }];
     }),
   );
   const width = Math.max(0, ...nodes.map(node => node.x)) + NODE.width + 6;
