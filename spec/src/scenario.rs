@@ -35,8 +35,6 @@ pub struct Scenario {
     pub outcomes: String,
     /// Ground, wanted looks, lines and costs to be scored (`observed.rs`).
     pub look: String,
-    /// Outcomes of the tests of a dependency model, as JSON.
-    pub outcomes: String,
 }
 
 /// Runs the scenario and returns everything that it reported.

@@ -103,7 +103,6 @@ pub fn scenarios(text: &str) -> Vec<(Block, Scenario)> {
             "options" => scenario.options = block.body,
             "outcomes" => scenario.outcomes = block.body,
             "look" => scenario.look = block.body,
-            "outcomes" => scenario.outcomes = block.body,
             "" => {}
             _ => found.push((block, scenario.clone())),
         }

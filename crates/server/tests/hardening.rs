@@ -24,6 +24,8 @@ fn options(record: &Path, address: Ipv4Addr, access: AccessOptions) -> ServeOpti
         port: 0,
         load: None,
         door: None,
+        others: Vec::new(),
+        what_if: None,
         flights: None,
         access,
         ready: Box::new(|_| ()),
