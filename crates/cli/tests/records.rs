@@ -212,7 +212,7 @@ fn a_flight_outlives_a_full_disk_and_leaves_nothing_that_passes_for_whole() {
     let Some(small) = small else { return };
     let mission = mission("first-picture");
     let fly = ["fly", &*mission, "--no-progress", "--record", "small/f.apex"];
-    desk.apex(&fly).complained(1, &["the disk is full", "small/f.apex", "Free some space"]);
+    desk.apex(&fly).complained(1, &["the disk is full", "small/f.apex", "free some space"]);
     let warning = "warning: The flight record small/f.apex is incomplete";
     desk.apex(&["trace", "small/f.apex"]).complained(0, &[warning]);
     desk.apex(&["replay", "small/f.apex"]).complained_of(&[warning]);

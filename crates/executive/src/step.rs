@@ -6,7 +6,6 @@
 
 use crate::control::conflicts::deadlock;
 use crate::control::cycle::{Cycle, Work};
-use crate::control::memory_budget;
 use crate::control::tasks::instantiation::{self, Seed};
 use crate::control::tasks::{monitoring_clauses, probing, termination};
 use crate::phases::{contention, enablement, invariants, invocation, recording, selection};
@@ -90,7 +89,7 @@ fn work_through(cycle: &mut Cycle<'_>, events: &[Event]) {
         recording::record_said(cycle);
         monitoring_clauses::notice(cycle);
         enablement::enable(cycle);
-        memory_budget::enforce(cycle);
+        termination::fail_beyond_budget(cycle);
         selection::choose(cycle);
         let arbitration = contention::contend(cycle);
         contention::commit(cycle, arbitration);

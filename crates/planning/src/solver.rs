@@ -51,13 +51,13 @@ pub trait Budget {
     fn is_stopped(&self) -> bool {
         false
     }
-    /// What the solver may take of the machine.
+    /// Limits of the machine for the solver.
     fn machine(&self) -> MachineLimits {
         MachineLimits::default()
     }
 }
 
-/// What a solver may take of the machine. They are far off: the budget in work units decides before.
+/// Limits of the machine for a solver. They are far off: the budget in work units decides before.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MachineLimits {
     /// Bytes of memory; `None` if the caller states no limit.

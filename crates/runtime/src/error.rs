@@ -112,7 +112,7 @@ pub enum RecordError {
         doing: String,
     },
     /// A write failed during the flight, and none succeeded until its end.
-    #[error("The recording was lost at {since} because {reason}: the flight record {} holds everything before, and {steps} later steps that were kept in memory are not in it. Free some space or record to another disk, then fly again.", path.display())]
+    #[error("the recording was lost at {since} because {reason}: the flight record {} holds everything before, and {steps} later steps that were kept in memory are not in it; free some space or record to another disk, then fly again", path.display())]
     Lost {
         /// The file.
         path: PathBuf,

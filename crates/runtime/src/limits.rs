@@ -42,7 +42,7 @@ pub const SOLVER_WORDS_MAX: usize = 2_000;
 pub const INPUT_MESSAGES_MAX: usize = 20;
 /// Bytes of one line of input: far more than any message, less than a file without line ends.
 pub const INPUT_LINE_BYTES_MAX: usize = 1 << 20;
-/// Tasks that have ended whose goals are remembered for words about them: what is told of an ended task is told soon after.
+/// Ended tasks whose goals are remembered: lines about an ended task come soon after its end.
 pub const ENDED_GOALS_MAX: usize = 10_000;
 /// Batches that are committed together: a crash loses no more.
 pub const GROUP_BATCHES_MAX: u32 = 256;

@@ -5,14 +5,13 @@
 //! Paper: none.
 
 use crate::control::cycle::Cycle;
-use crate::control::tasks::termination;
 use crate::state::agent::Agent;
 use crate::state::bindings::Bindings;
 use crate::state::controller::{Controller, MethodBinding};
 use crate::state::histories::history::Sample;
 use crate::state::memory_count::MemoryCount;
 use apex_model::agent_limits::Limit;
-use apex_model::because::{Because, Cause};
+use apex_model::because::Cause;
 use apex_model::effect::Effect;
 use apex_model::source::Place;
 use apex_model::task::TaskId;
@@ -44,7 +43,7 @@ fn numbered(cycle: &Cycle<'_>) -> u64 {
     agent.tasks.len() as u64 * TASK_BYTES + agent.watches.len() as u64 * WATCH_BYTES + effects * EFFECT_BYTES
 }
 
-/// Is there memory for one more task?
+/// Checks that there is memory for one more task.
 ///
 /// # Errors
 /// The cause, if the budget is used up.
@@ -68,7 +67,7 @@ fn is_within(cycle: &mut Cycle<'_>, more: u64) -> bool {
     numbered(cycle) + cycle.agent.memory.counted + more <= budget
 }
 
-/// A variable of the task was bound to `value`. A task that asks for more than the budget fails before it goes on.
+/// A variable of the task was bound to `value`. A task that asks for more than the budget fails before it continues.
 pub(crate) fn bound(cycle: &mut Cycle<'_>, id: TaskId, value: &Value, place: Place) {
     let bytes = value_bytes(value);
     if bytes < LARGE_VALUE_BYTES {
@@ -80,14 +79,6 @@ pub(crate) fn bound(cycle: &mut Cycle<'_>, id: TaskId, value: &Value, place: Pla
     }
     if cycle.agent.memory.since > budget(cycle.agent) / RECOUNT_PART {
         cycle.agent.memory = MemoryCount { counted: count(cycle.agent), since: 0 };
-    }
-}
-
-/// Fails the tasks that asked for more than the budget.
-pub(crate) fn enforce(cycle: &mut Cycle<'_>) {
-    for (id, place) in std::mem::take(&mut cycle.work.over_budget) {
-        let cause = cycle.agent.limits.reached(Limit::MemoryMebibytes);
-        termination::fail(cycle, id, Because::new(cause, Some(place)));
     }
 }
 

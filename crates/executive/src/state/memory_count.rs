@@ -1,8 +1,8 @@
-//! What an agent holds in bytes, apart from what is counted by number.
+//! Bytes that an agent holds in large values and samples; tasks and monitors are counted by number.
 
 use serde::{Deserialize, Serialize};
 
-/// What the agent holds beside tasks and monitors, in bytes. Part of the agent, so that replay refuses the same.
+/// Bytes of large values and samples. Part of the agent, so that replay refuses the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MemoryCount {
     /// Large values and samples at the last count.

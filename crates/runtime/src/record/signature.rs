@@ -45,7 +45,7 @@ impl SigningKey {
     }
 }
 
-/// What is known of the signature of a record.
+/// State of the signature of a record.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SignatureState {
     /// The record names no key.

@@ -138,7 +138,7 @@ impl Logged {
         usize::try_from(number).ok()
     }
 
-    /// What is wrong with the files that were found after a crash; `None` if everything that must be there is, unchanged.
+    /// Returns a fault of the files after a crash; `None` if everything that must be there is, unchanged.
     fn fault(&self, files: &Files, acknowledged: usize, with_replay: bool) -> Option<String> {
         files.put(self.folder.path());
         let path = self.folder.path().join(RECORD);
@@ -224,7 +224,7 @@ impl Logged {
     }
 }
 
-/// How many, from the environment.
+/// Number of crashes, from the environment.
 fn count(variable: &str, usual: usize) -> usize {
     std::env::var(variable).ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
 }

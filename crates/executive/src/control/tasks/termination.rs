@@ -12,6 +12,7 @@ use crate::control::tasks::{
 use crate::control::transition::{Trigger, transition};
 use crate::state::controller::Controller;
 use crate::state::task::{Origin, ProcedureRef};
+use apex_model::agent_limits::Limit;
 use apex_model::because::{Because, Cause};
 use apex_model::effect::Effect;
 use apex_model::task::{Outcome, TaskId, TaskState};
@@ -130,6 +131,14 @@ fn forget_wakes(cycle: &mut Cycle<'_>, id: TaskId) {
 pub(crate) fn fail(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
     if cycle.state(id) != TaskState::Terminated && !failure::handle(cycle, id, &because) {
         end(cycle, id, Outcome::Failure, because);
+    }
+}
+
+/// Fails the tasks that asked for more memory than their agent may hold.
+pub(crate) fn fail_beyond_budget(cycle: &mut Cycle<'_>) {
+    for (id, place) in std::mem::take(&mut cycle.work.over_budget) {
+        let cause = cycle.agent.limits.reached(Limit::MemoryMebibytes);
+        fail(cycle, id, Because::new(cause, Some(place)));
     }
 }
 

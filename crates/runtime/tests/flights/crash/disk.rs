@@ -79,7 +79,7 @@ fn write(file: &mut Vec<u8>, offset: usize, data: &[u8]) {
     file[offset..end].copy_from_slice(data);
 }
 
-/// What is safe on the disk, and what was written since and is not.
+/// Files that are safe on the disk, and operations since that are not.
 #[derive(Clone, Default)]
 pub(crate) struct Disk {
     safe: Files,
