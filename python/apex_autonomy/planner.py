@@ -5,9 +5,12 @@ from __future__ import annotations
 import abc
 import ctypes
 import json
+import os
+import sys
+import threading
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 from apex_autonomy._apex import Means, PlannerContext, plan_json, problem_json
 
@@ -21,7 +24,7 @@ class PlannerStopped(BaseException):
 class Environment:
     """What a planner may use."""
 
-    def __init__(self, surroundings: PlannerContext) -> None:
+    def __init__(self, surroundings: Surroundings | _Program) -> None:
         self._surroundings = surroundings
 
     @property
@@ -86,6 +89,72 @@ class Planner(abc.ABC):
         Exception
             There is no plan; its text says why.
         """
+
+    def serve(self) -> None:
+        """Answer one problem on standard input, as a solver program (``docs/reference/solver-programs.md``).
+
+        What the planner prints goes to standard error. When standard input ends, so does the process.
+        """
+        with os.fdopen(os.dup(1), "w", encoding="utf-8") as output:
+            os.dup2(2, 1)
+            request = json.loads(sys.stdin.readline())
+            program = _Program(request, output)
+            threading.Thread(target=program.listen, daemon=True).start()
+            [contents] = request["problem"].values()
+            try:
+                answer = {"plan": self.plan(contents, Environment(program))}
+            except Exception as error:
+                answer = {"failed": str(error) or type(error).__name__}
+            program.say(answer)
+
+
+class _Program:
+    """The surroundings of a planner in a separate process."""
+
+    STEP = 10_000
+
+    def __init__(self, request: dict[str, Any], output: TextIO) -> None:
+        previous = request["previous"]
+        self.seed: int = request["seed"]
+        self.previous_json = None if previous is None else json.dumps(previous)
+        self.used = 0
+        self._allowed: int = request["work_units"]
+        self._told = 0
+        self._stopped = threading.Event()
+        self._output = output
+
+    @property
+    def exhausted(self) -> bool:
+        return self._stopped.is_set() or self.used >= self._allowed
+
+    def charge(self, units: int) -> bool:
+        self.used += units
+        if self.used - self._told >= self.STEP:
+            self._tell()
+        return not self.exhausted
+
+    def report_json(self, plan: str) -> None:
+        self._tell()
+        self._write(f'{{"report": {plan}}}')
+
+    def say(self, answer: dict[str, Any]) -> None:
+        self._tell()
+        self._write(json.dumps(answer))
+
+    def listen(self) -> None:
+        if sys.stdin.readline():
+            self._stopped.set()
+            sys.stdin.read()
+        os._exit(0)
+
+    def _tell(self) -> None:
+        units, self._told = self.used - self._told, self.used
+        if units:
+            self._write(json.dumps({"charge": units}))
+
+    def _write(self, line: str) -> None:
+        self._output.write(line + "\n")
+        self._output.flush()
 
 
 def _interrupt(identity: int) -> None:

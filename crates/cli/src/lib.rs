@@ -17,6 +17,7 @@ mod monitor;
 mod options;
 mod output;
 mod recording;
+mod solver_programs;
 mod sources;
 mod stopping;
 mod table_file;
@@ -32,11 +33,19 @@ use std::sync::Arc;
 
 /// Runs the command with these arguments (the program's name first) and planners. Like every command it prints what it has to
 /// say; what `clap` answers, as for `--help`, ends the process.
+///
+/// Planners that do not ship work in separate processes: this program is started again for each problem.
 pub fn main(arguments: impl IntoIterator<Item = OsString>, planners: Registry) -> ExitCode {
-    run(Options::parse_from(arguments), &Arc::new(planners))
+    let options = Options::parse_from(arguments);
+    // A profile measures planners without the time that a process takes to begin.
+    let planners = match options.command {
+        Command::Solver(_) | Command::Profile(_) => planners,
+        _ => solver_programs::isolated(&planners),
+    };
+    run(options, &Arc::new(planners))
 }
 
-/// As [`main`], but nothing ends the process.
+/// As [`main`], but nothing ends the process, and all planners work in it.
 ///
 /// # Errors
 /// What is wrong with the arguments, as `clap` words it; also the text of `--help`.
@@ -46,7 +55,21 @@ pub fn try_main(arguments: impl IntoIterator<Item = OsString>, planners: Registr
 }
 
 fn run(options: Options, planners: &Arc<Registry>) -> ExitCode {
-    let outcome = match options.command {
+    let programs = options.command.solver_programs();
+    let outcome = solver_programs::with_programs(planners, programs).and_then(|all| obey(options.command, &all));
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            if !error.message.is_empty() {
+                output::print_error(&error);
+            }
+            error.exit_code()
+        }
+    }
+}
+
+fn obey(command: Command, planners: &Arc<Registry>) -> error::CliResult {
+    match command {
         Command::Check(options) => commands::check::run(&options),
         Command::Explain(options) => commands::explain::run(&options),
         Command::Fmt(options) => commands::format::run(&options),
@@ -66,15 +89,7 @@ fn run(options: Options, planners: &Arc<Registry>) -> ExitCode {
         Command::Profile(command) => commands::profile::run(&command, planners),
         Command::Vehicle(options) => commands::vehicle::run(&options),
         Command::Diagnose(options) => commands::diagnose::run(&options),
+        Command::Solver(options) => commands::solver::run(&options, planners),
         Command::Serve(options) => commands::serve::run(&options, planners),
-    };
-    match outcome {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            if !error.message.is_empty() {
-                output::print_error(&error);
-            }
-            error.exit_code()
-        }
     }
 }

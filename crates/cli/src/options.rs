@@ -5,6 +5,7 @@ mod fork;
 mod integrity;
 mod plan;
 mod profile;
+mod solver;
 mod vehicle;
 
 pub use diagnose::DiagnoseOptions;
@@ -16,6 +17,7 @@ pub use profile::{
     ProfileUpdateOptions, ProfileWorkOptions,
 };
 
+pub use solver::{SolverOptions, SolverProgramOptions};
 pub use vehicle::VehicleOptions;
 
 use clap::{Args, Parser, Subcommand};
@@ -77,8 +79,25 @@ pub enum Command {
     Vehicle(VehicleOptions),
     /// Diagnose test outcomes by a dependency model, or print the testability or the PDL that follow from it.
     Diagnose(DiagnoseOptions),
+    /// Answer one planning problem on standard input as a solver program does; started by Apex.
+    Solver(SolverOptions),
     /// Open Sherpa, the web page, on a flight record, or fly missions for programs that ask over HTTP.
     Serve(ServeOptions),
+}
+
+impl Command {
+    /// The solver programs that the user names.
+    pub fn solver_programs(&self) -> &[String] {
+        let programs = match self {
+            Command::Fly(options) => &options.programs,
+            Command::Fork(options) => &options.programs,
+            Command::Plan(options) => &options.programs,
+            Command::Run(options) => &options.programs,
+            Command::Serve(options) => &options.programs,
+            _ => return &[],
+        };
+        &programs.solver_programs
+    }
 }
 
 /// `apex check`
@@ -160,6 +179,11 @@ pub struct RunOptions {
     /// Wait for the disk with each commit of the record, so that a power cut loses nothing that has left.
     #[arg(long, requires = "record")]
     pub power_safe: bool,
+    /// Sign the record with the key in this file when it is closed: 64 hexadecimal digits, as `openssl rand -hex 32` writes them.
+    #[arg(long, value_name = "FILE", requires = "record")]
+    pub sign: Option<PathBuf>,
+    #[command(flatten)]
+    pub programs: SolverProgramOptions,
 }
 
 /// `apex fly`
@@ -170,6 +194,12 @@ pub struct FlyOptions {
     /// The flight record to write; default is the mission's name with `.apex` in the current folder.
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
+    /// Wait for the disk with each commit of the record, so that a power cut loses nothing that was acknowledged.
+    #[arg(long, conflicts_with = "runs")]
+    pub power_safe: bool,
+    /// Sign the record with the key in this file when it is closed: 64 hexadecimal digits, as `openssl rand -hex 32` writes them.
+    #[arg(long, value_name = "FILE", conflicts_with = "runs")]
+    pub sign: Option<PathBuf>,
     /// Stop at this mission time, for example `2h`.
     #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
     pub until: Option<String>,
@@ -185,9 +215,11 @@ pub struct FlyOptions {
     /// Wall time after which a solver that does not return is abandoned; default is 5 minutes.
     #[arg(long, alias = "solver-patience", value_name = "TIME")]
     pub solver_timeout: Option<String>,
-    /// Mebibytes by which the program may grow while a solver works; default is 1024.
+    /// Mebibytes that a solver program may take, or by which this program may grow while a solver works in it; default is 1024.
     #[arg(long, value_name = "NUMBER")]
     pub solver_memory: Option<u32>,
+    #[command(flatten)]
+    pub programs: SolverProgramOptions,
     /// Fly so many times, each in the world of the next seed, and print a summary; no record is written.
     #[arg(long, value_name = "NUMBER", conflicts_with_all = ["record", "serve", "pace"])]
     pub runs: Option<usize>,
@@ -426,6 +458,8 @@ pub struct ServeOptions {
     /// The agent to show, where several run; default is the first.
     #[arg(long, value_name = "NAME", requires = "record")]
     pub agent: Option<String>,
+    #[command(flatten)]
+    pub programs: SolverProgramOptions,
     /// Open the page in the default browser.
     #[arg(long)]
     pub open: bool,

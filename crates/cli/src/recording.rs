@@ -3,8 +3,12 @@
 use crate::error::{CliError, CliResult};
 use crate::output;
 pub use apex_mission::recording::{create, of_mission};
+use apex_model::effect::Effect;
+use apex_model::event::Batch;
+use apex_model::time::Time;
 use apex_runtime::RecordError;
-use apex_runtime::record::RecordReader;
+use apex_runtime::ports::Observer;
+use apex_runtime::record::{RECORDING_LOST, RECORDING_RESUMED, RecordReader, SigningKey};
 use std::path::Path;
 
 /// Opens a record and prints a warning if it is incomplete.
@@ -22,4 +26,32 @@ pub fn open(path: &Path) -> CliResult<RecordReader> {
 /// A record that cannot be written, with the exit code that it deserves.
 pub fn written(error: RecordError) -> CliError {
     apex_mission::recording::written(error).into()
+}
+
+/// The key in a file.
+///
+/// # Errors
+/// The file is not a key.
+pub fn signing_key(path: &Path) -> CliResult<SigningKey> {
+    SigningKey::read(path).map_err(|why| {
+        CliError::user(format!("{} is not a key to sign with", path.display()))
+            .because(why)
+            .help("write one with `openssl rand -hex 32 > flight.key`")
+    })
+}
+
+/// Tells the operator at once when a flight is not recorded any longer, and when it is again.
+pub struct RecordingWatch;
+
+impl Observer for RecordingWatch {
+    fn observe(&mut self, _: &Batch, _: &[Effect]) -> Result<(), String> {
+        Ok(())
+    }
+
+    fn note(&mut self, at: Time, text: &str) -> Result<(), String> {
+        if text.starts_with(RECORDING_LOST) || text.starts_with(RECORDING_RESUMED) {
+            output::print_error(format_args!("warning: at {at} {text}"));
+        }
+        Ok(())
+    }
 }

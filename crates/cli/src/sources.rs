@@ -7,6 +7,7 @@ pub use apex_mission::program::{
     host_functions, load_recorded, program_path,
 };
 pub use apex_mission::recorded::load_program as load_flown_program;
+use apex_mission::scenario::ScriptedInputs;
 use apex_mission::{Mission, scenario};
 use apex_model::library::Library;
 use apex_model::time::Time;
@@ -36,11 +37,11 @@ pub fn load_mission(path: &Path) -> CliResult<Mission> {
     Ok(Mission::of_program(path, library)?)
 }
 
-/// Reads scripted inputs from a file, or from standard input for `-`.
+/// All scripted inputs of a file, or of standard input for `-`, in memory.
 ///
 /// # Errors
 /// The inputs cannot be read, or are not scripted inputs.
-pub fn inputs_of(path: &Path) -> CliResult<Vec<Input>> {
+pub fn held_inputs_of(path: &Path) -> CliResult<Vec<Input>> {
     if path.as_os_str() != "-" {
         return Ok(scenario::read(path)?);
     }
@@ -49,6 +50,17 @@ pub fn inputs_of(path: &Path) -> CliResult<Vec<Input>> {
         .read_to_string(&mut text)
         .map_err(|error| CliError::user("cannot read standard input").because(error))?;
     Ok(scenario::parse("<standard input>", &text)?)
+}
+
+/// Opens scripted inputs from a file, or from standard input for `-`.
+///
+/// # Errors
+/// The inputs cannot be read, or are not scripted inputs.
+pub fn inputs_of(path: &Path) -> CliResult<ScriptedInputs> {
+    if path.as_os_str() != "-" {
+        return Ok(scenario::open(path)?);
+    }
+    held_inputs_of(path).map(ScriptedInputs::Held)
 }
 
 /// Prints the diagnostics for a user who runs the program: not the notes.

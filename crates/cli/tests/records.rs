@@ -212,7 +212,7 @@ fn a_flight_outlives_a_full_disk_and_leaves_nothing_that_passes_for_whole() {
     let Some(small) = small else { return };
     let mission = mission("first-picture");
     let fly = ["fly", &*mission, "--no-progress", "--record", "small/f.apex"];
-    desk.apex(&fly).complained(1, &["the disk is full", "small/f.apex", "Free some space"]);
+    desk.apex(&fly).complained(1, &["the disk is full", "small/f.apex", "free some space"]);
     let warning = "warning: The flight record small/f.apex is incomplete";
     desk.apex(&["trace", "small/f.apex"]).complained(0, &[warning]);
     desk.apex(&["replay", "small/f.apex"]).complained_of(&[warning]);
@@ -243,4 +243,30 @@ impl Drop for Small {
         let unmounted = Command::new("umount").arg(&self.at).status();
         assert!(unmounted.is_ok_and(|status| status.success()), "{} stays mounted", self.at.display());
     }
+}
+
+#[test]
+fn a_signed_record_names_its_key_and_forgeries_are_found() {
+    let desk = Desk::new();
+    desk.write("flight.key", &format!("{}\n", "5a".repeat(32)));
+    let fly = ["fly", &mission("first-picture"), "--until", "20", "--no-progress", "--record", "f.apex"];
+    desk.apex(&[&fly[..], &["--sign", "flight.key"]].concat()).well();
+    let said = desk.apex(&["verify", "f.apex"]).well();
+    let key = said.out.split("the record is as ").nth(1).unwrap().split(' ').next().unwrap().to_string();
+    assert_eq!(key.len(), 64, "{}", said.out);
+    desk.apex(&["verify", "f.apex", "--signer", &key]).well();
+    desk.apex(&["verify", "f.apex", "--signer", &"0".repeat(64)]).complained(1, &["is not signed by", &key]);
+    // Without its signature the record says whose is missing.
+    fs::rename(desk.path("f.apex.sig"), desk.path("elsewhere")).unwrap();
+    desk.apex(&["verify", "f.apex"]).complained(1, &["the signature of f.apex does not hold", "f.apex.sig"]);
+    // The signature of another flight is none.
+    desk.apex(&[&fly[..], &["--sign", "flight.key", "--seed", "9"]].concat()).well();
+    fs::rename(desk.path("elsewhere"), desk.path("f.apex.sig")).unwrap();
+    desk.apex(&["verify", "f.apex"]).complained(1, &["the record is not as it was signed"]);
+    desk.apex(&fly).well();
+    desk.apex(&["verify", "f.apex"]).well().told(&["Signature: none"]);
+    desk.apex(&["verify", "f.apex", "--signer", &key]).complained(1, &["it is not signed"]);
+    desk.write("bad.key", "secret");
+    desk.apex(&[&fly[..], &["--sign", "bad.key"]].concat())
+        .complained(2, &["bad.key is not a key", "openssl rand -hex 32"]);
 }

@@ -89,7 +89,7 @@ fn work_through(cycle: &mut Cycle<'_>, events: &[Event]) {
         recording::record_said(cycle);
         monitoring_clauses::notice(cycle);
         enablement::enable(cycle);
-        termination::fail_over_budget(cycle);
+        termination::fail_beyond_budget(cycle);
         selection::choose(cycle);
         let arbitration = contention::contend(cycle);
         contention::commit(cycle, arbitration);

@@ -349,7 +349,7 @@ pub enum Cause {
         /// Message about the event.
         message: String,
     },
-    /// The recording has stopped: the disk takes no more data.
+    /// The flight is not recorded any longer: the disk takes no more.
     RecordingLost {
         /// Reason, as the system states it.
         reason: String,

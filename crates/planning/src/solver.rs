@@ -51,13 +51,13 @@ pub trait Budget {
     fn is_stopped(&self) -> bool {
         false
     }
-    /// Returns the share of the machine that the solver may take.
+    /// Limits of the machine for the solver.
     fn machine(&self) -> MachineLimits {
         MachineLimits::default()
     }
 }
 
-/// Share of the machine that a solver may take. These limits are far off: the budget in work units decides before.
+/// Limits of the machine for a solver. They are far off: the budget in work units decides before.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MachineLimits {
     /// Bytes of memory; `None` if the caller states no limit.

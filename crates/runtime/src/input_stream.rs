@@ -55,7 +55,7 @@ impl InputStream {
 
     /// The instant of the next input.
     pub(crate) fn next_at(&self) -> Option<Time> {
-        // A fault of the file is told at once.
+        // A fault of the file is reported at once.
         if self.failure.is_some() { Some(self.last) } else { self.next.as_ref().map(|input| input.at) }
     }
 
@@ -220,9 +220,9 @@ mod tests {
     #[test]
     fn bad_lines_are_named_before_the_run() {
         let long = "x".repeat(INPUT_LINE_BYTES_MAX + 5);
-        let told = surveyed(&format!("{{\"t\": 1}}\n{long}\n{{\"t\": 1, \"event\": \"x\"}}\n")).unwrap_err();
+        let faults = surveyed(&format!("{{\"t\": 1}}\n{long}\n{{\"t\": 1, \"event\": \"x\"}}\n")).unwrap_err();
         for part in ["in.jsonl:1", "in.jsonl:2: the line is longer", "in.jsonl:3"] {
-            assert!(told.contains(part), "{part}: {told}");
+            assert!(faults.contains(part), "{part}: {faults}");
         }
         assert!(surveyed(&"nonsense\n".repeat(100)).unwrap_err().contains("further faults are not shown"));
     }

@@ -9,10 +9,9 @@
 
 use crate::limits::{SOLVER_GRACE, SOLVER_LOOK, SOLVER_OVERRUN_UNITS, SOLVER_STACK_BYTES, SOLVERS_LEFT_BEHIND_MAX};
 use crate::ports::CancelToken;
-use crate::solver_process::short;
+use crate::solver_words::{panic_text, short};
 use apex_model::problem::{Plan, Problem};
 use apex_planning::solver::{Budget, Environment, MachineLimits, Solver};
-use std::any::Any;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -283,7 +282,7 @@ impl Invocation {
         let (plan, violation) = match ended {
             Ended::Answered(plan) => (plan.map_err(|reason| short(&reason)), stop),
             Ended::Stopped => (Err("it was stopped".into()), stop),
-            Ended::BrokeDown(why) => (Err("it broke down".into()), Some(format!("broke down: {}", short(&why)))),
+            Ended::BrokeDown(why) => (Err("it failed".into()), Some(format!("broke down: {}", short(&why)))),
             Ended::LeftBehind => (Err("it did not stop".into()), stop.or(Some("did not stop when told to".into()))),
         };
         let violation = violation.map(|what| format!("the solver {name} {what}"));
@@ -315,12 +314,6 @@ fn solve(
         Err(payload) if payload.is::<UnwindPayload>() => Ended::Stopped,
         Err(payload) => Ended::BrokeDown(panic_text(&*payload)),
     }
-}
-
-/// Returns the message of a panic.
-pub(crate) fn panic_text(payload: &(dyn Any + Send)) -> String {
-    let text = payload.downcast_ref::<&str>().map(|text| (*text).to_owned());
-    text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_else(|| "it gave no message".into())
 }
 
 /// Bytes of memory that the program holds now; none where the system does not tell.

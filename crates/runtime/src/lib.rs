@@ -35,6 +35,7 @@ pub mod replay;
 mod samples;
 pub mod solver_process;
 pub mod solver_thread;
+mod solver_words;
 pub mod target_state;
 pub mod terms;
 pub mod trace;

@@ -42,7 +42,7 @@ pub const SOLVER_WORDS_MAX: usize = 2_000;
 pub const INPUT_MESSAGES_MAX: usize = 20;
 /// Bytes of one line of input: far more than any message, less than a file without line ends.
 pub const INPUT_LINE_BYTES_MAX: usize = 1 << 20;
-/// Tasks that have ended whose goals are remembered for texts about them: reports about an ended task come soon after.
+/// Ended tasks whose goals are remembered: lines about an ended task come soon after its end.
 pub const ENDED_GOALS_MAX: usize = 10_000;
 /// Live sources other than operators and safing programs at a time.
 pub const LIVE_SOURCES_MAX: usize = 64;

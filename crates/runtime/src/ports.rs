@@ -255,12 +255,12 @@ pub trait Observer {
     }
 }
 
-/// Report of an observer to the agents and the operators.
+/// A message of an observer for the agents and the operators.
 #[derive(Clone, Debug, PartialEq)]
 pub struct News {
     /// The message to all agents, an input like others.
     pub message: Value,
-    /// The same for people.
+    /// The same for operators.
     pub note: String,
 }
 

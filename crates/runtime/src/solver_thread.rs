@@ -2,9 +2,9 @@
 //!
 //! Jobs run in the order of requests. A job that is cancelled before its turn is not started. A panic is an answer.
 
-use crate::invocation::panic_text;
 use crate::limits::SOLVER_STACK_BYTES;
 use crate::ports::{CancelToken, SolverAnswer, SolverJob, SolverQueue};
+use crate::solver_words::panic_text;
 use apex_model::effect::SolveRequestId;
 use apex_model::symbol::Symbol;
 use apex_model::time::Duration;

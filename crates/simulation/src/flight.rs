@@ -20,7 +20,20 @@ pub(crate) const BUILT_IN: &str = "built-in simulator";
 /// # Errors
 /// As [`recording::of_mission`].
 pub fn create_record(path: &Path, mission: &Mission, seed: Option<u64>) -> MissionResult<Recorder> {
-    let mut recorder = recording::of_mission(path, mission, Durability::Program)?;
+    create_durable_record(path, mission, seed, Durability::Program)
+}
+
+/// As [`create_record`], with this durability.
+///
+/// # Errors
+/// As [`recording::of_mission`].
+pub fn create_durable_record(
+    path: &Path,
+    mission: &Mission,
+    seed: Option<u64>,
+    durability: Durability,
+) -> MissionResult<Recorder> {
+    let mut recorder = recording::of_mission(path, mission, durability)?;
     let seed = seed.unwrap_or(mission.settings.seed).to_string();
     let described = recorder.meta("vehicle_type", BUILT_IN).and_then(|()| recorder.meta("seed", &seed));
     described.map_err(recording::written)?;
@@ -62,6 +75,22 @@ pub fn fly(
     recorder: &mut Recorder,
     observers: &mut [&mut dyn Observer],
 ) -> MissionResult<FlightOutcome> {
+    let (outcome, lost) = fly_to_the_end(mission, means, seed, terms, recorder, observers)?;
+    lost.map_or(Ok(outcome), Err)
+}
+
+/// As [`fly`]. A flight whose record was lost on the way has an outcome, too: it comes with the error of the record.
+///
+/// # Errors
+/// A mission that cannot be simulated, a flight that breaks.
+pub fn fly_to_the_end(
+    mission: Arc<Mission>,
+    means: PlanningResources,
+    seed: Option<u64>,
+    terms: FlyOptions,
+    recorder: &mut Recorder,
+    observers: &mut [&mut dyn Observer],
+) -> MissionResult<(FlightOutcome, Option<MissionError>)> {
     let mut vehicle = world(&mission, seed)?;
     // In simulated time the watcher's pace decides nothing: planners have the same time at every pace.
     let terms = FlyOptions { hold_for_solvers: !is_real_time(&mission), ..terms };
@@ -70,6 +99,6 @@ pub fn fly(
         all.extend(observers.iter_mut().map(|observer| &mut **observer as &mut dyn Observer));
         MissionFlight::new(mission, means).fly(&mut vehicle, terms, &mut all)?
     };
-    outcome.store(recorder).map_err(recording::written)?;
-    Ok(outcome)
+    let lost = outcome.store(recorder).map_err(recording::written).err();
+    Ok((outcome, lost))
 }

@@ -2,7 +2,8 @@
 
 use crate::error::{CliError, CliResult};
 use crate::options::FlyOptions;
-use crate::{commands, output, sources, stopping};
+use crate::recording::RecordingWatch;
+use crate::{commands, output, recording, sources, stopping};
 use apex_mission::Mission;
 use apex_mission::deliberation::PlanningResources;
 use apex_mission::flight::{FlightOutcome, MissionFlight};
@@ -12,6 +13,7 @@ use apex_model::event::Batch;
 use apex_model::time::{Duration, Time};
 use apex_planning::Registry;
 use apex_runtime::ports::Observer;
+use apex_runtime::record::Durability;
 use apex_runtime::{Control, EndReason};
 use apex_server::{AccessOptions, FlightDoor};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -44,7 +46,12 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult {
     }
     // A mission that cannot be simulated leaves an older record as it is.
     apex_simulation::world(&mission, options.seed)?;
-    let mut recorder = apex_simulation::create_record(&path, &mission, options.seed)?;
+    let key = options.sign.as_deref().map(recording::signing_key).transpose()?;
+    let durability = if options.power_safe { Durability::Power } else { Durability::Program };
+    let mut recorder = apex_simulation::create_durable_record(&path, &mission, options.seed, durability)?;
+    if let Some(key) = key {
+        recorder.sign_with(key).map_err(recording::written)?;
+    }
     let started = std::time::Instant::now();
     let begin = if options.paused { Some(0.0) } else { pace };
     let (door, controls) = match options.serve.then(|| FlightDoor::new(&mission, begin, commands::serve::read_datum()))
@@ -67,11 +74,13 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult {
     let mut progress = TimeBar::new(terms.until, options.no_progress || options.json);
     let mut observers: Vec<&mut dyn Observer> = vec![&mut progress];
     observers.extend(watch.as_mut().map(|watch| watch as &mut dyn Observer));
-    let flown = apex_simulation::fly(mission, means, options.seed, terms, &mut recorder, &mut observers);
+    let mut recording = RecordingWatch;
+    observers.push(&mut recording);
+    let flown = apex_simulation::fly_to_the_end(mission, means, options.seed, terms, &mut recorder, &mut observers);
     // The page learns that the flight is over.
     drop(watch);
     progress.bar.finish_and_clear();
-    let flight = flown?;
+    let (flight, lost) = flown?;
     let seconds = started.elapsed().as_secs_f64();
     print_flight(&flight, seconds, &path, options.json)?;
     if let Some(sherpa) = sherpa {
@@ -82,7 +91,7 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult {
         // Its own thread has reported a failure, if any.
         sherpa.join().ok();
     }
-    Ok(())
+    lost.map_or(Ok(()), |error| Err(error.into()))
 }
 
 fn print_flight(flight: &FlightOutcome, seconds: f64, path: &Path, json: bool) -> CliResult {

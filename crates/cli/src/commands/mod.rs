@@ -16,6 +16,7 @@ pub mod replay;
 pub mod run;
 pub mod score;
 pub mod serve;
+pub mod solver;
 pub mod trace;
 pub mod vehicle;
 pub mod verify;

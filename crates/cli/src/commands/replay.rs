@@ -32,18 +32,20 @@ pub fn run(options: &ReplayOptions) -> CliResult {
             })
         });
         output::print_line(serde_json::json!({
-            "equal": report.difference.is_none(),
+            "equal": report.difference.is_none() && report.gap.is_none(),
             "batches": report.batches,
             "effects": report.effects,
             "problems": report.problems,
             "end_s": report.end.seconds(),
             "difference": difference,
+            "gap": report.gap.map(|gap| gap.to_string()),
         }))?;
     } else {
         output::print_line(&report)?;
     }
-    match report.difference {
-        None => Ok(()),
-        Some(_) => Err(CliError { of_user: false, ..CliError::already_reported() }),
+    match (report.difference, report.gap) {
+        (None, None) => Ok(()),
+        // What follows a gap is not confirmed.
+        _ => Err(CliError { of_user: false, ..CliError::already_reported() }),
     }
 }

@@ -5,24 +5,28 @@ use crate::console;
 use crate::error::{CliError, CliResult, read_text};
 use crate::options::RunOptions;
 use crate::output::Listened;
+use crate::recording::RecordingWatch;
 use crate::{external_simulator, output, recording, sources};
 use apex_mission::Mission;
 use apex_mission::deliberation::PlanningResources;
 use apex_mission::flight::{FlightOutcome, MissionFlight};
 use apex_mission::report::Report;
+use apex_mission::scenario::ScriptedInputs;
 use apex_model::library::{Application, Library};
 use apex_model::time::Time;
 use apex_planning::Registry;
 use apex_runtime::answer_lines::read_answers;
 use apex_runtime::asker::Asker;
 use apex_runtime::foreign::{self, ForeignEnd};
+use apex_runtime::input_stream::InputStream;
 use apex_runtime::live_lines::OpenQuestions;
-use apex_runtime::ports::Observer;
+use apex_runtime::ports::{Input, Observer};
 use apex_runtime::program::{NoDeliberator, NoVehicle};
 use apex_runtime::record::{Durability, RecordOptions, Recorder};
 use apex_runtime::terms::Lateness;
 use apex_runtime::trace::{TraceFilter, TraceFormat, Tracer};
 use apex_runtime::{EndReason, FlyOptions, RunEnd, ScriptedAnswer, program};
+use std::cell::Cell;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -31,7 +35,7 @@ use std::sync::Arc;
 pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> CliResult {
     let library = sources::load_program(&options.program)?;
     let clock = ClockSource::of(&library, options)?;
-    let inputs = options.inputs.as_deref().map(sources::inputs_of).transpose()?.unwrap_or_default();
+    let (inputs, stream) = inputs_of(options, &clock)?;
     let answers = options.answers.as_deref().map(answers_of).transpose()?.unwrap_or_default();
     let until = options.until.as_deref().map(|text| sources::parse_time(text, "--until")).transpose()?;
     let mission = live_mission(&library, options)?;
@@ -41,14 +45,18 @@ pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> CliResult {
             None => FlyOptions { until: until.unwrap_or(Time::END), ..FlyOptions::default() },
         };
         terms.inputs.extend(inputs.iter().cloned());
-        FlyOptions { answers: answers.clone(), ..terms }
+        FlyOptions { answers: answers.clone(), stream: stream.take(), ..terms }
     };
     refuse_to_overwrite_inputs(options)?;
+    let key = options.sign.as_deref().map(recording::signing_key).transpose()?;
     let mut recorder = options
         .record
         .as_deref()
         .map(|path| recorder(path, &library, mission.as_deref(), options.power_safe))
         .transpose()?;
+    if let (Some(key), Some(recorder)) = (key, &mut recorder) {
+        recorder.sign_with(key).map_err(recording::written)?;
+    }
     let out = trace_output(options.trace.as_deref(), clock.owns_output(options))?;
     let gone = out.gone();
     let format = if options.text { TraceFormat::Text } else { TraceFormat::JsonLines };
@@ -61,6 +69,8 @@ pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> CliResult {
     // The recorder comes first: nothing is used before it is stored.
     let is_recorded = recorder.is_some();
     let mut observers: Vec<&mut dyn Observer> = recorder.iter_mut().map(|recorder| recorder as _).collect();
+    let mut recording = RecordingWatch;
+    observers.push(&mut recording);
     observers.push(&mut tracer);
     let (live, controls) = match clock {
         ClockSource::Wall(_) => {
@@ -97,6 +107,19 @@ pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> CliResult {
     let message = format!("the run was to succeed, and ended because {}", end.reason.text());
     finish(end, report, recorder)?;
     if unexpected { Err(CliError::failure(message)) } else { Ok(()) }
+}
+
+/// Scripted inputs in memory, and those of a long file, which are read while they are needed; the run takes them.
+fn inputs_of(options: &RunOptions, clock: &ClockSource) -> CliResult<(Vec<Input>, Cell<Option<InputStream>>)> {
+    let Some(path) = options.inputs.as_deref() else { return Ok((Vec::new(), Cell::new(None))) };
+    if let ClockSource::Simulator = clock {
+        // A simulator may begin again.
+        return Ok((sources::held_inputs_of(path)?, Cell::new(None)));
+    }
+    Ok(match sources::inputs_of(path)? {
+        ScriptedInputs::Held(inputs) => (inputs, Cell::new(None)),
+        ScriptedInputs::Streamed(stream) => (Vec::new(), Cell::new(Some(stream))),
+    })
 }
 
 /// The mission of an application that names a vehicle and does not live in simulated time.

@@ -5,7 +5,7 @@ use crate::options::VerifyOptions;
 use crate::{output, recording};
 use apex_mission::recorded::mission_of;
 use apex_mission::verification::verify;
-use apex_runtime::record::{Integrity, check_integrity};
+use apex_runtime::record::{Integrity, RecordReader, SIGNED_BY, SignatureState, check_integrity, check_signature};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -22,6 +22,7 @@ pub fn run(options: &VerifyOptions) -> CliResult {
             .help(format!("`apex recover {}` saves what can be trusted into a new record", options.record.display())));
     }
     let reader = recording::open(&options.record)?;
+    let signature = signature_of(&reader, options)?;
     let mission = mission_of(&reader).map_err(|error| CliError::failure(error.to_string()))?;
     let result = mission.map(|mission| verify(&reader, &mission)).transpose();
     let result = result.map_err(|error| CliError::failure(error.to_string()))?;
@@ -32,10 +33,15 @@ pub fn run(options: &VerifyOptions) -> CliResult {
         }
         if let Value::Object(fields) = &mut found {
             fields.insert("integrity".into(), integrity.json());
+            fields.insert("signed_by".into(), json!(signature));
         }
         output::print_line(found)?;
     } else {
         output::print_line(format_args!("Integrity: {}", integrity))?;
+        match &signature {
+            Some(key) => output::print_line(format_args!("Signature: the record is as {key} signed it"))?,
+            None => output::print_line("Signature: none")?,
+        }
         match &result {
             Some(result) => output::print_line(result)?,
             None => output::print_line("Requirements: none, it is not a flight of a mission")?,
@@ -44,6 +50,28 @@ pub fn run(options: &VerifyOptions) -> CliResult {
     match result {
         Some(result) if result.violations() > 0 => Err(CliError { of_user: false, ..CliError::already_reported() }),
         _ => Ok(()),
+    }
+}
+
+/// The key that signed the record; `None` if none did and none must.
+fn signature_of(reader: &RecordReader, options: &VerifyOptions) -> CliResult<Option<String>> {
+    let signed_by = reader.meta(SIGNED_BY).map_err(apex_mission::recording::read)?;
+    let record = options.record.display();
+    let key = match check_signature(&options.record, signed_by.as_deref()) {
+        SignatureState::Unsigned => None,
+        SignatureState::SignedBy(key) => Some(key),
+        SignatureState::Broken(why) => {
+            return Err(CliError::failure(format!("the signature of {record} does not hold")).because(why).help(
+                "take the record and its `.sig` file from where they were written; a flight that was cut off is not signed",
+            ));
+        }
+    };
+    match &options.signer {
+        Some(signer) if key.as_deref() != Some(&*signer.to_lowercase()) => {
+            let found = key.map_or_else(|| "it is not signed".to_string(), |key| format!("it is signed by {key}"));
+            Err(CliError::failure(format!("{record} is not signed by {signer}")).because(found))
+        }
+        _ => Ok(key),
     }
 }
 

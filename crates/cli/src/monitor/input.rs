@@ -110,7 +110,7 @@ impl Source {
         match self {
             Source::Lines => feed_lines(sink),
             Source::LinesFile(path) => {
-                sources::inputs_of(&path)?.into_iter().try_for_each(|input| sink(input.at, input.kind))
+                sources::held_inputs_of(&path)?.into_iter().try_for_each(|input| sink(input.at, input.kind))
             }
             Source::Record(reader) => feed_record(&reader, sink),
             Source::Log(_) => Ok(()),

@@ -32,6 +32,9 @@ pub struct ForkOptions {
     /// The flight record to write; default is the record's name with `-fork`.
     #[arg(long, value_name = "FILE")]
     pub output: Option<PathBuf>,
+    /// Planners that are programs.
+    #[command(flatten)]
+    pub programs: super::SolverProgramOptions,
     /// Print both reports as JSON.
     #[arg(long)]
     pub json: bool,

@@ -18,6 +18,9 @@ pub struct PlanOptions {
     /// Choose the solver by this table instead of the one that ships; `apex profile build --table` writes one.
     #[arg(long, value_name = "FILE", conflicts_with = "solver")]
     pub table: Option<PathBuf>,
+    /// Planners that are programs.
+    #[command(flatten)]
+    pub programs: super::SolverProgramOptions,
     /// Time limit of the solver, in the time of a flight; default is the mission's own, or 10 s.
     #[arg(long, value_name = "TIME")]
     pub budget: Option<String>,

@@ -43,7 +43,7 @@ fn numbered(cycle: &Cycle<'_>) -> u64 {
     agent.tasks.len() as u64 * TASK_BYTES + agent.watches.len() as u64 * WATCH_BYTES + effects * EFFECT_BYTES
 }
 
-/// Checks that memory is left for one more task.
+/// Checks that there is memory for one more task.
 ///
 /// # Errors
 /// The cause, if the budget is used up.
@@ -67,7 +67,7 @@ fn is_within(cycle: &mut Cycle<'_>, more: u64) -> bool {
     numbered(cycle) + cycle.agent.memory.counted + more <= budget
 }
 
-/// A variable of the task was bound to `value`. A task that asks for more than the budget fails before it goes on.
+/// A variable of the task was bound to `value`. A task that asks for more than the budget fails before it continues.
 pub(crate) fn bound(cycle: &mut Cycle<'_>, id: TaskId, value: &Value, place: Place) {
     let bytes = value_bytes(value);
     if bytes < LARGE_VALUE_BYTES {

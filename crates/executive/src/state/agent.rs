@@ -99,7 +99,7 @@ pub struct Agent {
     pub published: Vec<(StateVariable, Value)>,
     /// Counters: the next number of each kind.
     pub next: Counters,
-    /// Bytes of what it holds beside tasks and monitors.
+    /// Bytes of large values and samples.
     #[serde(default)]
     pub memory: MemoryCount,
     /// Number of suspended tasks; derived from the tasks, not part of a snapshot.

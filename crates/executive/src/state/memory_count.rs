@@ -1,8 +1,8 @@
-//! Memory of an agent in bytes, apart from items that are limited by number.
+//! Bytes that an agent holds in large values and samples; tasks and monitors are counted by number.
 
 use serde::{Deserialize, Serialize};
 
-/// Memory of the agent in addition to tasks and monitors, in bytes. Part of the agent, so that replay refuses the same.
+/// Bytes of large values and samples. Part of the agent, so that replay refuses the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MemoryCount {
     /// Large values and samples at the last count.

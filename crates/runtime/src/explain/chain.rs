@@ -218,10 +218,8 @@ impl<'a> Chain<'a> {
             | Cause::StrayAnswer { .. }
             | Cause::LimitReached { .. }
             | Cause::Stopped { .. }
-            | Cause::NobodyHears { .. }
-            | Cause::WaitsInCircle { .. }
-            | Cause::ExecutiveFault { .. }
-            | Cause::RecordingLost { .. } => None,
+            | Cause::NobodyHears { .. } => None,
+            Cause::WaitsInCircle { .. } | Cause::ExecutiveFault { .. } | Cause::RecordingLost { .. } => None,
         };
         Ok(found.into_iter().collect())
     }

@@ -1,5 +1,5 @@
 //! Rows that are not on the disk yet, in bounded memory: those of the open group, and after a write has failed those of all steps
-//! since. A record then goes on where it stopped, or, where memory was too small, with the newest steps after a gap.
+//! since. A record then continues where it stopped, or, where memory was too small, with the newest steps after a gap.
 
 use super::tables::{ALL, Table};
 use rusqlite::types::ValueRef as Cell;
@@ -184,7 +184,7 @@ fn put(bytes: &mut Vec<u8>, cell: Cell<'_>) {
     bytes.extend_from_slice(body);
 }
 
-/// Reads one cell and what is left after it.
+/// Reads one cell; also returns the bytes after it.
 fn take(bytes: &[u8]) -> Option<(Cell<'_>, &[u8])> {
     let (kind, rest) = bytes.split_first()?;
     if *kind == 0 {

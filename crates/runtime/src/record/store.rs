@@ -1,6 +1,6 @@
 //! The file under the recorder: rows in grouped transactions, each of which ends with a seal, and what to do when a write
-//! fails: before the flight has begun that is an error; a flight goes on, its newest steps stay in memory, and the record is
-//! continued when the disk takes them.
+//! fails: before the flight has begun that is an error; a flight continues, its newest steps stay in memory, and they are stored
+//! when the disk takes them.
 
 use super::checkpoints::Checkpoints;
 use super::closing;
@@ -70,10 +70,10 @@ pub(super) trait RowStore: Send {
     /// Signs the file when it is closed.
     fn sign_with(&mut self, _: SigningKey) {}
 
-    /// From now on a failed write is news ([`RowStore::take_news`]) instead of an error.
+    /// From now on a failed write is a message ([`RowStore::take_news`]) instead of an error.
     fn outlive_the_disk(&mut self) {}
 
-    /// Takes the report about the disk for the flight, once.
+    /// Takes the next message about the disk.
     fn take_news(&mut self) -> Option<DiskNews> {
         None
     }
@@ -84,7 +84,7 @@ pub(super) trait RowStore: Send {
     }
 }
 
-/// Change of the disk under a record.
+/// A message about the disk under a record.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum DiskNews {
     /// A write failed, for this reason: steps are kept in memory from now on.
@@ -93,7 +93,7 @@ pub(super) enum DiskNews {
     Resumed(Resumption),
 }
 
-/// Continuation of a record.
+/// The continuation of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Resumption {
     /// Steps that were kept in memory.
@@ -140,13 +140,13 @@ pub(super) struct Store {
     kept: KeptRows,
     outlives_disk: bool,
     /// A write has failed during the flight.
-    loss: Option<GroupLoss>,
+    loss: Option<RecordingLoss>,
     news: Vec<DiskNews>,
     signing_key: Option<SigningKey>,
 }
 
 /// Since when and why nothing is written.
-struct GroupLoss {
+struct RecordingLoss {
     since: Time,
     reason: String,
     tried: Instant,
@@ -236,7 +236,7 @@ impl Store {
         if self.loss.is_none() {
             let reason = reason_of(&error);
             self.news.push(DiskNews::Lost(reason.clone()));
-            self.loss = Some(GroupLoss { since: self.now, reason, tried: Instant::now() });
+            self.loss = Some(RecordingLoss { since: self.now, reason, tried: Instant::now() });
         }
         Ok(())
     }
@@ -360,7 +360,7 @@ impl RowStore for Store {
         if self.loss.is_some() {
             self.resume();
         }
-        if let Some(GroupLoss { since, reason, .. }) = &self.loss {
+        if let Some(RecordingLoss { since, reason, .. }) = &self.loss {
             let (path, since, reason) = (self.path.clone(), *since, reason.clone());
             return Err(RecordError::Lost { path, since, reason, steps: self.kept.steps() });
         }

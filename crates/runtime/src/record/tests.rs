@@ -235,17 +235,17 @@ fn a_full_disk_ends_the_record_with_whole_steps_and_is_told_at_the_end() {
     let (_folder, path) = place_for_record();
     let options = RecordOptions { bytes_max: Some(200_000), ..RecordOptions::default() };
     let mut recorder = Recorder::create(&path, &samples::library(), options).unwrap();
-    let mut news = Vec::new();
+    let mut messages = Vec::new();
     for number in 0..2_000_u64 {
         let batch =
             samples::batch(number as f64, number + 1, vec![EventKind::Occurrence(Value::text(&"x".repeat(500)))]);
         recorder.begin(&batch).unwrap();
         recorder.observe(&batch, &[]).unwrap();
         recorder.inspect(&apex_executive::state::agent::Agent::default(), &NoDeliberator, batch.now).unwrap();
-        news.extend(recorder.take_news());
+        messages.extend(recorder.take_news());
     }
-    assert_eq!(news.len(), 1, "{news:?}");
-    assert_eq!(news[0].message.to_string(), "(recording-lost \"the disk is full\")");
+    assert_eq!(messages.len(), 1, "{messages:#?}");
+    assert_eq!(messages[0].message.to_string(), "(recording-lost \"the disk is full\")");
     let message = recorder.finish(Time::ZERO, "disk full").unwrap_err().to_string();
     assert!(message.contains("the disk is full") && message.contains("record to another disk"), "{message}");
     drop(recorder);

@@ -402,14 +402,14 @@ impl Observer for Recorder {
     }
 }
 
-/// Returns the report about the disk for agents, operators and the record.
+/// Words about the disk for agents, operators and the record.
 fn news_of(news: &DiskNews) -> News {
     let word = |word: &str| Value::symbol(word);
     let count = |number: u64| Value::Integer(i64::try_from(number).unwrap_or(i64::MAX));
     match news {
         DiskNews::Lost(reason) => News {
             message: Value::list([word("recording-lost"), Value::text(reason)]),
-            note: format!("{RECORDING_LOST}: {reason}; it goes on, and its newest steps are kept in memory"),
+            note: format!("{RECORDING_LOST}: {reason}; it continues, and its newest steps are kept in memory"),
         },
         DiskNews::Resumed(Resumption { kept, gap }) => {
             let dropped = gap.map_or(0, |(first, last)| u64::try_from(last - first + 1).unwrap_or(0));

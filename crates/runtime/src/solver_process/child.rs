@@ -1,4 +1,4 @@
-//! A solver program while it runs: in a process group of its own, with limits on processor time, memory and words, killed with
+//! A solver program while it runs: in a separate process group, with limits on processor time, memory and words, killed with
 //! everything that it started when nothing reads it any longer.
 
 use super::protocol::{STOP_LINE, excerpt};
@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 
 /// Lines that wait to be read; a program that says more waits.
 const LINES_WAITING_MAX: usize = 4;
-/// Time that a program which has closed its output may take to end.
+/// Wall time that a program which has closed its output may take to end.
 const END_PATIENCE: Duration = Duration::from_millis(500);
 
 /// Limits of a running program.
@@ -56,7 +56,7 @@ pub(super) struct Running {
 }
 
 impl Running {
-    /// Starts a program. It is limited before it is told its problem.
+    /// Starts a program. It is limited before it gets its problem.
     ///
     /// # Errors
     /// Why it cannot be started.
@@ -120,7 +120,7 @@ impl Running {
     }
 
     /// Tells it to end soon.
-    pub(super) fn tell_to_stop(&self) {
+    pub(super) fn ask_to_stop(&self) {
         self.say(STOP_LINE.to_string());
     }
 
@@ -134,7 +134,7 @@ impl Running {
         }
     }
 
-    /// Returns the violation of the program, other than by its lines.
+    /// Returns misconduct that does not show in its lines.
     pub(super) fn misconduct(&mut self) -> Option<String> {
         let written = self.last_words.lock().unwrap_or_else(PoisonError::into_inner).count;
         if written > SOLVER_ERROR_BYTES_MAX {
@@ -146,7 +146,7 @@ impl Running {
             .then(|| format!("took more than {} MiB of memory", self.limits.memory_bytes >> 20))
     }
 
-    /// Returns the reason if it ended without an answer, with its last lines.
+    /// Describes its end without an answer, with its last words.
     pub(super) fn end(&mut self) -> String {
         let since = Instant::now();
         let status = loop {
@@ -225,7 +225,7 @@ fn write_lines(mut input: ChildStdin, say: &Receiver<String>) {
         let written =
             input.write_all(line.as_bytes()).and_then(|()| input.write_all(b"\n")).and_then(|()| input.flush());
         if written.is_err() {
-            // It does not listen; that is no fault if it answers.
+            // A program that does not listen may answer all the same.
             return;
         }
     }

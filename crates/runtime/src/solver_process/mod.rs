@@ -1,23 +1,22 @@
-//! Solver programs (deliberation): a planner of a third party in a process of its own, so that whatever it does ends there.
+//! Solver programs (deliberation): a planner of a third party in a separate process, so that whatever it does ends there.
 //!
 //! The program reads one request from its standard input and says what it does on its standard output (`protocol.rs`). To the
 //! rest of Apex it is a [`Solver`] like any other: its work is charged, its best plan counts if it has to be stopped, its plan
 //! is checked. A crash, an end without an answer, more memory, time or words than allowed, and lines that are not of the
-//! protocol break it down with a cause; nothing of it reaches the process of the flight.
+//! protocol end it with a cause; nothing of it reaches the process of the flight.
 
 mod child;
 mod protocol;
 mod serve;
 
 pub use child::ProcessLimits;
-pub(crate) use protocol::short;
 pub use serve::serve;
 
 use crate::limits::{SOLVER_LOOK, SOLVER_MEMORY_BYTES, SOLVER_STOP_PATIENCE, SOLVER_TIMEOUT};
 use apex_model::problem::{Plan, Problem};
 use apex_planning::solver::{Environment, Solver};
 use child::{Heard, Running};
-use protocol::{Request, Said, VERSION};
+use protocol::{ProgramLine, ProgramRequest, VERSION};
 use std::ffi::OsString;
 use std::panic::resume_unwind;
 use std::sync::Arc;
@@ -38,13 +37,13 @@ impl SolverProgram {
         SolverProgram { name: name.to_string(), command, serves: None }
     }
 
-    /// `solver` in a process of its own: `command` must run [`serve`] with it.
+    /// `solver` in a separate process: `command` must run [`serve`] with it.
     pub fn of_solver(solver: Arc<dyn Solver>, command: Vec<OsString>) -> SolverProgram {
         SolverProgram { name: solver.name().to_string(), command, serves: Some(solver) }
     }
 
     fn request(&self, problem: &Problem, environment: &Environment<'_>) -> Result<String, String> {
-        let request = Request {
+        let request = ProgramRequest {
             apex_solver: VERSION,
             solver: self.name.clone(),
             seed: environment.seed,
@@ -80,15 +79,15 @@ impl Solver for SolverProgram {
         };
         let mut running = Running::start(&self.command, limits).unwrap_or_else(|why| break_down(why));
         running.say(request);
-        let mut told_to_stop = false;
+        let mut asked_to_stop = false;
         let mut stopped_at: Option<Instant> = None;
         loop {
             match running.hear(SOLVER_LOOK) {
-                Heard::Line(line) => match Said::read(&line, &self.name, problem) {
-                    Ok(Said::Charge(units)) => environment.budget.charge(units),
-                    Ok(Said::Report(plan)) => (environment.report)(&plan),
-                    Ok(Said::Plan(plan)) => return Ok(plan),
-                    Ok(Said::Failed(reason)) => return Err(reason),
+                Heard::Line(line) => match ProgramLine::read(&line, &self.name, problem) {
+                    Ok(ProgramLine::Charge(units)) => environment.budget.charge(units),
+                    Ok(ProgramLine::Report(plan)) => (environment.report)(&plan),
+                    Ok(ProgramLine::Plan(plan)) => return Ok(plan),
+                    Ok(ProgramLine::Failed(reason)) => return Err(reason),
                     Err(why) => break_down(why),
                 },
                 Heard::TooMuch(what) => break_down(what),
@@ -98,8 +97,8 @@ impl Solver for SolverProgram {
             if let Some(what) = running.misconduct() {
                 break_down(what);
             }
-            if environment.budget.exhausted() && !std::mem::replace(&mut told_to_stop, true) {
-                running.tell_to_stop();
+            if environment.budget.exhausted() && !std::mem::replace(&mut asked_to_stop, true) {
+                running.ask_to_stop();
             }
             if environment.budget.is_stopped()
                 && stopped_at.get_or_insert_with(Instant::now).elapsed() > SOLVER_STOP_PATIENCE

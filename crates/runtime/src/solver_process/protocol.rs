@@ -1,7 +1,7 @@
-//! The lines that Apex and a solver program exchange over the program's standard input and output, one JSON object a line
+//! The lines that Apex and a solver program exchange over the program's standard input and output, one JSON object per line
 //! (`docs/reference/solver-programs.md`).
 
-use crate::limits::SOLVER_WORDS_MAX;
+use crate::solver_words::short;
 use apex_model::problem::{Plan, Problem, SurveillanceProblem};
 use apex_planning::surveillance::scenario::Scenario;
 use serde::{Deserialize, Serialize};
@@ -10,10 +10,10 @@ use serde_json::Value as Json;
 /// The version of the protocol, as the member `apex_solver` of a request.
 pub(super) const VERSION: u32 = 1;
 
-/// Request of Apex: the first line.
+/// The request of Apex: the first line.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Request {
+pub(super) struct ProgramRequest {
     pub(super) apex_solver: u32,
     /// The planner that is asked, for programs that have several.
     pub(super) solver: String,
@@ -30,7 +30,7 @@ pub(super) const STOP_LINE: &str = "{\"stop\":true}";
 
 /// One line of a program.
 #[derive(Debug, PartialEq)]
-pub(super) enum Said {
+pub(super) enum ProgramLine {
     /// It has done this work since it said so last.
     Charge(u64),
     /// Its best plan so far.
@@ -41,14 +41,14 @@ pub(super) enum Said {
     Failed(String),
 }
 
-impl Said {
+impl ProgramLine {
     /// The line, without its end.
     pub(super) fn line(&self) -> Result<String, String> {
         let json = match self {
-            Said::Charge(units) => serde_json::to_string(&serde_json::json!({ "charge": units })),
-            Said::Report(plan) => serde_json::to_string(&serde_json::json!({ "report": plan })),
-            Said::Plan(plan) => serde_json::to_string(&serde_json::json!({ "plan": plan })),
-            Said::Failed(reason) => serde_json::to_string(&serde_json::json!({ "failed": reason })),
+            ProgramLine::Charge(units) => serde_json::to_string(&serde_json::json!({ "charge": units })),
+            ProgramLine::Report(plan) => serde_json::to_string(&serde_json::json!({ "report": plan })),
+            ProgramLine::Plan(plan) => serde_json::to_string(&serde_json::json!({ "plan": plan })),
+            ProgramLine::Failed(reason) => serde_json::to_string(&serde_json::json!({ "failed": reason })),
         };
         json.map_err(|error| error.to_string())
     }
@@ -57,7 +57,7 @@ impl Said {
     ///
     /// # Errors
     /// What is wrong with the line, with its beginning.
-    pub(super) fn read(line: &[u8], name: &str, problem: &Problem) -> Result<Said, String> {
+    pub(super) fn read(line: &[u8], name: &str, problem: &Problem) -> Result<ProgramLine, String> {
         let text = String::from_utf8_lossy(line);
         let wrong = |why: String| format!("said a line that is not of the protocol ({why}): `{}`", excerpt(&text));
         let json = crate::unique_json::parse(&text).map_err(|error| wrong(error.to_string()))?;
@@ -68,11 +68,11 @@ impl Said {
         };
         match (key.as_str(), value) {
             ("charge", value) => {
-                value.as_u64().map(Said::Charge).ok_or_else(|| wrong("expected a whole number of units".into()))
+                value.as_u64().map(ProgramLine::Charge).ok_or_else(|| wrong("expected a whole number of units".into()))
             }
-            ("report", value) => plan(value, name, problem).map(Said::Report).map_err(wrong),
-            ("plan", value) => plan(value, name, problem).map(Said::Plan).map_err(wrong),
-            ("failed", Json::String(reason)) => Ok(Said::Failed(short(&reason))),
+            ("report", value) => plan(value, name, problem).map(ProgramLine::Report).map_err(wrong),
+            ("plan", value) => plan(value, name, problem).map(ProgramLine::Plan).map_err(wrong),
+            ("failed", Json::String(reason)) => Ok(ProgramLine::Failed(short(&reason))),
             _ => Err(wrong("expected `charge`, `report`, `plan` or `failed`".into())),
         }
     }
@@ -106,30 +106,19 @@ pub(super) fn excerpt(text: &str) -> String {
     shown
 }
 
-/// A reason as it is kept: no program writes the record full.
-pub(crate) fn short(reason: &str) -> String {
-    match reason.char_indices().nth(SOLVER_WORDS_MAX) {
-        None => reason.to_string(),
-        Some((end, _)) => {
-            let kept = reason.get(..end).unwrap_or_default();
-            format!("{kept}.. ({} bytes more)", reason.len().saturating_sub(end))
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use apex_model::problem::SingleVisitProblem;
 
-    fn read(line: &str) -> Result<Said, String> {
-        Said::read(line.as_bytes(), "mine", &Problem::SingleVisit(SingleVisitProblem::default()))
+    fn read(line: &str) -> Result<ProgramLine, String> {
+        ProgramLine::read(line.as_bytes(), "mine", &Problem::SingleVisit(SingleVisitProblem::default()))
     }
 
     #[test]
     fn lines_are_of_the_protocol_or_named() {
-        assert_eq!(read("{\"charge\": 7}"), Ok(Said::Charge(7)));
-        assert_eq!(read("{\"failed\": \"no way\"}"), Ok(Said::Failed("no way".into())));
+        assert_eq!(read("{\"charge\": 7}"), Ok(ProgramLine::Charge(7)));
+        assert_eq!(read("{\"failed\": \"no way\"}"), Ok(ProgramLine::Failed("no way".into())));
         for (line, why) in [
             ("hello", "expected value"),
             ("7", "expected a JSON object"),
@@ -142,16 +131,9 @@ mod tests {
             ("{\"answer\": 3}", "expected `charge`"),
             ("\u{1b}[2J", "\\u{1b}[2J"),
         ] {
-            let told = read(line).unwrap_err();
-            assert!(told.contains("not of the protocol") && told.contains(why), "{line}: {told}");
+            let fault = read(line).unwrap_err();
+            assert!(fault.contains("not of the protocol") && fault.contains(why), "{line}: {fault}");
         }
         assert!(read(&"x".repeat(10_000)).unwrap_err().len() < 300);
-    }
-
-    #[test]
-    fn a_reason_is_kept_short() {
-        assert_eq!(short("no way"), "no way");
-        let long = short(&"é".repeat(100_000));
-        assert!(long.chars().count() < SOLVER_WORDS_MAX + 40 && long.contains("bytes more"), "{long}");
     }
 }

@@ -1,8 +1,8 @@
 //! The other end of the protocol: a planner in Rust as a program that Apex asks.
 
-use super::protocol::{Request, Said, VERSION};
-use crate::invocation::panic_text;
+use super::protocol::{ProgramLine, ProgramRequest, VERSION};
 use crate::limits::SOLVER_OVERRUN_UNITS;
+use crate::solver_words::panic_text;
 use apex_planning::solver::{Budget, Environment, Solver};
 use std::io::{self, BufRead, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -26,7 +26,7 @@ pub fn serve(
     let mut line = String::new();
     input.read_line(&mut line)?;
     let fault = |why: String| io::Error::new(io::ErrorKind::InvalidData, why);
-    let request: Request = serde_json::from_str(&line)
+    let request: ProgramRequest = serde_json::from_str(&line)
         .map_err(|error| fault(format!("the first line on standard input is not a request of Apex: {error}")))?;
     if request.apex_solver != VERSION {
         let found = request.apex_solver;
@@ -50,10 +50,15 @@ pub fn serve(
     speaker.failure.map_or(Ok(()), Err)
 }
 
-fn answer(solver: &dyn Solver, request: &Request, stopped: &AtomicBool, speaker: &mut Speaker<'_>) -> Said {
+fn answer(
+    solver: &dyn Solver,
+    request: &ProgramRequest,
+    stopped: &AtomicBool,
+    speaker: &mut Speaker<'_>,
+) -> ProgramLine {
     let speaker = std::cell::RefCell::new(speaker);
     let mut budget = SpokenBudget { speaker: &speaker, allowed: request.work_units, used: 0, told: 0, stopped };
-    let mut report = |plan: &apex_model::problem::Plan| speaker.borrow_mut().say(&Said::Report(plan.clone()));
+    let mut report = |plan: &apex_model::problem::Plan| speaker.borrow_mut().say(&ProgramLine::Report(plan.clone()));
     let mut environment = Environment {
         seed: request.seed,
         budget: &mut budget,
@@ -63,8 +68,8 @@ fn answer(solver: &dyn Solver, request: &Request, stopped: &AtomicBool, speaker:
     let solved = catch_unwind(AssertUnwindSafe(|| solver.solve(&request.problem, &mut environment)));
     budget.tell();
     match solved {
-        Ok(Ok(plan)) => Said::Plan(plan),
-        Ok(Err(reason)) => Said::Failed(reason),
+        Ok(Ok(plan)) => ProgramLine::Plan(plan),
+        Ok(Err(reason)) => ProgramLine::Failed(reason),
         Err(payload) => {
             // A panic ends the process without an answer: Apex tells it apart from a problem without a plan.
             eprintln!("{}", panic_text(&*payload));
@@ -79,7 +84,7 @@ struct Speaker<'o> {
 }
 
 impl Speaker<'_> {
-    fn say(&mut self, said: &Said) {
+    fn say(&mut self, said: &ProgramLine) {
         let line = said.line().map_err(io::Error::other);
         let spoken = line.and_then(|line| writeln!(self.output, "{line}").and_then(|()| self.output.flush()));
         if let Err(error) = spoken {
@@ -88,7 +93,7 @@ impl Speaker<'_> {
     }
 }
 
-/// A budget that is told on the output.
+/// A budget whose charges are written to the output.
 struct SpokenBudget<'a, 'o> {
     speaker: &'a std::cell::RefCell<&'a mut Speaker<'o>>,
     allowed: u64,
@@ -102,7 +107,7 @@ impl SpokenBudget<'_, '_> {
         let units = self.used.saturating_sub(self.told);
         if units > 0 {
             self.told = self.used;
-            self.speaker.borrow_mut().say(&Said::Charge(units));
+            self.speaker.borrow_mut().say(&ProgramLine::Charge(units));
         }
     }
 }

@@ -138,7 +138,7 @@ impl Logged {
         usize::try_from(number).ok()
     }
 
-    /// Returns the fault of the files that were found after a crash; `None` if everything that must exist does, unchanged.
+    /// Returns a fault of the files after a crash; `None` if everything that must be there is, unchanged.
     fn fault(&self, files: &Files, acknowledged: usize, with_replay: bool) -> Option<String> {
         files.put(self.folder.path());
         let path = self.folder.path().join(RECORD);
@@ -224,7 +224,7 @@ impl Logged {
     }
 }
 
-/// Returns the number in the environment variable.
+/// Number of crashes, from the environment.
 fn count(variable: &str, usual: usize) -> usize {
     std::env::var(variable).ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
 }

@@ -45,7 +45,7 @@ fn values_count_as_long_as_a_task_holds_them() {
     let text = traced(lists);
     assert!(text.contains("the limit MEMORY_MEBIBYTES_MAX = 1 was reached"), "{}", &text[..2_000]);
     assert!(text.contains("prints too large") && text.contains("prints still here"));
-    // The same lists one after the other, each in a procedure that ends, have space.
+    // The same lists in sequence, each in a procedure that ends, have space.
     let apart = lists.replace("(step a (wait) (select ?one (range 20000)))", "(step a (one))").replace(
         "(step b (wait) (select ?two (range 20000)))\n           (step c (wait) (select ?three (range 20000))))",
         "(step b (one)) (step c (one)))

@@ -1,4 +1,4 @@
-//! A flight outlives its disk: it goes on when writes fail, answers that as its mission says, and its record continues.
+//! A flight outlives its disk: it continues when writes fail, answers that as its mission says, and so does its record.
 
 use crate::support::{altitude, load, program};
 use apex_executive::Agent;
@@ -112,17 +112,20 @@ fn a_record_whose_disk_was_full_for_a_while_has_no_gap() {
     assert!(lost.contains(RECORDING_LOST) && lost.contains("disk is full"), "{lost}");
     assert!(again.contains("without a gap"), "{again}");
     // The mission has answered both, and the record knows it.
-    let told = informs(&flown.path);
-    assert_eq!(told[0], "(coming-home \"the disk is full\")");
-    assert!(told.len() == 2 && told[1].starts_with("(on-the-record ") && told[1].ends_with(" 0)"), "{told:?}");
+    let informed = informs(&flown.path);
+    assert_eq!(informed[0], "(coming-home \"the disk is full\")");
+    assert!(
+        informed.len() == 2 && informed[1].starts_with("(on-the-record ") && informed[1].ends_with(" 0)"),
+        "{informed:#?}"
+    );
     let reader = RecordReader::open(&flown.path).unwrap();
     assert_eq!(reader.steps().unwrap().count() as u64, flown.end.steps);
     assert_eq!(reader.warning().unwrap(), None);
     let report = replay(&reader, &load).unwrap();
     assert_eq!((report.batches, report.difference, report.gap), (flown.end.steps, None, None));
     let troubles = reader.steps().unwrap().flat_map(|step| step.unwrap().decoded_effects().unwrap());
-    let told = troubles.filter(|effect| format!("{effect:?}").contains("RecordingLost")).count();
-    assert_eq!(told, 1, "a fault reports it");
+    let informed = troubles.filter(|effect| format!("{effect:?}").contains("RecordingLost")).count();
+    assert_eq!(informed, 1, "it is reported once");
 }
 
 #[test]
@@ -140,7 +143,7 @@ fn memory_that_is_too_small_leaves_a_gap_that_everybody_is_told() {
     let report = replay(&reader, &load).unwrap();
     assert_eq!((report.difference.clone(), report.gap), (None, Some(gap)));
     assert!(report.to_string().contains("confirmed up to its gap"), "{report}");
-    // No state is invented across the gap; behind the snapshot that follows it there is one.
+    // No state is restored across the gap; after the snapshot that follows it there is one.
     let program = reader.load(&load).unwrap();
     assert!(reader.restore_with(Time::from_seconds(19.0), &program).is_ok());
     let refused = reader.restore_with(Time::from_seconds(39.0), &program).unwrap_err().to_string();
@@ -151,9 +154,9 @@ fn memory_that_is_too_small_leaves_a_gap_that_everybody_is_told() {
 #[test]
 fn a_record_that_never_resumes_says_so_at_the_end_and_holds_what_came_before() {
     let flown = fly_with_a_full_disk((20.0, 1e6), 64 << 20);
-    assert_eq!(flown.end.reason, EndReason::Until, "the flight goes on to its end");
-    let told = flown.closed.unwrap_err();
-    assert!(told.contains("the recording was lost at ") && told.contains("the disk is full"), "{told}");
+    assert_eq!(flown.end.reason, EndReason::Until, "the flight continues to its end");
+    let informed = flown.closed.unwrap_err();
+    assert!(informed.contains("the recording was lost at ") && informed.contains("the disk is full"), "{informed:#}");
     let reader = RecordReader::open(&flown.path).unwrap();
     assert!(!reader.is_complete().unwrap());
     let steps = reader.steps().unwrap().count();

@@ -142,6 +142,14 @@ pub(crate) fn fail(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
     }
 }
 
+/// Fails the tasks that asked for more memory than their agent may hold.
+pub(crate) fn fail_beyond_budget(cycle: &mut Cycle<'_>) {
+    for (id, place) in std::mem::take(&mut cycle.work.over_budget) {
+        let cause = cycle.agent.limits.reached(Limit::MemoryMebibytes);
+        fail(cycle, id, Because::new(cause, Some(place)));
+    }
+}
+
 /// Lets the parents of ended tasks react, in order.
 pub(crate) fn settle(cycle: &mut Cycle<'_>) {
     while let Some(id) = cycle.work.ended.pop_front() {

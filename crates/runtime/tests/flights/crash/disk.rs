@@ -79,7 +79,7 @@ fn write(file: &mut Vec<u8>, offset: usize, data: &[u8]) {
     file[offset..end].copy_from_slice(data);
 }
 
-/// Durable data of the disk, and data written since that are not durable.
+/// Files that are safe on the disk, and operations since that are not.
 #[derive(Clone, Default)]
 pub(crate) struct Disk {
     safe: Files,
