@@ -38,10 +38,12 @@ pub(crate) enum Stimulus {
         /// Arrival number.
         sequence: u64,
     },
-    /// A task ended.
+    /// A task ended, for good.
     TaskEnded {
         /// The task.
         task: TaskId,
+        /// The words of its outcome; none where only the end is known.
+        outcome: &'static [&'static str],
         /// When.
         at: Time,
         /// The number of the first monitor that was made later: who begins to watch later does not hear of it.
