@@ -14,7 +14,6 @@ mod competition;
 mod creation;
 mod ending;
 mod evidence;
-mod execution;
 mod expression;
 mod failure;
 mod importance;

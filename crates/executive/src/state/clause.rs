@@ -25,10 +25,6 @@ pub enum Clause {
     SuspendUntil,
     /// `resume-when`: the suspension ends.
     ResumeWhen,
-    /// `skip-when`: the task is not begun.
-    SkipWhen,
-    /// `exit-when`: the task ends without success or failure.
-    ExitWhen,
 }
 
 impl Clause {
@@ -41,8 +37,6 @@ impl Clause {
             Clause::SuspendWhen => "suspend-when",
             Clause::SuspendUntil => "until",
             Clause::ResumeWhen => "resume-when",
-            Clause::SkipWhen => "skip-when",
-            Clause::ExitWhen => "exit-when",
         }
     }
 }

@@ -17,7 +17,6 @@ mod cyclic;
 mod declarations;
 mod derivation;
 mod episode;
-mod execution;
 mod expected;
 mod expression;
 mod goals;
@@ -73,8 +72,6 @@ pub(crate) struct Lowering {
     pub(crate) unknown_functions: BTreeMap<Symbol, Vec<Span>>,
     /// Names of indexicals that nothing defines, with every use.
     pub(crate) unknown_indexicals: BTreeMap<Symbol, Vec<Span>>,
-    /// Resources that are parts, their wholes, and where those are named.
-    pub(crate) wholes: Vec<(Symbol, Symbol, Span)>,
     /// Goals that steps pursue.
     pub(crate) goals: Vec<Goal>,
     /// Goals that procedures, primitives and solvers serve.
@@ -114,7 +111,6 @@ impl Lowering {
             constants_used: BTreeSet::new(),
             unknown_functions: BTreeMap::new(),
             unknown_indexicals: BTreeMap::new(),
-            wholes: Vec::new(),
             goals: Vec::new(),
             served: Vec::new(),
             scope: Scope::default(),
