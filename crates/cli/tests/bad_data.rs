@@ -260,6 +260,6 @@ fn a_check_reads_the_data_of_the_mission() {
     let error = lines.iter().find(|line| line["severity"] == "error").unwrap();
     assert!(error["file"].as_str().unwrap().contains("targets.geojson"), "{error}");
     assert!(!error["help"].as_array().unwrap().is_empty(), "{error}");
-    // A fragment has no data of its own.
+    // A fragment has no data.
     desk.apex(&["check", "m", "--fragment"]).well();
 }

@@ -186,10 +186,8 @@ impl Mission {
         let forecasts = files.forecasts(&settings.forecasts)?;
         let forecast = forecasts.first().map(|(_, wind)| wind.clone());
         let weather = files.read("weather", &settings.weather, surroundings::wind)?;
-        let planned_margin_m = match targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_))) {
-            true => settings.zone_margin_m,
-            false => settings.obstacle_margin_m,
-        };
+        let has_fires = targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_)));
+        let planned_margin_m = if has_fires { settings.zone_margin_m } else { settings.obstacle_margin_m };
         let mut mission = Mission {
             requirements: requirements::state(&settings.stated_requirements(), &model, planned_margin_m)?,
             agent: program::agent_of(&library),

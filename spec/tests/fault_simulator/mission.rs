@@ -149,7 +149,7 @@ fn scenario(draws: &mut Draws, craft: &Craft) -> String {
         "(lease-renewed pilot)",
         "(target-gone site-0)",
         "(new-likelihood site-1 2)",
-        "(nonsense of nobody)",
+        "(nonsense without a receiver)",
     ] {
         if draws.happens(0.3) {
             lines.push((draws.between(10.0, craft.hours * 3_600.0), event));

@@ -12,7 +12,7 @@ use std::io::IsTerminal;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Checks each file by itself with what it requires; of a mission the data, too.
+/// Checks each file alone with the files that it requires; of a mission the data, too.
 pub fn run(options: &CheckOptions) -> CliResult {
     if options.fix {
         return fix::run(options);

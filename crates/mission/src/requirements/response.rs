@@ -13,7 +13,7 @@ pub enum Response {
     LandAt,
     /// Land below.
     LandHere,
-    /// Let a camera look at nothing.
+    /// Point a camera away from the ground.
     Stow,
 }
 

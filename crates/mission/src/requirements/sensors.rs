@@ -1,7 +1,7 @@
 //! The sun on cameras: the margin of each camera that points, now and along the commanded route.
 //!
-//! A camera points along its mount's angles, as last reported. Along the route it goes on looking at the ground that it sees now; a
-//! camera that looks at no ground keeps its angles.
+//! A camera points along its mount's angles, as last reported. Along the route it stays on the ground that it sees now; a
+//! camera that sees no ground keeps its angles.
 
 use super::readings::{Reading, Scene};
 use super::response::Response;

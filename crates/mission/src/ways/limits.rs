@@ -73,7 +73,7 @@ const GROUND_MARGIN_M: (f64, f64) = (300.0, 30.0);
 /// Ground that counts on either side of a leg: so many turn radii, at least this.
 const GROUND_WIDTH_RADII: f64 = 1.0;
 const GROUND_WIDTH_M_MIN: f64 = 50.0;
-/// Room around a landing place for a vehicle that lands on the spot.
+/// Space around a landing place for a vehicle that lands on the spot.
 const FIELD_M: f64 = 200.0;
 /// Steps along a final approach, and the ground that counts around each.
 const APPROACH_STEP_M: f64 = 1_500.0;
