@@ -11,7 +11,7 @@ pub(crate) const PROGRAM: &str = r#"
   (step second (print "bye") (waitfor ?first))
   (step third (watch-level) (priority 2)))
 (procedure (index (greet ?who)) (step say (print ?who)))
-(procedure (index (watch-level)) (step wait (print "high") (waitfor ((level tank-1) > 3))))
+(procedure (index (watch-level)) (step wait (print "high") (waitfor (level tank-1 > 3))))
 "#;
 
 const INPUTS: &str = concat!(
