@@ -17,8 +17,7 @@ pub(crate) fn run(bytes: &[u8]) {
             assert!(inputs.is_sorted_by_key(|input| input.at), "inputs are not in order of time");
             if planted::ARE_IN {
                 // The bug: the duration of the file is computed without a check for overflow.
-                let instants = inputs.iter().map(|input| input.at.0);
-                let sum = instants.fold(Some(0_i64), |sum, at| sum.and_then(|sum| sum.checked_add(at)));
+                let sum = inputs.iter().try_fold(0_i64, |sum, input| sum.checked_add(input.at.0));
                 assert!(sum.is_some(), "the sum of instants overflows");
             }
         }
