@@ -48,15 +48,7 @@ pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> CliResult {
         FlyOptions { answers: answers.clone(), stream: stream.take(), ..terms }
     };
     refuse_to_overwrite_inputs(options)?;
-    let key = options.sign.as_deref().map(recording::signing_key).transpose()?;
-    let mut recorder = options
-        .record
-        .as_deref()
-        .map(|path| recorder(path, &library, mission.as_deref(), options.power_safe))
-        .transpose()?;
-    if let (Some(key), Some(recorder)) = (key, &mut recorder) {
-        recorder.sign_with(key).map_err(recording::written)?;
-    }
+    let mut recorder = signed_recorder(options, &library, mission.as_deref())?;
     let out = trace_output(options.trace.as_deref(), clock.owns_output(options))?;
     let gone = out.gone();
     let format = if options.text { TraceFormat::Text } else { TraceFormat::JsonLines };
@@ -272,6 +264,17 @@ fn refuse_to_overwrite_inputs(options: &RunOptions) -> CliResult {
     };
     Err(CliError::user(format!("the trace would be written over {what}, {}", trace.display()))
         .help("give `--trace` another file"))
+}
+
+/// Creates the record that the options name, signed when it is closed if they name a key; `None` without a record.
+fn signed_recorder(options: &RunOptions, library: &Library, mission: Option<&Mission>) -> CliResult<Option<Recorder>> {
+    let key = options.sign.as_deref().map(recording::signing_key).transpose()?;
+    let Some(path) = options.record.as_deref() else { return Ok(None) };
+    let mut recorder = recorder(path, library, mission, options.power_safe)?;
+    if let Some(key) = key {
+        recorder.sign_with(key).map_err(recording::written)?;
+    }
+    Ok(Some(recorder))
 }
 
 /// A record with the program's sources inside, and of a mission all that belongs to it.
