@@ -24,7 +24,7 @@ pub enum ScriptedInputs {
     /// In memory, in order of time.
     Held(Vec<Input>),
     /// Read while they are needed.
-    Streamed(InputStream),
+    Streamed(Box<InputStream>),
 }
 
 /// Files of fewer bytes are read as a whole.
@@ -46,7 +46,7 @@ pub fn open(path: &Path) -> MissionResult<ScriptedInputs> {
         return read(path).map(ScriptedInputs::Held);
     }
     let stream = InputStream::new(&name, Box::new(file()?), found.agents, Box::new(read_value));
-    Ok(ScriptedInputs::Streamed(stream))
+    Ok(ScriptedInputs::Streamed(Box::new(stream)))
 }
 
 fn read_value(text: &str) -> Result<Value, String> {

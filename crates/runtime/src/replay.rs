@@ -144,8 +144,7 @@ fn replay_steps(
     let mut twin = twin_recorder(reader, &program.0, Derivable { mission: witness.is_some(), snapshots: ours })?;
     let mut report = ReplayReport { batches: 0, effects: 0, problems: 0, end: Time::ZERO, difference: None, gap: None };
     let gaps = reader.gaps()?;
-    let mut expected = 1;
-    for recorded in reader.steps_of_all(Time::END)? {
+    for (expected, recorded) in (1..).zip(reader.steps_of_all(Time::END)?) {
         let recorded = recorded?;
         if recorded.batch_number != expected {
             report.gap = gaps.into_iter().find(|gap| gap.first_batch == expected);
@@ -154,7 +153,6 @@ fn replay_steps(
                 None => Err(reader.garbled(format!("batch {expected} is missing"))),
             };
         }
-        expected += 1;
         let Some((agent, describer)) = agents.get_mut(recorded.agent) else {
             return Err(reader.garbled(format!("batch {} is of an agent that does not exist", recorded.batch_number)));
         };

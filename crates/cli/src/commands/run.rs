@@ -110,7 +110,7 @@ fn inputs_of(options: &RunOptions, clock: &ClockSource) -> CliResult<(Vec<Input>
     }
     Ok(match sources::inputs_of(path)? {
         ScriptedInputs::Held(inputs) => (inputs, Cell::new(None)),
-        ScriptedInputs::Streamed(stream) => (Vec::new(), Cell::new(Some(stream))),
+        ScriptedInputs::Streamed(stream) => (Vec::new(), Cell::new(Some(*stream))),
     })
 }
 

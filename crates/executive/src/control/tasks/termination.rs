@@ -18,14 +18,6 @@ use apex_model::effect::Effect;
 use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::value::Value;
 
-/// Fails the tasks that asked for more than the memory budget.
-pub(crate) fn fail_over_budget(cycle: &mut Cycle<'_>) {
-    for (id, place) in std::mem::take(&mut cycle.work.over_budget) {
-        let cause = cycle.agent.limits.reached(Limit::MemoryMebibytes);
-        fail(cycle, id, Because::new(cause, Some(place)));
-    }
-}
-
 /// Ends the task with its subtree.
 pub(crate) fn end(cycle: &mut Cycle<'_>, id: TaskId, outcome: Outcome, because: Because) {
     if cycle.state(id) == TaskState::Terminated {

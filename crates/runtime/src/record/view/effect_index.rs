@@ -97,7 +97,7 @@ impl EffectIndex {
     pub(super) fn blocks<'a>(&'a self, wanted: &'a EffectSearch<'a>) -> impl Iterator<Item = (i64, i64)> + 'a {
         let kinds = wanted.kinds.iter().filter_map(|kind| self.kinds.get(kind)).fold(0, |bits, bit| bits | 1 << bit);
         let any_kind = wanted.kinds.is_empty();
-        let grams: Vec<usize> = wanted.find.map(|find| search_bits(find)).unwrap_or_default();
+        let grams: Vec<usize> = wanted.find.map(search_bits).unwrap_or_default();
         let first = self.blocks.partition_point(|block| block.last_ns < wanted.from_ns);
         let end = self.blocks.partition_point(|block| block.first_ns <= wanted.to_ns).max(first);
         (first..end).rev().filter_map(move |place| {
