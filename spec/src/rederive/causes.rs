@@ -361,7 +361,7 @@ impl Scene<'_> {
                 // If the limit did not permit all of them, it failed with that reason.
                 let full = self.step.effects.iter().any(|effect| {
                     matches!(effect, Effect::Decided(decision) if decision.task == Some(self.id)
-                        && matches!(&decision.because.cause, Cause::LimitReached { limit, .. } if limit == "TASKS_MAX"))
+                        && matches!(&decision.because.cause, Cause::LimitReached { limit, .. } if limit == "TASKS_MAX" || limit == "MEMORY_MEBIBYTES_MAX"))
                 });
                 require(count == *items || count == 0 || count < *items && full, "it has another number of items")
             }
