@@ -24,7 +24,7 @@ class PlannerStopped(BaseException):
 class Environment:
     """What a planner may use."""
 
-    def __init__(self, surroundings: Surroundings | _Program) -> None:
+    def __init__(self, surroundings: PlannerContext | _Program) -> None:
         self._surroundings = surroundings
 
     @property

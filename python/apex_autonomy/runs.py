@@ -23,7 +23,9 @@ class Runs:
     rows : list of dict
         One for each flight in the order of the seeds: ``seed``, ``outcome`` (``"completed"``, ``"lost"``, ``"error"``),
         ``reason``, ``end_s``, ``score`` and ``benefits`` (points) or ``expected_cost`` (of ignorance), ``fires``,
-        ``fires_seen``, ``realised_cost`` and ``expected_cost_stated`` where a world file has ignitions, ``observed``, ``left_out``, ``reflies``, ``plans``, and positions checked and violating requirements: ``positions``,
+        ``fires_seen``, ``realised_cost`` and ``expected_cost_stated`` where a world file has ignitions,
+        ``observed``, ``left_out``, ``reflies``, ``plans``, and positions checked and violating requirements:
+        ``positions``,
         ``inside_zones``, ``outside_permitted``, ``near_ground``, ``beyond_landing_distance``, ``said_broken``.
     summary : dict
         ``runs``, ``completed``, ``measure``, ``quantiles`` (0, 5, 25, 50, 75, 95 and 100 %), ``mean``, ``ignorance``
