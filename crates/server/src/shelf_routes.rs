@@ -7,7 +7,7 @@ use crate::shelf::{Shelf, rows};
 use crate::state::{AppState, Shared, Views, blocking, no_record};
 use apex_runtime::record::view::RecordView;
 use axum::extract::rejection::PathRejection;
-use axum::extract::{Path as UrlPath, Request, State};
+use axum::extract::{MatchedPath, Path as UrlPath, Request, State};
 use axum::http::Uri;
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
@@ -41,6 +41,8 @@ async fn of_one(
     })?;
     let query = request.uri().query().map(|query| format!("?{query}")).unwrap_or_default();
     let routes = blocking(move || routes_of(&state, id)).await?;
+    // The entry's own router names the address again; roles are checked by that name.
+    request.extensions_mut().remove::<MatchedPath>();
     *request.uri_mut() = format!("/api/{what}{query}").parse::<Uri>().map_err(|error| {
         ApiError::bad_request(error.to_string(), "docs/reference/server-api.md lists the addresses")
     })?;
