@@ -254,6 +254,10 @@ fn conditions_at<'a>(world: &World<'a>, place: Place) -> Vec<&'a Condition> {
                 &clauses.resume_when,
                 &clauses.suspend_when,
                 &clauses.suspend_until,
+                &clauses.skip_when,
+                &clauses.exit_when,
+                &clauses.precondition,
+                &clauses.invariant,
             ]
             .into_iter()
             .flat_map(|clause| clause.as_deref())

@@ -91,6 +91,9 @@ pub struct Agent {
     /// Messages that wait for repeating steps.
     #[serde(default)]
     pub listening: Listening,
+    /// Tasks that have begun and have an `invariant`, their step's or their procedure's.
+    #[serde(default)]
+    pub guarded: BTreeSet<TaskId>,
     /// The newest instant at which messages or samples came from outside, and how many did.
     #[serde(default)]
     pub burst: (Time, u64),
@@ -176,6 +179,7 @@ impl Default for Agent {
             unsteady: BTreeSet::new(),
             circles: Vec::new(),
             listening: Listening::default(),
+            guarded: BTreeSet::new(),
             burst: (Time::BEGINNING, 0),
             next: Counters::default(),
             published: Vec::new(),

@@ -4,6 +4,7 @@
 //! cloned, compared, stored and restored whole. The services of the executive are functions over it.
 
 pub mod agent;
+pub(crate) mod awaited_outcomes;
 pub mod bindings;
 pub mod children;
 pub mod clause;
