@@ -28,24 +28,9 @@ pub enum Claim {
         expected: Option<Duration>,
         /// Other resources that it needs.
         others: Vec<ResourceId>,
-        /// Its place is its rank, which written order gives it and none of its siblings has.
-        #[serde(default)]
-        by_rank: ByRank,
     },
     /// Not in a queue.
     Apart,
-}
-
-/// Extent to which the rank of a claimant alone decides.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum ByRank {
-    /// Its place depends on more.
-    #[default]
-    No,
-    /// Yes; among others its priority counts, and its place says so.
-    AmongSiblings,
-    /// Yes; among others its place is not known.
-    Only,
 }
 
 /// Claimants of one importance, whose priorities rise.
@@ -71,12 +56,6 @@ pub struct Waiting {
     /// Those whose place depends on variables or on more.
     sensitive: BTreeSet<TaskId>,
     apart: usize,
-    /// Number of claimants that their rank puts in order among siblings.
-    #[serde(default)]
-    by_rank: usize,
-    /// Number of those that have a place among siblings only.
-    #[serde(default)]
-    among_siblings: usize,
 }
 
 impl Waiting {
@@ -84,9 +63,7 @@ impl Waiting {
     pub fn insert(&mut self, task: TaskId, claim: Claim) {
         self.remove(task);
         match &claim {
-            Claim::Queued { place, varies, expected, others, by_rank } => {
-                self.by_rank += usize::from(*by_rank != ByRank::No);
-                self.among_siblings += usize::from(*by_rank == ByRank::Only);
+            Claim::Queued { place, varies, expected, others } => {
                 match place {
                     QueuePlace::Steady(key) => {
                         if let Some(rank) = key.rank {
@@ -118,9 +95,7 @@ impl Waiting {
         let Some(claim) = self.claims.remove(&task) else { return false };
         self.sensitive.remove(&task);
         match claim {
-            Claim::Queued { place, expected, others, by_rank, .. } => {
-                self.by_rank -= usize::from(by_rank != ByRank::No);
-                self.among_siblings -= usize::from(by_rank == ByRank::Only);
+            Claim::Queued { place, expected, others, .. } => {
                 self.leave(&place);
                 if let Some(spans) = self.together.get_mut(&others) {
                     count_down(spans, &expected);
@@ -197,18 +172,6 @@ impl Waiting {
     /// True if all claimants that wait are in queues.
     pub fn all_in_queues(&self) -> bool {
         self.apart == 0
-    }
-
-    /// True if some claimants have a place only where all are siblings in the order of their ranks.
-    pub fn needs_siblings(&self) -> bool {
-        self.among_siblings > 0
-    }
-
-    /// The parent of all claimants, if the rank of each decides alone; none where others claim, or no task does.
-    pub fn parent_of_ranked(&self) -> Option<TaskId> {
-        let mut parents = self.ranked.keys();
-        let parent = parents.next().copied().filter(|_| self.by_rank == self.claims.len());
-        parent.filter(|_| parents.next().is_none())
     }
 
     /// Returns true if time, or a change of a variable or measurement, may change the order.
@@ -322,7 +285,7 @@ mod tests {
     }
 
     fn claim(place: QueuePlace, varies: bool) -> Claim {
-        Claim::Queued { place, varies, expected: None, others: Vec::new(), by_rank: ByRank::No }
+        Claim::Queued { place, varies, expected: None, others: Vec::new() }
     }
 
     #[test]

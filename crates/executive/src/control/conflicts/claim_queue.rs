@@ -14,7 +14,7 @@ use crate::state::resource::Need;
 use crate::state::resource_id::ResourceId;
 use crate::state::step_clauses::StepClauses;
 use crate::state::task::{Origin, Task};
-use crate::state::waiting::{ByRank, Claim};
+use crate::state::waiting::Claim;
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::procedure::{PriorityClause, ProcedureKind, Step};
 use apex_model::task::{TaskId, TaskState};
@@ -23,33 +23,12 @@ use std::iter::successors;
 /// Returns the claim of `id`, which needs `needs`.
 pub(crate) fn claim_of(cycle: &Cycle<'_>, id: TaskId, needs: &[Need]) -> Claim {
     let agent = &*cycle.agent;
-    let ranked = place_by_rank(cycle, id, needs);
-    let (place, by_rank) = match (place_of(cycle, id, needs), ranked) {
-        (Some(place), ranked) => (Some(place), if ranked.is_some() { ByRank::AmongSiblings } else { ByRank::No }),
-        // Where others than siblings compete, it is looked at again like a claimant without a place.
-        (None, ranked) => (ranked.map(|key| (QueuePlace::Steady(key), true)), ByRank::Only),
-    };
-    place.map_or(Claim::Apart, |(place, varies)| {
+    place_of(cycle, id, needs).map_or(Claim::Apart, |(place, varies)| {
         let expected = agent.task(id).and_then(|task| task.selection.as_ref()?.expected);
         // Each resource of a claimant with several needs keeps all of them; a claimant with one need keeps none.
         let others = if needs.len() > 1 { needs.iter().map(|need| need.resource).collect() } else { Vec::new() };
-        Claim::Queued { place, varies, expected, others, by_rank }
+        Claim::Queued { place, varies, expected, others }
     })
-}
-
-/// The place of a step among its siblings, where written order gives each a rank: priorities do not count
-/// between them.
-fn place_by_rank(cycle: &Cycle<'_>, id: TaskId, needs: &[Need]) -> Option<QueueKey> {
-    let agent = &*cycle.agent;
-    let task = agent.task(id)?;
-    let Origin::Step(step) = task.origin else { return None };
-    let by_order = agent.procedure_index(step.procedure)?.ranked_by_order;
-    let used_up = |need: &Need| agent.resources.get(need.resource).is_none_or(|resource| resource.depletable);
-    if !by_order || needs.iter().any(used_up) || shares_with_ancestors(agent, id, needs) {
-        return None;
-    }
-    let rank = Some(RankAmong { parent: task.parent?, rank: priority::rank(agent, id, cycle.now)? });
-    Some(QueueKey { priority: 0.0, rank, begun: has_begun(agent, id), order: order_of(agent, id) })
 }
 
 /// The place, and whether variables may change it; none where the claimant must be compared with each of the others.

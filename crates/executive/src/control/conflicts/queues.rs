@@ -16,12 +16,10 @@ use crate::state::agent::Agent;
 use crate::state::queue_place::{QueueKey, QueuePlace};
 use crate::state::resource::Resource;
 use crate::state::resource_id::ResourceId;
-use crate::state::task::Task;
 use crate::state::turns::InTurn;
 use crate::state::waiting::{Claim, Waiting};
 use apex_model::task::TaskId;
 use apex_model::time::Time;
-use std::collections::BTreeSet;
 use std::iter::successors;
 
 /// Returns true if this resource permits a decision by its queues alone.
@@ -31,9 +29,6 @@ pub(crate) fn is_queued(cycle: &Cycle<'_>, id: ResourceId) -> bool {
     let waiting = &resource.waiting;
     if resource.depletable || !waiting.all_in_queues() {
         return false;
-    }
-    if waiting.needs_siblings() {
-        return are_siblings_by_rank(cycle, id);
     }
     let Ok(ranked) = waiting.priority_of_ranked() else { return false };
     resource.holders.iter().all(|holding| {
@@ -45,30 +40,6 @@ pub(crate) fn is_queued(cycle: &Cycle<'_>, id: ResourceId) -> bool {
         let alone = !above.any(|task| waiting.contains(task.id) || holds(task.id));
         !shares && alone && !may_stand_for_others(cycle, holding.task, resource, ranked)
     })
-}
-
-/// True if all that compete for the resource, and for what its claimants and holders need in addition, are steps of one
-/// procedure in the order of their ranks: then no priority counts.
-fn are_siblings_by_rank(cycle: &Cycle<'_>, id: ResourceId) -> bool {
-    let agent = &*cycle.agent;
-    let parent = agent.resources.get(id).and_then(|resource| resource.waiting.parent_of_ranked());
-    let Some(parent) = parent else { return false };
-    let (mut open, mut seen) = (vec![id], BTreeSet::from([id]));
-    while let Some(resource) = open.pop().and_then(|id| agent.resources.get(id)) {
-        let waiting = &resource.waiting;
-        let claimants = waiting.is_empty() || waiting.all_in_queues() && waiting.parent_of_ranked() == Some(parent);
-        let is_sibling =
-            |task: &Task| task.parent == Some(parent) && priority::rank(agent, task.id, cycle.now).is_some();
-        let holds_only = |task: &Task| task.extras.as_ref().is_none_or(|extras| extras.held.is_empty());
-        let holders = resource.holders.iter().map(|holding| holding.task);
-        let holder = |id: TaskId| agent.task(id).is_some_and(|task| is_sibling(task) && holds_only(task));
-        if resource.depletable || !claimants || !holders.clone().all(holder) {
-            return false;
-        }
-        let held = holders.flat_map(|holder| needs_in(agent, holder)).map(|need| need.resource);
-        open.extend(waiting.others().chain(held).filter(|other| seen.insert(*other)));
-    }
-    true
 }
 
 /// Can the priority of claimants behind a holder with a rank count for it, or that of the holder for them? Not where it
