@@ -94,6 +94,8 @@ pub(crate) struct Work {
     pub(crate) resuming: BTreeSet<TaskId>,
     /// At rest: probings that begin or end a probe when nothing else is left to do at this instant.
     pub(crate) probings: SmallVec<[ProbingId; 1]>,
+    /// Notice: states of tasks changed while there are invariants that read them.
+    pub(crate) states_changed: bool,
     /// Enable: tasks whose invariants may no longer hold.
     pub(crate) doubtful: BTreeSet<TaskId>,
     /// Tasks that ended and whose parents have not reacted.
@@ -188,6 +190,7 @@ impl Work {
             && self.enabled.is_empty()
             && self.claims.is_empty()
             && self.dirty.is_empty()
+            && !self.states_changed
             && !self.priorities_changed
             && !self.inheritance_changed
             && self.starting.is_empty()

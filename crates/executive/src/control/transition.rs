@@ -109,6 +109,7 @@ pub(crate) fn transition(
     task.since = now;
     task.outcome.clone_from(&outcome);
     cycle.work.balance.again |= again;
+    cycle.work.states_changed |= cycle.agent.guards.read_states();
     cycle.work.balance.ends |= to == TaskState::Terminated;
     let states = outcome.as_ref().map_or(&[] as &[&str], Outcome::states);
     cycle.decide(Some(id), DecisionKind::Transition { from, to, outcome }, because);

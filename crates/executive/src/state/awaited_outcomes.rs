@@ -78,11 +78,14 @@ pub(crate) fn produced(step: &Step) -> Vec<Symbol> {
     names
 }
 
+/// A task that has ended for good, with the words of its outcome.
+pub(crate) type EndedStep = (TaskId, &'static [&'static str]);
+
 /// The reason why `condition` can never hold: the task that has ended, and the outcome that it did not have. `outcome_of`
 /// gives task and outcome of the step with a tag, once it has ended for good.
 pub(crate) fn missed(
     condition: &Condition,
-    outcome_of: &dyn Fn(&Symbol) -> Option<(TaskId, &'static [&'static str])>,
+    outcome_of: &dyn Fn(&Symbol) -> Option<EndedStep>,
 ) -> Option<(TaskId, Symbol)> {
     if let Some((tag, word)) = outcome_named(condition) {
         let (task, states) = outcome_of(tag)?;

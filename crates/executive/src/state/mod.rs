@@ -10,6 +10,7 @@ pub mod children;
 pub mod clause;
 pub mod controller;
 pub mod episode_index;
+pub mod guards;
 pub mod histories;
 pub mod index;
 pub mod interests;

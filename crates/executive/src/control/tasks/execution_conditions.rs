@@ -1,6 +1,6 @@
 //! Execution conditions (TC)
 //! What: judges `precondition` as a task is to begin, and `invariant` while it is ongoing; the task fails where they do not hold.
-//! Runs: choose and act phases (precondition), enable phase after a change of what an invariant reads.
+//! Runs: choose and act phases (precondition), enable phase after a change of what an invariant reads: samples, states of tasks.
 //! Reads: Transitions, histories, Task.  Writes: Task, Decision.
 //! Bound: one judgement for each task with an invariant that a sample concerns.
 //! PDL: `precondition`, `invariant`.  Paper: section III, off-nominal conditions.
@@ -11,6 +11,7 @@ use crate::monitoring::basic::present::{self, Present};
 use crate::monitoring::stimulus::Stimulus;
 use crate::state::clause::Level;
 use crate::state::controller::MethodBinding;
+use crate::state::guards::Reads;
 use crate::state::step_clauses::StepClauses;
 use crate::state::task::Origin;
 use apex_model::because::{Because, Cause};
@@ -58,40 +59,41 @@ pub(crate) fn begin(cycle: &mut Cycle<'_>, id: TaskId) -> bool {
     if !hold(cycle, id, ExecutionClause::Precondition) {
         return false;
     }
-    if !conditions(cycle, id, ExecutionClause::Invariant).is_empty() {
-        cycle.agent.guarded.insert(id);
+    let invariants = conditions(cycle, id, ExecutionClause::Invariant);
+    if !invariants.is_empty() {
+        let mut reads = Reads::default();
+        invariants.iter().for_each(|(condition, _)| present::add_reads(condition, &mut reads));
+        cycle.agent.guards.insert(id, reads);
     }
     hold(cycle, id, ExecutionClause::Invariant)
 }
 
 /// The task continues after an interruption: its invariants hold, else it has failed.
 pub(crate) fn go_on(cycle: &mut Cycle<'_>, id: TaskId) -> bool {
-    !cycle.agent.guarded.contains(&id) || hold(cycle, id, ExecutionClause::Invariant)
+    !cycle.agent.guards.contains(id) || hold(cycle, id, ExecutionClause::Invariant)
 }
 
-/// Notes the tasks whose invariants the stimuli of this round concern.
+/// Notes the tasks whose invariants what happened in this round concerns.
 pub(crate) fn notice(cycle: &mut Cycle<'_>) {
-    if cycle.agent.guarded.is_empty() {
+    cycle.work.states_changed = false;
+    if cycle.agent.guards.is_empty() {
         return;
     }
-    let concerned: Vec<TaskId> = cycle.agent.guarded.iter().copied().filter(|id| concerns(cycle, *id)).collect();
+    let concerned: Vec<TaskId> = concerned(cycle).collect();
     cycle.work.doubtful.extend(concerned);
 }
 
 /// True if the stimuli concern an invariant: then the instant is not quiet.
 pub(crate) fn concern(cycle: &Cycle<'_>) -> bool {
-    cycle.agent.guarded.iter().any(|id| concerns(cycle, *id))
+    concerned(cycle).next().is_some()
 }
 
-fn concerns(cycle: &Cycle<'_>, id: TaskId) -> bool {
-    cycle.state(id) == TaskState::Ongoing
-        && conditions(cycle, id, ExecutionClause::Invariant).iter().any(|(condition, _)| {
-            let reads = |stimulus: &Stimulus| match stimulus {
-                Stimulus::Sample { variable, .. } => present::reads(condition, &variable.attribute),
-                _ => false,
-            };
-            present::reads_more_than_samples(condition) || cycle.work.stimuli.iter().any(reads)
-        })
+fn concerned<'a>(cycle: &'a Cycle<'_>) -> impl Iterator<Item = TaskId> + 'a {
+    let by_sample = |stimulus: &'a Stimulus| match stimulus {
+        Stimulus::Sample { variable, .. } => Some(cycle.agent.guards.concerned_by(&variable.attribute)),
+        _ => None,
+    };
+    cycle.agent.guards.restless().chain(cycle.work.stimuli.iter().filter_map(by_sample).flatten())
 }
 
 /// Judges the invariants that may no longer hold, ancestors first.
@@ -99,7 +101,7 @@ pub(crate) fn judge_invariants(cycle: &mut Cycle<'_>) {
     for id in std::mem::take(&mut cycle.work.doubtful) {
         // Who may rather start over is judged as it continues.
         let works = cycle.state(id) == TaskState::Ongoing && !cycle.work.resuming.contains(&id);
-        if works && cycle.agent.guarded.contains(&id) {
+        if works && cycle.agent.guards.contains(id) {
             hold(cycle, id, ExecutionClause::Invariant);
             termination::settle(cycle);
         }

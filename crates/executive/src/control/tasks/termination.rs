@@ -80,7 +80,7 @@ pub(crate) fn end_children(cycle: &mut Cycle<'_>, id: TaskId, because: &Because)
 pub(crate) fn dismantle(cycle: &mut Cycle<'_>, id: TaskId, reason: &str) {
     primitive::withdraw_commands(cycle, id, reason);
     question::withdraw(cycle, id, reason);
-    cycle.agent.guarded.remove(&id);
+    cycle.agent.guards.remove(id);
     let Some(controller) = cycle.agent.task_mut(id).and_then(|task| task.controller.take()) else { return };
     match *controller {
         Controller::Procedure(controller) => {

@@ -13,8 +13,9 @@ use crate::monitoring::constraints::{Reading, all};
 use crate::monitoring::pattern_matching::match_pattern;
 use crate::monitoring::samples::known_variable;
 use crate::state::bindings::Bindings;
+use crate::state::guards::Reads;
 use apex_model::because::Evidence;
-use apex_model::condition::{Condition, ConditionKind, MeasurementCondition};
+use apex_model::condition::{Condition, ConditionKind, Constraint, MeasurementCondition};
 use apex_model::evidence_list::EvidenceList;
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::pattern::Pattern;
@@ -90,8 +91,8 @@ fn measured(
     context: &dyn EvalContext,
 ) -> Result<Present, EvaluationError> {
     let Some(variable) = known_variable(&measurement.variable, context) else {
-        let attribute = &measurement.variable.attribute;
-        return Err(error(condition, format!("an object of ({attribute} ..) has no value here")));
+        let what = format!("value of the object of ({} ..)", measurement.variable.attribute);
+        return Ok(unknown(what, context));
     };
     let published = context.published(&variable).map(|value| (value, context.now()));
     let newest = || {
@@ -99,8 +100,7 @@ fn measured(
         Some((sample.value.clone(), sample.at))
     };
     let Some((value, at)) = published.or_else(newest) else {
-        let evidence = Evidence::Absence { what: format!("a sample of {variable}"), at: context.now() };
-        return Ok(Present { truth: None, evidence: EvidenceList::one(evidence) });
+        return Ok(unknown(format!("sample of {variable}"), context));
     };
     let mut bindings = Bindings::new();
     let reading = Reading::Value(unit_of(&measurement.variable.attribute, context.library()));
@@ -111,10 +111,14 @@ fn measured(
     Ok(Present { truth: Some(holds), evidence })
 }
 
+/// Nothing decides: what is named is missing.
+fn unknown(what: String, context: &dyn EvalContext) -> Present {
+    Present { truth: None, evidence: EvidenceList::one(Evidence::Absence { what, at: context.now() }) }
+}
+
 /// The step has no task: its procedure has not begun.
 fn no_task(tag: &Symbol, context: &dyn EvalContext) -> Present {
-    let evidence = Evidence::Absence { what: format!("a task of ?{tag}"), at: context.now() };
-    Present { truth: None, evidence: EvidenceList::one(evidence) }
+    unknown(format!("task of ?{tag}"), context)
 }
 
 fn of_task(
@@ -140,30 +144,31 @@ fn of_task(
     Ok(Present { truth: Some(holds), evidence: EvidenceList::one(evidence) })
 }
 
-/// True if the condition reads state variables with this attribute.
-pub(crate) fn reads(condition: &Condition, attribute: &Symbol) -> bool {
+/// Adds what the condition reads.
+pub(crate) fn add_reads(condition: &Condition, reads: &mut Reads) {
     match &condition.kind {
-        ConditionKind::Measurement(measurement) => measurement.variable.attribute == *attribute,
-        ConditionKind::Not(part) => reads(part, attribute),
-        ConditionKind::And(parts, _) | ConditionKind::Or(parts, _) => parts.iter().any(|part| reads(part, attribute)),
+        ConditionKind::Measurement(measurement) => {
+            let fixed = measurement.value.iter().chain(&measurement.object).all(is_fixed);
+            reads.more |= !fixed || !is_literal(&measurement.variable.object);
+            reads.attributes.insert(measurement.variable.attribute.clone());
+        }
+        ConditionKind::Not(part) => add_reads(part, reads),
+        ConditionKind::And(parts, _) | ConditionKind::Or(parts, _) => {
+            parts.iter().for_each(|part| add_reads(part, reads));
+        }
+        _ => reads.more = true,
+    }
+}
+
+fn is_literal(pattern: &Pattern) -> bool {
+    match pattern {
+        Pattern::Literal(_) => true,
+        Pattern::List(parts) => parts.iter().all(is_literal),
         _ => false,
     }
 }
 
-/// True if the condition reads anything else than samples: tasks, expressions.
-pub(crate) fn reads_more_than_samples(condition: &Condition) -> bool {
-    match &condition.kind {
-        ConditionKind::Measurement(measurement) => {
-            measurement.value.iter().chain(&measurement.object).any(|constraint| !is_fixed(constraint))
-        }
-        ConditionKind::Not(part) => reads_more_than_samples(part),
-        ConditionKind::And(parts, _) | ConditionKind::Or(parts, _) => parts.iter().any(reads_more_than_samples),
-        _ => true,
-    }
-}
-
-fn is_fixed(constraint: &apex_model::condition::Constraint) -> bool {
-    use apex_model::condition::Constraint;
+fn is_fixed(constraint: &Constraint) -> bool {
     let constant = |expr: &Expr| matches!(expr.kind, ExprKind::Constant(_));
     match constraint {
         Constraint::Compare { right, tolerance, .. } => constant(right) && tolerance.as_ref().is_none_or(constant),
