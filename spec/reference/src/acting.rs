@@ -295,8 +295,11 @@ impl Agent<'_> {
 
     fn release_of_parent(&mut self, id: usize, name: &str) {
         let Some(parent) = self.tasks[id].parent else { return };
+        let total = self.total(name);
+        let mut whole = vec![(name.to_string(), total)];
+        self.add_parts(&mut whole);
         let held = std::mem::take(&mut self.tasks[parent].held);
-        let (released, kept) = held.into_iter().partition(|(other, _)| other == name);
+        let (released, kept) = held.into_iter().partition(|(other, _)| whole.iter().any(|(part, _)| part == other));
         self.tasks[parent].held = kept;
         let released: Vec<(String, f64)> = released;
         for (name, amount) in released {

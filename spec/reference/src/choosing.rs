@@ -148,7 +148,7 @@ impl<'p> Agent<'p> {
     }
 
     /// A task that has a whole has its parts, and theirs.
-    fn add_parts(&mut self, needs: &mut Vec<(String, f64)>) {
+    pub(crate) fn add_parts(&mut self, needs: &mut Vec<(String, f64)>) {
         let mut next = 0;
         let mut wholes: Vec<String> = needs.iter().map(|need| need.0.clone()).collect();
         while let Some(whole) = wholes.get(next).cloned() {

@@ -47,8 +47,9 @@ fn fact(
             require(decides, "it does not make the condition false")
         }
         Evidence::Function { value, at, .. } => {
-            let decides =
-                |(leaf, truth): &(&ConditionKind, bool)| matches!(leaf, ConditionKind::Function(_)) && value.is_true() == *truth;
+            let decides = |(leaf, truth): &(&ConditionKind, bool)| {
+                matches!(leaf, ConditionKind::Function(_)) && value.is_true() == *truth
+            };
             require(leaves.iter().any(decides), "it does not make the condition false")?;
             require(*at == world.now, "it is told of another instant")
         }
