@@ -204,8 +204,7 @@ impl Waiting {
 
     /// Tasks whose place may change with a variable or with what is measured.
     pub fn sensitive(&self) -> impl Iterator<Item = TaskId> + '_ {
-        let by_rank = self.is_by_rank();
-        self.sensitive.iter().copied().filter(move |_| !by_rank)
+        self.sensitive.iter().copied()
     }
 
     /// True if all claimants that wait have a place that follows from themselves alone.
@@ -215,10 +214,10 @@ impl Waiting {
 
     /// The parent, if all claimants have ranks below it and no two the same: then nothing else counts between them.
     pub fn parent_of_ranks(&self) -> Option<TaskId> {
-        // All have the same parents above them, if one is to be that of all.
+        // One that is above all is above the first. The highest comes first: it is the same for most resources.
         let Claim::Queued { by_rank, .. } = self.claims.first_key_value()?.1 else { return None };
         let count = self.claims.len();
-        let mut parents = by_rank.iter().filter_map(|key| Some(key.rank?.parent));
+        let mut parents = by_rank.iter().rev().filter_map(|key| Some(key.rank?.parent));
         parents.find(|parent| {
             let siblings = self.siblings.get(parent);
             siblings.is_some_and(|siblings| siblings.keys.len() == count && siblings.ranks.len() == count)
@@ -232,18 +231,18 @@ impl Waiting {
 
     /// The claimants in the order of their ranks, where they have no other order and need none.
     fn queue_by_rank(&self) -> Option<&BTreeSet<QueueKey>> {
-        let parent = self.parent_of_ranks().filter(|_| !self.all_in_queues())?;
+        let parent = self.ordered_below()?;
         self.siblings.get(&parent).map(|siblings| &siblings.keys)
     }
 
-    /// True if ranks below one parent are the order of the queue, and priorities do not count.
-    pub fn is_by_rank(&self) -> bool {
-        self.queue_by_rank().is_some()
+    /// The parent below which ranks are the order of the queue, so that priorities do not count between claimants.
+    pub fn ordered_below(&self) -> Option<TaskId> {
+        self.parent_of_ranks().filter(|_| !self.all_in_queues())
     }
 
     /// Returns true if time, or a change of a variable or measurement, may change the order.
     pub fn is_sensitive(&self) -> bool {
-        (!self.sensitive.is_empty() || !self.lines.is_empty()) && !self.is_by_rank()
+        !self.sensitive.is_empty() || !self.lines.is_empty()
     }
 
     /// Returns true if the priority of a queued claimant rises.
