@@ -250,7 +250,8 @@ impl<'a, 'c> Front<'a, 'c> {
             if waits && used < resource.total - TOLERANCE {
                 let expected = |each: &&Claimant| agent.task(each.id)?.selection.as_ref()?.expected;
                 let known = losers.iter().filter_map(expected);
-                shortest = [shortest, waiting.shortest()].into_iter().flatten().chain(known).min();
+                let fitting = waiting.shortest(resource.total - used + TOLERANCE);
+                shortest = [shortest, fitting].into_iter().flatten().chain(known).min();
             }
             let matters = |id: &ResourceId| {
                 agent.resources.get(*id).is_some_and(|other| other.waiting.len() > 1 || !other.holders.is_empty())
