@@ -46,11 +46,13 @@ export function saveStack(name: string, canvases: readonly HTMLCanvasElement[], 
 export function saveSvg(name: string, drawing: SVGSVGElement): void {
   const copy = drawing.cloneNode(true) as SVGSVGElement;
   const [from, to] = [drawing.querySelectorAll('*'), copy.querySelectorAll('*')];
+  // Not as an attribute: the content rules of the server refuse styles in markup.
   from.forEach((element, index) => {
     const style = window.getComputedStyle(element);
     const kept = SVG_STYLES.filter(one => style.getPropertyValue(one) !== '');
     const own = kept.map(one => `${one}:${style.getPropertyValue(one)}`).join(';');
-    to[index]?.setAttribute('style', own);
+    const copied = to[index];
+    if (copied instanceof SVGElement) copied.style.cssText = own;
   });
   copy.setAttribute('xmlns', 'http://www.w3.org/2000/svg');
   copy.style.background = window.getComputedStyle(document.body).backgroundColor;
