@@ -44,6 +44,8 @@ export interface Paper {
   ground: string;
   /** A picture below the drawing, as a `data:` address. */
   picture?: string;
+  /** Elements above the drawing. */
+  above?: string;
 }
 
 /** The part of a pen's state that `save` and `restore` keep. */
@@ -230,7 +232,7 @@ export class SvgPen implements Pen {
   }
 
   /** The drawing on its paper. */
-  svg({ width, height, ground, picture }: Paper): string {
+  svg({ width, height, ground, picture, above = '' }: Paper): string {
     const size = `width="${px(width)}" height="${px(height)}"`;
     const open = this.states.reduce((sum, state) => sum + state.groups, this.state.groups);
     return [
@@ -238,7 +240,7 @@ export class SvgPen implements Pen {
       `<rect ${size} fill="${ground}"/>`,
       ...(picture ? [`<image ${size} preserveAspectRatio="none" href="${picture}"/>`] : []),
       ...this.parts,
-      `${'</g>'.repeat(open)}</svg>`,
+      `${'</g>'.repeat(open)}${above}</svg>`,
     ].join('\n');
   }
 
@@ -276,14 +278,19 @@ export class SvgPen implements Pen {
 
 /** Saves what `draw` draws as an SVG file. */
 export function saveDrawing(name: string, paper: Paper, draw: (pen: Pen) => void): void {
+  save(name, 'image/svg+xml', drawingText(paper, draw));
+}
+
+/** What `draw` draws as an SVG text. */
+export function drawingText(paper: Paper, draw: (pen: Pen) => void): string {
   const ruler = document.createElement('canvas').getContext('2d');
-  if (!ruler) return;
   const pen = new SvgPen((text, font) => {
+    if (!ruler) throw new Error('this browser has no canvas');
     ruler.font = font;
     return ruler.measureText(text);
   });
   draw(pen);
-  save(name, 'image/svg+xml', pen.svg(paper));
+  return pen.svg(paper);
 }
 
 function box(x: number, y: number, width: number, height: number): string {
@@ -296,6 +303,7 @@ function px(value: number): string {
   return String(Math.round(value * 100) / 100);
 }
 
-function escaped(text: string): string {
+/** A text as content of an element or of an attribute. */
+export function escaped(text: string): string {
   return text.replaceAll('&', '&amp;').replaceAll('<', '&lt;').replaceAll('"', '&quot;');
 }

@@ -31,7 +31,7 @@ export interface Authority {
   you: Actor;
   yours: boolean;
   may_take: boolean;
-  /** Other callers that were heard of late and may hold it. */
+  /** Other callers with a recent request that may hold it. */
   stations: Actor[];
 }
 

@@ -27,7 +27,7 @@ pub(crate) struct Sessions {
     /// The name of the cookie.
     cookie: String,
     open: Mutex<BTreeMap<[u8; 32], Session>>,
-    /// Callers that were heard of late.
+    /// Callers with a request in the last seconds.
     pub(crate) stations: Stations,
 }
 

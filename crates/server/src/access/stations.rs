@@ -1,4 +1,4 @@
-//! Stations: the callers that were heard of late and may hold authority, to whom it can be offered.
+//! Stations: the callers with a recent request that may hold authority. It can be offered to them.
 
 use apex_runtime::authority::{Actor, ActorRole};
 use std::collections::BTreeMap;
@@ -17,7 +17,7 @@ pub(crate) struct Stations {
 }
 
 impl Stations {
-    /// Notes a request of `actor` at `now`. Observers are no stations.
+    /// Notes a request of `actor` at `now`. Observers do not count.
     pub(crate) fn hear(&self, actor: &Actor, now: Instant) {
         if actor.role < ActorRole::Operator {
             return;
@@ -53,7 +53,7 @@ mod tests {
     }
 
     #[test]
-    fn stations_are_other_callers_that_may_command_and_were_heard_of_late() {
+    fn stations_are_other_callers_that_may_command_and_sent_a_recent_request() {
         let (stations, start) = (Stations::default(), Instant::now());
         let tower = actor("tower", ActorRole::Operator);
         stations.hear(&tower, start);

@@ -19,7 +19,7 @@ pub(crate) struct AuthorityState {
     yours: bool,
     /// The caller may take it now.
     may_take: bool,
-    /// Other callers that were heard of late and may hold it.
+    /// Other callers with a recent request that may hold it.
     stations: Vec<ActorState>,
 }
 

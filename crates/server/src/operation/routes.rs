@@ -69,7 +69,7 @@ async fn flight_command(
     send(door_of(&state, id)?, caller, body).await
 }
 
-/// The other callers to whom `actor` can offer authority.
+/// The other callers that can receive authority from `actor`.
 fn stations(state: &AppState, actor: &Actor) -> Vec<Actor> {
     state.sessions.stations.others(actor, Instant::now())
 }

@@ -62,7 +62,7 @@ export function draw(context: Pen, scene: Scene, frame: Frame, project: Project)
   drawOutlines(context, scene, project);
   drawTrack(context, scene, project);
   drawAbove(context, scene.layers, project);
-  drawTargets(context, scene, project);
+  drawTargets(context, scene, frame, project);
   drawDraft(context, scene.layers, project);
   if (scene.aircraft) drawAircraft(context, scene.aircraft, scene.rotorcraft, project);
 }
@@ -189,7 +189,7 @@ function polyline(context: Pen, line: readonly Position[], count: number, projec
   }
 }
 
-function drawTargets(context: Pen, scene: Scene, project: Project): void {
+function drawTargets(context: Pen, scene: Scene, frame: Frame, project: Project): void {
   const points = scene.targets.map(target => ({ target, ...project(target.position) }));
   const taken: Box[] = points.map(({ x, y }) => ({ x: x - 7, y: y - 7, width: 14, height: 14 }));
   if (scene.aircraft) {
@@ -203,7 +203,9 @@ function drawTargets(context: Pen, scene: Scene, project: Project): void {
   context.textBaseline = 'middle';
   let lost = 0;
   const write = (text: string, x: number, y: number, colour: string): void => {
-    const box = placeLabel(x, y, context.measureText(text).width + 2, 13, taken);
+    // What lies outside of the picture has no label there, and needs none.
+    if (x < 0 || y < 0 || x > frame.width || y > frame.height) return;
+    const box = placeLabel(x, y, context.measureText(text).width + 2, 13, taken, frame);
     if (!box) {
       lost += 1;
       return;
