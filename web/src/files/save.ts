@@ -66,7 +66,9 @@ export function styledCopy(drawing: SVGSVGElement): SVGSVGElement {
       const value = style.getPropertyValue(name);
       if (value !== '') to[index]?.setAttribute(name, value);
     }
+    to[index]?.removeAttribute('style');
   });
+  copy.removeAttribute('style');
   copy.setAttribute('xmlns', SVG);
   return copy;
 }

@@ -101,7 +101,7 @@ function vectorLayers(key: string, name: string): maplibre.LayerSpecification[] 
       id: `${key} ${name} lines`,
       type: 'line',
       filter: only('LineString', 'MultiLineString', 'Polygon', 'MultiPolygon'),
-      paint: { 'line-color': colour, 'line-width': 1.2 },
+      paint: { 'line-color': colour, 'line-width': 2 },
     },
     {
       ...of,
