@@ -59,8 +59,7 @@ impl Scene<'_> {
         let look_ahead_s = self.requirements().look_ahead_s;
         let ground_m = |point: Point| self.known_ground_below_m(point).unwrap_or(below_m);
         let is_clear = self.is_clear_of_flat_ground(below_m, clearance_m);
-        let lost =
-            if is_clear { None } else { terrain::first_loss(&self.route, look_ahead_s, clearance_m, ground_m) };
+        let lost = if is_clear { None } else { terrain::first_loss(&self.route, look_ahead_s, clearance_m, ground_m) };
         // The time until the climb must begin decides, not the instant of the loss itself: a high ridge is climbed over early.
         let climb = self.mission.terrain.as_ref().and_then(|_| {
             terrain::latest_climb(&self.route, look_ahead_s, clearance_m, self.motion.climb_mps, ground_m)
