@@ -188,7 +188,8 @@ fn a_living_sky_is_planned_for_and_scored() {
     let checked = verify(&reader, &mission).unwrap();
     assert!(checked.positions > 10_000 && checked.violations() == 0, "{checked}");
     let report = report_of(&reader, &mission).unwrap();
-    let visit = |target: &str| report.visits.iter().rfind(|visit| visit.target == target && visit.end.is_some()).unwrap();
+    let visit =
+        |target: &str| report.visits.iter().rfind(|visit| visit.target == target && visit.end.is_some()).unwrap();
     // The clouds over Zaca go after six hours; the satellite passes after nine hours and a quarter.
     assert!(visit("zaca").begin.seconds() > 6.0 * 3_600.0, "{}", report.text());
     assert!((visit("castle-rock").begin.seconds() - 9.25 * 3_600.0).abs() < 2_400.0, "{}", report.text());
