@@ -116,7 +116,7 @@ impl Vehicle for NoVehicle {
                 _ => {}
             }
         }
-        // A command of which inputs say how far it is ends when they say so.
+        // A command whose progress comes as inputs ends by an input.
         if !goes_on {
             self.report(at, EventKind::CommandAcknowledged(command, Ok(Value::nil())));
         }
