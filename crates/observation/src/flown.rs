@@ -244,7 +244,7 @@ impl FlownObservation {
         &self.products
     }
 
-    /// Returns the looks at a target until now; `None` for an unknown name.
+    /// Returns the looks that a target has received until now; `None` for an unknown name.
     pub fn looks(&self, name: &str) -> Option<&TargetLooks> {
         self.watched.iter().find(|watched| watched.target.name == name).map(|watched| &watched.looks)
     }

@@ -1,6 +1,6 @@
 //! Flights of samples through the accumulation: what an expert would say, gaps, attitude, predicted against flown.
 
-#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a test that cannot go on fails")]
+#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a test that cannot continue fails")]
 
 mod support;
 

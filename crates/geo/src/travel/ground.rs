@@ -307,13 +307,13 @@ impl PathConstraints {
         reach.map_or(Ok(blocks), |reach| Err(TravelError::LeavesReach(reach.distance_m_max())))
     }
 
-    /// Returns true if everything within `width` of a leg keeps every zone's margin reduced by `room`, at all times,
+    /// Returns true if everything within `width` of a leg keeps every zone's margin reduced by `slack`, at all times,
     /// however close its ends are. False if permitted zones share the leg, or landing places limit it: these are
     /// evaluated for lines only.
-    pub(crate) fn is_clear(&self, from: &PreparedPoint, to: &PreparedPoint, (width, room): (f64, f64)) -> bool {
+    pub(crate) fn is_clear(&self, from: &PreparedPoint, to: &PreparedPoint, (width, slack): (f64, f64)) -> bool {
         let (a, b) = (from.point, to.point);
         let wide = |zone: &Zone| width * zone.stretch * (1.0 + super::turns::TOLERANCE_SHARE);
-        let kept = |zone: &Zone| (zone.margin - room * zone.stretch).max(0.0) * (1.0 - TOUCH);
+        let kept = |zone: &Zone| (zone.margin - slack * zone.stretch).max(0.0) * (1.0 - TOUCH);
         let mut restricted = self.zones.iter().filter(|zone| !zone.keep_in);
         if self.reach.is_some() || restricted.any(|zone| zone.solid.meets(a, b, kept(zone) + wide(zone))) {
             return false;

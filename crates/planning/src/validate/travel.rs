@@ -71,7 +71,7 @@ fn overtaking(before: &DepartureTable<'_>, next: &DepartureTable<'_>) -> Result<
     };
     match pairs.find(early) {
         Some((early_s, late_s)) => Err(format!(
-            "A way takes {early_s} s for who leaves at {} s and {late_s} s for who leaves at {} s, who would be there earlier; waiting is a part of such a way.",
+            "A path takes {early_s} s for a departure at {} s and {late_s} s for a departure at {} s, which would arrive earlier; such a path includes waiting.",
             before.depart_s, next.depart_s
         )),
         None => Ok(()),
