@@ -89,8 +89,10 @@ fn read(options: &PlanOptions) -> CliResult<PlanInput> {
     if let Some(budget) = &options.budget {
         let end = parse_time(budget, "--budget")?;
         if end <= Time::ZERO {
-            return Err(CliError::user(format!("invalid value `{budget}` for `--budget`: expected a duration greater than zero"))
-                .help("write how long a solver may take, for example `--budget 2s`"));
+            return Err(CliError::user(format!(
+                "invalid value `{budget}` for `--budget`: expected a duration greater than zero"
+            ))
+            .help("write how long a solver may take, for example `--budget 2s`"));
         }
         question.budget = end - Time::ZERO;
     }
