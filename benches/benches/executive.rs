@@ -45,7 +45,7 @@ fn event_to_command(criterion: &mut Criterion) {
                 total
             });
         });
-        for (name, clause) in [("then waiting again", "(repeating)"), ("beside the next one", "(responding)")] {
+        for (name, clause) in [("then waiting again", "(repeating)"), ("next to the next one", "(responding)")] {
             let text = WATCHERS.replace("(repeating)", clause).replace("COUNT", &count.to_string());
             let (mut driven, mut next) = (Driven::new(&library(&text)), 0);
             group.bench_function(BenchmarkId::new(name, count), |bencher| {
@@ -67,7 +67,7 @@ fn event_to_nothing(criterion: &mut Criterion) {
     group.sample_size(20).warm_up_time(WARM_UP).measurement_time(MEASUREMENT);
     for count in COUNTS {
         for (name, text, variable) in [
-            ("nobody watches", programs::waiting(count as usize), -1),
+            ("no task watches", programs::waiting(count as usize), -1),
             ("one variable, all bounds above", programs::bounds(count as usize), 0),
         ] {
             let mut driven = Driven::new(&library(&text));

@@ -1,4 +1,4 @@
-//! Every target runs over its corpus without a violation, also in a build with planted bugs: the fuzzer has to find these by itself.
+//! Every target runs over its corpus without a violation, also in a build with planted bugs: the fuzzer has to find these alone.
 
 use std::path::PathBuf;
 

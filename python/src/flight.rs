@@ -1,7 +1,7 @@
 //! Flights of missions in the built-in simulator. Other threads of Python run while one is flown.
 
 use crate::errors::mission as failed;
-use crate::planning::{Means, Mission, positive};
+use crate::planning::{LoadedMission, Means, positive};
 use apex_mission::error::MissionResult;
 use apex_mission::flight::{FlightOutcome, MissionFlight};
 use apex_mission::recording;
@@ -26,7 +26,7 @@ const SIGNALS_EVERY: Duration = Duration::from_millis(50);
 #[pyfunction]
 pub(crate) fn fly_json(
     python: Python<'_>,
-    mission: &Mission,
+    mission: &LoadedMission,
     record: PathBuf,
     seed: Option<u64>,
     limits: (Option<f64>, Option<f64>),

@@ -33,7 +33,7 @@ fn _apex(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<values::Variable>()?;
     module.add_class::<planner::PlannerContext>()?;
     module.add_function(wrap_pyfunction!(instant_ns, module)?)?;
-    module.add_class::<planning::Mission>()?;
+    module.add_class::<planning::LoadedMission>()?;
     module.add_class::<planning::Means>()?;
     module.add_function(wrap_pyfunction!(planning::plan_json, module)?)?;
     module.add_function(wrap_pyfunction!(planning::problem_json, module)?)?;

@@ -58,17 +58,17 @@ impl Means {
 }
 
 /// A mission that was read from a folder or a program.
-#[pyclass(module = "apex_autonomy", frozen)]
-pub(crate) struct Mission {
+#[pyclass(module = "apex_autonomy", name = "Mission", frozen)]
+pub(crate) struct LoadedMission {
     pub(crate) inner: Arc<apex_mission::Mission>,
     warnings: Vec<String>,
 }
 
 #[pymethods]
-impl Mission {
+impl LoadedMission {
     #[staticmethod]
-    fn load(python: Python<'_>, path: PathBuf) -> PyResult<Mission> {
-        let loaded = python.detach(|| -> MissionResult<Mission> {
+    fn load(python: Python<'_>, path: PathBuf) -> PyResult<LoadedMission> {
+        let loaded = python.detach(|| -> MissionResult<LoadedMission> {
             let checked = program::load_program(&path)?;
             let render = |diagnostic: &Diagnostic| {
                 let one = std::slice::from_ref(diagnostic);
@@ -77,7 +77,7 @@ impl Mission {
             let is_warning = |diagnostic: &&Diagnostic| diagnostic.severity == Severity::Warning;
             let warnings = checked.diagnostics.iter().filter(is_warning).map(render).collect();
             let inner = Arc::new(apex_mission::Mission::of_program(&path, Arc::new(checked.library))?);
-            Ok(Mission { inner, warnings })
+            Ok(LoadedMission { inner, warnings })
         });
         loaded.map_err(|failure| failed(python, failure))
     }

@@ -1,7 +1,7 @@
 //! Series of flights in the built-in simulator. Other threads of Python run meanwhile.
 
 use crate::errors::mission as failed;
-use crate::planning::{Means, Mission, positive};
+use crate::planning::{LoadedMission, Means, positive};
 use apex_model::time::Time;
 use apex_simulation::{RunSummary, RunTerms, fly_runs};
 use pyo3::prelude::*;
@@ -13,7 +13,7 @@ use std::sync::Arc;
 #[pyfunction]
 pub(crate) fn fly_runs_json(
     python: Python<'_>,
-    mission: &Mission,
+    mission: &LoadedMission,
     series: (Option<u64>, usize, usize),
     until_s: Option<f64>,
     means: &Means,

@@ -70,7 +70,7 @@ struct Package {
     source: Option<String>,
     manifest_path: String,
     dependencies: Vec<Dependency>,
-    targets: Vec<Target>,
+    targets: Vec<CargoTarget>,
 }
 
 #[derive(Deserialize)]
@@ -80,7 +80,7 @@ struct Dependency {
 }
 
 #[derive(Deserialize)]
-struct Target {
+struct CargoTarget {
     kind: Vec<String>,
     src_path: String,
 }
@@ -161,7 +161,7 @@ fn cargo(root: &Path, arguments: &[&str]) -> Result<Vec<u8>, String> {
 fn member(package: &Package, top: &str) -> Member {
     let relative = |path: &str| path.strip_prefix(top).unwrap_or(path).to_string();
     let dependencies = package.dependencies.iter().filter(|each| each.kind.as_deref() != Some("dev"));
-    let builds = |target: &&Target| {
+    let builds = |target: &&CargoTarget| {
         target.kind.iter().any(|kind| matches!(kind.as_str(), "lib" | "rlib" | "cdylib" | "proc-macro" | "bin"))
     };
     Member {

@@ -22,22 +22,22 @@ pub struct FieldSummary {
 }
 
 /// First and last instant.
-pub type Span = (Time, Time);
+pub type LogInterval = (Time, Time);
 
 /// Messages of a topic, their span, and their fields.
-type SeenTopic = (u64, Option<Span>, Vec<FieldValues>);
+type SeenTopic = (u64, Option<LogInterval>, Vec<FieldValues>);
 
 /// Reads a log to its end; the fields in the order of their appearance, and the first and last instant.
 ///
 /// # Errors
 /// The log cannot be read from its medium.
-pub fn survey(reader: &mut dyn LogReader) -> io::Result<(Vec<FieldSummary>, Option<Span>)> {
+pub fn survey(reader: &mut dyn LogReader) -> io::Result<(Vec<FieldSummary>, Option<LogInterval>)> {
     let mut found: Vec<SeenTopic> = Vec::new();
-    let mut span: Option<Span> = None;
+    let mut span: Option<LogInterval> = None;
     let mut message = Message::default();
     while reader.next(&mut message)? {
         let at = message.at;
-        let wider = |span: Option<Span>| Some(span.map_or((at, at), |(from, to)| (from.min(at), to.max(at))));
+        let wider = |span: Option<LogInterval>| Some(span.map_or((at, at), |(from, to)| (from.min(at), to.max(at))));
         span = wider(span);
         if found.len() <= message.topic {
             found.resize(message.topic + 1, Default::default());

@@ -30,7 +30,7 @@ mod ulog_format;
 
 pub use csv_table::TimeName;
 pub use field_list::field_list;
-pub use fields::{FieldSummary, Span, survey};
+pub use fields::{FieldSummary, LogInterval, survey};
 pub use log_file::{Fed, LogError, LogFile};
 pub use mapping::{Entry, Mapping, Sampled, Sampler, Take};
 pub use mapping_file::{MappingError, MappingFile, ReadForm};

@@ -2,7 +2,9 @@
 
 use crate::civil_time::utc_of_clock;
 use crate::mapping_file::{self, MappingError, MappingFile, ReadForm};
-use crate::{Entry, FieldSummary, Format, LogReader, Message, Ordered, ReadErrors, Sampled, Sampler, Span, survey};
+use crate::{
+    Entry, FieldSummary, Format, LogInterval, LogReader, Message, Ordered, ReadErrors, Sampled, Sampler, survey,
+};
 use apex_model::event::StateVariable;
 use apex_model::library::Library;
 use apex_model::symbol::Symbol;
@@ -176,7 +178,7 @@ impl LogFile {
     ///
     /// # Errors
     /// The file cannot be read.
-    pub fn fields<E>(&self) -> Result<(Vec<FieldSummary>, Option<Span>, ReadErrors), LogError<E>> {
+    pub fn fields<E>(&self) -> Result<(Vec<FieldSummary>, Option<LogInterval>, ReadErrors), LogError<E>> {
         let mut reader = self.reader()?;
         let (fields, span) = survey(&mut *reader).map_err(LogError::Read)?;
         if span.is_none() {

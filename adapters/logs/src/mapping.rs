@@ -1,6 +1,6 @@
 //! Fields of logs as state variables.
 
-use crate::{Cell, Message, Span, Topic};
+use crate::{Cell, LogInterval, Message, Topic};
 use apex_model::event::StateVariable;
 use apex_model::quantity::{Dimension, Unit, unit_named};
 use apex_model::symbol::Symbol;
@@ -85,7 +85,7 @@ pub struct Sampler {
     /// True for entries that make samples; the others only show the times of measurements.
     wanted: Vec<bool>,
     /// First and last instant of what the other entries saw.
-    unwanted: Option<Span>,
+    unwanted: Option<LogInterval>,
 }
 
 impl Sampler {
@@ -102,7 +102,7 @@ impl Sampler {
     }
 
     /// First and last instant at which something was measured that makes no samples.
-    pub fn unwanted(&self) -> Option<Span> {
+    pub fn unwanted(&self) -> Option<LogInterval> {
         self.unwanted
     }
 

@@ -12,11 +12,11 @@ const DEPTH_MAX: usize = 8;
 pub(crate) struct Leaf {
     pub(crate) name: String,
     offset: usize,
-    kind: Kind,
+    kind: UlogMessageKind,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum UlogMessageKind {
     I8,
     U8,
     I16,
@@ -31,32 +31,32 @@ enum Kind {
     Text(usize),
 }
 
-impl Kind {
-    fn named(name: &str) -> Option<Kind> {
+impl UlogMessageKind {
+    fn named(name: &str) -> Option<UlogMessageKind> {
         Some(match name {
-            "int8_t" => Kind::I8,
-            "uint8_t" => Kind::U8,
-            "int16_t" => Kind::I16,
-            "uint16_t" => Kind::U16,
-            "int32_t" => Kind::I32,
-            "uint32_t" => Kind::U32,
-            "int64_t" => Kind::I64,
-            "uint64_t" => Kind::U64,
-            "float" => Kind::F32,
-            "double" => Kind::F64,
-            "bool" => Kind::Bool,
-            "char" => Kind::Text(1),
+            "int8_t" => UlogMessageKind::I8,
+            "uint8_t" => UlogMessageKind::U8,
+            "int16_t" => UlogMessageKind::I16,
+            "uint16_t" => UlogMessageKind::U16,
+            "int32_t" => UlogMessageKind::I32,
+            "uint32_t" => UlogMessageKind::U32,
+            "int64_t" => UlogMessageKind::I64,
+            "uint64_t" => UlogMessageKind::U64,
+            "float" => UlogMessageKind::F32,
+            "double" => UlogMessageKind::F64,
+            "bool" => UlogMessageKind::Bool,
+            "char" => UlogMessageKind::Text(1),
             _ => return None,
         })
     }
 
     fn size(self) -> usize {
         match self {
-            Kind::I8 | Kind::U8 | Kind::Bool => 1,
-            Kind::I16 | Kind::U16 => 2,
-            Kind::I32 | Kind::U32 | Kind::F32 => 4,
-            Kind::I64 | Kind::U64 | Kind::F64 => 8,
-            Kind::Text(length) => length,
+            UlogMessageKind::I8 | UlogMessageKind::U8 | UlogMessageKind::Bool => 1,
+            UlogMessageKind::I16 | UlogMessageKind::U16 => 2,
+            UlogMessageKind::I32 | UlogMessageKind::U32 | UlogMessageKind::F32 => 4,
+            UlogMessageKind::I64 | UlogMessageKind::U64 | UlogMessageKind::F64 => 8,
+            UlogMessageKind::Text(length) => length,
         }
     }
 }
@@ -66,17 +66,17 @@ impl Leaf {
     pub(crate) fn value(&self, payload: &[u8]) -> Cell {
         let at = self.offset;
         let number = match self.kind {
-            Kind::I8 => array(payload, at).map(i8::from_le_bytes).map(f64::from),
-            Kind::U8 | Kind::Bool => payload.get(at).map(|byte| f64::from(*byte)),
-            Kind::I16 => array(payload, at).map(i16::from_le_bytes).map(f64::from),
-            Kind::U16 => u16_at(payload, at).map(f64::from),
-            Kind::I32 => array(payload, at).map(i32::from_le_bytes).map(f64::from),
-            Kind::U32 => u32_at(payload, at).map(f64::from),
-            Kind::I64 => array(payload, at).map(i64::from_le_bytes).map(|number| number as f64),
-            Kind::U64 => u64_at(payload, at).map(|number| number as f64),
-            Kind::F32 => array(payload, at).map(f32::from_le_bytes).map(f64::from),
-            Kind::F64 => array(payload, at).map(f64::from_le_bytes),
-            Kind::Text(length) => {
+            UlogMessageKind::I8 => array(payload, at).map(i8::from_le_bytes).map(f64::from),
+            UlogMessageKind::U8 | UlogMessageKind::Bool => payload.get(at).map(|byte| f64::from(*byte)),
+            UlogMessageKind::I16 => array(payload, at).map(i16::from_le_bytes).map(f64::from),
+            UlogMessageKind::U16 => u16_at(payload, at).map(f64::from),
+            UlogMessageKind::I32 => array(payload, at).map(i32::from_le_bytes).map(f64::from),
+            UlogMessageKind::U32 => u32_at(payload, at).map(f64::from),
+            UlogMessageKind::I64 => array(payload, at).map(i64::from_le_bytes).map(|number| number as f64),
+            UlogMessageKind::U64 => u64_at(payload, at).map(|number| number as f64),
+            UlogMessageKind::F32 => array(payload, at).map(f32::from_le_bytes).map(f64::from),
+            UlogMessageKind::F64 => array(payload, at).map(f64::from_le_bytes),
+            UlogMessageKind::Text(length) => {
                 let bytes = payload.get(at..).unwrap_or_default();
                 return Cell::Text(text(bytes.get(..length).unwrap_or(bytes)));
             }
@@ -86,7 +86,7 @@ impl Leaf {
 
     /// Its value as whole microseconds, if it is a `uint64_t`.
     pub(crate) fn microseconds(&self, payload: &[u8]) -> Option<u64> {
-        (self.kind == Kind::U64).then(|| u64_at(payload, self.offset)).flatten()
+        (self.kind == UlogMessageKind::U64).then(|| u64_at(payload, self.offset)).flatten()
     }
 }
 
@@ -132,9 +132,9 @@ impl Formats {
         }
         for (kind, name) in fields {
             let (kind, count) = counted(kind).ok_or_else(|| format!("the type `{kind}` is none"))?;
-            let plain = Kind::named(kind);
-            if plain == Some(Kind::Text(1)) {
-                push(leaves, format!("{prefix}{name}"), *offset, Kind::Text(count.unwrap_or(1)), format)?;
+            let plain = UlogMessageKind::named(kind);
+            if plain == Some(UlogMessageKind::Text(1)) {
+                push(leaves, format!("{prefix}{name}"), *offset, UlogMessageKind::Text(count.unwrap_or(1)), format)?;
                 *offset += count.unwrap_or(1);
                 continue;
             }
@@ -155,7 +155,13 @@ impl Formats {
     }
 }
 
-fn push(leaves: &mut Vec<Leaf>, name: String, offset: usize, kind: Kind, format: &str) -> Result<(), String> {
+fn push(
+    leaves: &mut Vec<Leaf>,
+    name: String,
+    offset: usize,
+    kind: UlogMessageKind,
+    format: &str,
+) -> Result<(), String> {
     if leaves.len() >= FIELDS_MAX {
         return Err(format!("the format `{format}` has more than {FIELDS_MAX} fields"));
     }

@@ -105,7 +105,7 @@ fn planners(out: &mut String, kind: &str, (count, number): (usize, u64), problem
 }
 
 /// One run.
-struct Row {
+struct CurveRow {
     surveillance: bool,
     targets: usize,
     mission: String,
@@ -115,11 +115,11 @@ struct Row {
     value: f64,
 }
 
-fn read(text: &str) -> Vec<Row> {
+fn read(text: &str) -> Vec<CurveRow> {
     let row = |line: &str| {
         let words: Vec<&str> = line.split(',').collect();
         let [kind, targets, mission, planner, units, _, cpu_s, value] = words.as_slice() else { return None };
-        Some(Row {
+        Some(CurveRow {
             surveillance: *kind == "surveillance",
             targets: targets.parse().ok()?,
             mission: (*mission).to_string(),
@@ -134,14 +134,14 @@ fn read(text: &str) -> Vec<Row> {
 
 /// Mean processor seconds and mean loss in per cent over the missions of a count, planner by planner and budget by
 /// budget. A planner that ended early keeps its last plan.
-fn curves(rows: &[Row], surveillance: bool, targets: usize) -> BTreeMap<String, Vec<(u64, f64, f64)>> {
-    let chosen: Vec<&Row> =
+fn curves(rows: &[CurveRow], surveillance: bool, targets: usize) -> BTreeMap<String, Vec<(u64, f64, f64)>> {
+    let chosen: Vec<&CurveRow> =
         rows.iter().filter(|row| row.surveillance == surveillance && row.targets == targets).collect();
     let best = |mission: &str| {
         let values = chosen.iter().filter(|row| row.mission == mission).map(|row| row.value);
         if surveillance { values.fold(f64::INFINITY, f64::min) } else { values.fold(f64::NEG_INFINITY, f64::max) }
     };
-    let loss = |row: &Row| {
+    let loss = |row: &CurveRow| {
         let ratio = row.value / best(&row.mission);
         100.0 * if surveillance { ratio - 1.0 } else { 1.0 - ratio }
     };
@@ -229,7 +229,7 @@ fn colour(planner: &str) -> &'static str {
     COLOURS.iter().find(|(name, _)| *name == planner).map_or("#000000", |(_, colour)| colour)
 }
 
-fn draw(rows: &[Row]) -> String {
+fn draw(rows: &[CurveRow]) -> String {
     let (width, height) = (3.0 * (PANEL.0 + ROOM.0) + 20.0, 2.0 * (PANEL.1 + ROOM.1) + 60.0);
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" height=\"{height:.0}\" font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"

@@ -325,9 +325,9 @@ fn soak(samples: usize) {
     }
 }
 
-struct Table(Option<serde_json::Value>);
+struct MeasurementFile(Option<serde_json::Value>);
 
-impl Table {
+impl MeasurementFile {
     /// One row: what, measured and bar in nanoseconds, and the peers' row of the same work.
     fn row(&self, what: &str, ns: f64, bar: Option<f64>, row: Option<&str>) {
         let verdict = match bar {
@@ -354,7 +354,7 @@ fn time(ns: f64) -> String {
 }
 
 fn report(peers: Option<serde_json::Value>) {
-    let table = Table(peers);
+    let table = MeasurementFile(peers);
     let (calm, wild) = (smooth(PEER_SAMPLES, 0), noise(PEER_SAMPLES, 0));
     println!("| measured | bar | Apex | | rtamt | reelay |\n|---|---|---|---|---|---|");
     for (name, texts, bar) in [

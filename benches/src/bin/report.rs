@@ -36,7 +36,7 @@ const fn bar(
 const BARS: &[Bar] = &[
     bar("event to command, own variable", ["event to command", "one step", "1000"], 700.0, Some("event to command")),
     bar("event to command, own variable", ["event to command", "one step", "100000"], 2_000.0, None),
-    bar("sample without a monitor", ["event to nothing", "nobody watches", "100000"], 235.0, None),
+    bar("sample without a monitor", ["event to nothing", "no task watches", "100000"], 235.0, None),
     bar(
         "one variable, bounds of many tasks",
         ["event to nothing", "one variable, all bounds above", "10000"],

@@ -28,7 +28,7 @@ use std::path::PathBuf;
 /// Help that belongs to no option.
 const AFTER_HELP: &str = "\
 Times: 90 (seconds), 20s, 2h, P1M30S, 1:30:00
-Exit codes: 0 well; 1 something failed (a disk, a port, a difference in replay); 2 the input was wrong";
+Exit codes: 0 success; 1 failure (a disk, a port, a difference in replay); 2 invalid input";
 
 /// Apex: an autonomy executive for aerial observation missions.
 #[derive(Parser)]
@@ -54,15 +54,15 @@ pub enum Command {
     Fly(FlyOptions),
     /// Re-execute a flight record and compare every decision byte for byte.
     Replay(ReplayOptions),
-    /// Check that a flight record is as it was written, then its positions against the requirements of its mission.
+    /// Check that a flight record is unchanged, and its positions against the requirements of its mission.
     Verify(VerifyOptions),
-    /// Save what can be trusted of a damaged or cut-off flight record into a new one.
+    /// Save the intact part of a damaged or cut-off flight record to a new one.
     Recover(RecoverOptions),
     /// Print what a recorded flight achieved, computed again from its record alone.
     Score(ScoreOptions),
-    /// Continue a recorded flight from an instant on with other inputs, wind, seed or plan, and compare both reports.
+    /// Continue a recorded flight from an instant with other inputs, wind, seed or plan, and compare both reports.
     Fork(ForkOptions),
-    /// Explain a flight: why a task started, waits, was interrupted, ended; why a resource is somebody's; why a command was sent.
+    /// Explain a flight: why a task started, waits, was interrupted, ended; which task holds a resource; why a command was sent.
     Why(WhyOptions),
     /// Explain what did not happen: why something was not created, started, resumed, chosen, granted, visited.
     WhyNot(WhyNotOptions),
@@ -74,12 +74,12 @@ pub enum Command {
     Export(ExportOptions),
     /// Plan a mission, a problem or a test mission without flying, and print the plan.
     Plan(PlanOptions),
-    /// Measure planners on test missions, and show what the profile table says of them.
+    /// Measure planners on test missions, and print the profile table.
     #[command(subcommand)]
     Profile(ProfileCommand),
-    /// Check vehicle files and print what follows from them: endurance, range, reserve, turns, pixels, swaths.
+    /// Check vehicle files and print derived figures: endurance, range, reserve, turns, pixels, swaths.
     Vehicle(VehicleOptions),
-    /// Diagnose test outcomes by a dependency model, or print the testability or the PDL that follow from it.
+    /// Diagnose test outcomes with a dependency model, or print its testability or its PDL.
     Diagnose(DiagnoseOptions),
     /// Answer one planning problem on standard input as a solver program does; started by Apex.
     Solver(SolverOptions),
@@ -108,7 +108,7 @@ pub struct CheckOptions {
     /// PDL files, or mission folders; with `--fix`, `-` fixes standard input to standard output.
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
-    /// Make the fixes that are safe, in the files and in what they require next to them, and check what is left.
+    /// Apply the safe fixes, in the files and in the files that they require next to them, and check the result.
     #[arg(long)]
     pub fix: bool,
     /// Change no file: print what `--fix` would change, as a unified difference.
@@ -117,10 +117,10 @@ pub struct CheckOptions {
     /// The files are pieces of a larger application: undefined names are notes.
     #[arg(long)]
     pub fragment: bool,
-    /// Print how far back the clauses look, what is kept because of them, and which have no bound.
+    /// Print how far back each clause reads, the data that are kept for it, and the clauses without a bound.
     #[arg(long, conflicts_with = "fix")]
     pub memory: bool,
-    /// Print diagnostics (and with `--memory` what is kept) as JSON, one object a line.
+    /// Print diagnostics (and with `--memory` what is kept) as JSON, one object per line.
     #[arg(long)]
     pub json: bool,
 }
@@ -154,13 +154,13 @@ pub struct RunOptions {
     /// Answers of the operator to `(ask operator ..)`, as JSON lines.
     #[arg(long, value_name = "FILE")]
     pub answers: Option<PathBuf>,
-    /// Run by the clock on the wall, ask questions on the terminal and take answers and events from it.
+    /// Run by the wall clock, ask questions on the terminal and take answers and events from it.
     #[arg(long)]
     pub interactive: bool,
     /// Simulated seconds per second of wall time; a real-time program has 1.
     #[arg(long, allow_hyphen_values = true, value_name = "FACTOR")]
     pub pace: Option<f64>,
-    /// Take inputs, or an outside simulator, from this port of 127.0.0.1 instead of standard input; 0 takes any free one.
+    /// Take inputs, or an external simulator, from this port of 127.0.0.1 instead of standard input; 0 takes any free port.
     #[arg(long, value_name = "NUMBER")]
     pub listen: Option<u16>,
     /// Stop at this mission time: seconds, or a duration such as `20s`, `P1M30S`.
@@ -178,7 +178,7 @@ pub struct RunOptions {
     /// Also write a flight record.
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
-    /// Wait for the disk with each commit of the record, so that a power cut loses nothing that has left.
+    /// Wait for the disk with each commit of the record, so that a power cut loses nothing that was sent.
     #[arg(long, requires = "record")]
     pub power_safe: bool,
     /// Sign the record with the key in this file when it is closed: 64 hexadecimal digits, as `openssl rand -hex 32` writes them.
@@ -239,7 +239,7 @@ pub struct ExplanationOptions {
     /// The instant: seconds, `1:30:00`, or a duration; default is the end.
     #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
     pub at: Option<String>,
-    /// Number of causes below one another, back to inputs from outside.
+    /// Depth of the chain of causes, back to inputs.
     #[arg(long, value_name = "NUMBER", default_value_t = apex_runtime::explain::DEPTH_DEFAULT)]
     pub depth: usize,
     /// Print as JSON.
@@ -255,10 +255,10 @@ pub struct TraceOptions {
     /// Only these kinds, separated by commas: created, transition, event, measurement, selected, command, print, ..
     #[arg(long = "type", value_delimiter = ',', value_name = "KIND,..")]
     pub kinds: Vec<String>,
-    /// Only this agent's lines, where several run.
+    /// Only this agent's lines, if several run.
     #[arg(long, value_name = "NAME")]
     pub agent: Option<String>,
-    /// Only what concerns this task (`T12`, `pilot/T12`), goal text or state variable.
+    /// Only lines about this task (`T12`, `pilot/T12`), goal text or state variable.
     #[arg(long, value_name = "TEXT")]
     pub object: Option<String>,
     /// Not before this mission time.
@@ -304,7 +304,7 @@ pub struct MonitorOptions {
     /// where the name ends in .parquet.
     #[arg(long, value_name = "FILE")]
     pub results: Option<PathBuf>,
-    /// From when on evidence counts; default is the input's first instant.
+    /// Instant from which evidence counts; default is the input's first instant.
     #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
     pub created: Option<String>,
     /// PDL with declarations of state variables, functions and constants; may be given several times.
@@ -338,7 +338,7 @@ pub struct MonitorOptions {
 pub struct ExportOptions {
     /// A flight record, a log (.ulg, .bin, .log, .tlog, .mcap, .csv) or JSON lines; `-` is standard input.
     pub inputs: PathBuf,
-    /// The table's format; default is what the name of the file says, else CSV.
+    /// Format of the table; default is that of the name of `--out`, or CSV.
     #[arg(long, value_name = "FORMAT")]
     pub format: Option<ExportFormat>,
     /// Output of the table; default is standard output, for CSV.
@@ -381,14 +381,14 @@ pub struct ServeOptions {
     /// The port.
     #[arg(long, default_value_t = 8040, value_name = "NUMBER")]
     pub port: u16,
-    /// The address; anything but 127.0.0.1 lets other machines in, with tokens and encrypted.
+    /// The address; any other than 127.0.0.1 admits other machines, with tokens and encryption.
     #[arg(long, default_value = "127.0.0.1", value_name = "ADDRESS")]
     pub address: String,
     /// Tokens, each in a line `ROLE NAME SECRET`; roles are observer, operator, pilot-in-command. Left out with another address, tokens
     /// are made for this run and printed.
     #[arg(long, value_name = "FILE")]
     pub tokens: Option<PathBuf>,
-    /// A certificate chain (PEM); left out with another address, one is made for this run.
+    /// A certificate chain (PEM); without this option, an address other than 127.0.0.1 gets one for this run.
     #[arg(long, value_name = "FILE", requires = "tls_key")]
     pub tls_cert: Option<PathBuf>,
     /// The private key of the certificate (PEM).
@@ -397,7 +397,7 @@ pub struct ServeOptions {
     /// A name under which browsers may ask for this server; can be given several times.
     #[arg(long, value_name = "NAME")]
     pub host_name: Vec<String>,
-    /// The agent to show, where several run; default is the first.
+    /// The agent to show, if several run; default is the first.
     #[arg(long, value_name = "NAME", requires = "record")]
     pub agent: Option<String>,
     #[command(flatten)]

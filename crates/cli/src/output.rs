@@ -42,7 +42,7 @@ pub fn put(out: Option<&Path>, text: &str) -> CliResult {
         let help = match error.kind() {
             ErrorKind::NotFound => "the folder does not exist; make it, or name another file",
             ErrorKind::PermissionDenied => "name a file that you may write",
-            _ => "what is in the file now is incomplete; look at the space there",
+            _ => "the file is incomplete; check the free space there",
         };
         CliError::failure(format!("cannot write {}", path.display())).because(error).help(help)
     })
@@ -82,7 +82,7 @@ fn standard() -> Box<dyn Write> {
 fn unwritable(error: io::Error) -> CliError {
     CliError::failure("cannot write to standard output")
         .because(error)
-        .help("what was printed is incomplete; look at where the output goes, and at the space there")
+        .help("the output is incomplete; check its destination and the free space there")
 }
 
 /// A buffered output that remembers whether its reader went away.

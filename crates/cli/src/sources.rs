@@ -100,7 +100,7 @@ pub fn parse_length_m(text: &str, option: &str) -> CliResult<f64> {
     let value = apex_pdl::read_value(text).ok();
     match value.as_ref().and_then(Value::as_number) {
         Some((metres, Dimension::LENGTH | Dimension::NONE)) if metres > 0.0 && metres.is_finite() => Ok(metres),
-        _ => Err(CliError::user(format!("`{option} {text}` is no length above 0"))
+        _ => Err(CliError::user(format!("`{option} {text}` is not a length above 0"))
             .help("write metres (60), or a length with its unit (60m, 200ft)")),
     }
 }

@@ -32,5 +32,5 @@ pub fn unwritten(path: Option<&Path>, error: &std::io::Error) -> CliError {
     let name = path.map_or_else(|| "standard output".to_string(), |path| path.display().to_string());
     CliError::failure(format!("cannot write {name}"))
         .because(error)
-        .help("the table is incomplete; look at the place and the space there")
+        .help("the table is incomplete; check its folder and the free space there")
 }

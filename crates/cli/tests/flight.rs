@@ -246,7 +246,7 @@ fn problems_are_printed_read_and_planned_alike() {
     plan(&["small-fixed-wild-4-globular"]).complained(2, &["wild is not a spread of costs", "test-missions.md"]);
     plan(&["small-fixed-fixed-4-globular@x"]).complained(2, &["x is no number", "@7"]);
     plan(&["four.json", "--format", "pdl"]).complained(2, &["only a mission's plan", "help: "]);
-    plan(&["four.json", "--budget", "0s"]).complained(2, &["no time to plan in", "--budget 2s"]);
+    plan(&["four.json", "--budget", "0s"]).complained(2, &["expected a duration greater than zero", "--budget 2s"]);
 }
 
 #[test]

@@ -243,8 +243,8 @@ fn what_cannot_be_printed_is_told_with_what_to_do() {
     plan(&[test, "--format", "pdl"]).complained(2, &["only a mission's plan", "help: "]);
     plan(&[test, "--format", "qgc", "--budget", "1ms"])
         .complained(2, &["nothing is known of its altitudes", "--height 60m"]);
-    plan(&[test, "--format", "qgc", "--height", "-3m"]).complained(2, &["`--height -3m` is no length", "60m"]);
-    plan(&[test, "--format", "qgc", "--height", "3s"]).complained(2, &["is no length above 0"]);
+    plan(&[test, "--format", "qgc", "--height", "-3m"]).complained(2, &["`--height -3m` is not a length", "60m"]);
+    plan(&[test, "--format", "qgc", "--height", "3s"]).complained(2, &["is not a length above 0"]);
     plan(&[test, "--height", "60m"]).complained(2, &["--format qgc"]);
     plan(&[test, "--budget", "1ms", "--out", "none/a.kml"])
         .complained(1, &["cannot write none/a.kml", "the folder does not exist"]);

@@ -140,7 +140,7 @@ fn mistakes_are_told_before_anything_is_measured() {
         .complained(2, &["no cell huge-fixed", "large, medium or small", "test-missions.md"]);
     build(&["--cells", "subset,subset"]).complained(2, &["is named twice"]);
     build(&["--budgets", "10ms,1ms"]).complained(2, &["do not rise"]);
-    build(&["--budgets", "0s"]).complained(2, &["no time to plan in"]);
+    build(&["--budgets", "0s"]).complained(2, &["expected a duration greater than zero"]);
     build(&["--budgets", "soon"]).complained(2, &["is no time"]);
     build(&["--missions", "0"]).complained(2, &["0 missions of each cell"]);
     build(&["--cells", "subset", "--missions", "1", "--threads", "0"]).complained(2, &["0 threads"]);

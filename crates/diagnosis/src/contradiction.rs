@@ -5,8 +5,8 @@
 //! Bound: [`RETRACTIONS_MAX`] sets of tests.
 
 use crate::bits::{Bits, minimal};
-use crate::evidence::{Evidence, Exclusion, Outcome};
-use crate::grouping::{Group, groups};
+use crate::evidence::{Exclusion, Outcome, TestEvidence};
+use crate::grouping::{ConflictGroup, groups};
 use crate::hitting::{Problem, SearchEnd, search};
 use crate::limits::{ALTERNATIVES_MAX, RETRACTION_NODES_MAX, RETRACTION_SEARCH, RETRACTIONS_MAX};
 use crate::model::Model;
@@ -42,7 +42,7 @@ enum Wrong {
     /// A failed test whose conflict has no failure mode left.
     Unexplained(usize),
     /// A group whose candidates would all have made a passed test fail.
-    Excluded(Box<Group>),
+    Excluded(Box<ConflictGroup>),
 }
 
 impl<'a> Retraction<'a> {
@@ -113,7 +113,7 @@ impl<'a> Retraction<'a> {
             return Wrong::Nothing;
         }
         self.tried += RETRACTION_SEARCH;
-        let evidence = Evidence::new(self.model, self.exclusions, self.outcomes, left_out);
+        let evidence = TestEvidence::new(self.model, self.exclusions, self.outcomes, left_out);
         let modes = self.model.modes.len();
         for group in groups(evidence.conflicts, evidence.nogoods, modes) {
             if group.nogoods.is_empty() {
@@ -139,7 +139,7 @@ impl<'a> Retraction<'a> {
 
     /// A failed test whose conflict has no failure mode left.
     fn unexplained(&self, left_out: &Bits) -> Option<usize> {
-        let good = Evidence::good(self.model, self.exclusions, self.outcomes, left_out);
+        let good = TestEvidence::good(self.model, self.exclusions, self.outcomes, left_out);
         let mut failed = self.outcomes.iter().zip(&self.model.tests).enumerate();
         let found = failed.find(|(index, (outcome, test))| {
             outcome.is_failure()
@@ -174,7 +174,7 @@ impl<'a> Retraction<'a> {
 
     /// Tests of which one must be left out so that a group has a candidate: its failed tests, and passed tests that exclude sets of its
     /// failure modes or clear failure modes of its conflicts.
-    fn allowing(&self, group: &Group, left_out: &Bits) -> Vec<Bits> {
+    fn allowing(&self, group: &ConflictGroup, left_out: &Bits) -> Vec<Bits> {
         let tests = self.outcomes.len();
         let failed = Bits::of(tests, group.conflicts.iter().map(|conflict| conflict.test));
         let mut accused = Bits::new(self.model.modes.len());

@@ -7,8 +7,8 @@
 
 use crate::bits::{Bits, minimal};
 use crate::contradiction::{Contradiction, Retraction};
-use crate::evidence::{Evidence, Exclusion, Outcome};
-use crate::grouping::{Group, groups};
+use crate::evidence::{Exclusion, Outcome, TestEvidence};
+use crate::grouping::{ConflictGroup, groups};
 use crate::hitting::{Problem, SearchEnd, search};
 use crate::limits::{CANDIDATES_MAX, NODES_MAX};
 use crate::model::Model;
@@ -88,7 +88,7 @@ pub struct Diagnosis {
 /// A group with its diagnosis, kept while its conflicts stay as they are.
 #[derive(Clone, Debug)]
 struct Solved {
-    group: Group,
+    group: ConflictGroup,
     diagnosis: GroupDiagnosis,
     bad: Bits,
     suspect: Bits,
@@ -172,7 +172,7 @@ impl Diagnoser {
         let mut left_out = Bits::new(self.outcomes.len());
         let mut known = std::mem::take(&mut self.solved);
         let (good, mut unexplained) = loop {
-            let evidence = Evidence::new(&self.model, &self.exclusions, &self.outcomes, &left_out);
+            let evidence = TestEvidence::new(&self.model, &self.exclusions, &self.outcomes, &left_out);
             for group in groups(evidence.conflicts, evidence.nogoods, self.model.modes.len()) {
                 let before = known.iter().position(|solved| solved.group == group);
                 let before = before.map(|index| known.swap_remove(index));
@@ -269,7 +269,7 @@ impl Diagnosis {
     }
 }
 
-fn solve(model: &Model, costs: &[f64], group: Group) -> Solved {
+fn solve(model: &Model, costs: &[f64], group: ConflictGroup) -> Solved {
     let modes = model.modes.len();
     let clauses = minimal(group.conflicts.iter().map(|conflict| conflict.modes.clone()).collect());
     let problem =

@@ -49,7 +49,7 @@ pub(crate) struct Exclusion {
 }
 
 /// Evidence of the outcomes, without the tests that are left out.
-pub(crate) struct Evidence {
+pub(crate) struct TestEvidence {
     pub(crate) good: Bits,
     pub(crate) conflicts: Vec<Conflict>,
     /// Sets that do not hold a good one.
@@ -58,9 +58,9 @@ pub(crate) struct Evidence {
     pub(crate) unexplained: Vec<usize>,
 }
 
-impl Evidence {
-    pub(crate) fn new(model: &Model, exclusions: &[Exclusion], outcomes: &[Outcome], left_out: &Bits) -> Evidence {
-        let good = Evidence::good(model, exclusions, outcomes, left_out);
+impl TestEvidence {
+    pub(crate) fn new(model: &Model, exclusions: &[Exclusion], outcomes: &[Outcome], left_out: &Bits) -> TestEvidence {
+        let good = TestEvidence::good(model, exclusions, outcomes, left_out);
         let counted = || outcomes.iter().enumerate().filter(|(test, _)| !left_out.contains(*test));
         let passed = || counted().filter(|(_, outcome)| **outcome == Outcome::Passed);
         let excluded = || passed().filter_map(|(test, _)| exclusions.get(test));
@@ -75,7 +75,7 @@ impl Evidence {
                 conflicts.extend(clauses.iter().map(|clause| Conflict { test: index, modes: clause.without(&good) }));
             }
         }
-        Evidence { good, conflicts, nogoods, unexplained }
+        TestEvidence { good, conflicts, nogoods, unexplained }
     }
 
     /// Failure modes that a passed test clears.

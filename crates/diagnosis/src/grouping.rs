@@ -13,7 +13,7 @@ pub(crate) struct Conflict {
 
 /// Conflicts that have no failure mode in common with others.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Group {
+pub(crate) struct ConflictGroup {
     /// All failure modes of the conflicts.
     pub(crate) modes: Bits,
     pub(crate) conflicts: Vec<Conflict>,
@@ -22,8 +22,8 @@ pub(crate) struct Group {
 }
 
 /// The groups of these conflicts, in order of their least failure mode. Sets of `nogoods` that no candidate can hold are left out.
-pub(crate) fn groups(conflicts: Vec<Conflict>, nogoods: Vec<Bits>, modes: usize) -> Vec<Group> {
-    let mut groups: Vec<Group> = Vec::new();
+pub(crate) fn groups(conflicts: Vec<Conflict>, nogoods: Vec<Bits>, modes: usize) -> Vec<ConflictGroup> {
+    let mut groups: Vec<ConflictGroup> = Vec::new();
     for conflict in conflicts {
         let set = conflict.modes.clone();
         join(&mut groups, set, |group| group.conflicts.push(conflict));
@@ -43,12 +43,13 @@ pub(crate) fn groups(conflicts: Vec<Conflict>, nogoods: Vec<Bits>, modes: usize)
 }
 
 /// Merges the groups that share modes with `set`, and gives the merged one to `add`.
-fn join(groups: &mut Vec<Group>, set: Bits, add: impl FnOnce(&mut Group)) {
-    let (mut touched, mut others): (Vec<Group>, Vec<Group>) =
+fn join(groups: &mut Vec<ConflictGroup>, set: Bits, add: impl FnOnce(&mut ConflictGroup)) {
+    let (mut touched, mut others): (Vec<ConflictGroup>, Vec<ConflictGroup>) =
         groups.drain(..).partition(|group| group.modes.intersects(&set));
     // The largest takes the others in: each conflict moves seldom.
     touched.sort_by_key(|group| group.conflicts.len());
-    let mut whole = touched.pop().unwrap_or(Group { modes: set.clone(), conflicts: Vec::new(), nogoods: Vec::new() });
+    let mut whole =
+        touched.pop().unwrap_or(ConflictGroup { modes: set.clone(), conflicts: Vec::new(), nogoods: Vec::new() });
     whole.modes.extend(&set);
     for group in touched {
         whole.modes.extend(&group.modes);

@@ -37,7 +37,7 @@ pub(crate) struct Problem<'a> {
 
 /// A set with its cost.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Found {
+pub(crate) struct HittingSet {
     pub(crate) set: Bits,
     pub(crate) cost: f64,
 }
@@ -50,7 +50,7 @@ const BOUND_SCANNED_MAX: usize = 48;
 const TOLERANCE: f64 = 1e-9;
 
 /// The cheapest minimal hitting sets, by cost and then in order.
-pub(crate) fn search(problem: &Problem<'_>) -> (Vec<Found>, SearchEnd) {
+pub(crate) fn search(problem: &Problem<'_>) -> (Vec<HittingSet>, SearchEnd) {
     let clauses = problem.clauses.len();
     let mut columns = vec![Bits::new(clauses); problem.modes];
     let mut available = Bits::new(problem.modes);
@@ -97,7 +97,7 @@ struct HittingSearch<'a> {
     columns: Vec<Bits>,
     nodes: usize,
     /// By cost, the most expensive at the end.
-    found: Vec<Found>,
+    found: Vec<HittingSet>,
     end: SearchEnd,
     chosen: Vec<usize>,
 }
@@ -233,8 +233,9 @@ impl HittingSearch<'_> {
     fn keep(&mut self, state: &PartialSet) {
         // Summed in the order of the modes: equal sets have equal costs, however they were reached.
         let cost = state.set.iter().map(|mode| self.cost(mode)).sum();
-        let found = Found { set: state.set.clone(), cost };
-        let order = |other: &Found| other.cost.total_cmp(&cost).then_with(|| other.set.iter().cmp(found.set.iter()));
+        let found = HittingSet { set: state.set.clone(), cost };
+        let order =
+            |other: &HittingSet| other.cost.total_cmp(&cost).then_with(|| other.set.iter().cmp(found.set.iter()));
         let at = self.found.partition_point(|other| order(other).is_lt());
         self.found.insert(at, found);
         if self.found.len() > self.problem.keep {

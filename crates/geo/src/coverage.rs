@@ -15,7 +15,7 @@ const STANDARD_GRAVITY_MPS2: f64 = 9.806_65;
 
 /// The ground to be seen.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Ground {
+pub enum CoverageArea {
     /// Everything within `radius_m` of `centre`.
     Circle {
         /// Middle.
@@ -46,7 +46,7 @@ pub struct SweepSettings {
 /// # Errors
 /// An error message if the ground or a setting is invalid, or the sweep would have too many lines.
 pub fn sweep_lines(
-    ground: &Ground,
+    ground: &CoverageArea,
     settings: &SweepSettings,
     approach: Position,
 ) -> Result<Vec<(Position, Position)>, String> {
@@ -73,10 +73,10 @@ pub fn sweep_lines(
 ///
 /// # Errors
 /// An error message if the ground is invalid.
-pub(crate) fn corners_of(ground: &Ground) -> Result<Vec<Position>, String> {
+pub(crate) fn corners_of(ground: &CoverageArea) -> Result<Vec<Position>, String> {
     let corners = match ground {
-        Ground::Polygon(corners) => corners.clone(),
-        Ground::Circle { centre, radius_m } => {
+        CoverageArea::Polygon(corners) => corners.clone(),
+        CoverageArea::Circle { centre, radius_m } => {
             if !radius_m.is_finite() || *radius_m <= 0.0 || *radius_m > EARTH_RADIUS_M_MEAN {
                 return Err(format!("A circle of radius {radius_m} m cannot be swept."));
             }
@@ -184,7 +184,7 @@ mod tests {
     #[test]
     fn a_wide_box_is_swept_along_its_long_side_from_the_nearest_corner() {
         let corners = [(39.9, -121.0), (39.9, -119.0), (40.1, -119.0), (40.1, -121.0)];
-        let ground = Ground::Polygon(corners.map(|(a, b)| Position::new(a, b)).to_vec());
+        let ground = CoverageArea::Polygon(corners.map(|(a, b)| Position::new(a, b)).to_vec());
         let approach = Position::new(41.0, -118.0);
         let lines = sweep_lines(&ground, &settings(6_000.0), approach).unwrap();
         assert_eq!(lines.len(), 5);
@@ -209,7 +209,7 @@ mod tests {
             let flat: Vec<Point> = polygon.iter().map(|corner| plane.project(*corner).unwrap()).collect();
             let point = plane.project(geodesy::destination(CENTRE, probe.0, probe.1 * 40_000.0)).unwrap();
             prop_assume!(plane::inside(point, &flat));
-            let lines = sweep_lines(&Ground::Polygon(polygon), &settings(swath_m), CENTRE).unwrap();
+            let lines = sweep_lines(&CoverageArea::Polygon(polygon), &settings(swath_m), CENTRE).unwrap();
             let least = lines.iter().map(|(from, to)| {
                 plane::point_to_segment(point, plane.project(*from).unwrap(), plane.project(*to).unwrap())
             }).fold(f64::INFINITY, f64::min);

@@ -50,7 +50,7 @@ pub fn expected_cost(problem: &SurveillanceProblem, visits: &[SurveillanceVisit]
 
 /// A time of constant likelihood: events in it are from `oldest_s` down to `oldest_s - length_s` old when they are found.
 #[derive(Clone, Copy, Debug)]
-struct Span {
+struct LikelihoodPeriod {
     events_per_s: f64,
     oldest_s: f64,
     length_s: f64,
@@ -61,11 +61,11 @@ fn over_pieces(
     rate: &EventRate,
     from_s: f64,
     until_s: f64,
-    mut integral: impl FnMut(Span) -> Result<f64, String>,
+    mut integral: impl FnMut(LikelihoodPeriod) -> Result<f64, String>,
 ) -> Result<f64, String> {
     let (mut sum, mut expected) = (0.0, 0.0);
     for (begin_s, end_s, events_per_s) in eci::pieces(rate, from_s, until_s) {
-        let span = Span { events_per_s, oldest_s: until_s - begin_s, length_s: end_s - begin_s };
+        let span = LikelihoodPeriod { events_per_s, oldest_s: until_s - begin_s, length_s: end_s - begin_s };
         if events_per_s > 0.0 {
             sum += events_per_s * libm::exp(-expected) * integral(span)?;
         }
@@ -75,8 +75,8 @@ fn over_pieces(
 }
 
 /// The integral over the time `s` since the span began of `exp(-p s) Cost(oldest - s)`.
-fn weighted_integral(cost: &CostFunction, span: Span) -> Result<f64, String> {
-    let Span { events_per_s: rate, oldest_s, length_s } = span;
+fn weighted_integral(cost: &CostFunction, span: LikelihoodPeriod) -> Result<f64, String> {
+    let LikelihoodPeriod { events_per_s: rate, oldest_s, length_s } = span;
     Ok(match cost {
         CostFunction::Linear { cost_per_s } => {
             cost_per_s * (oldest_s * weight(rate, length_s) - first_moment(rate, length_s))
@@ -88,7 +88,7 @@ fn weighted_integral(cost: &CostFunction, span: Span) -> Result<f64, String> {
             maximum * (weight(rate, length_s) - not_yet(rate, *rate_per_s, span))
         }
         CostFunction::Delayed { response_s, cost } => {
-            return weighted_integral(cost, Span { oldest_s: oldest_s + response_s, ..span });
+            return weighted_integral(cost, LikelihoodPeriod { oldest_s: oldest_s + response_s, ..span });
         }
         CostFunction::Table { points } => of_table(points, span),
         CostFunction::Saturating { .. } | CostFunction::Logistic { .. } => {
@@ -98,8 +98,8 @@ fn weighted_integral(cost: &CostFunction, span: Span) -> Result<f64, String> {
 }
 
 /// The same by quadrature.
-fn by_quadrature(cost: &mut dyn FnMut(f64) -> f64, jumps: &[f64], span: Span) -> Result<f64, String> {
-    let Span { events_per_s, oldest_s, length_s } = span;
+fn by_quadrature(cost: &mut dyn FnMut(f64) -> f64, jumps: &[f64], span: LikelihoodPeriod) -> Result<f64, String> {
+    let LikelihoodPeriod { events_per_s, oldest_s, length_s } = span;
     let mut weighted = |age_s: f64| libm::exp(-events_per_s * (oldest_s - age_s)) * cost(age_s);
     quadrature::integrate(&mut weighted, oldest_s - length_s, oldest_s, jumps, QUADRATURE_TOLERANCE)
 }
@@ -127,7 +127,7 @@ fn first_moment(q: f64, length_s: f64) -> f64 {
 }
 
 /// The integral of `exp(-p s) exp(-r (oldest - s))`: what a saturating cost has not gathered yet.
-fn not_yet(p: f64, r: f64, Span { oldest_s, length_s, .. }: Span) -> f64 {
+fn not_yet(p: f64, r: f64, LikelihoodPeriod { oldest_s, length_s, .. }: LikelihoodPeriod) -> f64 {
     let q = p - r;
     if q * length_s > -1.0 {
         return libm::exp(-r * oldest_s) * weight(q, length_s);
@@ -137,7 +137,7 @@ fn not_yet(p: f64, r: f64, Span { oldest_s, length_s, .. }: Span) -> f64 {
 }
 
 /// Straight lines between points, constant before the first and after the last.
-fn of_table(points: &[(f64, f64)], span: Span) -> f64 {
+fn of_table(points: &[(f64, f64)], span: LikelihoodPeriod) -> f64 {
     let Some(((first_s, first), (last_s, last))) = points.first().zip(points.last()) else { return 0.0 };
     let constant = |cost: f64, from_s: f64, until_s: f64| of_line((from_s, cost), (until_s, cost), span);
     let lines = points.iter().zip(points.iter().skip(1)).map(|(from, until)| of_line(*from, *until, span));
@@ -146,8 +146,8 @@ fn of_table(points: &[(f64, f64)], span: Span) -> f64 {
 }
 
 /// The part of one straight line between two ages.
-fn of_line((from_s, cost_from): (f64, f64), (until_s, cost_until): (f64, f64), span: Span) -> f64 {
-    let Span { events_per_s, oldest_s, length_s } = span;
+fn of_line((from_s, cost_from): (f64, f64), (until_s, cost_until): (f64, f64), span: LikelihoodPeriod) -> f64 {
+    let LikelihoodPeriod { events_per_s, oldest_s, length_s } = span;
     let (young_s, old_s) = (from_s.max(oldest_s - length_s), until_s.min(oldest_s));
     if young_s >= old_s {
         return 0.0;

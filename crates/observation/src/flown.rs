@@ -141,7 +141,7 @@ impl Picture {
 
 /// A target with its grid and what has been seen of it.
 #[derive(Clone, Debug)]
-struct Watched {
+struct TargetObservations {
     target: ObservedTarget,
     grid: TargetGrid,
     looks: TargetLooks,
@@ -153,7 +153,7 @@ struct Watched {
 #[derive(Clone, Debug)]
 pub struct FlownObservation {
     settings: FlownSettings,
-    watched: Vec<Watched>,
+    watched: Vec<TargetObservations>,
     sensor: SensorState,
     last: Option<FlightSample>,
     products: Vec<Product>,
@@ -169,7 +169,7 @@ impl FlownObservation {
         settings: FlownSettings,
         ground: &dyn Ground,
     ) -> Result<FlownObservation, ObservationError> {
-        let mut watched: Vec<Watched> = Vec::with_capacity(targets.len());
+        let mut watched: Vec<TargetObservations> = Vec::with_capacity(targets.len());
         for target in targets {
             if target.looks.len() > WANTED_LOOKS_MAX {
                 return Err(ObservationError::TooManyLooks { looks: target.looks.len(), target: target.name });
@@ -183,7 +183,7 @@ impl FlownObservation {
                 .iter()
                 .fold(0.0, |most: f64, corner| most.max(corner.length()));
             let last_seen_s = f64::NEG_INFINITY;
-            watched.push(Watched { target, grid, looks: TargetLooks::default(), last_seen_s, reach_m });
+            watched.push(TargetObservations { target, grid, looks: TargetLooks::default(), last_seen_s, reach_m });
         }
         Ok(FlownObservation { settings, watched, sensor: SensorState::Off, last: None, products: Vec::new() })
     }
@@ -228,7 +228,7 @@ impl FlownObservation {
         let lowest_m = ground.elevation_range_m().0;
         let height_m = (picture.sample.altitude_m - lowest_m).max(0.0);
         let reach_m = height_m * libm::tan(OFF_NADIR_DEG_MAX * RAD_PER_DEG);
-        let near = |watched: &&mut Watched| watched.is_near(picture.sample.position, reach_m);
+        let near = |watched: &&mut TargetObservations| watched.is_near(picture.sample.position, reach_m);
         for watched in self.watched.iter_mut().filter(near) {
             watched.picture(picture, ground, self.settings.zero_unix_s);
         }
@@ -244,14 +244,14 @@ impl FlownObservation {
         &self.products
     }
 
-    /// Returns the looks at a target until now; `None` for an unknown name.
+    /// Returns the looks that a target has received until now; `None` for an unknown name.
     pub fn looks(&self, name: &str) -> Option<&TargetLooks> {
         self.watched.iter().find(|watched| watched.target.name == name).map(|watched| &watched.looks)
     }
 
     /// Elevation of the target whose middle is nearest to a position; 0 without targets.
     pub fn elevation_m_near(&self, position: Position) -> f64 {
-        let distance_m = |watched: &Watched| geodesy::distance_m(watched.grid.plane().centre(), position);
+        let distance_m = |watched: &TargetObservations| geodesy::distance_m(watched.grid.plane().centre(), position);
         let nearest = self.watched.iter().min_by(|a, b| distance_m(a).total_cmp(&distance_m(b)));
         nearest.map_or(0.0, |watched| watched.target.elevation_m)
     }
@@ -274,7 +274,7 @@ impl FlownObservation {
 
     /// First valid look of each target seen so far.
     pub fn first_valid_s(&self) -> BTreeMap<String, f64> {
-        let seen = |watched: &Watched| Some((watched.target.name.clone(), watched.looks.first_valid_s()?));
+        let seen = |watched: &TargetObservations| Some((watched.target.name.clone(), watched.looks.first_valid_s()?));
         self.watched.iter().filter_map(seen).collect()
     }
 
@@ -287,12 +287,17 @@ impl FlownObservation {
     /// The result of one target without the causes of its losses; none for an unknown name, and for a target of which nothing has been
     /// seen. Bound: O(looks of the target).
     pub fn result(&self, name: &str) -> Option<TargetResult> {
-        let seen = |watched: &&Watched| watched.looks.passes.iter().any(|pass| !pass.looks.is_empty());
+        let seen = |watched: &&TargetObservations| watched.looks.passes.iter().any(|pass| !pass.looks.is_empty());
         let watched = self.watched.iter().find(|watched| watched.target.name == name).filter(seen)?;
         Some(self.assessed(watched, &self.first_valid_s(), false))
     }
 
-    fn assessed(&self, watched: &Watched, first_valid_s: &BTreeMap<String, f64>, is_explained: bool) -> TargetResult {
+    fn assessed(
+        &self,
+        watched: &TargetObservations,
+        first_valid_s: &BTreeMap<String, f64>,
+        is_explained: bool,
+    ) -> TargetResult {
         let (zero_unix_s, products) = (self.settings.zero_unix_s, self.products.as_slice());
         let context = AssessContext { zero_unix_s, products, first_valid_s, is_explained };
         assess(&watched.target, &watched.grid, &[&watched.looks], &context)
@@ -303,7 +308,7 @@ impl FlownObservation {
     }
 }
 
-impl Watched {
+impl TargetObservations {
     /// True if ground within `swath_m` of a position may belong to the target. Degrees first: most targets are far.
     fn is_near(&self, position: Position, swath_m: f64) -> bool {
         let centre = self.grid.plane().centre();

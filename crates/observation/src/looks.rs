@@ -1,4 +1,4 @@
-//! Looks at a target: passes, each with the cells that it saw and their geometry.
+//! Looks that a target receives: passes, each with the cells that it saw and their geometry.
 //!
 //! Only what is measured is kept: geometry, time and weights of clarity. What a look is worth to a wanted look is computed
 //! later (`assess`), so that the same passes serve every wanted look. Bound: one entry per cell and pass, and one more
@@ -29,7 +29,7 @@ pub struct StripFacts {
     pub on_ground_s: Option<f64>,
 }
 
-/// Look at one cell.
+/// One look's view of one cell.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CellLook {
@@ -103,7 +103,7 @@ impl SeenGround<'_> {
     }
 }
 
-/// Looks at one target.
+/// The looks that one target receives.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TargetLooks {

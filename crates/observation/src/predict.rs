@@ -97,7 +97,7 @@ pub struct PredictionContext<'a> {
     pub ground: &'a dyn Ground,
     /// Forecast.
     pub conditions: &'a dyn Conditions,
-    /// Earlier looks at the target, on the same grid; `None`: no look.
+    /// Earlier looks that the target received, on the same grid; `None`: no look.
     pub seen: Option<&'a TargetLooks>,
     /// Images of earlier looks received on the ground.
     pub products: &'a [Product],

@@ -163,7 +163,7 @@ pub struct SeenFigures {
     pub pixel_m_mean: Option<f64>,
     /// Mean look angle of the looks that count.
     pub look_angle_deg_mean: Option<f64>,
-    /// Passes over the target, counted or not.
+    /// All passes of the target, counted or not.
     pub passes: usize,
 }
 

@@ -1,6 +1,6 @@
 //! Flights of samples through the accumulation: what an expert would say, gaps, attitude, predicted against flown.
 
-#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a test that cannot go on fails")]
+#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a test that cannot continue fails")]
 
 mod support;
 
@@ -17,6 +17,8 @@ use apex_observation::sensor::{GimbalAngles, RateLimits, RollLimits};
 use apex_observation::strip::ScannerSetting;
 use apex_observation::target::{ObservedTarget, OrderNeed, TargetArea, WantedLook};
 use apex_observation::timing::{LatencyNeed, LightNeed};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
 use std::collections::BTreeMap;
 use support::*;
 
@@ -270,12 +272,15 @@ fn what_is_predicted_is_flown_in_still_air() {
 }
 
 /// A seeded generator, so that every run flies the same air.
-struct Generator(u64);
+struct Generator(ChaCha8Rng);
 
 impl Generator {
+    fn new(seed: u64) -> Generator {
+        Generator(ChaCha8Rng::seed_from_u64(seed))
+    }
+
     fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        ((self.0 >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
+        ((self.0.next_u64() >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
     }
 
     fn normal(&mut self) -> f64 {
@@ -296,7 +301,7 @@ fn predicted_clarity_is_the_mean_of_flown_clarity_in_turbulence() {
     let empty = flight(vec![target], 600);
     let mut sum = 0.0;
     for seed in 0..seeds {
-        let mut air = Generator(seed);
+        let mut air = Generator::new(seed);
         let (mut roll, mut rate) = (sigma_deg * air.normal(), frequency * sigma_deg * air.normal());
         let mut flown = empty.clone();
         let line = (offset(-5_300.0, 0.0), offset(5_300.0, 0.0));

@@ -1,6 +1,6 @@
 //! Properties of the score on random strips, and a naive twin that samples points instead of rasterising.
 
-#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a test that cannot go on fails")]
+#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a test that cannot continue fails")]
 
 mod support;
 

@@ -1,7 +1,7 @@
 //! Test vectors of geometry, cameras, gimbals, turbulence, sun and satellite passes. The figures were computed outside this
 //! crate (Python, other formulas where there are several) or published.
 
-#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a test that cannot go on fails")]
+#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a test that cannot continue fails")]
 
 use apex_geo::geodesy::{Position, RAD_PER_DEG};
 use apex_observation::attitude::{Attitude, Vector};

@@ -1,6 +1,6 @@
 //! The worked examples of `docs/reference/observation.md`: the table of that page, and those that are not in it.
 
-#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a test that cannot go on fails")]
+#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a test that cannot continue fails")]
 
 mod support;
 

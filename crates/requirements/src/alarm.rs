@@ -77,7 +77,7 @@ pub struct Alarm {
 
 /// One sample of a requirement.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
+pub struct RequirementSample {
     /// Instant in seconds of mission time.
     pub at_s: f64,
     /// The margin now.
@@ -95,7 +95,7 @@ impl Alarm {
     /// Takes a sample; returns the new state if it has changed.
     ///
     /// A prediction and a margin below the warning raise after the same number of samples; a violated requirement at once.
-    pub fn take(&mut self, sample: Sample, thresholds: &Thresholds) -> Option<AlarmState> {
+    pub fn take(&mut self, sample: RequirementSample, thresholds: &Thresholds) -> Option<AlarmState> {
         let asks = sample.must_act || sample.margin < thresholds.warning;
         match self.state {
             AlarmState::Kept => {
@@ -137,7 +137,7 @@ mod tests {
     use super::*;
 
     fn take(alarm: &mut Alarm, at_s: f64, margin: f64, must_act: bool) -> Option<AlarmState> {
-        alarm.take(Sample { at_s, margin, must_act }, &Thresholds::new(100.0))
+        alarm.take(RequirementSample { at_s, margin, must_act }, &Thresholds::new(100.0))
     }
 
     #[test]

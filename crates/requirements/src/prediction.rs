@@ -18,7 +18,7 @@ pub struct Violation {
 
 /// The part of a route in which a requirement counts, in seconds from now.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Span {
+pub struct RouteSpan {
     /// First instant.
     pub from_s: f64,
     /// Last instant.
@@ -32,7 +32,7 @@ pub struct Span {
 /// [`STEP_S_MIN`].
 pub fn first_violation(
     route: &Route,
-    span: Span,
+    span: RouteSpan,
     change_per_s: f64,
     mut margin: impl FnMut(&RouteState) -> f64,
 ) -> Option<Violation> {
@@ -85,9 +85,9 @@ pub fn active_span(
     before_s: f64,
     speed_error: f64,
     look_ahead_s: f64,
-) -> Option<Span> {
+) -> Option<RouteSpan> {
     let begin_s = (from_s - before_s - now_s) / (1.0 + speed_error);
     let end_s = (until_s + before_s - now_s) / (1.0 - speed_error);
-    let span = Span { from_s: begin_s.max(0.0), until_s: end_s.min(look_ahead_s) };
+    let span = RouteSpan { from_s: begin_s.max(0.0), until_s: end_s.min(look_ahead_s) };
     (span.from_s <= span.until_s).then_some(span)
 }

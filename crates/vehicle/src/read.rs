@@ -201,7 +201,7 @@ fn energy(root: &Section<'_>) -> Read<EnergyModel> {
         (None, Some(_)) => Ok(EnergyModel::Battery(battery(&section(root, "battery", BATTERY)?)?)),
         (Some(_), Some(node)) => {
             let help = "describe the one that the vehicle flies on";
-            Err(root.wrong("battery", "nothing beside `fuel`", node.describe(), help))
+            Err(root.wrong("battery", "no battery in addition to `fuel`", node.describe(), help))
         }
     }
 }

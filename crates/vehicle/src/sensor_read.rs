@@ -177,7 +177,7 @@ fn mount(root: &Section<'_>, scans: bool) -> SensorResult<Mount> {
     if fixed.iter().any(|name| section.member(name).is_some()) {
         let moving = MOUNT.iter().find(|name| !fixed.contains(*name) && section.member(name).is_some());
         if let Some(moving) = moving {
-            let expected = "nothing beside `tilt_deg` and `pan_deg`, which are a fixed mount";
+            let expected = "no range in addition to `tilt_deg` and `pan_deg`, which are a fixed mount";
             return Err(section.wrong(
                 moving,
                 expected,

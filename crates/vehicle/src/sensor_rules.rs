@@ -119,7 +119,7 @@ fn check_modes(check: &Checker<'_>, modes: &[ScannerMode]) -> Result<(), Vehicle
         }
         if modes.iter().take(number).any(|other| other.name == mode.name) {
             let found = format!("`{}` again", mode.name);
-            return Err(check.file.error(format!("{section}.name"), "a name of its own", found, "rename the mode"));
+            return Err(check.file.error(format!("{section}.name"), "a unique name", found, "rename the mode"));
         }
     }
     Ok(())

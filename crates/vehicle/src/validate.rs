@@ -162,7 +162,7 @@ impl VehicleModel {
             if self.sensors.iter().take(number).any(|other| other.name == sensor.name) {
                 let found = format!("`{}` again", sensor.name);
                 let path = format!("sensors[{number}].name");
-                return Err(check.file.error(path, "a name of its own", found, "rename the sensor"));
+                return Err(check.file.error(path, "a unique name", found, "rename the sensor"));
             }
             if !matches!(sensor.model.optics, Optics::LineScanner { .. }) {
                 continue;

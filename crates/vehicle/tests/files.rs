@@ -169,7 +169,7 @@ fn figures_that_cannot_be_are_named_with_their_rule() {
 fn energy_has_one_store_one_power_and_one_reserve() {
     let both = "\"reserve\": {\n    \"share\": {\"value\": 0.1, \"source\": \"x\"},";
     rejects("rmax", "\"reserve\": {", both, "reserve", "either `duration_min` or `share`, found both");
-    rejects("quadrotor", "\"battery\":", "\"fuel\": {}, \"battery\":", "battery", "nothing beside `fuel`");
+    rejects("quadrotor", "\"battery\":", "\"fuel\": {}, \"battery\":", "battery", "no battery in addition to `fuel`");
     rejects("quadrotor", "\"rotor\":", "\"wing\": {}, \"rotor\":", "battery", "either `rotor` or `wing`, found both");
     rejects("quadrotor", "\"value\": 548.0", "\"value\": 54.8", "endurance.cruise_min", "within 15 % of 6.1");
     rejects("quadrotor", "\"value\": 55.0", "\"value\": 90.0", "endurance.hover_min", "within 15 % of 55");

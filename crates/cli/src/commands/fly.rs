@@ -86,7 +86,7 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult {
     if let Some(sherpa) = sherpa {
         // After Ctrl-C the server has ended already; an operator who stops the flight from the page still reads it.
         if !sherpa.is_finished() {
-            output::print_line("Sherpa goes on serving the record; Ctrl-C ends it")?;
+            output::print_line("Sherpa continues to serve the record; Ctrl-C ends it")?;
         }
         // Its own thread has reported a failure, if any.
         sherpa.join().ok();
@@ -111,7 +111,7 @@ fn print_flight(flight: &FlightOutcome, seconds: f64, path: &Path, json: bool) -
     output::print_line(format_args!("Flight record: {}", path.display()))?;
     let path = shell_word(&path.display().to_string());
     output::print_line(format_args!("Next: apex serve {path} --open      Sherpa, the web page, on this flight"))?;
-    output::print_line(format_args!("      apex trace {path} --type transition,plan,trouble"))?;
+    output::print_line(format_args!("      apex trace {path} --type transition,plan,trouble"))?; // english: allow
     match &flight.end.reason {
         EndReason::Application(reason) if reason.contains("failed") => {
             output::print_line(format_args!("      apex why {path} T0"))
@@ -128,7 +128,7 @@ pub fn checked_pace(pace: f64) -> CliResult<f64> {
     if pace > 0.0 && pace <= PACE_MAX {
         return Ok(pace);
     }
-    Err(CliError::user(format!("`--pace {pace}` is no pace"))
+    Err(CliError::user(format!("`--pace {pace}` is not a pace"))
         .help("write simulated seconds per second, above 0: 1 is real time, 10 is ten times faster; leave it out to fly as fast as possible"))
 }
 
@@ -160,7 +160,7 @@ fn means(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult<PlanningRe
     Ok(means)
 }
 
-/// Serves the growing record on a thread of its own. Ctrl-C, which the server hears, ends the flight in good order.
+/// Serves the growing record on a separate thread. Ctrl-C, which the server receives, ends the flight cleanly.
 fn serve_beside(path: &Path, door: FlightDoor, port: u16, planners: &Arc<Registry>) -> JoinHandle<()> {
     let (path, planners) = (path.to_path_buf(), Arc::clone(planners));
     std::thread::spawn(move || {

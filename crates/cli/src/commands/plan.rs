@@ -23,7 +23,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// Advice if there is no plan.
-const NO_PLAN_HELP: &str = "look at the mission's data, or leave `--solver` out to let the mission's features choose";
+const NO_PLAN_HELP: &str = "check the mission's data, or leave `--solver` out to let the mission's features choose";
 /// Advice if an operator's visits are empty.
 const NO_PLAN_BY_HAND_HELP: &str = "write what `--visits` names as the mission does, with commas between";
 
@@ -89,8 +89,10 @@ fn read(options: &PlanOptions) -> CliResult<PlanInput> {
     if let Some(budget) = &options.budget {
         let end = parse_time(budget, "--budget")?;
         if end <= Time::ZERO {
-            return Err(CliError::user(format!("a budget of {budget} is no time to plan in"))
-                .help("write how long a solver may take, for example `--budget 2s`"));
+            return Err(CliError::user(format!(
+                "invalid value `{budget}` for `--budget`: expected a duration greater than zero"
+            ))
+            .help("write how long a solver may take, for example `--budget 2s`"));
         }
         question.budget = end - Time::ZERO;
     }
@@ -114,7 +116,7 @@ fn planned(options: &PlanOptions, question: &PlanInput, planners: &Arc<Registry>
         let mut planners = Registry::clone(planners);
         planners
             .add(Arc::new(Human { visits: options.visits.clone(), repeat: options.repeat }))
-            .map_err(|reason| CliError::user("the visits of a person cannot be planned").because(reason))?;
+            .map_err(|reason| CliError::user("the visits of an operator cannot be planned").because(reason))?;
         means.planners = Arc::new(planners);
     }
     means.table = options.table.as_deref().map(super::profile::table).transpose()?;

@@ -92,7 +92,7 @@ pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> CliResult {
     flushed.map_err(|error| {
         CliError::failure("cannot write the trace")
             .because(error)
-            .help("the trace is incomplete; look at where it goes, and at the space there")
+            .help("the trace is incomplete; check its destination and the free space there")
     })?;
     tell_end(&end);
     let unexpected = options.expect.is_some() && !end.reason.is_success();

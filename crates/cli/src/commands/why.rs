@@ -1,4 +1,4 @@
-//! `apex why`: why a task started, waits, was interrupted or ended; why a resource is somebody's, a command was sent.
+//! `apex why`: why a task started, waits, was interrupted or ended; which task holds a resource, why a command was sent.
 
 use crate::error::{CliError, CliResult};
 use crate::options::{ExplanationOptions, WhyOptions};

@@ -1,4 +1,4 @@
-//! Messages about lines that cannot be understood: the first ones, then as many as a person can read, and the number of the rest.
+//! Messages about lines that cannot be understood: the first ones, then as many as an operator can read, and the number of the rest.
 
 use crate::output;
 use apex_runtime::limits::INPUT_MESSAGES_MAX;

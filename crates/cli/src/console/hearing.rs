@@ -98,7 +98,7 @@ pub(super) fn hear(lines: impl Read, hearing: &Hearing<'_>) {
                 }
             }
         }
-        // Lines that have come completely are read first, and said at once.
+        // Complete lines are read first and printed at once.
         if group.len() >= GROUP_MAX || !lines.buffer().contains(&b'\n') {
             if not_understood > 0 {
                 hearing.source.not_understood(std::mem::take(&mut not_understood));

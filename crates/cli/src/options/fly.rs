@@ -38,7 +38,7 @@ pub struct FlyOptions {
     pub solver_memory: Option<u32>,
     #[command(flatten)]
     pub programs: SolverProgramOptions,
-    /// Fly so many times, each in the world of the next seed, and print a summary; no record is written.
+    /// Number of flights, each in the world of the next seed, and print a summary; no record is written.
     #[arg(long, value_name = "NUMBER", conflicts_with_all = ["record", "serve", "pace"])]
     pub runs: Option<usize>,
     /// Flights at the same time; default is one for each processor. The results do not depend on it.
@@ -47,7 +47,7 @@ pub struct FlyOptions {
     /// Table of the flights of `--runs`, .parquet or .csv.
     #[arg(long, value_name = "FILE", requires = "runs")]
     pub out: Option<PathBuf>,
-    /// Serve Sherpa while flying, and continue serving after.
+    /// Serve Sherpa while flying, and continue after the flight.
     #[arg(long)]
     pub serve: bool,
     /// Begin paused: mission time stands still at 0 until the page resumes it.

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 pub struct ForkOptions {
     /// The flight record.
     pub record: PathBuf,
-    /// The instant from which on the flight differs, for example `9h`.
+    /// The instant from which the flight differs, for example `9h`.
     #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
     pub at: String,
     /// Further inputs after the instant, as JSON lines like a scenario.
@@ -17,13 +17,13 @@ pub struct ForkOptions {
     /// Visit these targets in this order instead of planning: `zaca,lick,butler-2`.
     #[arg(long, value_name = "TARGETS", value_delimiter = ',')]
     pub plan: Vec<String>,
-    /// The wind that blows is this many times as strong; forecasts stay.
+    /// Factor on the simulated wind; forecasts do not change.
     #[arg(long, allow_hyphen_values = true, value_name = "FACTOR")]
     pub wind_factor: Option<f64>,
-    /// Another file of the wind that blows; forecasts stay.
+    /// File of the simulated wind; forecasts do not change.
     #[arg(long, value_name = "FILE", conflicts_with = "wind_factor")]
     pub weather: Option<PathBuf>,
-    /// Turbulence and radio links draw from this seed.
+    /// Seed of turbulence and radio links.
     #[arg(long, value_name = "NUMBER")]
     pub seed: Option<u64>,
     /// Stop at this mission time.

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 pub struct VerifyOptions {
     /// The flight record.
     pub record: PathBuf,
-    /// The record must be signed by this key: 64 hexadecimal digits, as `apex verify` prints them of a signed record.
+    /// Require a signature by this key: 64 hexadecimal digits, as `apex verify` prints for a signed record.
     #[arg(long, value_name = "KEY")]
     pub signer: Option<String>,
     /// Print the result as JSON.

@@ -9,7 +9,7 @@ pub struct PlanOptions {
     /// The mission's folder, or its `mission.pdl`; a problem in a file of JSON, or in a benchmark's format (TOPTW, Solomon,
     /// OPLib, TSPLIB); or a test mission, such as `small-fixed-fixed-8-uniform` or `small-fixed-fixed-8-uniform@7`.
     pub mission: PathBuf,
-    /// Vehicles to plan for; plans are for one, also where a benchmark's file names more.
+    /// Number of vehicles; plans are for one vehicle, even if a benchmark file names more.
     #[arg(long, value_name = "NUMBER")]
     pub vehicles: Option<usize>,
     /// Use this solver instead of the one that solver selection chooses.
@@ -29,23 +29,23 @@ pub struct PlanOptions {
     /// least 0.5 s.
     #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
     pub bound_budget: Option<String>,
-    /// Seed of the solver's chance; default is the mission's own, or 1.
+    /// Seed of the solver's random numbers; default is the mission's own, or 1.
     #[arg(long, value_name = "NUMBER")]
     pub seed: Option<u64>,
-    /// Do not plan: these targets in this order are a person's plan (planner `human`), to be scored and printed like any other.
+    /// Do not plan: these targets in this order are an operator's plan (planner `human`), to be scored and printed like any other.
     #[arg(long, value_delimiter = ',', value_name = "TARGET,..", conflicts_with_all = ["solver", "table"])]
     pub visits: Vec<String>,
-    /// Do not plan: this file holds a plan that somebody drew or edited, as `--json` prints them; it is planner `human`'s, to be checked,
+    /// Do not plan: this file holds a plan as `--json` prints it, drawn or edited by an operator (planner `human`), to be checked,
     /// scored and printed like any other.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["visits", "solver", "table", "problem"])]
     pub plan: Option<PathBuf>,
-    /// Take only the order of the plan's visits (and their manoeuvres), and make the times anew.
+    /// Take only the order of the plan's visits (and their manoeuvres), and compute the times again.
     #[arg(long, requires = "plan")]
     pub retime: bool,
-    /// Of surveillance: the visits are a round that is flown again and again.
+    /// For surveillance: the visits are a cycle that the vehicle repeats.
     #[arg(long, requires = "visits")]
     pub repeat: bool,
-    /// Of surveillance: also tell what the plan costs if only the first event after an observation counts, where events are not rare.
+    /// For surveillance: also print the cost of the plan if only the first event after an observation counts, as where events are not rare.
     #[arg(long)]
     pub survival: bool,
     /// Do not plan: print the problem as JSON.
@@ -60,7 +60,7 @@ pub struct PlanOptions {
     /// Output of the plan; default is standard output.
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// For `--format qgc`: fly all of it so high above the start, for example `60m`; needed where the problem gives no altitudes.
+    /// For `--format qgc`: height of the whole flight above the start, for example `60m`; required if the problem has no altitudes.
     #[arg(long, allow_hyphen_values = true, value_name = "HEIGHT")]
     pub height: Option<String>,
 }

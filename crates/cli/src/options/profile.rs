@@ -12,7 +12,7 @@ pub enum ProfileCommand {
     Update(ProfileUpdateOptions),
     /// Make one profile of parts that were measured apart, on several machines for example.
     Merge(ProfileMergeOptions),
-    /// Print which planner is best where, or draw it.
+    /// Print the best planner of each cell, or draw it.
     Show(ProfileShowOptions),
     /// Compare two profiles, a profile with the paper's Figure 4, or the choices of selection with the best planners.
     Compare(ProfileCompareOptions),
@@ -29,7 +29,7 @@ pub struct ProfileBuildOptions {
     /// Missions of each cell.
     #[arg(long, value_name = "NUMBER", default_value_t = 50)]
     pub missions: u64,
-    /// Times for deliberation, rising; a millisecond is 1,000 units of work.
+    /// Planning times, ascending; a millisecond is 1,000 units of work.
     #[arg(long, value_delimiter = ',', value_name = "TIME,..", default_value = "1ms,3ms,10ms")]
     pub budgets: Vec<String>,
     /// Planners.
@@ -40,7 +40,7 @@ pub struct ProfileBuildOptions {
         default_value = "nearest-neighbour,two-opt,wam,anytime"
     )]
     pub planners: Vec<String>,
-    /// Also write what selection needs of it, as CSV.
+    /// Also write the table that solver selection reads, as CSV.
     #[arg(long, value_name = "FILE")]
     pub table: Option<PathBuf>,
     /// Options of the measurement.
@@ -56,7 +56,7 @@ pub struct ProfileUpdateOptions {
     /// Planners to measure again, or to add; without any, only the table is written again.
     #[arg(long, value_delimiter = ',', value_name = "NAME,..")]
     pub planners: Vec<String>,
-    /// Also write what selection needs of it, as CSV.
+    /// Also write the table that solver selection reads, as CSV.
     #[arg(long, value_name = "FILE")]
     pub table: Option<PathBuf>,
     /// Options of the measurement.
@@ -72,7 +72,7 @@ pub struct ProfileMergeOptions {
     /// Profiles of the same missions and budgets, of some cells or some planners each.
     #[arg(required = true, value_name = "PART")]
     pub parts: Vec<PathBuf>,
-    /// Also write what selection needs of it, as CSV.
+    /// Also write the table that solver selection reads, as CSV.
     #[arg(long, value_name = "FILE")]
     pub table: Option<PathBuf>,
 }
@@ -80,10 +80,10 @@ pub struct ProfileMergeOptions {
 /// Options of a measurement of planners.
 #[derive(Args)]
 pub struct ProfileWorkOptions {
-    /// Missions at a time; the result is the same for any. Default is one for each core.
+    /// Missions measured at the same time; the result does not depend on it. Default is one for each core.
     #[arg(long, value_name = "NUMBER")]
     pub threads: Option<usize>,
-    /// No progress bar, nor what the work took.
+    /// Print neither a progress bar nor times.
     #[arg(long)]
     pub no_progress: bool,
 }
@@ -93,7 +93,7 @@ pub struct ProfileWorkOptions {
 pub struct ProfileShowOptions {
     /// The profile; default is the one that ships.
     pub profile: Option<PathBuf>,
-    /// Only this time for deliberation.
+    /// Only this planning time.
     #[arg(long, value_name = "TIME")]
     pub budget: Option<String>,
     /// Only this cell, with every planner.
@@ -102,7 +102,7 @@ pub struct ProfileShowOptions {
     /// Draw heat maps instead, as SVG.
     #[arg(long, value_name = "FILE", conflicts_with = "cell")]
     pub svg: Option<PathBuf>,
-    /// Draw the paper's Figure 4 and our answer to its question.
+    /// Draw the paper's Figure 4 next to the measured results.
     #[arg(long, requires = "svg")]
     pub figure_4: bool,
     /// Print as JSON lines.

@@ -9,7 +9,7 @@ use apex_model::problem::{Position, WindField, WindLayer};
 
 /// A short piece of a leg, over which the wind is taken from its middle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Step {
+pub(crate) struct WindStep {
     pub(crate) middle: Direction,
     /// East and north parts of the track, of length 1.
     pub(crate) track: (f64, f64),
@@ -120,7 +120,7 @@ impl Air {
     }
 
     /// Speed over ground in `span` along the track of `step`, or backwards; none where it cannot be flown.
-    pub(crate) fn speed_mps(&self, span: usize, step: &Step, backwards: bool) -> Option<f64> {
+    pub(crate) fn speed_mps(&self, span: usize, step: &WindStep, backwards: bool) -> Option<f64> {
         let wind = match self.spans.get(span)? {
             Blows::Everywhere(wind) => *wind,
             Blows::ByArea(field, time_s) => wind::at(field, step.middle.position(), self.altitude_m, *time_s),
@@ -131,7 +131,7 @@ impl Air {
     }
 
     /// As [`Air::speed_mps`], with a crawl where it cannot be flown: such spans are closed to legs by other means.
-    pub(crate) fn speed_or_crawl_mps(&self, span: usize, step: &Step, backwards: bool) -> f64 {
+    pub(crate) fn speed_or_crawl_mps(&self, span: usize, step: &WindStep, backwards: bool) -> f64 {
         self.speed_mps(span, step, backwards).unwrap_or(GROUND_SPEED_MPS_MIN)
     }
 }

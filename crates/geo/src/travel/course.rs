@@ -4,7 +4,7 @@
 //! change comes in the middle of a step. Two vehicles on one leg therefore never pass each other (first in, first out).
 //! Bound: O(1) between changes once a leg is known, O(steps) across a change.
 
-use super::air::{Air, Step};
+use super::air::{Air, WindStep};
 use super::spans::{Span, merged};
 use crate::direction::{ARC_RAD_MAX, Direction};
 use crate::plane::Point;
@@ -14,7 +14,7 @@ use crate::wind::{LEG_STEP_M, LEG_STEPS_MAX};
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Course {
     length: f64,
-    steps: Vec<Step>,
+    steps: Vec<WindStep>,
 }
 
 /// Known times of a leg in one of its two directions.
@@ -57,7 +57,7 @@ impl Course {
             let middle = from.blended(cosine, quarter, sine);
             let (east, north) = middle.east_north(from.blended(-sine, quarter, cosine));
             let one = libm::hypot(east, north);
-            Step { middle, track: (east / one, north / one) }
+            WindStep { middle, track: (east / one, north / one) }
         };
         Some(Course { length, steps: (0..count).map(step).collect() })
     }
@@ -66,7 +66,7 @@ impl Course {
     pub(crate) fn on_plane(from: Point, to: Point) -> Option<Course> {
         let along = to.minus(from);
         let length = along.length();
-        let step = along.unit().map(|unit| Step { middle: Direction::default(), track: (unit.x, unit.y) });
+        let step = along.unit().map(|unit| WindStep { middle: Direction::default(), track: (unit.x, unit.y) });
         length.is_finite().then(|| Course { length, steps: step.into_iter().collect() })
     }
 
@@ -75,7 +75,7 @@ impl Course {
         self.length
     }
 
-    fn step(&self, index: usize, backwards: bool) -> Option<&Step> {
+    fn step(&self, index: usize, backwards: bool) -> Option<&WindStep> {
         let index = if backwards { self.steps.len().checked_sub(index + 1)? } else { index };
         self.steps.get(index)
     }

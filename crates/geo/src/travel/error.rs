@@ -51,7 +51,7 @@ impl fmt::Display for TravelError {
                 write!(f, "every way leaves the reach of the emergency landing places ({:.0} km)", distance_m / 1000.0)
             }
             TravelError::NoRoomToTurn => {
-                f.write_str("there is no room beside restricted areas for turns of the vehicle")
+                f.write_str("restricted areas leave too little space for turns of the vehicle")
             }
             TravelError::Shut => f.write_str("restricted areas or the wind shut the way whenever it could be flown"),
         }

@@ -65,7 +65,7 @@ impl PreparedPoint {
 
 /// Everything that ways must obey.
 #[derive(Clone, Debug)]
-pub(crate) struct Ground {
+pub(crate) struct PathConstraints {
     zones: Vec<Zone>,
     tree: Boxes,
     /// The zones to stay in: for each span of time those that are active.
@@ -74,17 +74,17 @@ pub(crate) struct Ground {
     plane: Option<Plane>,
 }
 
-impl Ground {
+impl PathConstraints {
     pub(crate) fn new(
         zones: Vec<Zone>,
         must_stay: bool,
         reach: Option<Reach>,
         plane: Option<Plane>,
         (begin_s, end_s): Span,
-    ) -> Ground {
+    ) -> PathConstraints {
         let boxes = zones.iter().map(|zone| {
             // What is kept in is asked by every leg, not found by boxes.
-            // Chords of turns keep a little more than the margin ([`Ground::blocks_wider`]).
+            // Chords of turns keep a little more than the margin ([`PathConstraints::blocks_wider`]).
             let margin = zone.margin + 2.0 * super::turns::TOLERANCE_SHARE * zone.bend_radius;
             let margin = if zone.keep_in { f64::NEG_INFINITY } else { margin };
             let by = Point { x: margin, y: margin };
@@ -105,7 +105,7 @@ impl Ground {
         };
         let spans = changes_s.iter().copied().zip(changes_s.iter().copied().skip(1));
         let corridors = if must_stay { spans.map(active).collect() } else { Vec::new() };
-        Ground { zones, tree, corridors, reach, plane }
+        PathConstraints { zones, tree, corridors, reach, plane }
     }
 
     /// Instants at which something opens or shuts, in order.
@@ -262,7 +262,7 @@ impl Ground {
         self.blocks_wider(from, to, 0.0)
     }
 
-    /// As [`Ground::blocks`], where margins that the ends keep are wider by `more`.
+    /// As [`PathConstraints::blocks`], where margins that the ends keep are wider by `more`.
     ///
     /// # Errors
     /// As there.
@@ -307,13 +307,13 @@ impl Ground {
         reach.map_or(Ok(blocks), |reach| Err(TravelError::LeavesReach(reach.distance_m_max())))
     }
 
-    /// Returns true if everything within `width` of a leg keeps every zone's margin reduced by `room`, at all times,
+    /// Returns true if everything within `width` of a leg keeps every zone's margin reduced by `slack`, at all times,
     /// however close its ends are. False if permitted zones share the leg, or landing places limit it: these are
     /// evaluated for lines only.
-    pub(crate) fn is_clear(&self, from: &PreparedPoint, to: &PreparedPoint, (width, room): (f64, f64)) -> bool {
+    pub(crate) fn is_clear(&self, from: &PreparedPoint, to: &PreparedPoint, (width, slack): (f64, f64)) -> bool {
         let (a, b) = (from.point, to.point);
         let wide = |zone: &Zone| width * zone.stretch * (1.0 + super::turns::TOLERANCE_SHARE);
-        let kept = |zone: &Zone| (zone.margin - room * zone.stretch).max(0.0) * (1.0 - TOUCH);
+        let kept = |zone: &Zone| (zone.margin - slack * zone.stretch).max(0.0) * (1.0 - TOUCH);
         let mut restricted = self.zones.iter().filter(|zone| !zone.keep_in);
         if self.reach.is_some() || restricted.any(|zone| zone.solid.meets(a, b, kept(zone) + wide(zone))) {
             return false;

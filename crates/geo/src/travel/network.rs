@@ -8,7 +8,7 @@ use super::air::Air;
 use super::circles;
 use super::course::{Block, Course, Timing, first_open};
 use super::error::TravelError;
-use super::ground::{Ground, PreparedPoint};
+use super::ground::{PathConstraints, PreparedPoint};
 use super::setting::{self, PlaneZone, Setting};
 use super::spans::Span;
 use crate::plane::Point;
@@ -47,7 +47,7 @@ impl DirectedLeg {
 
 /// The bend at the other end of a ride.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Join {
+pub(crate) struct ArrivalTurn {
     pub(crate) bend: usize,
     pub(crate) ride: DirectedLeg,
 }
@@ -62,7 +62,7 @@ pub(super) struct Endpoint {
     /// True if it is circled around instead of flown over.
     pub(super) is_circled: bool,
     /// Rides to bends, once they are known.
-    joins: Option<Vec<Join>>,
+    joins: Option<Vec<ArrivalTurn>>,
 }
 
 /// Turns of the vehicle.
@@ -89,7 +89,7 @@ impl Turns {
 /// Places, bends and the legs between them.
 #[derive(Clone, Debug)]
 pub struct Network {
-    pub(super) ground: Ground,
+    pub(super) ground: PathConstraints,
     pub(super) air: Air,
     pub(super) time_s: Span,
     /// Instants at which zones open or shut, in order.
@@ -100,12 +100,12 @@ pub struct Network {
     /// For each bend when it is allowed to be there.
     pub(super) bends_open_s: Vec<Vec<Span>>,
     /// For each bend the rides to other bends.
-    joins: Vec<Vec<Join>>,
+    joins: Vec<Vec<ArrivalTurn>>,
     pub(super) places: Vec<Endpoint>,
     /// Legs between places, the one of the lower number first; an error if it is shut forever.
     direct: BTreeMap<(usize, usize), Result<usize, TravelError>>,
     legs: Vec<Leg>,
-    pub(super) found: super::ways::Found,
+    pub(super) found: super::ways::FoundPaths,
     pub(super) work: u64,
 }
 
@@ -145,7 +145,7 @@ impl Network {
         Ok(Network::over(ground, air, time_s, (true, turns)))
     }
 
-    fn over(ground: Ground, air: Air, time_s: Span, (on_plane, turns): (bool, Turns)) -> Network {
+    fn over(ground: PathConstraints, air: Air, time_s: Span, (on_plane, turns): (bool, Turns)) -> Network {
         let mut path_vertices = ground.path_vertices();
         path_vertices.truncate(BENDS_MAX);
         let bends_open_s = path_vertices.iter().map(|bend| ground.open_s(bend)).collect();
@@ -164,17 +164,17 @@ impl Network {
             places: Vec::new(),
             direct: BTreeMap::new(),
             legs: Vec::new(),
-            found: super::ways::Found::default(),
+            found: super::ways::FoundPaths::default(),
             work: 0,
         };
         for (number, bend) in path_vertices.iter().enumerate() {
             for (other, there) in path_vertices.iter().enumerate().skip(number + 1) {
                 let Some(ride) = network.tangent(bend, there) else { continue };
                 if let Some(joins) = network.joins.get_mut(number) {
-                    joins.push(Join { bend: other, ride });
+                    joins.push(ArrivalTurn { bend: other, ride });
                 }
                 if let Some(joins) = network.joins.get_mut(other) {
-                    joins.push(Join { bend: number, ride: ride.reversed() });
+                    joins.push(ArrivalTurn { bend: number, ride: ride.reversed() });
                 }
             }
         }
@@ -297,7 +297,7 @@ impl Network {
     }
 
     /// Rides from a place to bends.
-    pub(super) fn joins_of_place(&mut self, place: EndpointId) -> Vec<Join> {
+    pub(super) fn joins_of_place(&mut self, place: EndpointId) -> Vec<ArrivalTurn> {
         let Some(found) = self.places.get(place.0) else { return Vec::new() };
         if let Some(joins) = &found.joins {
             return joins.clone();
@@ -305,8 +305,9 @@ impl Network {
         let spot = found.spot.clone();
         let path_vertices = std::mem::take(&mut self.path_vertices);
         let tangents = path_vertices.iter().enumerate();
-        let joins: Vec<Join> =
-            tangents.filter_map(|(bend, there)| Some(Join { bend, ride: self.tangent(&spot, there)? })).collect();
+        let joins: Vec<ArrivalTurn> = tangents
+            .filter_map(|(bend, there)| Some(ArrivalTurn { bend, ride: self.tangent(&spot, there)? }))
+            .collect();
         self.path_vertices = path_vertices;
         if let Some(place) = self.places.get_mut(place.0) {
             place.joins = Some(joins.clone());
@@ -315,7 +316,7 @@ impl Network {
     }
 
     /// Rides between a bend and others.
-    pub(super) fn joins_of_bend(&self, bend: usize) -> &[Join] {
+    pub(super) fn joins_of_bend(&self, bend: usize) -> &[ArrivalTurn] {
         self.joins.get(bend).map_or(&[], Vec::as_slice)
     }
 
@@ -356,6 +357,6 @@ impl Network {
 }
 
 /// The ride the other way.
-pub(super) fn reversed(join: &Join) -> DirectedLeg {
+pub(super) fn reversed(join: &ArrivalTurn) -> DirectedLeg {
     join.ride.reversed()
 }

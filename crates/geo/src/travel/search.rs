@@ -3,31 +3,31 @@
 //! A label is a bend in one of the spans in which it is allowed to be there; arriving earlier in a span is never worse,
 //! because one can hold there. Bound: O(legs log bends) for each search, times the spans of a bend.
 
-use super::network::{DirectedLeg, EndpointId, Join, Network, reversed};
+use super::network::{ArrivalTurn, DirectedLeg, EndpointId, Network, reversed};
 use super::spans::Span;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// A time by which labels are sorted.
 #[derive(Clone, Copy, Debug)]
-struct Order(f64);
+struct TimeKey(f64);
 
-impl PartialEq for Order {
-    fn eq(&self, other: &Order) -> bool {
+impl PartialEq for TimeKey {
+    fn eq(&self, other: &TimeKey) -> bool {
         self.cmp(other).is_eq()
     }
 }
 
-impl Eq for Order {}
+impl Eq for TimeKey {}
 
-impl PartialOrd for Order {
-    fn partial_cmp(&self, other: &Order) -> Option<std::cmp::Ordering> {
+impl PartialOrd for TimeKey {
+    fn partial_cmp(&self, other: &TimeKey) -> Option<std::cmp::Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for Order {
-    fn cmp(&self, other: &Order) -> std::cmp::Ordering {
+impl Ord for TimeKey {
+    fn cmp(&self, other: &TimeKey) -> std::cmp::Ordering {
         self.0.total_cmp(&other.0)
     }
 }
@@ -85,13 +85,13 @@ impl Network {
             tree.firsts.push(tree.labels.len());
             tree.labels.extend(open_s.iter().map(|_| ArrivalLabel { arrive_s: f64::INFINITY, before: None }));
         }
-        let mut open: BinaryHeap<Reverse<(Order, usize)>> = BinaryHeap::new();
+        let mut open: BinaryHeap<Reverse<(TimeKey, usize)>> = BinaryHeap::new();
         let Some(until_s) = self.may_hold_until_s(from, depart_s) else { return tree };
         for join in self.joins_of_place(from) {
             self.relax(&mut tree, &mut open, (None, depart_s, until_s), &join);
         }
         let mut settled = vec![false; tree.labels.len()];
-        while let Some(Reverse((Order(now_s), label))) = open.pop() {
+        while let Some(Reverse((TimeKey(now_s), label))) = open.pop() {
             let Some(seen @ false) = settled.get_mut(label) else { continue };
             *seen = true;
             let bend = tree.bend_of(label);
@@ -115,9 +115,9 @@ impl Network {
     fn relax(
         &mut self,
         tree: &mut Tree,
-        open: &mut BinaryHeap<Reverse<(Order, usize)>>,
+        open: &mut BinaryHeap<Reverse<(TimeKey, usize)>>,
         (before, now_s, hold_until_s): (Option<usize>, f64, f64),
-        join: &Join,
+        join: &ArrivalTurn,
     ) {
         self.work += 1;
         let Some(first) = tree.firsts.get(join.bend).copied() else { return };
@@ -139,7 +139,7 @@ impl Network {
                 if let Some(label) = tree.labels.get_mut(first + index) {
                     *label = ArrivalLabel { arrive_s, before: Some((before, join.ride)) };
                 }
-                open.push(Reverse((Order(arrive_s), first + index)));
+                open.push(Reverse((TimeKey(arrive_s), first + index)));
             }
         }
     }

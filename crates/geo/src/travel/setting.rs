@@ -1,6 +1,6 @@
 //! Constraints of paths, as data: from a mission on the Earth, or drawn on a plane.
 
-use super::ground::{Ground, Zone};
+use super::ground::{PathConstraints, Zone};
 use super::path_vertices::crossing;
 use super::solid::Solid;
 use super::spans::{Span, merged};
@@ -45,7 +45,7 @@ pub struct PlaneZone {
 }
 
 /// A projection around the setting's positions on which all zones lie, kept away from by `room_m` next to the margin.
-pub(crate) fn ground(setting: &Setting<'_>, room_m: f64) -> Result<Ground, String> {
+pub(crate) fn ground(setting: &Setting<'_>, room_m: f64) -> Result<PathConstraints, String> {
     let plane = Plane::around(setting.around);
     let (low_m, high_m) = setting.altitudes_m;
     let mut flat: Vec<(PlaneZone, f64)> = Vec::new();
@@ -76,17 +76,22 @@ pub(crate) fn ground(setting: &Setting<'_>, room_m: f64) -> Result<Ground, Strin
         made(zone, ((setting.margin_m + room_m) * stretch, setting.turn_radius_m * stretch), *stretch, setting.time_s)
     });
     let reach = setting.landing_distance_m_max.map(|limit_m| Reach::new(setting.landing_places.to_vec(), limit_m));
-    Ok(Ground::new(zones.collect(), must_stay, reach, Some(plane), setting.time_s))
+    Ok(PathConstraints::new(zones.collect(), must_stay, reach, Some(plane), setting.time_s))
 }
 
 /// Zones on a plane, each kept at `margin`.
-pub(crate) fn drawn(zones: &[PlaneZone], margin: f64, turn_radius: f64, time_s: Span) -> Result<Ground, String> {
+pub(crate) fn drawn(
+    zones: &[PlaneZone],
+    margin: f64,
+    turn_radius: f64,
+    time_s: Span,
+) -> Result<PathConstraints, String> {
     if let Some(zone) = zones.iter().find(|zone| Solid::new(&zone.corners).is_none()) {
         return Err(no_polygon(&zone.name, zone.corners.len()));
     }
     let must_stay = zones.iter().any(|zone| zone.keep_in);
     let zones = zones.iter().filter_map(|zone| made(zone, (margin, turn_radius), 1.0, time_s));
-    Ok(Ground::new(zones.collect(), must_stay, None, None, time_s))
+    Ok(PathConstraints::new(zones.collect(), must_stay, None, None, time_s))
 }
 
 fn no_polygon(name: &str, corners: usize) -> String {

@@ -247,7 +247,7 @@ mod tests {
                 let clear = solid.distance(here) - margin;
                 let near = solid.holds(here) || clear < 0.0;
                 let told = spans.iter().any(|(from, until)| *from < share && share < *until);
-                prop_assert!(near == told || clear.abs() < 1e-6, "at {share}: near {near}, told {told}, {spans:?}");
+                prop_assert!(near == told || clear.abs() < 1e-6, "at {share}: near {near}, reported {told}, {spans:?}");
             }
         }
     }

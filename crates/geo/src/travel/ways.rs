@@ -48,7 +48,7 @@ struct TravelPath {
 
 /// The ways found so far.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Found {
+pub(super) struct FoundPaths {
     ways: Vec<TravelPath>,
     /// Numbers of sets of ways.
     between: BTreeMap<(usize, usize), Result<usize, TravelError>>,

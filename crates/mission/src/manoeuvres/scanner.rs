@@ -6,7 +6,7 @@ use super::flying::{FlownLines, fly};
 use super::wish::Wish;
 use crate::ground::MissionGround;
 use crate::observing::{CLARITY, COVERAGE, ForecastAir, RESOLUTION, clarity, scanner_of};
-use apex_geo::coverage::{Ground, SweepSettings, sweep_lines};
+use apex_geo::coverage::{CoverageArea, SweepSettings, sweep_lines};
 use apex_geo::geodesy::RAD_PER_DEG;
 use apex_geo::perimeter::perimeter_lines;
 use apex_geo::wind;
@@ -102,7 +102,9 @@ fn draft(
         let swept = sweep_lines(&ground, &settings, entry)?;
         // Where the outline is all that is wanted, flying along it may be faster than sweeping what it encloses.
         let around = match (&fire.wanted.area, &ground) {
-            (TargetArea::Perimeter { .. }, Ground::Polygon(corners)) => perimeter_lines(corners, swath_m, entry).ok(),
+            (TargetArea::Perimeter { .. }, CoverageArea::Polygon(corners)) => {
+                perimeter_lines(corners, swath_m, entry).ok()
+            }
             _ => None,
         };
         let around = around.filter(|around| {
@@ -123,11 +125,11 @@ fn draft(
 }
 
 /// The grounds of a target in order.
-pub(super) fn grounds(wanted: &ObservedTarget) -> Vec<Ground> {
+pub(super) fn grounds(wanted: &ObservedTarget) -> Vec<CoverageArea> {
     match &wanted.area {
-        TargetArea::Circle { centre, radius_m } => vec![Ground::Circle { centre: *centre, radius_m: *radius_m }],
+        TargetArea::Circle { centre, radius_m } => vec![CoverageArea::Circle { centre: *centre, radius_m: *radius_m }],
         TargetArea::Polygons(polygons) | TargetArea::Perimeter { polygons, .. } => {
-            polygons.iter().map(|polygon| Ground::Polygon(polygon.outer.clone())).collect()
+            polygons.iter().map(|polygon| CoverageArea::Polygon(polygon.outer.clone())).collect()
         }
         TargetArea::Point(_) | TargetArea::Line(_) => Vec::new(),
     }

@@ -14,7 +14,7 @@ use apex_model::quantity::Dimension;
 use apex_requirements::margin::landing::{Glide, disc_m, glide_m};
 use apex_requirements::margin::zone::{KeepIn, LocalZone, ZoneBuffer};
 use apex_requirements::margin::{energy, weather};
-use apex_requirements::prediction::{Span, active_span};
+use apex_requirements::prediction::{RouteSpan, active_span};
 use apex_requirements::response::turn_away_s;
 use apex_requirements::{Concern, Motion, Route, first_violation};
 
@@ -262,7 +262,7 @@ impl<'a> Scene<'a> {
             }
         };
         let margin = margin_m(self.here, self.flown.altitude_m);
-        let span = Span { from_s: 0.0, until_s: self.requirements().look_ahead_s };
+        let span = RouteSpan { from_s: 0.0, until_s: self.requirements().look_ahead_s };
         // A glide loses its ratio in distance for each metre of height.
         let change_per_s = match reach {
             LandingReach::Disc { .. } => self.route.speed_mps_max(),

@@ -9,7 +9,7 @@ use apex_geo::wind;
 use apex_model::planned::Location;
 use apex_requirements::margin::landing::disc_m;
 use apex_requirements::margin::zone::{KeepIn, LocalZone, ZoneBuffer};
-use apex_requirements::prediction::Span;
+use apex_requirements::prediction::RouteSpan;
 use apex_requirements::{Concern, Route, first_violation};
 use std::f64::consts::TAU;
 
@@ -221,7 +221,7 @@ impl Scene<'_> {
         let climb =
             Route::begin(Point::default(), Point::default(), (self.flown.altitude_m, found), self.motion).stop(60.0);
         let is_shut = zones.iter().filter(|zone| zone.is_restricted() && zone.is_active(self.now_s)).any(|zone| {
-            first_violation(&climb, Span { from_s: 0.0, until_s: 60.0 }, f64::INFINITY, |state| {
+            first_violation(&climb, RouteSpan { from_s: 0.0, until_s: 60.0 }, f64::INFINITY, |state| {
                 zone.keep_out_m(state.point, state.altitude_m, &buffer)
             })
             .is_some()

@@ -11,7 +11,7 @@ use apex_geo::plane::Point;
 use apex_model::quantity::Dimension;
 use apex_observation::timing::sun::solar_position;
 use apex_requirements::Concern;
-use apex_requirements::margin::sensor::{Sight, sun_deg};
+use apex_requirements::margin::sensor::{ViewDirection, sun_deg};
 
 /// Time in which a camera is turned away.
 const STOW_S: f64 = 5.0;
@@ -25,9 +25,9 @@ impl Scene<'_> {
     pub(super) fn sun(&self) -> Option<Reading> {
         let keep_out = self.requirements().sun?;
         let zero_unix_s = self.mission.settings.epoch_unix_s?;
-        let margin_at = |position: Position, sight: Sight, camera: (f64, f64), after_s: f64| {
+        let margin_at = |position: Position, sight: ViewDirection, camera: (f64, f64), after_s: f64| {
             let sun = solar_position(position, zero_unix_s + self.now_s + after_s);
-            let sun = Sight { azimuth_deg: sun.azimuth_deg, elevation_deg: sun.elevation_deg };
+            let sun = ViewDirection { azimuth_deg: sun.azimuth_deg, elevation_deg: sun.elevation_deg };
             sun_deg(sight, sun, camera.0, camera.1)
         };
         let mut worst: Option<(f64, Option<f64>, &str)> = None;
@@ -39,7 +39,7 @@ impl Scene<'_> {
             let Some(camera) = camera_of(&self.mission.model, name) else { continue };
             let figures = (camera.wide_deg, keep_out.margin_deg.unwrap_or(carried.model.sun_keep_out_deg));
             let heading_deg = self.flown.heading_deg.unwrap_or_else(|| self.flown.track_deg());
-            let here = Sight { azimuth_deg: heading_deg + reported.pan_deg, elevation_deg: reported.tilt_deg };
+            let here = ViewDirection { azimuth_deg: heading_deg + reported.pan_deg, elevation_deg: reported.tilt_deg };
             let now_deg = margin_at(self.here, here, figures, 0.0);
             if !now_deg.is_finite() {
                 continue;
@@ -71,7 +71,7 @@ impl Scene<'_> {
     }
 
     /// The first instant at which the sight line, kept on the ground that it meets now, comes too near to the sun along the route.
-    fn first_sun(&self, here: Sight, margin_deg: impl Fn(Position, Sight, f64) -> f64) -> Option<f64> {
+    fn first_sun(&self, here: ViewDirection, margin_deg: impl Fn(Position, ViewDirection, f64) -> f64) -> Option<f64> {
         let height_m = self.flown.height_above_ground_m.unwrap_or(0.0);
         let seen = (here.elevation_deg < GROUND_TILT_DEG && height_m > 0.0).then(|| {
             let away_m = height_m / libm::tan(-here.elevation_deg.to_radians());
@@ -87,9 +87,11 @@ impl Scene<'_> {
             let sight = match seen {
                 Some(place) => {
                     let (distance_m, azimuth_deg) = geodesy::inverse(position, place);
-                    Sight { azimuth_deg, elevation_deg: -libm::atan2(height_m, distance_m).to_degrees() }
+                    ViewDirection { azimuth_deg, elevation_deg: -libm::atan2(height_m, distance_m).to_degrees() }
                 }
-                None => Sight { azimuth_deg: here.azimuth_deg + self.turned_deg(before.point, state.point), ..here },
+                None => {
+                    ViewDirection { azimuth_deg: here.azimuth_deg + self.turned_deg(before.point, state.point), ..here }
+                }
             };
             margin_deg(position, sight, *after_s) < 0.0
         })

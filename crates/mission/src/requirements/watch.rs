@@ -16,7 +16,7 @@ use apex_model::quantity::Dimension;
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
-use apex_requirements::alarm::{AlarmState, Sample};
+use apex_requirements::alarm::{AlarmState, RequirementSample};
 use apex_requirements::response::must_act;
 use apex_requirements::{Alarm, Thresholds};
 use apex_runtime::ports::Input;
@@ -122,7 +122,7 @@ impl Watch {
             };
             let watched = self.requirements.entry(reading.name.to_string()).or_default();
             let must_act = is_urgent(0.0);
-            let sample = Sample { at_s: now_s, margin: reading.margin, must_act };
+            let sample = RequirementSample { at_s: now_s, margin: reading.margin, must_act };
             // Two readings of one instant are one sample.
             let change = if is_new_instant { watched.alarm.take(sample, &Thresholds::new(0.0)) } else { None };
             let is_raised = watched.alarm.state() == AlarmState::Raised;

@@ -13,7 +13,7 @@ use super::worth::StripWorth;
 use crate::sensor::scanner::ramp_down;
 use crate::target::{IntervalNeed, WANTED_LOOKS_MAX};
 
-/// Passes over one cell that are assigned; worse ones are left out.
+/// Passes that are assigned to one cell; worse ones are left out.
 pub(super) const PASSES_MAX: usize = 10;
 
 /// The entries of a cell that serve each wanted look.

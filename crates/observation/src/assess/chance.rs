@@ -25,7 +25,7 @@ pub(super) struct CellWorth {
 
 /// One look that may count.
 #[derive(Clone, Copy, Debug)]
-struct Candidate {
+struct LookCandidate {
     entry: (u32, u32),
     interval: f64,
     worth: LookWorth,
@@ -37,7 +37,7 @@ struct Candidate {
 /// Memory that is used again for every cell.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
-    candidates: Vec<Candidate>,
+    candidates: Vec<LookCandidate>,
 }
 
 /// The sums of one cell over the looks in `entries`, each with the factor of its interval.
@@ -53,13 +53,13 @@ pub(super) fn outcome(
         let look = by_cell.look(entry)?;
         let strip = by_cell.passes.get(entry.0 as usize)?.strip(look)?;
         let hour = libm::floor(strip.time_s / 3_600.0) as i64;
-        Some(Candidate { entry, interval, worth: worth.of(entry.0, look, strip, interval), hour, used: 0.0 })
+        Some(LookCandidate { entry, interval, worth: worth.of(entry.0, look, strip, interval), hour, used: 0.0 })
     }));
     if candidates.is_empty() {
         return CellWorth::default();
     }
     candidates.sort_by(|a, b| {
-        let chance = |c: &Candidate| c.worth.valid * c.worth.clear;
+        let chance = |c: &LookCandidate| c.worth.valid * c.worth.clear;
         let by_worth = b.worth.sro.total_cmp(&a.worth.sro);
         let by_resolution = (chance(b) * b.worth.sr).total_cmp(&(chance(a) * a.worth.sr));
         by_worth.then(by_resolution).then((chance(b) * b.worth.s).total_cmp(&(chance(a) * a.worth.s)))
@@ -76,7 +76,7 @@ pub(super) fn outcome(
 }
 
 /// The probability with which each candidate counts; they are sorted, the best first.
-fn share_out(candidates: &mut [Candidate]) {
+fn share_out(candidates: &mut [LookCandidate]) {
     let is_plain = candidates.iter().all(|candidate| candidate.worth.clear >= 1.0);
     let mut left = 1.0;
     for index in 0..candidates.len() {
@@ -96,13 +96,13 @@ fn share_out(candidates: &mut [Candidate]) {
 }
 
 /// Probability that `other` is valid and clear, given that a line of sight of the same hour with probability `clear` is.
-fn given_clear(other: &Candidate, clear: f64) -> f64 {
+fn given_clear(other: &LookCandidate, clear: f64) -> f64 {
     let share = if clear > 0.0 { (other.worth.clear / clear).min(1.0) } else { 1.0 };
     other.worth.valid * share
 }
 
 /// Probability that no look of `better` in another hour than `hour` is valid and clear.
-fn other_hours_invalid(better: &[Candidate], hour: i64) -> f64 {
+fn other_hours_invalid(better: &[LookCandidate], hour: i64) -> f64 {
     let mut product = 1.0;
     for (index, first) in better.iter().enumerate() {
         let is_new = better.iter().take(index).all(|earlier| earlier.hour != first.hour);

@@ -1,6 +1,6 @@
 //! Building grids: areas, bands along perimeters, lines and points.
 
-use super::cells::{Row, TargetGrid};
+use super::cells::{CellRow, TargetGrid};
 use super::clip::add_areas;
 use crate::plane::{EqualAreaPlane, Point};
 use crate::target::{ObservedTarget, Polygon, TargetArea};
@@ -320,7 +320,7 @@ fn points(target: &ObservedTarget, cells: &[(Position, f64)], cell_m: f64) -> Re
     let mut placed: Vec<(Point, f64)> =
         cells.iter().map(|(position, weight)| (plane.project(*position), *weight)).collect();
     placed.sort_by(|(a, _), (b, _)| a.y.total_cmp(&b.y).then(a.x.total_cmp(&b.x)));
-    let rows = placed.iter().enumerate().map(|(first, (point, _))| Row { y: point.y, first, count: 1 }).collect();
+    let rows = placed.iter().enumerate().map(|(first, (point, _))| CellRow { y: point.y, first, count: 1 }).collect();
     let grid = placed.iter().map(|(point, weight)| (*point, *weight)).collect();
     Ok(finish(target, plane, cell_m, rows, grid))
 }
@@ -340,7 +340,7 @@ fn from_dense(
             cells.push((Point { x: origin.x + (column as f64 + 0.5) * cell_m, y }, *weight));
         }
         if cells.len() > first {
-            rows.push(Row { y, first, count: cells.len() - first });
+            rows.push(CellRow { y, first, count: cells.len() - first });
         }
     }
     finish(target, plane, cell_m, rows, cells)
@@ -357,7 +357,7 @@ fn finish(
     target: &ObservedTarget,
     plane: EqualAreaPlane,
     cell_m: f64,
-    rows: Vec<Row>,
+    rows: Vec<CellRow>,
     cells: Vec<(Point, f64)>,
 ) -> TargetGrid {
     let (low, high) = bounds(cells.iter().map(|(point, _)| point), 0.5 * cell_m);

@@ -6,7 +6,7 @@ use apex_geo::geodesy::Position;
 
 /// One row of cells with the same y.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Row {
+pub(super) struct CellRow {
     pub(super) y: f64,
     pub(super) first: usize,
     pub(super) count: usize,
@@ -17,7 +17,7 @@ pub(super) struct Row {
 pub struct TargetGrid {
     pub(super) plane: EqualAreaPlane,
     pub(super) cell_m: f64,
-    pub(super) rows: Vec<Row>,
+    pub(super) rows: Vec<CellRow>,
     pub(super) x: Vec<f64>,
     pub(super) weights: Vec<f64>,
     pub(super) total: f64,
@@ -187,7 +187,7 @@ impl TargetGrid {
         cells.partition_point(|middle| *middle < x)
     }
 
-    fn row_cells(&self, row: &Row) -> &[f64] {
+    fn row_cells(&self, row: &CellRow) -> &[f64] {
         self.x.get(row.first..row.first + row.count).unwrap_or(&[])
     }
 

@@ -63,7 +63,7 @@ pub struct Forecast {
 }
 
 impl Manoeuvre {
-    /// Predicts the looks at a target and the cost.
+    /// Predicts the looks that a target receives, and the cost.
     ///
     /// # Errors
     /// As [`Manoeuvre::fly`].

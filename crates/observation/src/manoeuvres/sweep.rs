@@ -8,7 +8,7 @@ use super::refusal::{Limit, Refusal, positive};
 use super::scene::Scene;
 use super::track::{Element, Sight, Track, lines_with_turns};
 use super::{Craft, Instrument};
-use apex_geo::coverage::{Ground, SweepSettings, sweep_lines};
+use apex_geo::coverage::{CoverageArea, SweepSettings, sweep_lines};
 use apex_geo::geodesy::RAD_PER_DEG;
 use apex_geo::plane::Point;
 use apex_geo::wind;
@@ -74,7 +74,7 @@ impl Sweep {
             run_in_m: self.run_in_m,
         };
         let lines =
-            sweep_lines(&Ground::Polygon(corners), &settings, scene.position(scene.approach)).map_err(|why| {
+            sweep_lines(&CoverageArea::Polygon(corners), &settings, scene.position(scene.approach)).map_err(|why| {
                 let limit = Limit { manoeuvre: Self::NAME, figure: "a swath", unit: "m" };
                 limit.refusal(self.swath_m, 0.0, &why, "give an area of at least three corners".to_string())
             })?;

@@ -14,7 +14,7 @@ pub(super) fn times(travel: &TravelTimes, count: usize, with_base: bool) -> Resu
     if later.len() > DEPARTURES_MAX {
         return Err(format!("There are travel times for {} departures; give {DEPARTURES_MAX} at most.", later.len()));
     }
-    let mut before = Table { depart_s: 0.0, from_start_s, between_s, to_base_s };
+    let mut before = DepartureTable { depart_s: 0.0, from_start_s, between_s, to_base_s };
     for times in later {
         let LaterTimes { depart_s, from_start_s, between_s, to_base_s } = times;
         if !depart_s.is_finite() || *depart_s <= before.depart_s {
@@ -24,7 +24,7 @@ pub(super) fn times(travel: &TravelTimes, count: usize, with_base: bool) -> Resu
             ));
         }
         table((from_start_s, between_s, to_base_s), count, with_base)?;
-        let next = Table { depart_s: *depart_s, from_start_s, between_s, to_base_s };
+        let next = DepartureTable { depart_s: *depart_s, from_start_s, between_s, to_base_s };
         overtaking(&before, &next)?;
         before = next;
     }
@@ -49,21 +49,21 @@ fn table(
 }
 
 /// The times of one departure.
-struct Table<'a> {
+struct DepartureTable<'a> {
     depart_s: f64,
     from_start_s: &'a Vec<f64>,
     between_s: &'a Vec<Vec<f64>>,
     to_base_s: &'a Vec<f64>,
 }
 
-impl Table<'_> {
+impl DepartureTable<'_> {
     fn times(&self) -> impl Iterator<Item = f64> {
         // The base comes last: if no return is required, its times may be missing.
         self.from_start_s.iter().chain(self.between_s.iter().flatten()).chain(self.to_base_s).copied()
     }
 }
 
-fn overtaking(before: &Table<'_>, next: &Table<'_>) -> Result<(), String> {
+fn overtaking(before: &DepartureTable<'_>, next: &DepartureTable<'_>) -> Result<(), String> {
     let passed_s = next.depart_s - before.depart_s;
     let mut pairs = before.times().zip(next.times());
     let early = |(early_s, late_s): &(f64, f64)| {
@@ -71,7 +71,7 @@ fn overtaking(before: &Table<'_>, next: &Table<'_>) -> Result<(), String> {
     };
     match pairs.find(early) {
         Some((early_s, late_s)) => Err(format!(
-            "A way takes {early_s} s for who leaves at {} s and {late_s} s for who leaves at {} s, who would be there earlier; waiting is a part of such a way.",
+            "A path takes {early_s} s for a departure at {} s and {late_s} s for a departure at {} s, which would arrive earlier; such a path includes waiting.",
             before.depart_s, next.depart_s
         )),
         None => Ok(()),

@@ -141,7 +141,7 @@ fn who_has_no_room_to_circle_is_told_so_and_so_is_who_turns_too_wide() {
         (ways.trouble(1).map(ToString::to_string), ways.times.from_start_s[1] < UNREACHABLE_S)
     };
     assert_eq!((reach(0.0), reach(3_000.0)), ((None, true), (None, true)));
-    let trouble = "there is no room beside restricted areas for turns of the vehicle";
+    let trouble = "restricted areas leave too little space for turns of the vehicle";
     assert_eq!(reach(4_000.0), (Some(trouble.to_string()), false));
     for radius_m in [-1.0, f64::NAN, 1e7] {
         let told = SurveillanceTravel::new(start, &targets, start, &transit(radius_m, &calm, &[])).unwrap_err();

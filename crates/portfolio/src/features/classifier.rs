@@ -65,7 +65,7 @@ fn speed_mps(problem: &SurveillanceProblem, points: &[Point]) -> f64 {
 
 /// Result of a classifier.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Reading {
+pub struct Classification {
     /// Numbers, each with its name and unit (`tour time over horizon`).
     pub numbers: Vec<(&'static str, f64)>,
     /// Distance of the mission from each bin, in the order of [`Classifier::bins`]; the bin with the least is the
@@ -73,7 +73,7 @@ pub struct Reading {
     pub distances: Vec<f64>,
 }
 
-impl Reading {
+impl Classification {
     /// Index of the nearest bin; the first of equals.
     pub fn bin(&self) -> usize {
         let nearest = self.distances.iter().enumerate().min_by(|(_, a), (_, b)| a.total_cmp(b));
@@ -88,5 +88,5 @@ pub trait Classifier: Sync {
     /// Words of its bins.
     fn bins(&self) -> &'static [&'static str];
     /// Reads the feature.
-    fn read(&self, given: &ClassifierInput<'_>) -> Reading;
+    fn read(&self, given: &ClassifierInput<'_>) -> Classification;
 }

@@ -1,6 +1,6 @@
 //! Number of targets.
 
-use super::classifier::{Classifier, ClassifierInput, Reading};
+use super::classifier::{Classification, Classifier, ClassifierInput};
 use crate::cell::COUNTS;
 
 /// The classifier. Counts are compared by their ratio: 6 is as far from 4 as 12 from 8.
@@ -16,9 +16,9 @@ impl Classifier for Count {
         &["4", "8", "16"]
     }
 
-    fn read(&self, given: &ClassifierInput<'_>) -> Reading {
+    fn read(&self, given: &ClassifierInput<'_>) -> Classification {
         let count = given.problem().targets.len() as f64;
         let distance = |bin: usize| libm::log2(count / bin as f64).abs();
-        Reading { numbers: vec![("targets", count)], distances: COUNTS.into_iter().map(distance).collect() }
+        Classification { numbers: vec![("targets", count)], distances: COUNTS.into_iter().map(distance).collect() }
     }
 }

@@ -1,6 +1,6 @@
 //! Variation of the importance of targets: cost of an event that is never found, times its probability.
 
-use super::classifier::{Classifier, ClassifierInput, Reading};
+use super::classifier::{Classification, Classifier, ClassifierInput};
 use super::variability;
 use apex_metrics::eci;
 use apex_model::problem::CostFunction;
@@ -18,7 +18,7 @@ impl Classifier for Importance {
         variability::BINS
     }
 
-    fn read(&self, given: &ClassifierInput<'_>) -> Reading {
+    fn read(&self, given: &ClassifierInput<'_>) -> Classification {
         let problem = given.problem();
         let importance = |target: &apex_model::problem::SurveillanceTarget| {
             target.rate.at(0.0) * never_found(&target.cost, problem.horizon_s)

@@ -13,7 +13,7 @@ mod scale;
 mod spread;
 mod variability;
 
-pub use classifier::{Classifier, ClassifierInput, Reading};
+pub use classifier::{Classification, Classifier, ClassifierInput};
 pub use count::Count;
 pub use importance::Importance;
 pub use rate::Rate;
@@ -33,7 +33,7 @@ pub struct Feature {
     /// The word of its bin.
     pub bin: &'static str,
     /// Numbers and distances.
-    pub reading: Reading,
+    pub reading: Classification,
     bins: &'static [&'static str],
 }
 

@@ -1,6 +1,6 @@
 //! Variation of the rates at which the costs of ignorance grow.
 
-use super::classifier::{Classifier, ClassifierInput, Reading};
+use super::classifier::{Classification, Classifier, ClassifierInput};
 use super::variability;
 use apex_metrics::eci;
 use apex_model::problem::CostFunction;
@@ -21,7 +21,7 @@ impl Classifier for Rate {
         variability::BINS
     }
 
-    fn read(&self, given: &ClassifierInput<'_>) -> Reading {
+    fn read(&self, given: &ClassifierInput<'_>) -> Classification {
         let problem = given.problem();
         let rate = |target: &apex_model::problem::SurveillanceTarget| rate_per_s(&target.cost, problem.horizon_s);
         variability::read(&problem.targets.iter().map(rate).collect::<Vec<f64>>())

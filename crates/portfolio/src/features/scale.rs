@@ -3,7 +3,7 @@
 //! The number is kappa, the time of the shortest tour over all targets with their dwells over the time available: at 1 a
 //! single lap fits. The bin is that of the likeliest pattern of the table.
 
-use super::classifier::{Classifier, ClassifierInput, Reading};
+use super::classifier::{Classification, Classifier, ClassifierInput};
 use super::pattern;
 use apex_planning::solver::{Budget, WorkBudget};
 use apex_planning::tour;
@@ -24,10 +24,10 @@ impl Classifier for Scale {
         &["large", "medium", "small"]
     }
 
-    fn read(&self, given: &ClassifierInput<'_>) -> Reading {
+    fn read(&self, given: &ClassifierInput<'_>) -> Classification {
         let unlikelihoods = pattern::unlikelihoods(given);
         let best = |row: &[f64; 3]| row.iter().copied().fold(f64::INFINITY, f64::min);
-        Reading { numbers: vec![("kappa", kappa(given))], distances: unlikelihoods.iter().map(best).collect() }
+        Classification { numbers: vec![("kappa", kappa(given))], distances: unlikelihoods.iter().map(best).collect() }
     }
 }
 

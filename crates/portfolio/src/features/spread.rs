@@ -3,7 +3,7 @@
 //! The bin is that of the likeliest pattern of the table; silhouette and nearest-neighbour index are for operators and for
 //! classifiers to come.
 
-use super::classifier::{Classifier, ClassifierInput, Reading};
+use super::classifier::{Classification, Classifier, ClassifierInput};
 use super::pattern;
 use crate::cell::Space;
 use apex_geo::plane::Point;
@@ -21,7 +21,7 @@ impl Classifier for Spread {
         &["two-cluster", "globular", "uniform"]
     }
 
-    fn read(&self, given: &ClassifierInput<'_>) -> Reading {
+    fn read(&self, given: &ClassifierInput<'_>) -> Classification {
         let unlikelihoods = pattern::unlikelihoods(given);
         let best =
             |space: usize| unlikelihoods.iter().filter_map(|row| row.get(space)).copied().fold(f64::INFINITY, f64::min);
@@ -29,7 +29,7 @@ impl Classifier for Spread {
             ("silhouette", silhouette(given.points())),
             ("nearest-neighbour index", neighbour_index(given.points())),
         ];
-        Reading { numbers, distances: (0..Space::ALL.len()).map(best).collect() }
+        Classification { numbers, distances: (0..Space::ALL.len()).map(best).collect() }
     }
 }
 

@@ -104,9 +104,9 @@ impl Classifier for Return {
     fn bins(&self) -> &'static [&'static str] {
         &["no", "yes"]
     }
-    fn read(&self, given: &ClassifierInput<'_>) -> Reading {
+    fn read(&self, given: &ClassifierInput<'_>) -> Classification {
         let asked = f64::from(u8::from(given.problem().return_to_base));
-        Reading { numbers: vec![("asked for", asked)], distances: vec![asked, 1.0 - asked] }
+        Classification { numbers: vec![("asked for", asked)], distances: vec![asked, 1.0 - asked] }
     }
 }
 

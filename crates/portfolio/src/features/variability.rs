@@ -1,6 +1,6 @@
 //! Variation of a quantity between targets: none, two groups, or any.
 
-use super::classifier::Reading;
+use super::classifier::Classification;
 use crate::cell::Spread;
 
 /// Words of the bins, in the order of [`Spread::ALL`].
@@ -14,7 +14,7 @@ const TWO_GROUPS: f64 = 0.975;
 const PASSAGE: f64 = 0.01;
 
 /// Reads the spread of `numbers`.
-pub(super) fn read(numbers: &[f64]) -> Reading {
+pub(super) fn read(numbers: &[f64]) -> Classification {
     let (variation, bimodality) = (variation(numbers), bimodality(numbers));
     let grouped = 1.0 / (1.0 + libm::exp((TWO_GROUPS - bimodality) / PASSAGE));
     let distances = Spread::ALL.map(|spread| match spread {
@@ -24,7 +24,7 @@ pub(super) fn read(numbers: &[f64]) -> Reading {
         Spread::Uniform => grouped,
     });
     let numbers = vec![("coefficient of variation", variation), ("bimodality", bimodality)];
-    Reading { numbers, distances: distances.to_vec() }
+    Classification { numbers, distances: distances.to_vec() }
 }
 
 /// Standard deviation over mean; 0 where the mean is.

@@ -93,7 +93,7 @@ impl FromStr for Profile {
 }
 
 /// The costs of one cell.
-fn row(lines: &mut Lines<'_>, head: &Line<'_>, profile: &Profile) -> Result<Row, FormatError> {
+fn row(lines: &mut Lines<'_>, head: &ProfileLine<'_>, profile: &Profile) -> Result<Row, FormatError> {
     let words = head.words();
     let [_, cell, hash] = words.as_slice() else {
         return Err(head.trouble(0, "this is not a cell", "a name and a hash belong here"));
@@ -130,25 +130,25 @@ struct Lines<'a> {
     rest: std::iter::Peekable<std::vec::IntoIter<(usize, &'a str)>>,
 }
 
-struct Line<'a> {
+struct ProfileLine<'a> {
     number: usize,
     text: &'a str,
 }
 
 impl<'a> Lines<'a> {
-    fn next(&mut self) -> Option<Line<'a>> {
+    fn next(&mut self) -> Option<ProfileLine<'a>> {
         let (index, text) = self.rest.find(|(_, line)| !line.starts_with('#') && !line.trim().is_empty())?;
-        Some(Line { number: index + 1, text })
+        Some(ProfileLine { number: index + 1, text })
     }
 
     /// The next line if it begins with `word`.
-    fn next_of(&mut self, word: &str) -> Option<Line<'a>> {
+    fn next_of(&mut self, word: &str) -> Option<ProfileLine<'a>> {
         while self.rest.next_if(|(_, line)| line.starts_with('#') || line.trim().is_empty()).is_some() {}
         let begins = |line: &str| line.split_whitespace().next() == Some(word);
-        self.rest.next_if(|(_, line)| begins(line)).map(|(index, text)| Line { number: index + 1, text })
+        self.rest.next_if(|(_, line)| begins(line)).map(|(index, text)| ProfileLine { number: index + 1, text })
     }
 
-    fn required(&mut self, word: &str) -> Result<Line<'a>, FormatError> {
+    fn required(&mut self, word: &str) -> Result<ProfileLine<'a>, FormatError> {
         if let Some(line) = self.next_of(word) {
             return Ok(line);
         }
@@ -185,11 +185,11 @@ impl<'a> Lines<'a> {
     }
 
     fn end(&self, message: &str, wanted: &str) -> FormatError {
-        Line { number: self.text.lines().count(), text: "" }.trouble(0, message, wanted)
+        ProfileLine { number: self.text.lines().count(), text: "" }.trouble(0, message, wanted)
     }
 }
 
-impl<'a> Line<'a> {
+impl<'a> ProfileLine<'a> {
     fn words(&self) -> Vec<&'a str> {
         self.text.split_whitespace().collect()
     }

@@ -5,7 +5,7 @@ pub const SUN_INACTIVE_BELOW_DEG: f64 = -1.0;
 
 /// A direction in degrees: azimuth clockwise from north, elevation above the horizon.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sight {
+pub struct ViewDirection {
     /// Clockwise from north.
     pub azimuth_deg: f64,
     /// Above the horizon.
@@ -13,7 +13,7 @@ pub struct Sight {
 }
 
 /// Angle between two directions, in degrees, from 0 to 180.
-pub fn angle_deg(a: Sight, b: Sight) -> f64 {
+pub fn angle_deg(a: ViewDirection, b: ViewDirection) -> f64 {
     let (low, high) = (a.elevation_deg.to_radians(), b.elevation_deg.to_radians());
     let turn_rad = (a.azimuth_deg - b.azimuth_deg).to_radians();
     // The haversine form is exact for small angles, where the cosine rule is not.
@@ -27,7 +27,7 @@ pub fn angle_deg(a: Sight, b: Sight) -> f64 {
 
 /// Margin in degrees between the boresight and the sun: half of the field of view and `margin_deg` must stay free. Infinite while the
 /// sun is below [`SUN_INACTIVE_BELOW_DEG`].
-pub fn sun_deg(boresight: Sight, sun: Sight, field_of_view_deg: f64, margin_deg: f64) -> f64 {
+pub fn sun_deg(boresight: ViewDirection, sun: ViewDirection, field_of_view_deg: f64, margin_deg: f64) -> f64 {
     if sun.elevation_deg < SUN_INACTIVE_BELOW_DEG {
         return f64::INFINITY;
     }
@@ -72,8 +72,8 @@ impl Detector {
 mod tests {
     use super::*;
 
-    fn sight(azimuth_deg: f64, elevation_deg: f64) -> Sight {
-        Sight { azimuth_deg, elevation_deg }
+    fn sight(azimuth_deg: f64, elevation_deg: f64) -> ViewDirection {
+        ViewDirection { azimuth_deg, elevation_deg }
     }
 
     #[test]

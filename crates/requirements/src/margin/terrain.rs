@@ -1,6 +1,6 @@
 //! Clearance of the ground.
 
-use crate::prediction::{Span, Violation, first_violation};
+use crate::prediction::{RouteSpan, Violation, first_violation};
 use crate::response::climb_s;
 use crate::route::Route;
 use apex_geo::plane::Point;
@@ -68,7 +68,7 @@ pub fn first_loss(
     clearance_m: f64,
     mut ground_m: impl FnMut(Point) -> f64,
 ) -> Option<Violation> {
-    first_violation(route, Span { from_s: 0.0, until_s: look_ahead_s }, f64::INFINITY, |state| {
+    first_violation(route, RouteSpan { from_s: 0.0, until_s: look_ahead_s }, f64::INFINITY, |state| {
         terrain_m(state.altitude_m, ground_m(state.point), clearance_m)
     })
 }

@@ -68,7 +68,7 @@ pub fn at_price(problem: &SurveillanceProblem, price_per_s: f64) -> f64 {
     of_targets(problem, &prepared(problem), price_per_s.max(0.0))
 }
 
-fn of_targets(problem: &SurveillanceProblem, targets: &[Target<'_>], price: f64) -> f64 {
+fn of_targets(problem: &SurveillanceProblem, targets: &[PricedTarget<'_>], price: f64) -> f64 {
     let limit_s = problem.endurance_s.unwrap_or(problem.horizon_s).min(problem.horizon_s);
     // The last visit has no way on, if the mission ends anywhere; each stay was charged half of one.
     let spared_s = if problem.return_to_base {
@@ -81,7 +81,7 @@ fn of_targets(problem: &SurveillanceProblem, targets: &[Target<'_>], price: f64)
 }
 
 /// Data of a target for the bound.
-struct Target<'a> {
+struct PricedTarget<'a> {
     target: &'a SurveillanceTarget,
     /// Least events per second at any time.
     events_per_s: f64,
@@ -95,11 +95,11 @@ struct Target<'a> {
     stays_max: u32,
 }
 
-fn prepared(problem: &SurveillanceProblem) -> Vec<Target<'_>> {
+fn prepared(problem: &SurveillanceProblem) -> Vec<PricedTarget<'_>> {
     problem.targets.iter().enumerate().map(|(index, target)| prepare(problem, index, target)).collect()
 }
 
-fn prepare<'a>(problem: &SurveillanceProblem, index: usize, target: &'a SurveillanceTarget) -> Target<'a> {
+fn prepare<'a>(problem: &SurveillanceProblem, index: usize, target: &'a SurveillanceTarget) -> PricedTarget<'a> {
     let travel = &problem.travel;
     let limit_s = problem.endurance_s.unwrap_or(problem.horizon_s).min(problem.horizon_s);
     let others = || (0..problem.targets.len()).filter(|other| *other != index);
@@ -110,7 +110,7 @@ fn prepare<'a>(problem: &SurveillanceProblem, index: usize, target: &'a Surveill
     let stay_s = target.dwell_s + half_in_s + half_out_s;
     let fits = (limit_s + half_out_s) / stay_s.max(1e-3);
     let rates = target.rate.steps.iter().map(|(_, events_per_s)| *events_per_s);
-    Target {
+    PricedTarget {
         target,
         events_per_s: rates.reduce(f64::min).unwrap_or(0.0),
         span_s: problem.horizon_s + target.initial_age_s,
@@ -120,7 +120,7 @@ fn prepare<'a>(problem: &SurveillanceProblem, index: usize, target: &'a Surveill
     }
 }
 
-impl Target<'_> {
+impl PricedTarget<'_> {
     /// Cost gathered per second after `span_s` without observation.
     fn cost_at(&self, span_s: f64) -> f64 {
         self.events_per_s * eci::cost_at(&self.target.cost, span_s)

@@ -65,8 +65,10 @@ pub fn table(path: &Path) -> CliResult<Arc<ProfileTable>> {
 fn units(text: &str, option: &str) -> CliResult<u64> {
     let time = parse_time(text, option)? - Time::ZERO;
     if time <= Duration::ZERO || time > BUDGET_MAX {
-        return Err(CliError::user(format!("`{option} {text}` is no time to plan in"))
-            .help("write times above 0 and up to a day, for example `10ms`"));
+        return Err(CliError::user(format!(
+            "invalid value `{text}` for `{option}`: expected a duration greater than zero and at most one day"
+        ))
+        .help("write times above 0 and up to a day, for example `10ms`"));
     }
     Ok(units_in(time))
 }

@@ -35,7 +35,7 @@ const HALVINGS: usize = 60;
 
 /// A visit of one target after another one, from every point of the grid.
 #[derive(Debug)]
-pub(super) struct Step {
+pub(super) struct GridVisit {
     pub(super) from: usize,
     pub(super) to: usize,
     pub(super) seconds: f64,
@@ -61,7 +61,7 @@ struct GridInterpolation {
 pub(super) struct Grid {
     levels: Vec<Vec<f64>>,
     /// In the order of the targets they leave.
-    pub(super) steps: Vec<Step>,
+    pub(super) steps: Vec<GridVisit>,
     /// For each row of points the numbers of their ages, except for the first, which is distinguished within the row.
     rows: Vec<Vec<u8>>,
 }
@@ -85,7 +85,7 @@ impl Grid {
         let mut grid = Grid { levels, steps: Vec::new(), rows };
         for from in 0..count {
             let steps = (0..count).filter_map(|to| grid.step(problem, from, to));
-            let steps: Vec<Step> = steps.collect();
+            let steps: Vec<GridVisit> = steps.collect();
             grid.steps.extend(steps);
         }
         Some(grid)
@@ -130,7 +130,7 @@ impl Grid {
     }
 
     /// Visits after one of this target.
-    pub(super) fn steps_from(&self, target: usize) -> &[Step] {
+    pub(super) fn steps_from(&self, target: usize) -> &[GridVisit] {
         let begin = self.steps.partition_point(|step| step.from < target);
         let end = self.steps.partition_point(|step| step.from <= target);
         self.steps.get(begin..end).unwrap_or_default()
@@ -141,7 +141,7 @@ impl Grid {
         target * self.rows.len() * self.row()
     }
 
-    fn step(&self, problem: &SurveillanceProblem, from: usize, to: usize) -> Option<Step> {
+    fn step(&self, problem: &SurveillanceProblem, from: usize, to: usize) -> Option<GridVisit> {
         let seconds = leg_s(problem, from, to);
         if seconds >= UNREACHABLE_S || seconds <= 0.0 {
             return None;
@@ -152,7 +152,7 @@ impl Grid {
             levels.iter().map(after).collect()
         };
         let others = self.levels.iter().enumerate().filter(|(target, _)| *target != from);
-        Some(Step {
+        Some(GridVisit {
             from,
             to,
             seconds,
@@ -181,7 +181,7 @@ impl Grid {
     }
 
     /// For all points of a row, which has these other ages: what a visit gathers, with the value where it leads to.
-    pub(super) fn ahead(&self, step: &Step, others: &[u8], values: &[f64], sums: &mut [f64]) {
+    pub(super) fn ahead(&self, step: &GridVisit, others: &[u8], values: &[f64], sums: &mut [f64]) {
         let mut corners = Corners::new(self.first(step.to));
         let mut cost = step.user_cost;
         corners.split(step.own);

@@ -18,7 +18,7 @@ use super::least::{events_per_s, ways};
 use apex_metrics::eci;
 use apex_model::problem::{SurveillanceProblem, SurveillanceTarget, UNREACHABLE_S};
 use apex_planning::meter::Meter;
-use program::{Program, STEPS_MAX};
+use program::{LinearProgram, STEPS_MAX};
 
 /// With more targets the program has too many legs, and no bound is sought in this way.
 pub const TARGETS_MAX: usize = 48;
@@ -122,7 +122,7 @@ struct Level {
 /// The program of a problem. Times are in shares of the horizon, costs in shares of what it costs to stay at home.
 struct Model<'a> {
     problem: &'a SurveillanceProblem,
-    program: Program,
+    program: LinearProgram,
     cost_unit: f64,
     legs: Vec<(usize, usize, usize, f64)>,
     first_legs: Vec<(usize, usize, f64)>,
@@ -142,7 +142,7 @@ impl<'a> Model<'a> {
             return None;
         }
         let (legs, first_legs, visits, ends) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let (program, waits, levels) = (Program::default(), Vec::new(), Vec::new());
+        let (program, waits, levels) = (LinearProgram::default(), Vec::new(), Vec::new());
         let ways = ways(problem);
         let mut model = Model { problem, program, cost_unit, legs, first_legs, visits, ends, waits, levels, ways };
         model.flight();

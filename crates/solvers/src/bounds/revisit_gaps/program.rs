@@ -18,10 +18,10 @@ const ENTRY_FILLED_NS: f64 = 1.4;
 
 /// Least value of a sum over columns, under rows.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Program {
+pub(super) struct LinearProgram {
     columns: Vec<Column>,
-    equal: Vec<Row>,
-    at_most: Vec<Row>,
+    equal: Vec<ProgramRow>,
+    at_most: Vec<ProgramRow>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -31,20 +31,20 @@ struct Column {
 }
 
 #[derive(Clone, Debug)]
-struct Row {
+struct ProgramRow {
     terms: Vec<(usize, f64)>,
     limit: f64,
 }
 
 /// Least value, and the multipliers of the rows: those of equations first.
-pub(super) struct Answer {
+pub(super) struct DualSolution {
     /// Steps that were taken.
     pub(super) steps: u32,
     pub(super) columns: Vec<f64>,
     pub(super) multipliers: Vec<f64>,
 }
 
-impl Program {
+impl LinearProgram {
     /// Adds a column with a cost per unit, and the most that it can be in anything the program represents.
     pub(super) fn column(&mut self, cost: f64, most: f64) -> usize {
         self.columns.push(Column { cost, most });
@@ -53,15 +53,15 @@ impl Program {
 
     /// The terms are `limit` together. No column stands twice in a row.
     pub(super) fn equal(&mut self, terms: Vec<(usize, f64)>, limit: f64) {
-        self.equal.push(Row { terms, limit });
+        self.equal.push(ProgramRow { terms, limit });
     }
 
     /// The terms are not more than `limit` together. No column stands twice in a row.
     pub(super) fn at_most(&mut self, terms: Vec<(usize, f64)>, limit: f64) {
-        self.at_most.push(Row { terms, limit });
+        self.at_most.push(ProgramRow { terms, limit });
     }
 
-    fn rows(&self) -> impl Iterator<Item = &Row> {
+    fn rows(&self) -> impl Iterator<Item = &ProgramRow> {
         self.equal.iter().chain(&self.at_most)
     }
 
@@ -77,7 +77,7 @@ impl Program {
     }
 
     /// The best columns and multipliers, or how far these came in so many steps; none where the solver goes astray.
-    pub(super) fn solve(&self, steps_max: u32) -> Option<Answer> {
+    pub(super) fn solve(&self, steps_max: u32) -> Option<DualSolution> {
         let (count, rows) = (self.columns.len(), self.equal.len() + self.at_most.len());
         let mut by_column: Vec<Vec<(usize, f64)>> = vec![Vec::new(); count];
         for (number, row) in self.rows().enumerate() {
@@ -107,7 +107,7 @@ impl Program {
         let usable = !matches!(found.status, SolverStatus::Unsolved | SolverStatus::PrimalInfeasible);
         let finite = found.x.iter().chain(&found.z).all(|number| number.is_finite());
         let multipliers = found.z.iter().copied().take(rows).collect();
-        (usable && finite).then(|| Answer { steps: found.iterations, columns: found.x.clone(), multipliers })
+        (usable && finite).then(|| DualSolution { steps: found.iterations, columns: found.x.clone(), multipliers })
     }
 
     #[cfg(test)]
@@ -118,8 +118,9 @@ impl Program {
     /// By how much these columns break a row, or are outside their bounds, at the worst.
     #[cfg(test)]
     pub(super) fn worst_break(&self, columns: &[f64]) -> f64 {
-        let sum =
-            |row: &Row| row.terms.iter().map(|(column, factor)| factor * columns[*column]).sum::<f64>() - row.limit;
+        let sum = |row: &ProgramRow| {
+            row.terms.iter().map(|(column, factor)| factor * columns[*column]).sum::<f64>() - row.limit
+        };
         let rows = self.equal.iter().map(|row| sum(row).abs()).chain(self.at_most.iter().map(sum));
         let bounds = self.columns.iter().zip(columns).map(|(column, value)| (value - column.most).max(-value));
         rows.chain(bounds).fold(0.0, f64::max)
@@ -154,8 +155,8 @@ mod tests {
     use super::*;
 
     /// Least `x + 2 y` with `x + y = 3`, `x <= 2`.
-    fn small() -> Program {
-        let mut program = Program::default();
+    fn small() -> LinearProgram {
+        let mut program = LinearProgram::default();
         let (x, y) = (program.column(1.0, 10.0), program.column(2.0, 10.0));
         program.equal(vec![(x, 1.0), (y, 1.0)], 3.0);
         program.at_most(vec![(x, 1.0)], 2.0);

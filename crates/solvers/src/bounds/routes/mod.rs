@@ -22,7 +22,7 @@ mod walks;
 
 use crate::routing::network::Network;
 use apex_planning::solver::Budget;
-use proof::{MemorySizes, Proof};
+use proof::{MemorySizes, ProofSearch};
 use value_step::ValueStep;
 use walks::Walks;
 
@@ -66,7 +66,7 @@ pub(crate) struct BoundSearch<'n> {
     /// Profit of the best known route, and its visits if this search found it.
     incumbent: f64,
     better: Option<Vec<u32>>,
-    proof: Option<Proof<'n>>,
+    proof: Option<ProofSearch<'n>>,
     /// Units that did not suffice for the first labels under the present multipliers.
     too_few: u64,
 }
@@ -156,12 +156,12 @@ impl<'n> BoundSearch<'n> {
             return;
         }
         if self.proof.is_none() {
-            let needed = Proof::units_to_begin(self.network);
+            let needed = ProofSearch::units_to_begin(self.network);
             if needed > units / 4 {
                 return;
             }
             budget.charge(needed);
-            self.proof = Proof::new(self.network, self.bound, MemorySizes::SHIPPED);
+            self.proof = ProofSearch::new(self.network, self.bound, MemorySizes::SHIPPED);
         }
         let Some(proof) = &mut self.proof else { return };
         if !proof.run(self.incumbent, until, budget) {

@@ -73,7 +73,7 @@ const FIRST_SHARE: f64 = 0.25;
 const WAYS_PER_UNIT: u64 = 1_000;
 
 /// State of the search.
-pub(super) struct Proof<'n> {
+pub(super) struct ProofSearch<'n> {
     network: &'n Network,
     sizes: MemorySizes,
     /// The network with its ends exchanged.
@@ -114,7 +114,7 @@ pub(super) fn successors(network: &Network) -> Vec<Vec<u32>> {
     (0..network.nodes.len() as u32).map(of).collect()
 }
 
-impl<'n> Proof<'n> {
+impl<'n> ProofSearch<'n> {
     /// Work of `new`: shortest paths through any other node, from either end.
     pub(super) fn units_to_begin(network: &Network) -> u64 {
         let nodes = network.nodes.len() as u64;
@@ -122,13 +122,13 @@ impl<'n> Proof<'n> {
     }
 
     /// A search without multipliers that knows `bound`. `None` if there are too many targets, or a leg takes no time.
-    pub(super) fn new(network: &'n Network, bound: f64, sizes: MemorySizes) -> Option<Proof<'n>> {
+    pub(super) fn new(network: &'n Network, bound: f64, sizes: MemorySizes) -> Option<ProofSearch<'n>> {
         if network.targets > ng_sets::TARGETS_MAX {
             return None;
         }
         let (layout, coarse_layout) = (layout(network, BUCKETS)?, layout(network, COARSE_BUCKETS)?);
         let turned = network.turned();
-        Some(Proof {
+        Some(ProofSearch {
             network,
             sizes,
             latest_departures: [LatestDepartures::new(network), LatestDepartures::new(&turned)],
@@ -161,7 +161,7 @@ impl<'n> Proof<'n> {
         self.ng_sets.fill(0);
     }
 
-    /// Continues until the budget has used `until`, and updates the least bound and the best route ([`Proof::known`]). `incumbent`
+    /// Continues until the budget has used `until`, and updates the least bound and the best route ([`ProofSearch::known`]). `incumbent`
     /// is the profit of a known route. Returns false if even the first labels did not end: then nothing new is known.
     pub(super) fn run(&mut self, incumbent: f64, until: u64, budget: &mut dyn Budget) -> bool {
         (self.incumbent, self.known.better) = (incumbent, None);

@@ -117,7 +117,7 @@ proptest! {
         let incumbent = f64::from(share) * 0.5 * best;
         let sum: f64 = network.nodes.iter().map(|node| node.value).sum();
         for sizes in [SMALL, MemorySizes::SHIPPED] {
-            let mut proof = Proof::new(&network, sum, sizes).unwrap();
+            let mut proof = ProofSearch::new(&network, sum, sizes).unwrap();
             let (mut reached, mut bound) = (incumbent, f64::INFINITY);
             // The fast passes may leave a gap, which the fine ones close.
             for is_fine in [false, true] {
@@ -185,7 +185,7 @@ proptest! {
     fn of_targets_that_fit_into_no_set_walks_alone_say_what_they_can(seed in 0..100_000u64, units in 0..20_000u64) {
         let (nodes, legs, targets) = parts_apart(seed, 64);
         let network = Network::given(nodes, legs, targets);
-        prop_assert_eq!(Proof::new(&network, 0.0, SMALL).is_some(), targets <= 128);
+        prop_assert_eq!(ProofSearch::new(&network, 0.0, SMALL).is_some(), targets <= 128);
         let found = highest_value(&network, 0.0, units, &mut WorkBudget::new(1 << 40));
         prop_assert!(found.bound >= most(&routes(&network)) - 1e-9);
         prop_assert!(found.better.is_none() || targets <= 128);

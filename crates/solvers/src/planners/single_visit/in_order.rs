@@ -8,7 +8,7 @@ use crate::routing::schedule::{Choice, Infeasibility, Schedule};
 use apex_model::problem::{SingleVisitPlan, SingleVisitProblem};
 use apex_planning::solver::{Budget, Environment};
 
-/// Passes over all visits in which better choices are sought.
+/// Iterations over all visits in which better choices are sought.
 const PASSES_MAX: usize = 8;
 
 /// The plan of visiting these targets, by index, in this order; it is by `solver`. Whose manoeuvre is given is observed in that one at

@@ -43,7 +43,7 @@ pub(super) fn passes(increase: f64, temperature: f64, chance: f64) -> bool {
 }
 
 /// A tour that was found, with its cost.
-pub(super) type Found = (f64, Vec<usize>);
+pub(super) type CostedTour = (f64, Vec<usize>);
 
 /// State that all rounds share.
 pub(super) struct Annealing<'s, 'p> {
@@ -73,9 +73,9 @@ impl<'s, 'p> Annealing<'s, 'p> {
     }
 
     /// A round from `start`; returns the best tour seen.
-    pub(super) fn round(&mut self, start: &[usize], round: Round, budget: &mut dyn Budget) -> Found {
+    pub(super) fn round(&mut self, start: &[usize], round: Round, budget: &mut dyn Budget) -> CostedTour {
         let mut flight = TourEvaluation::new(self.scenario, self.with_spares(start), budget);
-        let mut best: Found = (flight.cost(), start.to_vec());
+        let mut best: CostedTour = (flight.cost(), start.to_vec());
         let scale = flight.cost().abs();
         let mut temperature = 0.0;
         for step in 0..round.moves {

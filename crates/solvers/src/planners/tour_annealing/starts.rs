@@ -5,7 +5,7 @@
 //! begin elsewhere are tried, each as soon as it takes a small share of the work done so far.
 //! Bound: what the other planners take, and O(targets) for the groups.
 
-use super::annealing::{Annealing, Found};
+use super::annealing::{Annealing, CostedTour};
 use super::{Share, TEMPERATURES, round};
 use crate::planners::{two_opt, wam};
 use apex_model::problem::Plan;
@@ -89,8 +89,8 @@ impl Starts {
         moves: u64,
         cost: f64,
         budget: &mut dyn Budget,
-    ) -> Option<Found> {
-        let mut best: Option<Found> = None;
+    ) -> Option<CostedTour> {
+        let mut best: Option<CostedTour> = None;
         loop {
             let before = budget.used();
             let allowed = (before.saturating_sub(ALONE_UNITS) / START_SHARE).saturating_sub(self.taken);

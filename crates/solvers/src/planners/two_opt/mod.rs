@@ -10,7 +10,7 @@ mod order;
 mod report;
 mod subset;
 
-use self::report::Report;
+use self::report::CycleObserver;
 use apex_model::problem::{CostFunction, Plan, Problem, SurveillanceProblem};
 use apex_planning::solver::{Budget, Environment, Solver};
 use apex_planning::surveillance::previous;
@@ -62,7 +62,7 @@ pub fn best_cycle(
     scenario: &Scenario<'_>,
     start: Option<Vec<usize>>,
     budget: &mut dyn Budget,
-    report: Report<'_>,
+    report: CycleObserver<'_>,
 ) -> (f64, Vec<usize>) {
     let mut search = subset::SubsetSearch::new(scenario);
     if let Some(start) = start {

@@ -1,4 +1,4 @@
 //! Reports of the search.
 
 /// Hears the cost of each better cycle, and the cycle.
-pub(super) type Report<'r> = &'r mut dyn FnMut(f64, &[usize]);
+pub(super) type CycleObserver<'r> = &'r mut dyn FnMut(f64, &[usize]);

@@ -1,6 +1,6 @@
 //! Choice of targets for the cycle: drop, add and exchange around shortest tours, judged by expected cost.
 
-use super::report::Report;
+use super::report::CycleObserver;
 use apex_planning::solver::Budget;
 use apex_planning::surveillance::scenario::Scenario;
 use apex_planning::tour;
@@ -25,7 +25,7 @@ impl<'s, 'p> SubsetSearch<'s, 'p> {
     }
 
     /// Takes `cycle`, begun where it costs least, if it is better than the best. The first one is always taken.
-    pub(super) fn offer(&mut self, cycle: Vec<usize>, budget: &mut dyn Budget, report: Report<'_>) -> bool {
+    pub(super) fn offer(&mut self, cycle: Vec<usize>, budget: &mut dyn Budget, report: CycleObserver<'_>) -> bool {
         let (cost, cycle) = best_beginning(self.scenario, cycle, budget);
         let better = self.best.is_empty() || cost < self.best_cost * (1.0 - 1e-12);
         if better {
@@ -37,11 +37,11 @@ impl<'s, 'p> SubsetSearch<'s, 'p> {
     }
 
     /// Drops, adds and exchanges targets of the best cycle until nothing helps.
-    pub(super) fn descend(&mut self, budget: &mut dyn Budget, report: Report<'_>) {
+    pub(super) fn descend(&mut self, budget: &mut dyn Budget, report: CycleObserver<'_>) {
         while !budget.exhausted() && self.step(budget, report) {}
     }
 
-    fn step(&mut self, budget: &mut dyn Budget, report: Report<'_>) -> bool {
+    fn step(&mut self, budget: &mut dyn Budget, report: CycleObserver<'_>) -> bool {
         let missing = self.missing();
         // Dropped alone, or with another one instead; at last added alone. Each is made when its turn comes: there are many.
         for at in 0..=self.best.len() {
@@ -70,7 +70,7 @@ impl<'s, 'p> SubsetSearch<'s, 'p> {
 
     /// Starts again with the single best target and adds as long as it helps: reaches small cycles that dropping from
     /// the full set cannot.
-    pub(super) fn grow_from_one(&mut self, budget: &mut dyn Budget, report: Report<'_>) {
+    pub(super) fn grow_from_one(&mut self, budget: &mut dyn Budget, report: CycleObserver<'_>) {
         let mut grown = SubsetSearch::new(self.scenario);
         for target in self.scenario.usable() {
             if budget.exhausted() && !grown.best.is_empty() {

@@ -19,7 +19,7 @@ const SHIFT_WEIGHTS: [i64; 4] = [0, 1, 2, 8];
 
 /// Order of insertion of missing nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Order {
+enum InsertionOrder {
     /// Any.
     Chance,
     /// The most valuable first.
@@ -48,10 +48,10 @@ impl Recreation {
         rng: &mut Generator,
     ) -> u64 {
         let order = match rng.below(8) {
-            0 | 1 => Order::Chance,
-            2 | 3 => Order::Value,
-            4..=6 => Order::Worth,
-            _ => Order::Closing,
+            0 | 1 => InsertionOrder::Chance,
+            2 | 3 => InsertionOrder::Value,
+            4..=6 => InsertionOrder::Worth,
+            _ => InsertionOrder::Closing,
         };
         let blur = 0.2 + 0.6 * rng.unit();
         self.keys.clear();
@@ -59,10 +59,10 @@ impl Recreation {
             let noise = 1.0 + blur * (rng.unit() - 0.5);
             let data = network.node(node);
             let key = match order {
-                Order::Chance => noise,
-                Order::Value => data.value * noise,
-                Order::Worth => data.value * noise * ease.get(node as usize).copied().unwrap_or(1.0),
-                Order::Closing => -f64::from(data.close) * noise,
+                InsertionOrder::Chance => noise,
+                InsertionOrder::Value => data.value * noise,
+                InsertionOrder::Worth => data.value * noise * ease.get(node as usize).copied().unwrap_or(1.0),
+                InsertionOrder::Closing => -f64::from(data.close) * noise,
             };
             self.keys.push((key, node));
         }

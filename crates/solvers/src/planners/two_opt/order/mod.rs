@@ -5,16 +5,16 @@ mod exchange;
 mod relocate;
 mod turn;
 
-use super::report::Report;
+use super::report::CycleObserver;
 use super::subset::SubsetSearch;
 use apex_planning::solver::Budget;
 
 /// Applies the first move that lowers the cost until none does or the budget is exhausted.
-pub(super) fn refine(search: &mut SubsetSearch<'_, '_>, budget: &mut dyn Budget, report: Report<'_>) {
+pub(super) fn refine(search: &mut SubsetSearch<'_, '_>, budget: &mut dyn Budget, report: CycleObserver<'_>) {
     while !budget.exhausted() && step(search, budget, report) {}
 }
 
-fn step(search: &mut SubsetSearch<'_, '_>, budget: &mut dyn Budget, report: Report<'_>) -> bool {
+fn step(search: &mut SubsetSearch<'_, '_>, budget: &mut dyn Budget, report: CycleObserver<'_>) -> bool {
     let count = search.best.len();
     for from in 0..count {
         for to in 0..count {
