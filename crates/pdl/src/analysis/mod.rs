@@ -11,6 +11,7 @@ mod endings;
 mod flow;
 mod horn;
 mod impossible;
+mod interfaces;
 mod kinds;
 mod limits;
 mod loops;
@@ -36,6 +37,7 @@ use apex_model::procedure::{Activity, BuiltInActivity, Hooks, Procedure, Procedu
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 use endings::Endings;
+pub use interfaces::{KnownNames, check_names};
 use methods::Methods;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -86,6 +88,7 @@ pub(crate) fn analyse(library: &Library, names: &Names, fragment: bool, foreign:
     shadows::check(&program, &mut report);
     bindings::check(&program, &mut report);
     dimensions::check(&program, &mut report);
+    interfaces::check(&program, &mut report);
     resemblance::check(&program, &mut report);
     memory::check(&program, &mut report);
     unused::check(&program, &mut report);
