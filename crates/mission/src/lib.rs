@@ -170,8 +170,8 @@ impl Mission {
     fn read(library: Arc<Library>, sources: &Sources) -> MissionResult<Mission> {
         let settings = settings::read(&library)?;
         let named = settings.clone();
-        let place_of = |option: &str| named.place_of(option).to_string();
-        let mut files = Files { sources, place_of: &place_of, data: Vec::new() };
+        let mut files =
+            Files { sources, place_of: &|option: &str| named.place_of(option).to_string(), data: Vec::new() };
         let model = vehicle::load(&settings.model, &mut files)?;
         let terrain = files.terrain(&settings.terrain)?;
         let terms = Terms {
@@ -189,8 +189,7 @@ impl Mission {
         let forecasts = files.forecasts(&settings.forecasts)?;
         let forecast = forecasts.first().map(|(_, wind)| wind.clone());
         let weather = files.read("weather", &settings.weather, surroundings::wind)?;
-        let has_fires = targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_)));
-        let planned_margin_m = if has_fires { settings.zone_margin_m } else { settings.obstacle_margin_m };
+        let planned_margin_m = planned_margin_m(&settings, &targets);
         let mut mission = Mission {
             requirements: requirements::state(&settings.stated_requirements(), &model, planned_margin_m)?,
             agent: program::agent_of(&library),
@@ -382,6 +381,12 @@ impl Mission {
 pub fn read_wind(path: &Path) -> MissionResult<WindField> {
     let bytes = files::read_bytes(path)?;
     surroundings::wind(&DataFile { place: path.display().to_string(), bytes })
+}
+
+/// Distance that plans keep from zones, m: that of single visits where there are fires, else that of surveillance.
+fn planned_margin_m(settings: &Settings, targets: &[Target]) -> f64 {
+    let has_fires = targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_)));
+    if has_fires { settings.zone_margin_m } else { settings.obstacle_margin_m }
 }
 
 /// Room for turns next to a place: so many turn radii, and for vehicles that turn on the spot.

@@ -61,12 +61,12 @@ const STRUCTURE_WATCH: &[Slip] = &[
     (":duration (> 1min)", ":duration (> 1m)"),
     (":quality (:no-constraints)", ":qualty (:no-constraints)"),
     (":options (fire barbecue)", ":options (fire barbeque)"),
-    ("(index (believe barbecue at ?site))", "(index (believe barbecu at ?site))"),
+    ("(index (believe barbecue at ?site))", "(index (believe barbecu at ?site))"), // english: allow
     ("(restart-when (new plan))", "(restart-when (new plans))"),
     ("(priority 10)", "(priority high)"),
     ("(priority 10)", "(priorty 10)"),
     ("(agent rotorcraft-1 ", "(agent rotorcraft-2 "),
-    ("(step take (believe ?answer at ?site))", "(step take (believe ?anser at ?site))"),
+    ("(step take (believe ?answer at ?site))", "(step take (believe ?anser at ?site))"), // english: allow
     ("within 2min", "within 2m"),
 ];
 

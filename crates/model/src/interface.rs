@@ -18,7 +18,7 @@ pub struct InterfaceDeclaration {
     pub options: Vec<Parameter>,
     /// True if any further arguments may follow (`&rest`, `&key`).
     pub is_open: bool,
-    /// Who sends the message if not the program: `vehicle`, `mission`, `operator`; none is the program itself.
+    /// The sender of a message from outside: `vehicle`, `mission`, `operator`, `world`; none is the program itself.
     pub from: Option<Symbol>,
     /// Place in the source.
     pub place: Place,
@@ -50,7 +50,7 @@ pub enum ArgumentType {
     OneOf(Vec<Symbol>),
 }
 
-/// What a name stands for. A mission knows which names of a kind there are.
+/// Kinds of things that have names. A mission knows the names of each kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum NameKind {
     /// A target, airfield or base, or a location as a list (latitude longitude altitude).

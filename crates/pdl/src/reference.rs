@@ -9,16 +9,16 @@ use std::fmt::Write as _;
 #[derive(Default)]
 struct Sections {
     commands: Vec<String>,
-    messages: BTreeMap<String, Message>,
+    messages: BTreeMap<String, MessageEntry>,
     variables: Vec<String>,
     goals: Vec<String>,
     functions: Vec<String>,
     resources: Vec<String>,
 }
 
-/// What is known about a message.
+/// A message with its senders.
 #[derive(Default)]
-struct Message {
+struct MessageEntry {
     signature: Option<String>,
     from: Option<String>,
     said_by: Vec<String>,

@@ -72,7 +72,7 @@ pub fn explain_word(word: &str) -> Option<String> {
     (!text.is_empty()).then_some(text)
 }
 
-/// What the table of mission options says of an option: its cells after the name.
+/// The row of the table of mission options for an option: its cells after the name.
 fn mission_option(name: &str) -> Option<String> {
     let page = include_str!("../../../docs/reference/mission-data.md");
     let option = format!("`:{name}`");

@@ -1,7 +1,7 @@
 //! Kinds of values of expressions: a number of a dimension, an instant, or neither, as far as the program determines them.
 //! Follows `let`, functions, indexicals and queries of declared state variables.
 
-use super::resemblance::QUERIES;
+use super::walk::QUERIES;
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::library::Library;
 use apex_model::quantity::{Dimension, unit_named};

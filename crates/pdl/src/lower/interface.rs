@@ -13,7 +13,7 @@ use apex_model::symbol::Symbol;
 const EVENT: &str =
     "(declare-event (NAME (?parameter TYPE).. [&optional (?parameter TYPE)..] [&rest ?others]) [:from SOURCE])";
 const COMMAND: &str = "(declare-command (NAME (?parameter TYPE).. [&optional (?parameter TYPE)..] [&rest ?others | &key (:option TYPE)..]))";
-/// Who may send a message to the program.
+/// Senders of messages from outside.
 const SOURCES: &[&str] = &["vehicle", "mission", "operator", "world"];
 
 impl Lowering {
@@ -141,7 +141,7 @@ impl Lowering {
         match name.and_then(|name| ArgumentType::of_word(name.folded())) {
             Some(found) => Some(found),
             None => {
-                let diagnostic = Diagnostic::error(codes::MALFORMED, datum.span, "this is no type of arguments");
+                let diagnostic = Diagnostic::error(codes::MALFORMED, datum.span, "expected a type of arguments");
                 let fixes = renames(datum.span, name.map_or("", Symbol::printed), ArgumentType::words());
                 let words: Vec<&str> = ArgumentType::words().collect();
                 self.refuse(

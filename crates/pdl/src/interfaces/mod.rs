@@ -4,45 +4,46 @@
 mod answers;
 mod arguments;
 mod calls;
+mod findings;
 mod known;
 mod messages;
 mod types;
 
-use super::methods::Methods;
-use super::{Program, Report};
+use crate::analysis::methods::Methods;
 use crate::diagnostic::Diagnostic;
-use crate::locate::Locator;
 use apex_model::library::Library;
 use calls::Calls;
+use findings::Findings;
 pub use known::KnownNames;
 use types::Types;
 
 /// Checks that need no mission: types of arguments, and answers of questions.
-pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
-    answers::check(program, report);
-    if !has_declarations(program.library) {
-        return;
+pub(crate) fn check(library: &Library, methods: &Methods<'_>) -> Vec<Diagnostic> {
+    let mut findings = Findings::new(&library.sources);
+    answers::check(library, methods, &mut findings);
+    if has_declarations(library) {
+        let calls = Calls::new(library, methods);
+        let types = Types::new(library, methods, &calls);
+        arguments::check(library, &calls, &types, &mut findings);
     }
-    let calls = Calls::new(program.library, &program.methods);
-    let types = Types::new(program.library, &program.methods, &calls);
-    arguments::check(program.library, &calls, &types, report);
+    findings.diagnostics
 }
 
 /// Checks a library without errors against the names of its mission: places, cameras, radios and aircraft that goals, commands and
 /// conditions name, solvers, and messages that are awaited though nothing sends them.
 pub fn check_names(library: &Library, known: &KnownNames) -> Vec<Diagnostic> {
     let methods = Methods::new(library);
-    let mut report = Report { locator: Locator::new(&library.sources), diagnostics: Vec::new() };
-    known::solvers(library, known, &mut report);
-    known::objects(library, known, &mut report);
+    let mut findings = Findings::new(&library.sources);
+    known::solvers(library, known, &mut findings);
+    known::objects(library, known, &mut findings);
     if has_declarations(library) {
         let calls = Calls::new(library, &methods);
         let types = Types::new(library, &methods, &calls);
-        known::arguments(known, &calls, &types, &mut report);
-        messages::check(library, known, &calls, &mut report);
+        known::arguments(known, &calls, &types, &mut findings);
+        messages::check(library, known, &calls, &mut findings);
     }
-    report.diagnostics.sort_by_key(|each| (each.span.file, each.span.line, each.span.column, each.severity));
-    report.diagnostics
+    findings.diagnostics.sort_by_key(|each| (each.span.file, each.span.line, each.span.column, each.severity));
+    findings.diagnostics
 }
 
 /// Without declarations the types of a program are unknown.

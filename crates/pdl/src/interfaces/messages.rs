@@ -1,8 +1,9 @@
 //! Messages that steps wait for and that can never come: nothing sends them, or not with these arguments.
 
-use super::super::{Report, walk};
 use super::calls::{Call, Calls};
+use super::findings::Findings;
 use super::known::KnownNames;
+use crate::analysis::walk;
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::matching::{may_match, pattern_head};
@@ -17,7 +18,7 @@ use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
-pub(super) fn check(library: &Library, known: &KnownNames, calls: &Calls<'_>, report: &mut Report<'_>) {
+pub(super) fn check(library: &Library, known: &KnownNames, calls: &Calls<'_>, findings: &mut Findings<'_>) {
     if calls.is_wild {
         // A computed message may be any.
         return;
@@ -48,7 +49,7 @@ pub(super) fn check(library: &Library, known: &KnownNames, calls: &Calls<'_>, re
         let of_program = sent.get(head);
         if !from_outside && of_program.is_none() {
             if told.insert(head) {
-                never_sent(library, &sent, head, place, report);
+                never_sent(library, &sent, head, place, findings);
             }
             continue;
         }
@@ -59,7 +60,7 @@ pub(super) fn check(library: &Library, known: &KnownNames, calls: &Calls<'_>, re
         let fits_outside = known.messages.contains(head)
             || declared.is_some_and(|declared| declared.from.is_some() && may_be(declared, pattern));
         if !fits_program && !fits_outside {
-            never_so(declared, of_program, head, place, report);
+            never_so(declared, of_program, head, place, findings);
         }
     }
 }
@@ -99,9 +100,9 @@ fn never_sent(
     sent: &BTreeMap<&Symbol, Vec<&Call<'_>>>,
     head: &Symbol,
     place: Place,
-    report: &mut Report<'_>,
+    findings: &mut Findings<'_>,
 ) {
-    let span = report.locator.word(place, head);
+    let span = findings.locator.word(place, head);
     let outside = library.events.iter().filter(|(_, declared)| declared.from.is_some()).map(|(name, _)| name);
     let names = outside.chain(sent.keys().copied()).map(Symbol::printed);
     let diagnostic =
@@ -109,7 +110,7 @@ fn never_sent(
             .reason("no step, hook or scenario sends it, and it is not declared as a message from outside")
             .fixes(renames(span, head.printed(), names))
             .help(format!("if it comes from outside, declare it: `(declare-event ({head} ..) :from operator)`"));
-    report.add(diagnostic);
+    findings.add(diagnostic);
 }
 
 fn never_so(
@@ -117,18 +118,18 @@ fn never_so(
     sent: Option<&Vec<&Call<'_>>>,
     head: &Symbol,
     place: Place,
-    report: &mut Report<'_>,
+    findings: &mut Findings<'_>,
 ) {
-    let span = report.locator.word(place, head);
+    let span = findings.locator.word(place, head);
     let message = format!("no message `({head} ..)` that is sent matches this");
     let mut diagnostic = Diagnostic::new(Severity::Warning, codes::NEVER_SENT, span, message);
     if let Some(declared) = declared {
-        diagnostic = diagnostic.label(report.locator.span(declared.place), "declared here");
+        diagnostic = diagnostic.label(findings.locator.span(declared.place), "declared here");
     }
     for call in sent.into_iter().flatten().take(SENDERS_SHOWN) {
-        diagnostic = diagnostic.label(report.locator.span(call.place), "sent here");
+        diagnostic = diagnostic.label(findings.locator.span(call.place), "sent here");
     }
-    report.add(diagnostic.help("give it as many arguments as the message has, with the same words"));
+    findings.add(diagnostic.help("give it as many arguments as the message has, with the same words"));
 }
 
 /// Senders shown of one message.

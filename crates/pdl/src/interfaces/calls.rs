@@ -1,7 +1,7 @@
 //! Every goal, message and command of a program with its arguments: where values meet declared types.
 
-use super::super::methods::{Method, Methods};
-use super::super::walk;
+use crate::analysis::methods::{Method, Methods};
+use crate::analysis::walk;
 use crate::diagnostic::Span;
 use crate::locate::{Locator, each};
 use crate::matching::View;
@@ -15,8 +15,8 @@ use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 use std::collections::BTreeSet;
 
-/// Whom the arguments reach.
-pub(super) enum Target<'l> {
+/// The receiver of arguments.
+pub(super) enum Receiver<'l> {
     /// A goal: what may serve it.
     Goal(Vec<Method>),
     /// A declared message or command.
@@ -29,8 +29,8 @@ pub(super) enum Target<'l> {
 pub(super) struct Call<'l> {
     /// The procedure or primitive that it is written in.
     pub(super) owner: Option<Method>,
-    /// Whom it reaches.
-    pub(super) target: Target<'l>,
+    /// The receiver of its arguments.
+    pub(super) receiver: Receiver<'l>,
     /// Its parts, the head first, as far as their positions are known: up to the first splice.
     pub(super) items: Vec<View<'l>>,
     /// True if nothing follows these parts.
@@ -103,7 +103,7 @@ impl<'l> Calls<'l> {
         for agent in &library.agents {
             let goal = View::Value(&agent.initial_task);
             let served = methods.serving(&Template::Constant(agent.initial_task.clone())).unwrap_or_default();
-            calls.add(None, Target::Goal(served), goal, false, agent.place);
+            calls.add(None, Receiver::Goal(served), goal, false, agent.place);
         }
         calls.follow(library, methods);
         calls
@@ -120,8 +120,8 @@ impl<'l> Calls<'l> {
                 self.is_wild = true;
                 return;
             };
-            let given = |call: &Call<'l>| match &call.target {
-                Target::Goal(serving) if serving.contains(&method) => {
+            let given = |call: &Call<'l>| match &call.receiver {
+                Receiver::Goal(serving) if serving.contains(&method) => {
                     Some((call.owner, call.items.get(position).copied(), call.place))
                 }
                 _ => None,
@@ -137,16 +137,16 @@ impl<'l> Calls<'l> {
         }
     }
 
-    fn add(&mut self, owner: Option<Method>, target: Target<'l>, view: View<'l>, is_message: bool, place: Place) {
+    fn add(&mut self, owner: Option<Method>, receiver: Receiver<'l>, view: View<'l>, is_message: bool, place: Place) {
         let (items, is_complete) = parts(view);
         if !items.is_empty() {
-            self.all.push(Call { owner, target, items, is_complete, view, is_message, place });
+            self.all.push(Call { owner, receiver, items, is_complete, view, is_message, place });
         }
     }
 
     fn goal(&mut self, owner: Option<Method>, goal: &'l Template, place: Place, methods: &Methods<'l>) {
         let served = methods.serving(goal).unwrap_or_default();
-        self.add(owner, Target::Goal(served), View::Template(goal), false, place);
+        self.add(owner, Receiver::Goal(served), View::Template(goal), false, place);
     }
 
     /// `(inform MESSAGE)`, `(cogevent MESSAGE)`, `(command COMMAND)` in a hook or a function.
@@ -159,7 +159,7 @@ impl<'l> Calls<'l> {
                 let head = parts(view).0.first().and_then(|head| head.value()).and_then(Value::as_symbol);
                 let declared = head.and_then(|head| library.commands.get(head));
                 if let Some(declared) = declared {
-                    self.add(owner, Target::Declared(declared), view, false, expr.place);
+                    self.add(owner, Receiver::Declared(declared), view, false, expr.place);
                 }
             }
             _ => {}
@@ -179,7 +179,7 @@ impl<'l> Calls<'l> {
             self.is_wild = true;
             return;
         };
-        let target = library.events.get(head).map_or(Target::Message, Target::Declared);
+        let target = library.events.get(head).map_or(Receiver::Message, Receiver::Declared);
         self.add(owner, target, view, true, place);
     }
 }

@@ -1,10 +1,11 @@
 //! Names that a mission has, and messages about names that it does not have.
 
-use super::super::resemblance::QUERIES;
-use super::super::{Report, walk};
 use super::arguments::is_place_word;
 use super::calls::Calls;
+use super::findings::Findings;
 use super::types::Types;
+use crate::analysis::walk;
+use crate::analysis::walk::QUERIES;
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity, Span};
 use crate::suggest::renames;
@@ -24,7 +25,7 @@ pub struct KnownNames {
     pub names: BTreeMap<NameKind, BTreeSet<Symbol>>,
     /// Planners; empty where they are not known.
     pub solvers: BTreeSet<Symbol>,
-    /// First words of messages that come from outside, besides the declared ones.
+    /// First words of messages that come from outside, in addition to the declared ones.
     pub messages: BTreeSet<Symbol>,
 }
 
@@ -54,21 +55,21 @@ const AGENTS_SHOWN: usize = 3;
 const NAMES_SHOWN: usize = 12;
 
 /// Names among the arguments of goals, messages and commands.
-pub(super) fn arguments(known: &KnownNames, calls: &Calls<'_>, types: &Types<'_>, report: &mut Report<'_>) {
+pub(super) fn arguments(known: &KnownNames, calls: &Calls<'_>, types: &Types<'_>, findings: &mut Findings<'_>) {
     for call in &calls.all {
         for (number, item) in call.items.iter().enumerate().skip(1) {
             let Some(Value::Symbol(name)) = item.value() else { continue };
             let Some(ArgumentType::Named(kind)) = types.wanted(call, number) else { continue };
-            let found = known.unknown(kind, name, || call.argument_span(&mut report.locator, number));
+            let found = known.unknown(kind, name, || call.argument_span(&mut findings.locator, number));
             if let Some(diagnostic) = found {
-                report.add(diagnostic);
+                findings.add(diagnostic);
             }
         }
     }
 }
 
 /// Objects of state variables, in conditions and queries.
-pub(super) fn objects(library: &Library, known: &KnownNames, report: &mut Report<'_>) {
+pub(super) fn objects(library: &Library, known: &KnownNames, findings: &mut Findings<'_>) {
     let mut uses: Vec<(NameKind, &Symbol, apex_model::source::Place)> = Vec::new();
     for procedure in &library.procedures {
         walk::conditions_of(procedure, &mut |condition| {
@@ -96,13 +97,14 @@ pub(super) fn objects(library: &Library, known: &KnownNames, report: &mut Report
         }
     });
     for (kind, name, place) in uses {
-        if let Some(mut diagnostic) = known.unknown(kind, name, || report.locator.word(place, name)) {
+        if let Some(mut diagnostic) = known.unknown(kind, name, || findings.locator.word(place, name)) {
             if kind == NameKind::Aircraft {
                 for agent in library.agents.iter().take(AGENTS_SHOWN) {
-                    diagnostic = diagnostic.label(report.locator.word(agent.place, &agent.name), "an aircraft of the mission");
+                    diagnostic =
+                        diagnostic.label(findings.locator.word(agent.place, &agent.name), "an aircraft of the mission");
                 }
             }
-            report.add(diagnostic);
+            findings.add(diagnostic);
         }
     }
 }
@@ -115,12 +117,12 @@ fn symbol_of(expr: &Expr) -> Option<&Symbol> {
 }
 
 /// Declared solvers that no planner is.
-pub(super) fn solvers(library: &Library, known: &KnownNames, report: &mut Report<'_>) {
+pub(super) fn solvers(library: &Library, known: &KnownNames, findings: &mut Findings<'_>) {
     if known.solvers.is_empty() {
         return;
     }
     for solver in library.solvers.iter().filter(|solver| !known.solvers.contains(&solver.name)) {
-        let span = report.locator.word(solver.place, &solver.name);
+        let span = findings.locator.word(solver.place, &solver.name);
         let names: Vec<&str> = known.solvers.iter().map(Symbol::printed).collect();
         let message = format!("no planner is called `{}`", solver.name);
         let diagnostic = Diagnostic::new(Severity::Warning, codes::UNKNOWN_SOLVER, span, message)
@@ -128,6 +130,6 @@ pub(super) fn solvers(library: &Library, known: &KnownNames, report: &mut Report
             .fixes_or_help(renames(span, solver.name.printed(), names.iter().copied()), || {
                 format!("planners are {}", names.join(", "))
             });
-        report.add(diagnostic);
+        findings.add(diagnostic);
     }
 }

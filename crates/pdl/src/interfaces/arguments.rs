@@ -1,9 +1,9 @@
 //! Messages about arguments of the wrong type, and about too few or too many of them.
 
-use super::super::Report;
-use super::super::kinds::{Kind, Kinds, is_zero};
-use super::calls::{Call, Calls, Target};
+use super::calls::{Call, Calls, Receiver};
+use super::findings::Findings;
 use super::types::Types;
+use crate::analysis::kinds::{Kind, Kinds, is_zero};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::fix::Fix;
@@ -16,19 +16,19 @@ use apex_model::quantity::Dimension;
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 
-/// Words that stand for a place wherever a vehicle is told one: where it is, and straight below it.
+/// Words that replace a place in commands: the present position, and straight below it.
 const PLACE_WORDS: &[&str] = &["here", "down"];
 
-pub(super) fn check(library: &Library, calls: &Calls<'_>, types: &Types<'_>, report: &mut Report<'_>) {
+pub(super) fn check(library: &Library, calls: &Calls<'_>, types: &Types<'_>, findings: &mut Findings<'_>) {
     for call in &calls.all {
-        if let Target::Declared(declaration) = &call.target {
-            count(call, declaration, report);
+        if let Receiver::Declared(declaration) = &call.receiver {
+            count(call, declaration, findings);
         }
         for number in 1..call.items.len() {
             let Some(wanted) = types.wanted(call, number) else { continue };
             let Some(item) = call.items.get(number) else { continue };
             if let Some(found) = mismatch(library, &wanted, *item) {
-                argument(call, number, &wanted, found, report);
+                argument(call, number, &wanted, found, findings);
             }
         }
     }
@@ -44,7 +44,7 @@ pub(super) enum Mismatch {
     Word(Symbol),
 }
 
-/// How an argument differs from its type; none where it does not, or where its value is not known.
+/// Returns the difference between an argument and its type; none where it does not, or where its value is not known.
 fn mismatch(library: &Library, wanted: &ArgumentType, item: View<'_>) -> Option<Mismatch> {
     let kind = match item {
         View::Template(Template::Hole(expr)) if is_zero(expr) => return None,
@@ -111,8 +111,8 @@ fn usual_unit(wanted: &ArgumentType) -> Option<&'static str> {
     }
 }
 
-fn argument(call: &Call<'_>, number: usize, wanted: &ArgumentType, found: Mismatch, report: &mut Report<'_>) {
-    let span = call.argument_span(&mut report.locator, number);
+fn argument(call: &Call<'_>, number: usize, wanted: &ArgumentType, found: Mismatch, findings: &mut Findings<'_>) {
+    let span = call.argument_span(&mut findings.locator, number);
     let head = call.head().map_or("", Symbol::printed);
     let diagnostic = match found {
         Mismatch::Other(what) => Diagnostic::error(
@@ -143,11 +143,11 @@ fn argument(call: &Call<'_>, number: usize, wanted: &ArgumentType, found: Mismat
             }
         }
     };
-    report.add(diagnostic);
+    findings.add(diagnostic);
 }
 
 /// Too few or too many arguments.
-fn count(call: &Call<'_>, declaration: &InterfaceDeclaration, report: &mut Report<'_>) {
+fn count(call: &Call<'_>, declaration: &InterfaceDeclaration, findings: &mut Findings<'_>) {
     let is_keyword =
         |item: &&View<'_>| item.value().and_then(Value::as_symbol).is_some_and(|name| name.folded().starts_with(':'));
     // Options are not counted.
@@ -158,7 +158,7 @@ fn count(call: &Call<'_>, declaration: &InterfaceDeclaration, report: &mut Repor
     if is_enough && (declaration.is_open || given <= most) {
         return;
     }
-    let span = call.argument_span(&mut report.locator, 0);
+    let span = call.argument_span(&mut findings.locator, 0);
     let head = call.head().map_or("", Symbol::printed);
     let takes = match (declaration.required, most) {
         (least, most) if least == most => most.to_string(),
@@ -167,11 +167,10 @@ fn count(call: &Call<'_>, declaration: &InterfaceDeclaration, report: &mut Repor
     };
     let message = format!("`({head} ..)` is given {given} arguments, but takes {takes}");
     let parameters: Vec<String> = declaration.parameters.iter().map(|each| format!("?{}", each.name)).collect();
-    let declared = report.locator.span(declaration.place);
-    report.add(Diagnostic::error(codes::ARGUMENT_TYPE, span, message).label(declared, "declared here").help(format!(
-        "its arguments are {}",
-        if parameters.is_empty() { "none".to_string() } else { parameters.join(" ") }
-    )));
+    let declared = findings.locator.span(declaration.place);
+    findings.add(Diagnostic::error(codes::ARGUMENT_TYPE, span, message).label(declared, "declared here").help(
+        format!("its arguments are {}", if parameters.is_empty() { "none".to_string() } else { parameters.join(" ") }),
+    ));
 }
 
 /// True for words that need no place of this name.

@@ -1,9 +1,9 @@
-//! Types of the variables of goals, from what becomes of their values: arguments of declared commands and messages, durations, and goals
+//! Types of the variables of goals, from the uses of their values: arguments of declared commands and messages, durations, and goals
 //! whose variables have a type.
 
-use super::super::methods::{Method, Methods};
-use super::super::walk;
-use super::calls::{Call, Calls, Target};
+use super::calls::{Call, Calls, Receiver};
+use crate::analysis::methods::{Method, Methods};
+use crate::analysis::walk;
 use crate::matching::View;
 use apex_model::condition::ConditionKind;
 use apex_model::expression::{Expr, ExprKind, Template};
@@ -20,14 +20,14 @@ const ROUNDS_MAX: usize = 32;
 
 /// A type, or the knowledge that uses differ.
 #[derive(Clone, PartialEq)]
-enum Found {
+enum TypeUse {
     Type(ArgumentType),
     Contradictory,
 }
 
 /// The types of the variables of indexes.
 pub(super) struct Types<'l> {
-    found: BTreeMap<(Method, &'l Symbol), Found>,
+    found: BTreeMap<(Method, &'l Symbol), TypeUse>,
     /// The index of each method as positions.
     library: &'l Library,
 }
@@ -107,14 +107,14 @@ impl<'l> Types<'l> {
     /// Notes a use; returns whether something is new.
     fn note(&mut self, owner: Method, variable: &'l Symbol, wanted: ArgumentType) -> bool {
         match self.found.get(&(owner, variable)) {
-            Some(Found::Contradictory) => false,
-            Some(Found::Type(known)) if *known == wanted => false,
-            Some(Found::Type(_)) => {
-                self.found.insert((owner, variable), Found::Contradictory);
+            Some(TypeUse::Contradictory) => false,
+            Some(TypeUse::Type(known)) if *known == wanted => false,
+            Some(TypeUse::Type(_)) => {
+                self.found.insert((owner, variable), TypeUse::Contradictory);
                 true
             }
             None => {
-                self.found.insert((owner, variable), Found::Type(wanted));
+                self.found.insert((owner, variable), TypeUse::Type(wanted));
                 true
             }
         }
@@ -122,9 +122,9 @@ impl<'l> Types<'l> {
 
     /// The type that the argument with this number must have, where it is known.
     pub(super) fn wanted(&self, call: &Call<'l>, number: usize) -> Option<ArgumentType> {
-        match &call.target {
-            Target::Message => None,
-            Target::Declared(declaration) => {
+        match &call.receiver {
+            Receiver::Message => None,
+            Receiver::Declared(declaration) => {
                 let before = number.checked_sub(1)?;
                 let keyword =
                     |at: usize| call.items.get(at)?.value()?.as_symbol().filter(|name| name.folded().starts_with(':'));
@@ -137,7 +137,7 @@ impl<'l> Types<'l> {
                 };
                 (parameter.argument_type != ArgumentType::Any).then(|| parameter.argument_type.clone())
             }
-            Target::Goal(serving) => {
+            Receiver::Goal(serving) => {
                 let (first, others) = serving.split_first()?;
                 let wanted = self.of_index(*first, number)?;
                 others.iter().all(|method| self.of_index(*method, number).as_ref() == Some(&wanted)).then_some(wanted)
@@ -158,8 +158,8 @@ impl<'l> Types<'l> {
         }
         let (Pattern::Variable(name) | Pattern::Is { variable: name, .. }) = parts.get(number)? else { return None };
         match self.found.get(&(method, name))? {
-            Found::Type(found) => Some(found.clone()),
-            Found::Contradictory => None,
+            TypeUse::Type(found) => Some(found.clone()),
+            TypeUse::Contradictory => None,
         }
     }
 }

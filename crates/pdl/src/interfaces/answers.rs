@@ -1,12 +1,14 @@
 //! Questions to the operator: the default among the options, the time limit, and a procedure for each answer.
 
-use super::super::kinds::{Kind, Kinds};
-use super::super::{Program, Report};
+use super::findings::Findings;
+use crate::analysis::kinds::{Kind, Kinds};
+use crate::analysis::methods::Methods;
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity, Span};
 use crate::print::template_text;
 use crate::suggest::{near, renames};
 use apex_model::expression::{Expr, ExprKind, Template};
+use apex_model::library::Library;
 use apex_model::pattern::Pattern;
 use apex_model::procedure::{Activity, BuiltInActivity, Procedure, Step};
 use apex_model::quantity::Dimension;
@@ -14,18 +16,18 @@ use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 
-pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
-    for procedure in &program.library.procedures {
+pub(super) fn check(library: &Library, methods: &Methods<'_>, findings: &mut Findings<'_>) {
+    for procedure in &library.procedures {
         for step in &procedure.steps {
             let Activity::BuiltIn(BuiltInActivity::AskOperator, arguments) = &step.activity else { continue };
             let [_, options, by, ..] = arguments.as_slice() else { continue };
             let options = constants(options);
             let default = arguments.get(3).and_then(constant);
-            time_limit(program, by, report);
-            default_among(step, &options, default, report);
+            time_limit(library, by, findings);
+            default_among(step, &options, default, findings);
             if let Some(Pattern::Variable(answer)) = step.binds.as_deref() {
                 let offered: Vec<&Value> = options.iter().copied().chain(default).collect();
-                answers(program, procedure, step, answer, &offered, report);
+                answers((library, methods), procedure, step, answer, &offered, findings);
             }
         }
     }
@@ -50,37 +52,37 @@ fn constants(options: &Expr) -> Vec<&Value> {
     }
 }
 
-fn time_limit(program: &Program<'_>, by: &Expr, report: &mut Report<'_>) {
-    let found = match Kinds::of(program.library, by) {
+fn time_limit(library: &Library, by: &Expr, findings: &mut Findings<'_>) {
+    let found = match Kinds::of(library, by) {
         Kind::Number(Dimension::TIME) | Kind::Instant | Kind::Unknown => return,
         found => found.words(),
     };
     let message = format!("`:by` takes a span of time or an instant, but this is {found}");
-    let span = report.locator.span(by.place);
-    report.add(Diagnostic::error(codes::ARGUMENT_TYPE, span, message));
+    let span = findings.locator.span(by.place);
+    findings.add(Diagnostic::error(codes::ARGUMENT_TYPE, span, message));
 }
 
-fn default_among(step: &Step, options: &[&Value], default: Option<&Value>, report: &mut Report<'_>) {
+fn default_among(step: &Step, options: &[&Value], default: Option<&Value>, findings: &mut Findings<'_>) {
     let Some(Value::Symbol(word)) = default.filter(|default| !options.is_empty() && !options.contains(default)) else {
         return;
     };
-    let span = after_keyword(report, step, ":default", word);
+    let span = after_keyword(findings, step, ":default", word);
     let words = options.iter().filter_map(|option| option.as_symbol()).map(Symbol::printed);
     let diagnostic =
         Diagnostic::new(Severity::Warning, codes::UNSERVED_ANSWER, span, format!("`{word}` is none of the options"))
             .reason("the operator cannot choose what counts without an answer")
             .fixes(renames(span, word.printed(), words));
-    report.add(diagnostic);
+    findings.add(diagnostic);
 }
 
 /// Goals of the procedure in which the answer is a word: something must serve each of them.
 fn answers(
-    program: &Program<'_>,
+    (library, methods): (&Library, &Methods<'_>),
     procedure: &Procedure,
     asking: &Step,
     answer: &Symbol,
     offered: &[&Value],
-    report: &mut Report<'_>,
+    findings: &mut Findings<'_>,
 ) {
     for step in &procedure.steps {
         let Activity::Goal(goal) = &step.activity else { continue };
@@ -89,22 +91,22 @@ fn answers(
         }
         for value in offered {
             let filled = fill(goal, answer, value);
-            if program.methods.serving(&filled).is_none_or(|serving| !serving.is_empty()) {
+            if methods.serving(&filled).is_none_or(|serving| !serving.is_empty()) {
                 continue;
             }
             let span = match value {
-                Value::Symbol(word) => report.locator.word(asking.place, word),
-                _ => report.locator.activity(asking.place),
+                Value::Symbol(word) => findings.locator.word(asking.place, word),
+                _ => findings.locator.activity(asking.place),
             };
             let message = format!("the answer `{value}` leads to `{}`, which nothing serves", template_text(&filled));
             let severity = if step.on_failure.is_some() { Severity::Note } else { Severity::Warning };
             let mut diagnostic = Diagnostic::new(severity, codes::UNSERVED_ANSWER, span, message)
-                .label(report.locator.activity(step.place), "pursued with the answer")
+                .label(findings.locator.activity(step.place), "pursued with the answer")
                 .help("write a procedure for it, or correct the option");
-            if let Some(place) = unused_index(program, &filled) {
-                diagnostic = diagnostic.label(report.locator.index(place), "serves a similar goal");
+            if let Some(place) = unused_index(library, &filled) {
+                diagnostic = diagnostic.label(findings.locator.index(place), "serves a similar goal");
             }
-            report.add(diagnostic);
+            findings.add(diagnostic);
         }
     }
 }
@@ -128,8 +130,8 @@ fn fill(goal: &Template, answer: &Symbol, value: &Value) -> Template {
     }
 }
 
-/// The procedure or primitive for a goal that differs from `goal` in words that resemble each other.
-fn unused_index(program: &Program<'_>, goal: &Template) -> Option<Place> {
+/// The procedure or primitive for a goal that differs from `goal` by words that resemble each other.
+fn unused_index(library: &Library, goal: &Template) -> Option<Place> {
     let Template::List(parts) = goal else { return None };
     let resembles = |own: &Template, index: &Pattern| match (own, index) {
         (Template::Constant(Value::Symbol(own)), Pattern::Literal(Value::Symbol(word))) => {
@@ -144,20 +146,19 @@ fn unused_index(program: &Program<'_>, goal: &Template) -> Option<Place> {
         }
         _ => false,
     };
-    let library = program.library;
     let procedures = library.procedures.iter().map(|each| (&each.index, each.place));
     let mut indexes = procedures.chain(library.primitives.iter().map(|each| (&each.index, each.place)));
     indexes.find(|(index, _)| is_similar(index)).map(|(_, place)| place)
 }
 
 /// The word after a keyword of the step, else the activity.
-fn after_keyword(report: &mut Report<'_>, step: &Step, keyword: &str, word: &Symbol) -> Span {
-    let Some(datum) = report.locator.datum(step.place) else { return report.locator.span(step.place) };
+fn after_keyword(findings: &mut Findings<'_>, step: &Step, keyword: &str, word: &Symbol) -> Span {
+    let Some(datum) = findings.locator.datum(step.place) else { return findings.locator.span(step.place) };
     let mut found = None;
     crate::locate::each(&datum, &mut |part| {
         let items = part.as_list().unwrap_or_default();
         let after = items.iter().position(|item| item.is(keyword)).and_then(|at| items.get(at + 1));
         found = found.or_else(|| after.filter(|item| item.as_symbol() == Some(word)).map(|item| item.span));
     });
-    found.unwrap_or_else(|| report.locator.activity(step.place))
+    found.unwrap_or_else(|| findings.locator.activity(step.place))
 }
