@@ -256,6 +256,9 @@ impl Loader {
         }
         let flawed = &self.flawed;
         self.diagnostics.extend(lowering.diagnostics.into_iter().filter(|each| !flawed.contains(&each.span.file)));
+        // Notes are for the author of the text: of a library that is used they would be noise.
+        let foreign = &self.foreign;
+        self.diagnostics.retain(|each| each.severity != Severity::Note || !foreign.contains(&each.span.file));
         self.diagnostics.sort_by_key(|each| (each.span.file, each.span.line, each.span.column, each.severity));
         (Checked { library: self.library, diagnostics: self.diagnostics }, conditions)
     }
@@ -283,6 +286,8 @@ impl Loader {
                 }
                 "in-apex-bundle" => enter_bundle(lowering, form),
                 "defun"
+                | "declare-command"
+                | "declare-event"
                 | "declare-function"
                 | "defconstant"
                 | "state-variable"

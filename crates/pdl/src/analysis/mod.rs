@@ -11,11 +11,11 @@ mod endings;
 mod flow;
 mod horn;
 mod impossible;
-mod kinds;
+pub(crate) mod kinds;
 mod limits;
 mod loops;
 mod memory;
-mod methods;
+pub(crate) mod methods;
 mod own_tag;
 mod probes;
 mod profiles;
@@ -24,9 +24,10 @@ mod served;
 mod shadows;
 mod starts;
 mod unused;
-mod walk;
+pub(crate) mod walk;
 
 use crate::diagnostic::Diagnostic;
+use crate::interfaces;
 use crate::locate::Locator;
 use crate::lower::Names;
 use apex_model::condition::Condition;
@@ -86,6 +87,9 @@ pub(crate) fn analyse(library: &Library, names: &Names, fragment: bool, foreign:
     shadows::check(&program, &mut report);
     bindings::check(&program, &mut report);
     dimensions::check(&program, &mut report);
+    for found in interfaces::check(library, &program.methods) {
+        report.add(found);
+    }
     resemblance::check(&program, &mut report);
     memory::check(&program, &mut report);
     unused::check(&program, &mut report);
