@@ -19,6 +19,7 @@ const OPTIONS: &[&str] = &[
     "agents",
     "airfields",
     "airspace",
+    "cloud-forecast",
     "costs",
     "diagnosis",
     "duration",
