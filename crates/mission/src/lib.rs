@@ -231,16 +231,7 @@ impl Mission {
         mission.check_ceiling()?;
         mission.modems = modems::read(&mission)?;
         mission.read_links()?;
-        requirements::check_start(&requirements::StartConditions {
-            place: mission.settings.place_of("requirements"),
-            requirements: &mission.requirements,
-            model: &mission.model,
-            zones: &mission.zones,
-            landing_places: mission.landing_places(),
-            forecast: &mission.forecast,
-            start: mission.start,
-            start_altitude_m: mission.start_altitude_m,
-        })?;
+        mission.check_start()?;
         mission.data = Arc::new(files.data);
         Ok(mission)
     }
@@ -253,6 +244,20 @@ impl Mission {
         let lost = lost_link::read((&self.settings.lost_link, self.settings.place_of("lost-link")), Some(&place_of))?;
         (self.link_map, self.lost_link) = (links, lost);
         Ok(())
+    }
+
+    /// The requirements must hold at the start.
+    fn check_start(&self) -> MissionResult {
+        requirements::check_start(&requirements::StartConditions {
+            place: self.settings.place_of("requirements"),
+            requirements: &self.requirements,
+            model: &self.model,
+            zones: &self.zones,
+            landing_places: self.landing_places(),
+            forecast: &self.forecast,
+            start: self.start,
+            start_altitude_m: self.start_altitude_m,
+        })
     }
 
     /// The vehicle must be able to fly above the place where it starts, and above every target.

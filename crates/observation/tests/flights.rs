@@ -17,8 +17,7 @@ use apex_observation::sensor::{GimbalAngles, RateLimits, RollLimits};
 use apex_observation::strip::ScannerSetting;
 use apex_observation::target::{ObservedTarget, OrderNeed, TargetArea, WantedLook};
 use apex_observation::timing::{LatencyNeed, LightNeed};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use rand_chacha::{ChaCha8Rng, rand_core::Rng, rand_core::SeedableRng};
 use std::collections::BTreeMap;
 use support::*;
 

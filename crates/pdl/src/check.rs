@@ -5,6 +5,7 @@ use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity, Span};
 use crate::fix::Fix;
 use crate::host::{HostSignature, host_names};
+use crate::interfaces;
 use crate::loose;
 use crate::lower::{Lowering, Names};
 use crate::read::{Datum, DatumKind, read_file};
@@ -253,6 +254,9 @@ impl Loader {
                 _ => analyse_conditions(&self.library, &conditions, &lowering.names),
             };
             self.diagnostics.extend(found);
+            if texts.is_empty() {
+                self.diagnostics.extend(interfaces::check(&self.library));
+            }
         }
         let flawed = &self.flawed;
         self.diagnostics.extend(lowering.diagnostics.into_iter().filter(|each| !flawed.contains(&each.span.file)));

@@ -1,4 +1,4 @@
-//! What an agent was given and did in one step.
+//! Input and output of one step of an agent.
 
 use apex_model::effect::Effect;
 use apex_model::event::Batch;

@@ -27,7 +27,6 @@ mod unused;
 pub(crate) mod walk;
 
 use crate::diagnostic::Diagnostic;
-use crate::interfaces;
 use crate::locate::Locator;
 use crate::lower::Names;
 use apex_model::condition::Condition;
@@ -87,9 +86,6 @@ pub(crate) fn analyse(library: &Library, names: &Names, fragment: bool, foreign:
     shadows::check(&program, &mut report);
     bindings::check(&program, &mut report);
     dimensions::check(&program, &mut report);
-    for found in interfaces::check(library, &program.methods) {
-        report.add(found);
-    }
     resemblance::check(&program, &mut report);
     memory::check(&program, &mut report);
     unused::check(&program, &mut report);

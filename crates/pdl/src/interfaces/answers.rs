@@ -33,6 +33,12 @@ pub(super) fn check(library: &Library, methods: &Methods<'_>, findings: &mut Fin
     }
 }
 
+/// True if a step asks the operator.
+pub(super) fn has_questions(library: &Library) -> bool {
+    let asks = |step: &Step| matches!(step.activity, Activity::BuiltIn(BuiltInActivity::AskOperator, _));
+    library.procedures.iter().any(|procedure| procedure.steps.iter().any(asks))
+}
+
 fn constant(expr: &Expr) -> Option<&Value> {
     match &expr.kind {
         ExprKind::Constant(value) => Some(value),

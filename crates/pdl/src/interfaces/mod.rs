@@ -18,12 +18,16 @@ pub use known::KnownNames;
 use types::Types;
 
 /// Checks that need no mission: types of arguments, and answers of questions.
-pub(crate) fn check(library: &Library, methods: &Methods<'_>) -> Vec<Diagnostic> {
+pub(crate) fn check(library: &Library) -> Vec<Diagnostic> {
     let mut findings = Findings::new(&library.sources);
-    answers::check(library, methods, &mut findings);
+    if !has_declarations(library) && !answers::has_questions(library) {
+        return findings.diagnostics;
+    }
+    let methods = Methods::new(library);
+    answers::check(library, &methods, &mut findings);
     if has_declarations(library) {
-        let calls = Calls::new(library, methods);
-        let types = Types::new(library, methods, &calls);
+        let calls = Calls::new(library, &methods);
+        let types = Types::new(library, &methods, &calls);
         arguments::check(library, &calls, &types, &mut findings);
     }
     findings.diagnostics
