@@ -40,7 +40,7 @@ const KINDS: [(&str, &str, &str); 6] = [
     ("known durations", "", "(index (use ?n)) (profile camera) (expected-duration 1s)"),
     ("two resources", "", "(index (use ?n)) (profile camera link)"),
     ("two resources, known durations", "", "(index (use ?n)) (profile camera link) (expected-duration 1s)"),
-    ("a shared and a separate resource", "", "(index (use ?n)) (profile camera ((antenna ?n)))"),
+    ("a shared and a separate resource", "", "(index (use ?n)) (profile camera ((antenna ?n) 1))"),
     ("capacity 2", "(resource link :capacity 2)", "(index (use ?n)) (profile (link 1))"),
     ("urgency", "", "(index (use ?n)) (profile camera)"),
 ];
