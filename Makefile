@@ -72,8 +72,7 @@ test: ## Everything that CI runs: check, tests, spec pages, the Python package, 
 	$(MAKE) web
 	$(MAKE) --jobs=2 --output-sync=target rust-lints web-checks web-tests
 	$(MAKE) rust-tests
-	$(MAKE) python-checks python-tests
-	$(MAKE) flights
+	$(MAKE) --jobs=2 --output-sync=target python-checks python-tests flights
 	$(MAKE) page-tests
 
 spec: ## Run the specification pages; UPDATE=1 rewrites their expected traces (review the diff).
@@ -284,7 +283,7 @@ rust-build: web/dist/index.html
 
 # No package has documentation tests; looking for them would take a run of rustdoc for each.
 rust-tests: rust-build
-	cargo test --locked --quiet $(CI_PROFILE) $(CI_SELECTION) --lib --tests --examples
+	cargo xtask test --locked --quiet $(CI_PROFILE) $(CI_SELECTION) --lib --tests --examples
 
 web-checks: web/node_modules/.installed
 	cd web && npm run --silent check

@@ -201,7 +201,7 @@ impl Teller {
         if to == TaskState::Ongoing {
             self.known.started.insert(task);
         }
-        let failed = matches!(outcome, Some(Outcome::Failure));
+        let failed = outcome.is_some_and(|outcome| outcome.is_failure() || matches!(outcome, Outcome::Skipped));
         let never_started = to == TaskState::Terminated && !self.known.started.contains(&task);
         let hidden = self.known.built_in.contains(&task) && !self.kinds.contains("builtin");
         if !failed && (hidden || never_started) {
@@ -211,7 +211,7 @@ impl Teller {
             Some(Outcome::Success(value)) if !value.is_true() => "terminated".to_string(),
             Some(Outcome::Success(value)) => self.with_names(&format!("terminated >> {value}")),
             Some(Outcome::Failure) => "failed".to_string(),
-            Some(Outcome::Cut) => "cut".to_string(),
+            Some(other) => other.word().to_string(),
             None => to.word().to_string(),
         };
         self.say(to.word(), at, &format!("{} {words}", self.name(task)), Some(&decision.because));

@@ -21,6 +21,7 @@ mod quick;
 mod readmes;
 mod rings;
 mod sizes;
+mod testing;
 mod third_party;
 mod tidy;
 mod tree;
@@ -34,6 +35,7 @@ use workspace::Workspace;
 
 const USAGE: &str = "usage: cargo xtask tidy                check the rules of the repository
        cargo xtask quick               check and test what a change needs
+       cargo xtask test ARGUMENT ..    run tests as `cargo test` does, several programs at a time
        cargo xtask rings [--update]    list rings of imports; lower their ceilings
        cargo xtask phrases [--update]  list phrases to avoid in changed lines; lower their ceilings
        cargo xtask english [--update]  list breaches of the rules for texts in changed lines; lower their ceilings
@@ -61,6 +63,7 @@ fn run(root: &Path, words: &[&str]) -> Result<String, String> {
     match words {
         ["tidy"] => tidy::run(root),
         ["quick"] => quick::run(root),
+        ["test", arguments @ ..] => testing::run(root, arguments),
         ["rings"] => rings::report(&Workspace::read(root)?, &tree::read(root)?),
         ["rings", "--update"] => rings::update(root, &Workspace::read(root)?, &tree::read(root)?),
         ["phrases"] => phrases::report(&tree::read(root)?, &git::changes(root)?),

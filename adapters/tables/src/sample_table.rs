@@ -35,6 +35,7 @@ impl SampleTable {
                 self.writer.write(Row::event(stamp, &form))
             }
             EventKind::CommandAcknowledged(..)
+            | EventKind::CommandProgressed(..)
             | EventKind::SolverReported(..)
             | EventKind::OperatorAnswered(..)
             | EventKind::Woken

@@ -4,10 +4,10 @@
 //! notice -> enable -> choose -> contend -> commit -> act, again and again until nothing changes. So the decisions
 //! do not depend on how events were divided into batches, nor on how often time was advanced.
 
-use crate::control::conflicts::deadlock;
+use crate::control::conflicts::{deadlock, resources};
 use crate::control::cycle::{Cycle, Work};
 use crate::control::tasks::instantiation::{self, Seed};
-use crate::control::tasks::{monitoring_clauses, probing, termination};
+use crate::control::tasks::{execution_conditions, monitoring_clauses, probing, termination};
 use crate::phases::{contention, enablement, invariants, invocation, recording, selection};
 use crate::state::agent::Agent;
 use crate::state::bindings::Bindings;
@@ -87,6 +87,7 @@ fn work_through(cycle: &mut Cycle<'_>, events: &[Event]) {
             continue;
         }
         recording::record_said(cycle);
+        execution_conditions::notice(cycle);
         monitoring_clauses::notice(cycle);
         enablement::enable(cycle);
         termination::fail_beyond_budget(cycle);
@@ -116,6 +117,7 @@ fn is_quiet(cycle: &Cycle<'_>, events: &[Event]) -> bool {
         && matches!(cycle.work.stimuli.as_slice(), [only] if monitoring_clauses::is_unheard(cycle, only))
         && cycle.agent.wakes.first().is_none_or(|(key, _)| key.at > cycle.now)
         && cycle.work.has_only_stimuli()
+        && !execution_conditions::concern(cycle)
 }
 
 /// Makes the root task.
@@ -130,6 +132,7 @@ fn begin(cycle: &mut Cycle<'_>) {
     };
     if let Ok(root) = instantiation::create(cycle, seed) {
         instantiation::arm(cycle, root);
+        resources::tell_levels(cycle, root);
     }
 }
 

@@ -158,6 +158,12 @@ pub const BUILT_INS: &[BuiltIn] = &[
     pure("remove-duplicates", 1, 1, "list -> the list with the first of each = item"),
     pure("remove-if", 2, 2, "function list -> items for which it does not hold"),
     pure("remove-if-not", 2, 2, "function list -> items for which it holds"),
+    effect(
+        "replenish",
+        1,
+        Some(2),
+        "RESOURCE [amount] -> adds to a renewable resource what it lacks, this amount at most",
+    ),
     pure("rest", 1, 1, "list -> the list without its first item"),
     pure("reverse", 1, 1, "list or text -> the same backwards"),
     pure("round", 1, 2, "number [divisor] -> the nearest integer, halves to even"),

@@ -354,4 +354,40 @@ pub enum Cause {
         /// Reason, as the system states it.
         reason: String,
     },
+    /// The `precondition` or `invariant` of a task does not hold.
+    ConditionViolated {
+        /// The clause's name.
+        clause: Cow<'static, str>,
+    },
+    /// The `waitfor` can no longer hold: it needs an outcome that a step of the procedure did not have.
+    OutcomeMissed {
+        /// The task of that step.
+        task: TaskId,
+        /// The outcome that was waited for: `failed`.
+        outcome: Symbol,
+    },
+    /// The result that the step uses can no longer come: the step that gives it ended without success.
+    ResultMissed {
+        /// The task of that step.
+        task: TaskId,
+        /// The variable, without `?`.
+        variable: Symbol,
+    },
+    /// A resource was taken, and the profile says `:refuse-if-busy`.
+    ResourceBusy {
+        /// The resource.
+        resource: Value,
+        /// The task that has it, or gets it.
+        holder: TaskId,
+    },
+    /// A command was sent, came further, ended or was taken back.
+    CommandMoved {
+        /// The command.
+        command: CommandId,
+    },
+    /// There is another amount of a renewable resource: as the agent begins, and when work has used it.
+    LevelChanged {
+        /// The resource.
+        resource: Symbol,
+    },
 }

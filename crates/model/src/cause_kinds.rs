@@ -55,6 +55,13 @@ impl Cause {
             Cause::NoMethod { .. } => "no-method",
             Cause::SolverFailed { .. } => "solver-failed",
             Cause::SolverTimedOut { .. } => "solver-timed-out",
+            _ => self.kind_of_the_rest(),
+        }
+    }
+
+    /// Bindings, faults, operators, and what the agent publishes itself.
+    fn kind_of_the_rest(&self) -> &'static str {
+        match self {
             Cause::Binding { .. } => "binding",
             Cause::FormRan { .. } => "form-ran",
             Cause::SentAgain => "sent-again",
@@ -70,8 +77,16 @@ impl Cause {
             Cause::Stopped { .. } => "stopped",
             Cause::NobodyHears { .. } => "nobody-hears",
             Cause::WaitsInCircle { .. } => "waits-in-circle",
+            Cause::ConditionViolated { .. } => "condition-violated",
+            Cause::OutcomeMissed { .. } => "outcome-missed",
+            Cause::ResultMissed { .. } => "result-missed",
+            Cause::ResourceBusy { .. } => "resource-busy",
+            Cause::CommandMoved { .. } => "command-moved",
+            Cause::LevelChanged { .. } => "level-changed",
             Cause::ExecutiveFault { .. } => "executive-fault",
             Cause::RecordingLost { .. } => "recording-lost",
+            // The others have their names above.
+            _ => "",
         }
     }
 }

@@ -109,6 +109,18 @@ impl Cause {
             Cause::Stopped { reason } => format!("the application ends: {reason}"),
             Cause::NobodyHears { message } => message.clone(),
             Cause::WaitsInCircle { links } => circle_text(links),
+            Cause::ConditionViolated { clause } => format!("its {clause} does not hold"),
+            Cause::OutcomeMissed { task, outcome } => {
+                format!("its waitfor can no longer hold: {task} has ended, and is not `{outcome}`")
+            }
+            Cause::ResultMissed { task, variable } => {
+                format!("?{variable} can no longer get a value: {task} has ended without success")
+            }
+            Cause::ResourceBusy { resource, holder } => {
+                format!("{holder} has {resource}, and its profile says :refuse-if-busy")
+            }
+            Cause::CommandMoved { command } => format!("this is how far command {} is", command.0),
+            Cause::LevelChanged { resource } => format!("this is how much there is of {resource} now"),
             Cause::ExecutiveFault { message } => format!("{message}: this is a fault of the executive"),
             // The others have their words above.
             _ => String::new(),

@@ -47,7 +47,37 @@ pub enum EventKind {
     Told(Symbol, Message),
     /// The application ends, for this reason: all tasks are cut.
     Stop(String),
+    /// The vehicle says how far a command is; its end comes as `CommandAcknowledged`.
+    CommandProgressed(CommandId, CommandProgress),
 }
+
+/// Progress of a command that the vehicle has not finished.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum CommandProgress {
+    /// The vehicle has taken the command.
+    Accepted,
+    /// The vehicle is carrying it out.
+    InProgress,
+}
+
+impl CommandProgress {
+    /// The word in `(command-state ?step = accepted)` and in inputs.
+    pub fn word(self) -> &'static str {
+        match self {
+            CommandProgress::Accepted => "accepted",
+            CommandProgress::InProgress => "in-progress",
+        }
+    }
+
+    /// The progress with this word.
+    pub fn named(word: &str) -> Option<CommandProgress> {
+        [CommandProgress::Accepted, CommandProgress::InProgress].into_iter().find(|each| each.word() == word)
+    }
+}
+
+/// Attribute of the state variable that holds the state of the last command of a task, `(command-state ?step)`: `sent`,
+/// `accepted`, `in-progress`, `done`, `failed`, `timed-out` or `withdrawn`.
+pub const COMMAND_STATE: &str = "command-state";
 
 /// Message from one agent to others.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -10,7 +10,7 @@ use crate::source::{Place, SourceFile};
 use crate::symbol::Symbol;
 use crate::value::Value;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// Checked definitions. The PDL front end builds them; all later code relies on their correctness.
@@ -57,6 +57,18 @@ impl Library {
     pub fn feeds_derivations(&self, attribute: &Symbol) -> bool {
         let reads = |each: &Derivation| each.inputs.iter().any(|input| input.attribute == *attribute);
         !self.derivations.is_empty() && self.derivations.values().any(reads)
+    }
+
+    /// The parts of a resource and their parts, in order of their names; none for most resources.
+    pub fn parts_of<'a>(&'a self, resource: &Symbol) -> Vec<&'a Symbol> {
+        let mut parts: BTreeSet<&Symbol> = BTreeSet::new();
+        let mut open = vec![resource.clone()];
+        while let Some(whole) = open.pop() {
+            let own = self.resources.iter().filter(|(_, each)| each.part_of.as_ref() == Some(&whole));
+            let own: Vec<&Symbol> = own.map(|(name, _)| name).filter(|name| *name != resource).collect();
+            open.extend(own.into_iter().filter(|name| parts.insert(name)).cloned());
+        }
+        parts.into_iter().collect()
     }
 
     /// True when several agents are declared: what one says may concern others.
@@ -118,11 +130,14 @@ pub struct StateVariableDeclaration {
     pub place: Place,
 }
 
-/// `(resource NAME [:capacity N] [:depletable Q])`.
+/// `(resource NAME [:capacity N | :depletable Q | :renewable Q] [:part-of RESOURCE])`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ResourceDeclaration {
     /// Exclusive, shared or consumed.
     pub kind: ResourceKind,
+    /// The resource that it is a part of: who takes that takes this, too.
+    #[serde(default)]
+    pub part_of: Option<Symbol>,
     /// Place in the source.
     pub place: Place,
 }
@@ -136,7 +151,12 @@ pub enum ResourceKind {
     Capacity(u32),
     /// Reserved at engagement, consumed at the end.
     Depletable(Value),
+    /// The same, and `(replenish NAME ..)` brings it back, up to this amount.
+    Renewable(Value),
 }
+
+/// Attribute of the state variable that holds how much there is of a renewable resource, `(resource-level fuel)`.
+pub const RESOURCE_LEVEL: &str = "resource-level";
 
 /// `(solver NAME (index PATTERN) ..)`: a planner's invocation pattern.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

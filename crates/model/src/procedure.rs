@@ -57,6 +57,9 @@ pub struct ResourceNeed {
     pub resource: Template,
     /// Units of a capacity or amount of a depletable; none takes the whole.
     pub amount: Option<Expr>,
+    /// + `:refuse-if-busy`: the task fails rather than wait for it.
+    #[serde(default)]
+    pub refuse_if_busy: bool,
     /// Place in the source.
     pub place: Place,
 }
@@ -87,6 +90,14 @@ pub struct Transitions {
     pub suspend_when: Option<Box<Condition>>,
     /// The `until` of `suspend-when`.
     pub suspend_until: Option<Box<Condition>>,
+    /// + `skip-when`, of steps only: the task is not begun.
+    pub skip_when: Option<Box<Condition>>,
+    /// + `exit-when`: the task ends without success or failure.
+    pub exit_when: Option<Box<Condition>>,
+    /// + `precondition`: must hold as the task begins; judged at instants, not watched.
+    pub precondition: Option<Box<Condition>>,
+    /// + `invariant`: must hold while the task is ongoing; judged at instants, not watched.
+    pub invariant: Option<Box<Condition>>,
 }
 
 /// Forms run at moments of a task's life, in order.

@@ -63,4 +63,65 @@ pub enum Outcome {
     Failure,
     /// Its parent ended first, or another task terminated it.
     Cut,
+    /// Not begun: its `skip-when` or `exit-when` held before, or what it waits for can no longer come.
+    Skipped,
+    /// Its `exit-when` held while it was at work.
+    Exited,
+    /// A failure: its `precondition` did not hold as it was to begin.
+    PreconditionFailed,
+    /// A failure: its `invariant` did not hold while it was at work.
+    InvariantViolated,
 }
+
+impl Outcome {
+    /// True for each kind of failure: its parent fails unless something handles it.
+    pub fn is_failure(&self) -> bool {
+        matches!(self, Outcome::Failure | Outcome::PreconditionFailed | Outcome::InvariantViolated)
+    }
+
+    /// The outcome's word in traces and answers.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Outcome::Success(_) => "success",
+            Outcome::Failure => "failure",
+            Outcome::Cut => "cut",
+            Outcome::Skipped => "skipped",
+            Outcome::Exited => "exited",
+            Outcome::PreconditionFailed => "precondition failed",
+            Outcome::InvariantViolated => "invariant violated",
+        }
+    }
+
+    /// The past tense of the outcome for sentences about a task: `it failed`.
+    pub fn phrase(&self) -> &'static str {
+        match self {
+            Outcome::Success(_) => "succeeded",
+            Outcome::Failure => "failed",
+            Outcome::Cut => "was cut",
+            Outcome::Skipped => "was skipped",
+            Outcome::Exited => "exited",
+            Outcome::PreconditionFailed => "failed by its precondition",
+            Outcome::InvariantViolated => "failed by its invariant",
+        }
+    }
+
+    /// The words of [`OUTCOME_STATES`] that hold of a task with this outcome.
+    pub fn states(&self) -> &'static [&'static str] {
+        match self {
+            Outcome::Success(_) => &["succeeded"],
+            Outcome::Failure => &["failed"],
+            Outcome::Cut => &["cut"],
+            Outcome::Skipped => &["skipped"],
+            Outcome::Exited => &["exited"],
+            Outcome::PreconditionFailed => &["failed", "precondition-failed"],
+            Outcome::InvariantViolated => &["failed", "invariant-violated"],
+        }
+    }
+}
+
+/// Words for how a task ended for good, as conditions name them: `(failed ?s)`, `(state ?s = failed)`.
+pub const OUTCOME_STATES: &[&str] =
+    &["succeeded", "failed", "cut", "skipped", "exited", "precondition-failed", "invariant-violated"];
+
+/// Those of [`OUTCOME_STATES`] that only a failure has.
+pub const FAILURE_STATES: &[&str] = &["failed", "precondition-failed", "invariant-violated"];

@@ -239,6 +239,7 @@ impl Loader {
             lowering.suggest_index(&self.library);
         }
         if !self.incomplete {
+            lowering.check_wholes(&self.library);
             lowering.report_same_indexes();
             lowering.report_unknown_company(&self.library);
         }

@@ -119,6 +119,11 @@ impl<'a> AgentGroup<'a> {
                 *command = CommandId(own);
                 Some(agent)
             }
+            EventKind::CommandProgressed(command, _) => {
+                let (agent, own) = Numbering::inner(command.0, self.agents.len());
+                *command = CommandId(own);
+                Some(agent)
+            }
             EventKind::SolverReported(request, _) => {
                 let (agent, own) = Numbering::inner(request.0, self.agents.len());
                 *request = SolveRequestId(own);

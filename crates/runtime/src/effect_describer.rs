@@ -243,18 +243,14 @@ pub fn cause_text(because: &Because) -> String {
     text
 }
 
-/// `success`, `failure` or `cut`.
+/// `success`, `failure`, `cut`, `skipped`, `exited`, `precondition failed` or `invariant violated`.
 pub fn outcome_word(outcome: &Outcome) -> &'static str {
-    match outcome {
-        Outcome::Success(_) => "success",
-        Outcome::Failure => "failure",
-        Outcome::Cut => "cut",
-    }
+    outcome.word()
 }
 
 fn outcome_value(outcome: &Outcome) -> Option<Value> {
     match outcome {
         Outcome::Success(value) if value.is_true() => Some(value.clone()),
-        Outcome::Success(_) | Outcome::Failure | Outcome::Cut => None,
+        _ => None,
     }
 }

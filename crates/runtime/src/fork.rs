@@ -249,6 +249,9 @@ fn outside(kind: &EventKind, numbering: Numbering) -> EventKind {
             let outer = apex_model::effect::CommandId(numbering.outer(command.0));
             EventKind::CommandAcknowledged(outer, result.clone())
         }
+        EventKind::CommandProgressed(command, progress) => {
+            EventKind::CommandProgressed(apex_model::effect::CommandId(numbering.outer(command.0)), *progress)
+        }
         EventKind::SolverReported(request, report) => {
             EventKind::SolverReported(SolveRequestId(numbering.outer(request.0)), report.clone())
         }

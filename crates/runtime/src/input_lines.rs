@@ -3,14 +3,14 @@
 //! `{"t": 1.5, "event": "(stop)"}`, `{"t": 2, "measurement": "(altitude ac-1)", "value": 32000}`,
 //! `{"t": 9, "answer": 1, "value": "yes"}`; with `"agent": "pilot"` a line is for that agent alone.
 //! `{"t": 9, "acknowledge": 3, "value": 7}` or `"error": "icing"`: outcome of command 3, or in a file of the next command
-//! `"(take-picture camera-1)"`. A value is a number, a string, true or false, a list of values, or
+//! `"(take-picture camera-1)"`; `"progress": "accepted"` or `"in-progress"` says how far it is. A value is a number, a string, true or false, a list of values, or
 //! `{"pdl": "(fl 120)"}`. Empty lines and lines that begin with `#` are skipped. Lines need not be in order of time.
 
 use crate::limits::{INPUT_LINE_BYTES_MAX, INPUT_MESSAGES_MAX};
 use crate::ports::Input;
 use crate::unique_json;
 use apex_model::effect::{CommandId, QuestionId};
-use apex_model::event::{EventKind, StateVariable};
+use apex_model::event::{CommandProgress, EventKind, StateVariable};
 use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 use apex_model::value::Value;
@@ -157,7 +157,7 @@ fn kind_of(fields: &Map<String, Json>, read_value: ReadValue<'_>) -> Result<Even
             || *key == "agent"
             || *key == subject
             || (*key == "value" && subject != "event")
-            || (*key == "error" && subject == "acknowledge"))
+            || (matches!(key.as_str(), "error" | "progress") && subject == "acknowledge"))
     });
     if let Some(stranger) = stranger {
         return Err(format!("\"{stranger}\" is not known beside \"{subject}\""));
@@ -178,7 +178,8 @@ fn kind_of(fields: &Map<String, Json>, read_value: ReadValue<'_>) -> Result<Even
     Ok(EventKind::OperatorAnswered(QuestionId(question), value))
 }
 
-/// `{"acknowledge": 3}`, with a `"value"` or an `"error"`: the vehicle has carried out command 3, or has not.
+/// `{"acknowledge": 3}`, with a `"value"` or an `"error"`: the vehicle has carried out command 3, or has not; with
+/// `"progress"` it continues.
 fn acknowledgement(fields: &Map<String, Json>, datum: &Json, read_value: ReadValue<'_>) -> Result<EventKind, String> {
     // A command that is named by its form has its number only when it is sent.
     let command = match datum {
@@ -187,6 +188,16 @@ fn acknowledgement(fields: &Map<String, Json>, datum: &Json, read_value: ReadVal
             format!("\"acknowledge\" is {datum}; expected the command's number, or its form in a string")
         })?,
     };
+    if let Some(progress) = fields.get("progress") {
+        if fields.contains_key("value") || fields.contains_key("error") {
+            return Err("a command that continues has neither a \"value\" nor an \"error\"".into());
+        }
+        let progress = progress
+            .as_str()
+            .and_then(CommandProgress::named)
+            .ok_or_else(|| format!("\"progress\" is {progress}; expected \"accepted\" or \"in-progress\""))?;
+        return Ok(EventKind::CommandProgressed(CommandId(command), progress));
+    }
     let result = match (fields.get("value"), fields.get("error")) {
         (None, None) => Ok(Value::nil()),
         (Some(value), None) => Ok(value_of(value, read_value)?),

@@ -67,7 +67,7 @@ impl NoVehicle {
         let (named, others) = std::mem::take(inputs).into_iter().partition(|input| input.command_form.is_some());
         *inputs = others;
         let numbered = inputs.iter().filter_map(|input| match input.kind {
-            EventKind::CommandAcknowledged(command, _) => Some(command),
+            EventKind::CommandAcknowledged(command, _) | EventKind::CommandProgressed(command, _) => Some(command),
             _ => None,
         });
         NoVehicle { numbered: numbered.collect(), named, ..NoVehicle::default() }
@@ -76,6 +76,13 @@ impl NoVehicle {
     /// Acknowledges nothing: a vehicle does, whose reports come in like other inputs.
     pub fn silent() -> NoVehicle {
         NoVehicle { silent: true, ..NoVehicle::default() }
+    }
+}
+
+impl NoVehicle {
+    fn report(&mut self, at: Time, kind: EventKind) {
+        let place = self.acknowledgements.partition_point(|input| input.at <= at);
+        self.acknowledgements.insert(place, Input::new(at, kind));
     }
 }
 
@@ -95,17 +102,31 @@ impl Vehicle for NoVehicle {
             return;
         }
         let is_named = |input: &Input| input.command_form.as_ref().is_some_and(|named| named.matches(form));
-        let (at, result) = match self.named.iter().position(is_named).map(|index| self.named.remove(index)) {
-            Some(Input { at: then, kind: EventKind::CommandAcknowledged(_, result), .. }) => (then.max(at), result),
-            _ => (at, Ok(Value::nil())),
-        };
-        let place = self.acknowledgements.partition_point(|input| input.at <= at);
-        self.acknowledgements.insert(place, Input::new(at, EventKind::CommandAcknowledged(command, result)));
+        let mut goes_on = false;
+        while let Some(index) = self.named.iter().position(is_named) {
+            let Input { at: then, kind, .. } = self.named.remove(index);
+            match kind {
+                EventKind::CommandProgressed(_, progress) => {
+                    goes_on = true;
+                    self.report(then.max(at), EventKind::CommandProgressed(command, progress));
+                }
+                EventKind::CommandAcknowledged(_, result) => {
+                    return self.report(then.max(at), EventKind::CommandAcknowledged(command, result));
+                }
+                _ => {}
+            }
+        }
+        // A command of which inputs say how far it is ends when they say so.
+        if !goes_on {
+            self.report(at, EventKind::CommandAcknowledged(command, Ok(Value::nil())));
+        }
     }
 
     fn withdraw(&mut self, command: CommandId, _: Time) {
-        self.acknowledgements
-            .retain(|input| !matches!(input.kind, EventKind::CommandAcknowledged(pending, _) if pending == command));
+        self.acknowledgements.retain(|input| {
+            !matches!(input.kind, EventKind::CommandAcknowledged(pending, _) | EventKind::CommandProgressed(pending, _)
+                if pending == command)
+        });
     }
 
     /// A vehicle that acknowledges by inputs reads commands in the trace.

@@ -149,8 +149,7 @@ fn decided(decision: &Decision) -> Option<What> {
         DecisionKind::Transition { from, to, outcome } => {
             let outcome = outcome.as_ref().map(|outcome| match outcome {
                 Outcome::Success(value) => format!("success {}", shown(value)),
-                Outcome::Failure => "failure".into(),
-                Outcome::Cut => "cut".into(),
+                other => other.word().to_string(),
             });
             let cause = cause(&decision.because.cause);
             Some(What::Moved(state_of(*from), state_of(*to), outcome, cause))
@@ -187,6 +186,10 @@ fn cause(cause: &Cause) -> String {
         Cause::CompletedAtOnce | Cause::BuiltInDone { .. } => "at once".into(),
         Cause::CompletedByForm => "a form".into(),
         Cause::DurationElapsed { .. } => "its duration".into(),
+        Cause::ConditionViolated { clause } => format!("{clause} does not hold"),
+        Cause::OutcomeMissed { .. } => "its outcome is missed".into(),
+        Cause::ResultMissed { .. } => "its result is missed".into(),
+        Cause::ResourceBusy { .. } => "a resource is busy".into(),
         Cause::ItemsEnded { .. } => "all items ended".into(),
         Cause::ParentEnded { parent } => format!("parent {parent} ended"),
         Cause::ParentRestarted { parent } => format!("parent {parent} restarted"),

@@ -55,6 +55,8 @@ pub(crate) struct Taste {
     pub(crate) nesting: usize,
     pub(crate) late: usize,
     pub(crate) crowds: usize,
+    pub(crate) execution: usize,
+    pub(crate) outcomes: usize,
 }
 
 fn taste(dice: &mut Dice) -> Taste {
@@ -85,6 +87,8 @@ fn taste(dice: &mut Dice) -> Taste {
         // What comes late is judged by when the agent was stepped before: not compared yet.
         late: 0,
         crowds: liking(10),
+        execution: liking(12),
+        outcomes: liking(35),
     }
 }
 
@@ -140,11 +144,17 @@ impl Maker<'_> {
     fn program(&mut self) -> Program {
         if self.dice.chance(self.taste.shared) {
             let amount = self.dice.between(2, 3) as f64;
-            self.resources.push(Resource { name: "shared".into(), amount, depletable: false });
+            self.resources.push(Resource { name: "shared".into(), amount, depletable: false, part_of: None });
         }
         if self.dice.chance(self.taste.shared / 2) {
             let amount = self.dice.between(3, 9) as f64;
-            self.resources.push(Resource { name: "fuel".into(), amount, depletable: true });
+            self.resources.push(Resource { name: "fuel".into(), amount, depletable: true, part_of: None });
+        }
+        if self.dice.chance(self.taste.shared / 2) {
+            let whole = |name: &str| Resource { name: name.into(), amount: 1.0, depletable: false, part_of: None };
+            let part = self.dice.pick(&["r2", "r3"]).unwrap_or("r2");
+            self.resources.push(whole("r1"));
+            self.resources.push(Resource { part_of: Some("r1".into()), ..whole(part) });
         }
         let primitives: Vec<Primitive> = (0..self.dice.between(2, 4)).flat_map(|n| self.primitive(n)).collect();
         let count = if self.taste.nesting > 0 { self.dice.between(1, 3) } else { 0 };
@@ -252,15 +262,17 @@ impl Maker<'_> {
     pub(crate) fn profile(&mut self, leaf: bool) -> Vec<Need> {
         let mut needs: Vec<Need> = Vec::new();
         let wanted = if leaf { self.taste.resources } else { self.taste.resources / 3 };
-        for name in ["r1", "r2"] {
-            if self.dice.chance(wanted * 2 / 3) {
-                needs.push(Need { resource: word(name), amount: None });
+        let refuse_if_busy = self.dice.chance(self.taste.execution / 3);
+        for name in ["r1", "r2", "r3"] {
+            if (name != "r3" || self.resources.iter().any(|each| each.name == "r3")) && self.dice.chance(wanted * 2 / 3)
+            {
+                needs.push(Need { resource: word(name), amount: None, refuse_if_busy });
             }
         }
-        for resource in self.resources.clone() {
+        for resource in self.resources.clone().into_iter().filter(|each| !each.name.starts_with('r')) {
             if leaf && self.dice.chance(40) {
                 let amount = Some(self.dice.between(1, 2) as f64);
-                needs.push(Need { resource: word(&resource.name), amount });
+                needs.push(Need { resource: word(&resource.name), amount, refuse_if_busy });
             }
         }
         needs

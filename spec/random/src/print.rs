@@ -11,8 +11,13 @@ use std::fmt::Write;
 pub fn program(program: &Program) -> String {
     let mut text = String::new();
     for resource in &program.resources {
-        let word = if resource.depletable { "depletable" } else { "capacity" };
-        let _ = writeln!(text, "(resource {} :{word} {})", resource.name, resource.amount);
+        let kind = match (resource.depletable, resource.name.starts_with('r')) {
+            (true, _) => format!(" :depletable {}", resource.amount),
+            (false, true) => String::new(),
+            (false, false) => format!(" :capacity {}", resource.amount),
+        };
+        let whole = resource.part_of.as_ref().map(|whole| format!(" :part-of {whole}")).unwrap_or_default();
+        let _ = writeln!(text, "(resource {}{kind}{whole})", resource.name);
     }
     for each in &program.procedures {
         let _ = writeln!(text, "{}", procedure(each));
@@ -165,7 +170,11 @@ fn transitions(clauses: &Clauses) -> String {
     if let Some((when, until)) = &clauses.suspend_when {
         let _ = write!(text, " (suspend-when {} until {})", condition(when), condition(until));
     }
-    text + &optional("resume-when", clauses.resume_when.as_ref().map(condition))
+    text += &optional("resume-when", clauses.resume_when.as_ref().map(condition));
+    text += &optional("skip-when", clauses.skip_when.as_ref().map(condition));
+    text += &optional("exit-when", clauses.exit_when.as_ref().map(condition));
+    text += &optional("precondition", clauses.precondition.as_ref().map(condition));
+    text + &optional("invariant", clauses.invariant.as_ref().map(condition))
 }
 
 fn hooks(hooks: &Hooks) -> String {
@@ -213,7 +222,8 @@ fn needs(profile: &[Need]) -> String {
         Some(amount) => format!("({} {amount})", term(&need.resource)),
         None => term(&need.resource),
     });
-    format!(" (profile {})", entries.collect::<Vec<_>>().join(" "))
+    let option = if profile.iter().any(|need| need.refuse_if_busy) { " :refuse-if-busy" } else { "" };
+    format!(" (profile {}{option})", entries.collect::<Vec<_>>().join(" "))
 }
 
 fn conditions(parts: &[Condition]) -> String {
@@ -228,6 +238,9 @@ fn condition(condition: &Condition) -> String {
         }
         Condition::Sample(attribute, object, name) => format!("({attribute} {} = ?{name})", term(object)),
         Condition::Ended(tag) => format!("(end ?{tag})"),
+        Condition::State(Some(tag), word) if ["failed", "succeeded", "skipped"].contains(&word.as_str()) => {
+            format!("({word} ?{tag})")
+        }
         Condition::State(Some(tag), word) => format!("(state ?{tag} = {word})"),
         Condition::State(None, word) => format!("(task-state +this-task+ = {word})"),
         Condition::And(parts) => format!("(:and {})", conditions(parts)),

@@ -204,6 +204,10 @@ fn smaller_clauses(clauses: &Clauses) -> Vec<Clauses> {
         Clauses { restart_when: None, ..clauses.clone() },
         Clauses { suspend_when: None, ..clauses.clone() },
         Clauses { resume_when: None, ..clauses.clone() },
+        Clauses { skip_when: None, ..clauses.clone() },
+        Clauses { exit_when: None, ..clauses.clone() },
+        Clauses { precondition: None, ..clauses.clone() },
+        Clauses { invariant: None, ..clauses.clone() },
     ];
     for condition in clauses.end_when.iter().flat_map(smaller_conditions) {
         all.push(Clauses { end_when: Some(condition), ..clauses.clone() });

@@ -93,7 +93,7 @@ impl Maker<'_> {
             step.binds = self.dice.maybe(self.taste.values, |_| format!("z{}", around.own));
         }
         if goal.is_some() && self.dice.chance(self.taste.resources / 5) {
-            step.profile = vec![Need { resource: word("r3"), amount: None }];
+            step.profile = vec![Need { resource: word("r3"), amount: None, refuse_if_busy: false }];
         }
         step.hooks = self.hooks(None);
         if self.dice.chance(60) {
@@ -271,7 +271,43 @@ impl Maker<'_> {
         let restart_when = some(self);
         let suspend_when = some(self).map(|when| (when, self.clause_condition(&around, &mut Vec::new())));
         let resume_when = some(self);
-        Clauses { end_when, restart_when, suspend_when, resume_when }
+        let mut clauses = Clauses { end_when, restart_when, suspend_when, resume_when, ..Clauses::default() };
+        let execution = self.taste.execution;
+        if self.dice.chance(execution / 2) {
+            clauses.exit_when = Some(self.clause_condition(&around, &mut Vec::new()));
+        }
+        if !own && self.dice.chance(execution) {
+            clauses.skip_when = Some(self.clause_condition(&around, &mut Vec::new()));
+        }
+        if self.dice.chance(execution) {
+            clauses.precondition = Some(self.state_of_things(&around, 1));
+        }
+        if self.dice.chance(execution) {
+            clauses.invariant = Some(self.state_of_things(&around, 1));
+        }
+        clauses
+    }
+
+    /// A condition that holds or not at an instant.
+    fn state_of_things(&mut self, around: &Around<'_>, depth: usize) -> Condition {
+        if depth > 0 && self.dice.chance(40) {
+            let first = self.state_of_things(around, depth - 1);
+            let second = self.state_of_things(around, depth - 1);
+            return match self.dice.below(3) {
+                0 => Condition::And(vec![first, second]),
+                1 => Condition::Or(vec![first, second]),
+                _ => Condition::Not(Box::new(first)),
+            };
+        }
+        let others: Vec<String> =
+            around.tags.iter().filter(|tag| around.tags.get(around.own) != Some(*tag)).cloned().collect();
+        match self.dice.pick(&others) {
+            Some(tag) if self.dice.chance(40) => {
+                let words = ["pending", "ongoing", "interrupted", "terminated", "failed", "succeeded"];
+                Condition::State(Some(tag), self.dice.pick(&words).unwrap_or("ongoing").into())
+            }
+            _ => self.measurement(),
+        }
     }
 
     /// A condition of a clause that moves a task.
@@ -322,6 +358,11 @@ impl Maker<'_> {
         if let Some(tag) = self.dice.pick(&others)
             && self.dice.chance(self.taste.task_conditions.max(15))
         {
+            if self.dice.chance(self.taste.outcomes) {
+                let words = ["succeeded", "failed", "failed", "skipped", "exited", "cut", "invariant-violated"];
+                let word = self.dice.pick(&words).unwrap_or("failed");
+                return Condition::State(Some(tag), word.into());
+            }
             if self.dice.chance(60) {
                 return Condition::Ended(tag);
             }

@@ -34,8 +34,12 @@ impl Agent<'_> {
     }
 
     fn go_on(&mut self, id: usize) {
+        let handling = matches!(self.tasks[id].work, Some(Work::Handling(_)));
         // A handler that could not begin before: this does not resume it.
-        if matches!(self.tasks[id].work, Some(Work::Handling(_))) && self.tasks[id].started_at == Some(self.now) {
+        if handling && self.tasks[id].started_at == Some(self.now) {
+            return;
+        }
+        if !handling && !self.invariant_holds(id) {
             return;
         }
         if matches!(self.tasks[id].work, Some(Work::Primitive { .. })) {
@@ -47,6 +51,10 @@ impl Agent<'_> {
     }
 
     fn begin(&mut self, id: usize) {
+        self.unwatch(id, |clause, _| clause == Clause::SkipWhen);
+        if !self.precondition_holds(id) || !self.invariant_holds(id) {
+            return;
+        }
         self.run_step_hook(id, |hooks| &hooks.on_start);
         if let Some(condition) = self.own_step(id).and_then(|step| step.clauses.restart_when.as_ref()) {
             // There is nothing to start over before the work begins.
@@ -82,6 +90,7 @@ impl Agent<'_> {
         let suspension = clauses.suspend_when.as_ref().map(|(when, _)| when);
         let wanted = [
             (Clause::EndWhen, clauses.end_when.as_ref(), window),
+            (Clause::ExitWhen, clauses.exit_when.as_ref(), window),
             (Clause::RestartWhen, clauses.restart_when.as_ref(), window),
             (Clause::SuspendWhen, suspension, all),
             (Clause::ResumeWhen, clauses.resume_when.as_ref(), all),
@@ -286,8 +295,11 @@ impl Agent<'_> {
 
     fn release_of_parent(&mut self, id: usize, name: &str) {
         let Some(parent) = self.tasks[id].parent else { return };
+        let total = self.total(name);
+        let mut whole = vec![(name.to_string(), total)];
+        self.add_parts(&mut whole);
         let held = std::mem::take(&mut self.tasks[parent].held);
-        let (released, kept) = held.into_iter().partition(|(other, _)| other == name);
+        let (released, kept) = held.into_iter().partition(|(other, _)| whole.iter().any(|(part, _)| part == other));
         self.tasks[parent].held = kept;
         let released: Vec<(String, f64)> = released;
         for (name, amount) in released {

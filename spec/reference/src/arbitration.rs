@@ -39,6 +39,7 @@ struct Field {
     displaced: Vec<Loss>,
     granted: Vec<usize>,
     impossible: Vec<usize>,
+    refused: Vec<usize>,
     /// All who compete, in the order in which they come before the arbiter if they claim.
     order: Vec<usize>,
 }
@@ -130,6 +131,9 @@ impl Agent<'_> {
             claimants.retain(|id| *id != next);
             let lost = self.place(&mut field, next);
             claimants.extend(lost);
+            if !field.granted.contains(&next) && !field.impossible.contains(&next) {
+                field.refused.push(next);
+            }
         }
         field
     }
@@ -154,6 +158,15 @@ impl Agent<'_> {
                 let reason = self.resumed.remove(&id).filter(|_| self.tasks[id].state == State::Interrupted);
                 self.transition(id, State::Ongoing, None, reason.unwrap_or("granted".into()));
                 self.starting.push(id);
+            }
+        }
+        // A task that does not wait fails.
+        let mut refused = field.refused;
+        refused.sort_unstable();
+        for id in refused {
+            let refuses = self.tasks[id].choice.as_ref().is_some_and(|choice| choice.refuses);
+            if refuses && self.tasks[id].state == State::Enabled {
+                self.fail(id, "a resource is busy".into());
             }
         }
     }

@@ -17,8 +17,11 @@ impl<'p> Agent<'p> {
                 continue;
             }
             self.changed = true;
-            if let Err(cause) = self.choose_for(id) {
-                self.fail(id, cause.into());
+            match self.choose_for(id) {
+                Ok(()) => {
+                    self.precondition_holds(id);
+                }
+                Err(cause) => self.fail(id, cause.into()),
             }
             self.settle();
         }
@@ -36,20 +39,29 @@ impl<'p> Agent<'p> {
     fn choose_for(&mut self, id: usize) -> Result<(), &'static str> {
         const EXPRESSION: &str = "an expression";
         let (way, bound) = self.way(id)?;
-        let choice =
-            Choice { way: way.clone(), bound, needs: Vec::new(), interrupt_cost: INTERRUPT_COST, expected: None };
+        let choice = Choice {
+            way: way.clone(),
+            bound,
+            needs: Vec::new(),
+            interrupt_cost: INTERRUPT_COST,
+            expected: None,
+            refuses: false,
+        };
         self.tasks[id].choice = Some(choice);
         let mut needs = Vec::new();
         let (mut cost, mut expected) = (None, None);
+        let mut refuses = false;
         match &way {
             Way::Procedure(number) => {
                 let procedure = &self.program.procedures[*number];
+                refuses |= procedure.profile.iter().any(|need| need.refuse_if_busy);
                 self.profile(id, Level::Procedure, &procedure.profile, &mut needs)?;
                 cost = procedure.interrupt_cost.as_ref().map(|cost| (cost, Level::Procedure));
                 expected = procedure.expected;
             }
             Way::Primitive(number) => {
                 let primitive = &self.program.primitives[*number];
+                refuses |= primitive.profile.iter().any(|need| need.refuse_if_busy);
                 self.profile(id, Level::Procedure, &primitive.profile, &mut needs)?;
                 let duration = primitive.duration.as_ref();
                 let duration = duration.and_then(|expr| self.evaluate(expr, id, Level::Procedure).ok());
@@ -66,6 +78,7 @@ impl<'p> Agent<'p> {
             Way::Items(_) => {}
         }
         if let Some(step) = self.own_step(id) {
+            refuses |= step.profile.iter().any(|need| need.refuse_if_busy);
             self.profile(id, Level::Step, &step.profile, &mut needs)?;
             cost = step.interrupt_cost.as_ref().map(|cost| (cost, Level::Step)).or(cost);
         }
@@ -76,7 +89,9 @@ impl<'p> Agent<'p> {
                 _ => return Err(EXPRESSION),
             },
         };
+        self.add_parts(&mut needs);
         if let Some(choice) = &mut self.tasks[id].choice {
+            choice.refuses = refuses;
             choice.needs = needs;
             choice.interrupt_cost = cost;
             choice.expected = expected;
@@ -130,6 +145,23 @@ impl<'p> Agent<'p> {
             add(needs, &name, need.amount.unwrap_or(total));
         }
         Ok(())
+    }
+
+    /// A task that has a whole has its parts, and theirs.
+    pub(crate) fn add_parts(&mut self, needs: &mut Vec<(String, f64)>) {
+        let mut next = 0;
+        let mut wholes: Vec<String> = needs.iter().map(|need| need.0.clone()).collect();
+        while let Some(whole) = wholes.get(next).cloned() {
+            next += 1;
+            for part in self.program.resources.iter().filter(|each| each.part_of.as_deref() == Some(&whole)) {
+                wholes.push(part.name.clone());
+                let total = self.total(&part.name);
+                match needs.iter_mut().find(|need| need.0 == part.name) {
+                    Some(need) => need.1 = total,
+                    None => needs.push((part.name.clone(), total)),
+                }
+            }
+        }
     }
 
     /// Returns the total of a resource; a resource without declaration has the total 1.

@@ -6,7 +6,9 @@ use crate::value::Value;
 
 impl Agent<'_> {
     pub(crate) fn notice_and_enable(&mut self) {
+        // What came true is noticed before anything acts on it.
         let noticed = self.noticed(|_| true);
+        self.judge_invariants();
         self.fire_all(noticed);
         let ready = self.ids(|task| task.is_free());
         for id in ready {
@@ -63,6 +65,15 @@ impl Agent<'_> {
                     self.tasks[id].repeats_no_more = true;
                 }
                 self.end(id, Outcome::Success(Value::Nil), cause);
+            }
+            Clause::SkipWhen => {
+                if matches!(self.tasks[id].state, State::Pending | State::Enabled) {
+                    self.end(id, Outcome::Skipped, cause);
+                }
+            }
+            Clause::ExitWhen => {
+                let begun = matches!(self.tasks[id].state, State::Ongoing | State::Interrupted);
+                self.end(id, if begun { Outcome::Exited } else { Outcome::Skipped }, cause);
             }
             Clause::RestartWhen => self.restart(id, cause),
             Clause::SuspendWhen => {

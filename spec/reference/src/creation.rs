@@ -82,8 +82,16 @@ impl<'p> Agent<'p> {
     pub(crate) fn arm(&mut self, id: usize) {
         self.changed = true;
         let Some(step) = self.own_step(id) else { return };
-        if let Some(condition) = &step.clauses.end_when {
-            self.watch(id, Clause::EndWhen, Level::Step, condition, self.window(id));
+        let clauses = &step.clauses;
+        let ends = [
+            (Clause::EndWhen, &clauses.end_when),
+            (Clause::ExitWhen, &clauses.exit_when),
+            (Clause::SkipWhen, &clauses.skip_when),
+        ];
+        for (clause, condition) in ends {
+            if let Some(condition) = condition {
+                self.watch(id, clause, Level::Step, condition, self.window(id));
+            }
         }
         self.tasks[id].waits_for_result = self.awaited(id).is_some();
         self.watch_waitfor(id);
@@ -122,9 +130,21 @@ impl<'p> Agent<'p> {
         self.tasks[id].watches.retain(|watch| !unwanted(watch.clause, watch.level));
     }
 
+    /// True if the step uses the result `name` of another step.
+    pub(crate) fn uses(&self, id: usize, name: &str) -> bool {
+        self.wanted(id).iter().any(|each| each == name)
+    }
+
     /// The first result of another step that the task needs and that is not there yet.
     pub(crate) fn awaited(&self, id: usize) -> Option<String> {
-        let Origin::Step(procedure, number) = self.tasks[id].origin else { return None };
+        let bound: &Bindings = &self.tasks[id].bound;
+        let mut missing = self.wanted(id).into_iter();
+        missing.find(|name| !bound.contains_key(name) && self.variable(id, Level::Step, name).is_none())
+    }
+
+    /// Results of other steps that the task needs.
+    fn wanted(&self, id: usize) -> Vec<String> {
+        let Origin::Step(procedure, number) = self.tasks[id].origin else { return Vec::new() };
         let steps = self.steps(procedure);
         let step = &steps[number];
         let sequential = self.program.procedures[procedure].kind == Kind::Sequential;
@@ -135,11 +155,7 @@ impl<'p> Agent<'p> {
             })
         };
         let own: BTreeSet<&String> = step.select.iter().chain(&step.forall).map(|(name, _)| name).collect();
-        let wanted = used(step).into_iter().filter(|name| !own.contains(name) && produced(name));
-        let bound: &Bindings = &self.tasks[id].bound;
-        let mut missing =
-            wanted.filter(|name| !bound.contains_key(name) && self.variable(id, Level::Step, name).is_none());
-        missing.next()
+        used(step).into_iter().filter(|name| !own.contains(name) && produced(name)).collect()
     }
 
     /// No further task is made of it.

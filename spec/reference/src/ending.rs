@@ -104,12 +104,14 @@ impl Agent<'_> {
     }
 
     fn react(&mut self, parent: usize, child: usize) {
-        let failed = self.tasks[child].outcome == Some(Outcome::Failure);
+        let failed = self.tasks[child].outcome.as_ref().is_some_and(Outcome::is_failure);
+        let failed = failed && !self.failure_is_named(child);
         let cause = format!("child T{child} failed");
         match self.tasks[parent].work {
             Some(Work::Procedure { .. } | Work::Items(_)) if failed => self.fail(parent, cause),
             Some(Work::Procedure { .. }) => {
                 if !self.repeat(child) {
+                    self.skip_who_waits_in_vain(parent, child);
                     self.step_ended(parent, child);
                 }
             }

@@ -3,7 +3,7 @@
 use crate::agent::{Agent, Change};
 use crate::expression::compare;
 use crate::program::{Condition, Span, Term, Time};
-use crate::task::{Clause, Level, State, Watch};
+use crate::task::{Clause, Level, OUTCOMES, State, Watch};
 use crate::value::{Bindings, Value, joined, matches};
 
 /// One way in which a condition is true.
@@ -191,6 +191,9 @@ impl Agent<'_> {
                 _ => return Vec::new(),
             },
         };
+        if OUTCOMES.contains(&word) {
+            return self.outcomes_of(other, word, place);
+        }
         let (made, tagged) = (place.watch.made, self.tasks[other].tagged);
         let (before, since) = self.moves.split_at(made.max(tagged));
         let mut proofs = Vec::new();
@@ -208,6 +211,19 @@ impl Agent<'_> {
             }
         }
         proofs
+    }
+
+    /// Proofs that a task ended so for good: since the clause is watched, or before where that stands.
+    fn outcomes_of(&self, other: usize, word: &str, place: Place<'_>) -> Vec<Proof> {
+        let task = &self.tasks[other];
+        let ended = task.state == State::Terminated && task.outcome.as_ref().is_some_and(|outcome| outcome.is(word));
+        let last = self.moves.iter().enumerate().rfind(|(_, each)| each.task == other);
+        let Some((number, last)) = last.filter(|_| ended) else { return Vec::new() };
+        if number >= place.watch.made {
+            return vec![Proof::at(last.at, None)];
+        }
+        let stands = place.watch.standing || task.tagged > place.watch.made;
+        stands.then(|| Proof::at(place.watch.made_at, None)).into_iter().collect()
     }
 
     /// All of the parts, in any order; a variable that several of them mention has one value.

@@ -5,8 +5,12 @@ use crate::task::{Origin, Outcome, State, Work};
 
 impl Agent<'_> {
     pub(crate) fn fail(&mut self, id: usize, cause: String) {
+        self.fail_as(id, Outcome::Failure, cause);
+    }
+
+    pub(crate) fn fail_as(&mut self, id: usize, outcome: Outcome, cause: String) {
         if self.tasks[id].state != State::Terminated && !self.handle(id) {
-            self.end(id, Outcome::Failure, cause);
+            self.end(id, outcome, cause);
         }
     }
 
@@ -62,7 +66,10 @@ impl Agent<'_> {
     /// The handler ended: the step ends in the same way.
     pub(crate) fn handled(&mut self, id: usize, handler: usize) {
         match self.tasks[handler].outcome.clone() {
-            Some(Outcome::Failure) | None => self.end(id, Outcome::Failure, format!("child T{handler} failed")),
+            Some(outcome) if outcome.is_failure() => {
+                self.end(id, Outcome::Failure, format!("child T{handler} failed"));
+            }
+            None => self.end(id, Outcome::Failure, format!("child T{handler} failed")),
             Some(outcome) => self.end(id, outcome, format!("handler T{handler} ended")),
         }
     }

@@ -14,6 +14,7 @@ mod competition;
 mod creation;
 mod ending;
 mod evidence;
+mod execution;
 mod expression;
 mod failure;
 mod importance;

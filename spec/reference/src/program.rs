@@ -29,6 +29,8 @@ pub struct Resource {
     pub amount: f64,
     /// True if its users use it up.
     pub depletable: bool,
+    /// The resource that it is a part of.
+    pub part_of: Option<String>,
 }
 
 /// One word of a phrase or of a pattern.
@@ -104,6 +106,8 @@ pub struct Need {
     pub resource: Term,
     /// Amount; all of it unless stated.
     pub amount: Option<f64>,
+    /// It fails rather than wait to begin.
+    pub refuse_if_busy: bool,
 }
 
 /// Conditions that move a task.
@@ -117,6 +121,14 @@ pub struct Clauses {
     pub suspend_when: Option<(Condition, Condition)>,
     /// It continues.
     pub resume_when: Option<Condition>,
+    /// It is not begun; of steps only.
+    pub skip_when: Option<Condition>,
+    /// It ends, without success or failure.
+    pub exit_when: Option<Condition>,
+    /// It must hold as it begins.
+    pub precondition: Option<Condition>,
+    /// It must hold while it works.
+    pub invariant: Option<Condition>,
 }
 
 /// Forms that run at certain moments of a task's life.

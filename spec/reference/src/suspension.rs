@@ -173,9 +173,9 @@ impl<'p> Agent<'p> {
         }
         let suspended = task.suspended;
         self.unwatch(id, |clause, level| match clause {
-            Clause::EndWhen => level == Level::Procedure,
+            Clause::EndWhen | Clause::ExitWhen => level == Level::Procedure,
             Clause::SuspendWhen | Clause::SuspendUntil | Clause::ResumeWhen => level == Level::Procedure || !suspended,
-            Clause::Waitfor | Clause::RestartWhen => true,
+            Clause::Waitfor | Clause::RestartWhen | Clause::SkipWhen => true,
         });
     }
 

@@ -54,6 +54,10 @@ pub(crate) enum Outcome {
     Success(Value),
     Failure,
     Cut,
+    Skipped,
+    Exited,
+    PreconditionFailed,
+    InvariantViolated,
 }
 
 impl Outcome {
@@ -62,9 +66,32 @@ impl Outcome {
             Outcome::Success(value) => format!("success {value}"),
             Outcome::Failure => "failure".into(),
             Outcome::Cut => "cut".into(),
+            Outcome::Skipped => "skipped".into(),
+            Outcome::Exited => "exited".into(),
+            Outcome::PreconditionFailed => "precondition failed".into(),
+            Outcome::InvariantViolated => "invariant violated".into(),
+        }
+    }
+
+    pub(crate) fn is_failure(&self) -> bool {
+        matches!(self, Outcome::Failure | Outcome::PreconditionFailed | Outcome::InvariantViolated)
+    }
+
+    /// True if `(word ?step)` holds.
+    pub(crate) fn is(&self, word: &str) -> bool {
+        match word {
+            "succeeded" => matches!(self, Outcome::Success(_)),
+            "failed" => self.is_failure(),
+            "precondition-failed" => *self == Outcome::PreconditionFailed,
+            "invariant-violated" => *self == Outcome::InvariantViolated,
+            word => self.text() == word,
         }
     }
 }
+
+/// Words for how a task ended.
+pub(crate) const OUTCOMES: &[&str] =
+    &["succeeded", "failed", "cut", "skipped", "exited", "precondition-failed", "invariant-violated"];
 
 /// Method for a goal.
 #[derive(Clone, Debug, PartialEq)]
@@ -86,6 +113,8 @@ pub(crate) struct Choice {
     pub(crate) needs: Vec<(String, f64)>,
     pub(crate) interrupt_cost: f64,
     pub(crate) expected: Option<Span>,
+    /// It fails rather than wait to begin.
+    pub(crate) refuses: bool,
 }
 
 /// A clock that rings: when, and the number that orders clocks which ring at one instant.
@@ -128,6 +157,8 @@ pub(crate) enum Level {
 /// Clauses in the order in which they take effect at one instant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Clause {
+    ExitWhen,
+    SkipWhen,
     EndWhen,
     RestartWhen,
     SuspendWhen,
@@ -139,6 +170,8 @@ pub(crate) enum Clause {
 impl Clause {
     pub(crate) fn word(self) -> &'static str {
         match self {
+            Clause::ExitWhen => "exit-when",
+            Clause::SkipWhen => "skip-when",
             Clause::EndWhen => "end-when",
             Clause::RestartWhen => "restart-when",
             Clause::SuspendWhen => "suspend-when",

@@ -153,7 +153,8 @@ fn ended_from_outside(scene: &Scene<'_>, own: &Known, outcome: &Outcome) -> Chec
     let (world, now) = (scene.world, scene.world.now);
     match &scene.because.cause {
         Cause::PlanArrived { .. } => plan_arrived(scene.step, &scene.because.cause),
-        Cause::ConditionSatisfied { .. } => scene.clause_or_activity(own, &["end-when"], &[]),
+        Cause::ConditionSatisfied { .. } => by_clause(scene, own, outcome),
+        Cause::OutcomeMissed { .. } | Cause::ResultMissed { .. } => skipped(scene, own, outcome),
         Cause::Activity { .. } => scene.clause_or_activity(own, &[], &["terminate"]),
         Cause::OperatorAnswered { question, answer } => {
             let said = |kind: &EventKind| matches!(kind, EventKind::OperatorAnswered(id, value) if id == question && same_word(value, answer));
@@ -198,9 +199,50 @@ fn ended_from_outside(scene: &Scene<'_>, own: &Known, outcome: &Outcome) -> Chec
             require(happens, "nothing of the kind happens to the parent now")
         }
         _ => {
-            require(*outcome == Outcome::Failure, "it did not fail")?;
+            let meant = match &scene.because.cause {
+                Cause::ConditionViolated { clause } if clause == "precondition" => Outcome::PreconditionFailed,
+                Cause::ConditionViolated { .. } => Outcome::InvariantViolated,
+                _ => Outcome::Failure,
+            };
+            require(*outcome == meant, "its outcome is another")?;
             failed(scene, own)
         }
+    }
+}
+
+/// The end by a clause: with success, as skipped before the task has begun, as exited after that.
+fn by_clause(scene: &Scene<'_>, own: &Known, outcome: &Outcome) -> Checked {
+    scene.clause_or_activity(own, &["end-when", "skip-when", "exit-when"], &[])?;
+    let begun = matches!(own.state, TaskState::Ongoing | TaskState::Interrupted);
+    match (&*clause_of(scene.because), outcome) {
+        ("end-when", Outcome::Success(_)) => Ok(()),
+        ("exit-when", Outcome::Exited) => require(begun, "it had not begun"),
+        ("exit-when" | "skip-when", Outcome::Skipped) => require(!begun, "it had begun"),
+        _ => Err("its outcome is another".into()),
+    }
+}
+
+/// The end of a step that waits for an outcome or a result of another one which has ended otherwise.
+fn skipped(scene: &Scene<'_>, own: &Known, outcome: &Outcome) -> Checked {
+    require(*outcome == Outcome::Skipped && own.state == TaskState::Pending, "it was not skipped")?;
+    let (Cause::OutcomeMissed { task, .. } | Cause::ResultMissed { task, .. }) = &scene.because.cause else {
+        return Err("that skips nothing".into());
+    };
+    let known = scene.world.task(*task)?;
+    require(known.parent == own.parent && known.state == TaskState::Terminated, "that sibling has not ended")?;
+    match &scene.because.cause {
+        Cause::OutcomeMissed { outcome: missed, .. } => {
+            let states = known.outcome.as_ref().map(Outcome::states).unwrap_or_default();
+            require(!states.contains(&missed.folded()), "that is its outcome")
+        }
+        _ => require(!matches!(known.outcome, Some(Outcome::Success(_))), "that task has a result"),
+    }
+}
+
+fn clause_of(because: &Because) -> std::borrow::Cow<'static, str> {
+    match &because.cause {
+        Cause::ConditionSatisfied { clause } => clause.clone(),
+        _ => "".into(),
     }
 }
 
@@ -212,7 +254,8 @@ fn failed(scene: &Scene<'_>, own: &Known) -> Checked {
         Cause::ChildFailed { child } => {
             let known = world.task(*child)?;
             require(known.parent == Some(scene.id), "that is not its subtask")?;
-            require(known.outcome == Some(Outcome::Failure) && known.since == now, "that subtask did not fail now")
+            let failed = known.outcome.as_ref().is_some_and(Outcome::is_failure);
+            require(failed && known.since == now, "that subtask did not fail now")
         }
         Cause::CommandFailed { command, reason } => {
             let refused = events().any(
@@ -243,6 +286,23 @@ fn failed(scene: &Scene<'_>, own: &Known) -> Checked {
         Cause::ResourceExhausted { needed, left, .. } => {
             let numbers = needed.as_number().zip(left.as_number());
             require(numbers.is_some_and(|((needed, _), (left, _))| needed > left), "there is enough")
+        }
+        Cause::ConditionViolated { clause } => {
+            let begun = matches!(own.state, TaskState::Ongoing);
+            let right = match &**clause {
+                "precondition" => true,
+                "invariant" => begun,
+                _ => false,
+            };
+            require(right && !scene.because.evidence.is_empty(), "it had not begun, or there is no evidence")
+        }
+        Cause::ResourceBusy { resource, holder } => {
+            let holders = world.holders.get(&resource.to_string()).map(Vec::as_slice).unwrap_or_default();
+            let granted = scene.step.effects.iter().any(|effect| {
+                matches!(effect, Effect::Decided(decision)
+                if decision.task == Some(*holder) && matches!(decision.because.cause, Cause::ResourcesGranted { .. }))
+            });
+            require(granted || holders.iter().any(|(task, _)| task == holder), "that task does not have it")
         }
         Cause::ResultDoesNotFit { .. } => {
             let binds = world.template(own).is_none_or(|(_, _, step)| step.binds.is_some());

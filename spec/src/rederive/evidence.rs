@@ -3,19 +3,23 @@
 use super::Step;
 use super::numbers;
 use super::thresholds::Thresholds;
+use super::violations;
 use super::world::World;
-use apex_model::because::{Because, Evidence};
+use apex_model::because::{Because, Cause, Evidence};
 use apex_model::condition::{Condition, ConditionKind, Constraint, MeasurementCondition, Relation};
 use apex_model::effect::{DecisionKind, Effect};
 use apex_model::pattern::Pattern;
 use apex_model::source::Place;
-use apex_model::task::{TaskId, TaskState};
+use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::time::Time;
 use apex_model::value::Value;
 
 /// Looks for all evidence of `because`, which `task` may use.
 pub(super) fn check(world: &World<'_>, step: &Step, task: TaskId, because: &Because) -> Result<(), String> {
     let conditions = because.place.map(|place| conditions_at(world, place)).unwrap_or_default();
+    if let Cause::ConditionViolated { .. } = because.cause {
+        return violations::check(world, step, task, because, &conditions);
+    }
     let mut leaves = Vec::new();
     conditions.iter().for_each(|condition| collect(condition, &mut leaves));
     for evidence in because.evidence.iter() {
@@ -35,7 +39,7 @@ pub(super) fn check(world: &World<'_>, step: &Step, task: TaskId, because: &Beca
     Ok(())
 }
 
-fn one(
+pub(super) fn one(
     world: &World<'_>,
     step: &Step,
     task: TaskId,
@@ -72,7 +76,8 @@ fn one(
             let known = world.task(*task)?;
             let moved = known.moves.iter().any(|(when, _, to)| when == at && to.word() == word);
             let was = known.moves.iter().rfind(|(when, ..)| when <= at).map_or(TaskState::Pending, |(_, _, to)| *to);
-            require(moved || was.word() == word, "it was in another state")
+            let ended_as = known.outcome.as_ref().is_some_and(|outcome| is_outcome(outcome, word));
+            require(moved || was.word() == word || was == TaskState::Terminated && ended_as, "it was in another state")
         }
         Evidence::Run { variable, start, end, samples } => {
             in_time(world, *end)?;
@@ -113,7 +118,7 @@ fn is_outside(world: &World<'_>, word: &str) -> bool {
     !world.library.sources.iter().any(|source| source.text.contains(word))
 }
 
-fn in_time(world: &World<'_>, at: Time) -> Result<(), String> {
+pub(super) fn in_time(world: &World<'_>, at: Time) -> Result<(), String> {
     require(at <= world.now, "it is told of the future")
 }
 
@@ -133,7 +138,7 @@ pub(super) fn moves(effect: &Effect, task: TaskId) -> Option<TaskState> {
     }
 }
 
-fn was_measured(world: &World<'_>, variable: &str, value: &Value, at: Time) -> Result<(), String> {
+pub(super) fn was_measured(world: &World<'_>, variable: &str, value: &Value, at: Time) -> Result<(), String> {
     let Some(known) = world.samples.get(variable) else {
         return require(!is_outside(world, "(publish"), "no such variable was measured");
     };
@@ -147,7 +152,7 @@ fn was_measured(world: &World<'_>, variable: &str, value: &Value, at: Time) -> R
 }
 
 /// Returns true if the condition is about this variable.
-fn is_of(variable: &str, leaf: &ConditionKind) -> bool {
+pub(super) fn is_of(variable: &str, leaf: &ConditionKind) -> bool {
     match leaf {
         ConditionKind::Measurement(measurement) => {
             variable.trim_start_matches('(').starts_with(measurement.variable.attribute.printed())
@@ -169,28 +174,35 @@ fn meets_a_threshold(
         return require(leaves.is_empty(), "the condition waits for another variable");
     }
     let holds = relevant.any(|leaf| match leaf {
-        ConditionKind::Measurement(measurement) => thresholds_hold(thresholds, measurement, value),
+        ConditionKind::Measurement(measurement) => holds_of(thresholds, measurement, value) != Some(false),
         _ => false,
     });
     require(holds, "it does not meet the condition's threshold")
 }
 
-fn thresholds_hold(thresholds: &Thresholds<'_, '_>, measurement: &MeasurementCondition, value: &Value) -> bool {
-    measurement.value.iter().all(|constraint| {
-        let Constraint::Compare { relation, right, tolerance: None } = constraint else { return true };
-        let (Some((own, a)), Some((wanted, b))) = (value.as_number(), thresholds.number(right)) else { return true };
-        if a != b {
-            return true;
-        }
-        match relation {
+/// True if the measurement meets the comparisons of the condition with numbers; none if other constraints decide.
+pub(super) fn holds_of(
+    thresholds: &Thresholds<'_, '_>,
+    measurement: &MeasurementCondition,
+    value: &Value,
+) -> Option<bool> {
+    let meets = |constraint: &Constraint| {
+        let Constraint::Compare { relation, right, tolerance: None } = constraint else { return None };
+        let ((own, a), (wanted, b)) = value.as_number().zip(thresholds.number(right))?;
+        (a == b).then_some(match relation {
             Relation::Equal => own == wanted,
             Relation::Different => own != wanted,
             Relation::Less => own < wanted,
             Relation::LessOrEqual => own <= wanted,
             Relation::Greater => own > wanted,
             Relation::GreaterOrEqual => own >= wanted,
-        }
-    })
+        })
+    };
+    let met: Vec<Option<bool>> = measurement.value.iter().map(meets).collect();
+    if met.contains(&Some(false)) {
+        return Some(false);
+    }
+    if met.contains(&None) { None } else { Some(true) }
 }
 
 /// Evidence counts from the creation of the task on, unless the condition says otherwise.
@@ -254,6 +266,10 @@ fn conditions_at<'a>(world: &World<'a>, place: Place) -> Vec<&'a Condition> {
                 &clauses.resume_when,
                 &clauses.suspend_when,
                 &clauses.suspend_until,
+                &clauses.skip_when,
+                &clauses.exit_when,
+                &clauses.precondition,
+                &clauses.invariant,
             ]
             .into_iter()
             .flat_map(|clause| clause.as_deref())
@@ -261,4 +277,17 @@ fn conditions_at<'a>(world: &World<'a>, place: Place) -> Vec<&'a Condition> {
         own.into_iter().find(at)
     });
     found.into_iter().collect()
+}
+
+/// True if `word` names the way in which a task ended, as conditions write it.
+fn is_outcome(outcome: &Outcome, word: &str) -> bool {
+    match outcome {
+        Outcome::Success(_) => word == "succeeded",
+        Outcome::Failure => word == "failed",
+        Outcome::Cut => word == "cut",
+        Outcome::Skipped => word == "skipped",
+        Outcome::Exited => word == "exited",
+        Outcome::PreconditionFailed => ["failed", "precondition-failed"].contains(&word),
+        Outcome::InvariantViolated => ["failed", "invariant-violated"].contains(&word),
+    }
 }

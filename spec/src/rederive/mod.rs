@@ -7,6 +7,7 @@ pub mod mutation;
 mod numbers;
 mod probing;
 mod thresholds;
+mod violations;
 mod world;
 
 use apex_model::because::Because;

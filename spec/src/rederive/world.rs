@@ -226,7 +226,7 @@ impl<'a> World<'a> {
         let declared = self.library.resources.iter().find(|(known, _)| known.printed().eq_ignore_ascii_case(name));
         match declared.map(|(_, resource)| &resource.kind) {
             Some(ResourceKind::Capacity(units)) => *units as f64,
-            Some(ResourceKind::Depletable(_)) => f64::INFINITY,
+            Some(ResourceKind::Depletable(_) | ResourceKind::Renewable(_)) => f64::INFINITY,
             Some(ResourceKind::Unitary) | None => 1.0,
         }
     }

@@ -7,6 +7,7 @@
 //! PDL: none.
 //! Paper: section III, the stages of a step.
 
+use crate::expression::declared_unit;
 use crate::expression::view::View;
 use crate::monitoring::stimulus::Stimulus;
 use crate::state::agent::Agent;
@@ -93,6 +94,10 @@ pub(crate) struct Work {
     pub(crate) resuming: BTreeSet<TaskId>,
     /// At rest: probings that begin or end a probe when nothing else is left to do at this instant.
     pub(crate) probings: SmallVec<[ProbingId; 1]>,
+    /// Notice: states of tasks changed while there are invariants that read them.
+    pub(crate) states_changed: bool,
+    /// Enable: tasks whose invariants may no longer hold.
+    pub(crate) doubtful: BTreeSet<TaskId>,
     /// Tasks that ended and whose parents have not reacted.
     pub(crate) ended: VecDeque<TaskId>,
     /// Tasks that asked for more memory than there is, with the place that asked.
@@ -185,6 +190,7 @@ impl Work {
             && self.enabled.is_empty()
             && self.claims.is_empty()
             && self.dirty.is_empty()
+            && !self.states_changed
             && !self.priorities_changed
             && !self.inheritance_changed
             && self.starting.is_empty()
@@ -205,6 +211,21 @@ pub(crate) fn in_order(list: &mut TaskList) -> TaskList {
 }
 
 impl<'a> Cycle<'a> {
+    /// Publishes a sample of the agent itself that no form published.
+    pub(crate) fn publish_own(&mut self, id: TaskId, (variable, value): (StateVariable, Value), because: Because) {
+        let effect = Effect::Publish { task: id, variable: variable.clone(), value: value.clone(), because };
+        self.effects.push(effect);
+        self.say_sample(variable, value);
+    }
+
+    /// The agent measures something itself: its expressions see it from now on, its conditions from the next round.
+    pub(crate) fn say_sample(&mut self, variable: StateVariable, value: Value) {
+        if let Ok(held) = declared_unit::in_declared_unit(self.library, &variable, value.clone()) {
+            self.agent.published.push((variable.clone(), held));
+        }
+        self.work.said.push(SelfMessage::Measurement(variable, value));
+    }
+
     /// Writes a decision.
     pub(crate) fn decide(&mut self, task: Option<TaskId>, kind: DecisionKind, because: Because) {
         if self.effects.capacity() == 0 {

@@ -109,14 +109,17 @@ pub(crate) fn transition(
     task.since = now;
     task.outcome.clone_from(&outcome);
     cycle.work.balance.again |= again;
+    cycle.work.states_changed |= cycle.agent.guards.read_states();
     cycle.work.balance.ends |= to == TaskState::Terminated;
+    let states = outcome.as_ref().map_or(&[] as &[&str], Outcome::states);
     cycle.decide(Some(id), DecisionKind::Transition { from, to, outcome }, because);
     if !cycle.agent.interests.ignore_task(id) {
         let before = MonitorId(cycle.agent.next.monitor);
         cycle.work.stimuli.push(Stimulus::TaskState { task: id, from, state: to, at: now, before });
         // Whether this is the end of a step that repeats is known when its parent has reacted.
         if to == TaskState::Terminated && !may_repeat {
-            cycle.work.stimuli.push(Stimulus::TaskEnded { task: id, at: now, before });
+            let outcome = states;
+            cycle.work.stimuli.push(Stimulus::TaskEnded { task: id, outcome, at: now, before });
         }
     }
     true

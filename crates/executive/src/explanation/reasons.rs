@@ -353,9 +353,8 @@ fn primitive(agent: &Agent, task: &Task, state: &PrimitiveController) -> Vec<Rea
 fn ended(task: &Task) -> Reason {
     let text = match &task.outcome {
         Some(apex_model::task::Outcome::Success(value)) if value.is_true() => format!("it ended with {value}"),
-        Some(apex_model::task::Outcome::Failure) => "it failed".to_string(),
-        Some(apex_model::task::Outcome::Cut) => "it was cut".to_string(),
         Some(apex_model::task::Outcome::Success(_)) | None => "it ended".to_string(),
+        Some(other) => format!("it {}", other.phrase()),
     };
     Reason { since: Some(task.since), ..Reason::new(ReasonKind::Ended, text) }
 }

@@ -20,6 +20,9 @@ pub(super) fn call(evaluator: &mut Evaluator<'_>, name: &str, arguments: &[Value
         }
         ("publish", [form, value, router @ ..]) if router.len() < 2 => state_variable(form)
             .map(|variable| Action::Publish { variable, value: value.clone(), router: router.first().cloned(), place }),
+        ("replenish", [resource, amount @ ..]) if amount.len() < 2 => {
+            Ok(Action::Replenish { resource: resource.clone(), amount: amount.first().cloned(), place })
+        }
         ("complete", []) => Ok(Action::Complete(Value::nil())),
         ("complete", [value]) => Ok(Action::Complete(value.clone())),
         ("cogevent", [form]) => Ok(Action::Cogevent(form.clone(), None)),

@@ -32,6 +32,11 @@ pub(crate) trait EvalContext {
     fn task_end(&self, task: TaskId) -> Option<Time>;
     /// The task's state; none for a task that is not known.
     fn task_state(&self, task: TaskId) -> Option<TaskState>;
+    /// The words of the outcome of a task that has ended, for good as far as is known; none while it lives.
+    fn task_outcome(&self, task: TaskId) -> Option<&'static [&'static str]> {
+        let _ = task;
+        None
+    }
     /// `+tot+`: how long the task has been ongoing, without interruptions.
     fn task_time_ongoing(&self, task: TaskId) -> Option<Duration>;
     /// Returns the histories of measurements and messages.
@@ -81,6 +86,9 @@ impl EvalContext for WithBindings<'_> {
     }
     fn task_state(&self, task: TaskId) -> Option<TaskState> {
         self.below.task_state(task)
+    }
+    fn task_outcome(&self, task: TaskId) -> Option<&'static [&'static str]> {
+        self.below.task_outcome(task)
     }
     fn task_time_ongoing(&self, task: TaskId) -> Option<Duration> {
         self.below.task_time_ongoing(task)

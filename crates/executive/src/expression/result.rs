@@ -48,6 +48,15 @@ pub(crate) enum Action {
         /// Position in the PDL text.
         place: Place,
     },
+    /// `(replenish RESOURCE [amount])`.
+    Replenish {
+        /// The resource.
+        resource: Value,
+        /// Amount that is added; none fills it.
+        amount: Option<Value>,
+        /// Place of the form.
+        place: Place,
+    },
     /// `(complete [value])`.
     Complete(Value),
     /// `(setq ?x value)`.

@@ -11,7 +11,7 @@ use apex_model::event::StateVariable;
 use apex_model::host::HostFunctions;
 use apex_model::library::Library;
 use apex_model::symbol::Symbol;
-use apex_model::task::{TaskId, TaskState};
+use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
@@ -113,6 +113,11 @@ impl EvalContext for View<'_> {
 
     fn task_state(&self, task: TaskId) -> Option<TaskState> {
         self.agent.task(task).map(|task| task.state)
+    }
+
+    fn task_outcome(&self, task: TaskId) -> Option<&'static [&'static str]> {
+        let task = self.agent.task(task).filter(|task| task.is_terminated())?;
+        task.outcome.as_ref().map(Outcome::states)
     }
 
     fn task_time_ongoing(&self, task: TaskId) -> Option<Duration> {

@@ -38,10 +38,12 @@ pub(crate) enum Stimulus {
         /// Arrival number.
         sequence: u64,
     },
-    /// A task ended.
+    /// A task ended, for good.
     TaskEnded {
         /// The task.
         task: TaskId,
+        /// The words of its outcome; none where only the end is known.
+        outcome: &'static [&'static str],
         /// Instant.
         at: Time,
         /// The number of the first monitor that was made later: a monitor that begins later does not receive it.

@@ -145,7 +145,10 @@ fn hand_to_parent(cycle: &mut Cycle<'_>, id: TaskId) {
 
 fn release_of_parent(cycle: &mut Cycle<'_>, id: TaskId, names: &[Value]) {
     let Some(parent) = cycle.task(id).and_then(|task| task.parent) else { return };
-    for name in names {
+    let library = cycle.library;
+    let parts = names.iter().filter_map(Value::as_symbol).flat_map(|name| library.parts_of(name));
+    let parts: Vec<Value> = parts.map(|part| Value::Symbol(part.clone())).collect();
+    for name in names.iter().chain(&parts) {
         let Some(resource) = cycle.agent.resources.find(name) else { continue };
         let Some(extras) = cycle.agent.task_mut(parent).and_then(|task| task.extras.as_mut()) else { continue };
         let before = extras.held.len();

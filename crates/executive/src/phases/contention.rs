@@ -132,6 +132,11 @@ pub(crate) fn commit(cycle: &mut Cycle<'_>, arbitration: Arbitration) {
         }
     }
     for (id, resource, needed, left) in arbitration.impossible {
+        // What is used up may come back.
+        let full = cycle.agent.resources.get(resource).and_then(|resource| resource.renewable);
+        if full.is_some_and(|full| needed <= full) {
+            continue;
+        }
         let name = resource_name(cycle, resource);
         let dimension = cycle.agent.resources.get(resource).map_or(Dimension::NONE, |resource| resource.dimension);
         let (needed, left) = (amount(needed, dimension), amount(left, dimension));
@@ -153,6 +158,7 @@ pub(crate) fn commit(cycle: &mut Cycle<'_>, arbitration: Arbitration) {
         watch_crossing(cycle, watch.task, &watch.stands_for, &watch.rivals);
     }
     look_behind(cycle, &begun, &arbitration.refused);
+    give_up(cycle, &arbitration.refused);
     if changes {
         // Their parents continue: they compete again.
         for id in arbitration.barred {
@@ -163,6 +169,21 @@ pub(crate) fn commit(cycle: &mut Cycle<'_>, arbitration: Arbitration) {
     // Emptying what is empty is not free.
     if !cycle.work.resumed.is_empty() {
         cycle.work.resumed.clear();
+    }
+}
+
+/// Tasks whose profile says `:refuse-if-busy` fail rather than wait to begin.
+fn give_up(cycle: &mut Cycle<'_>, refused: &[Refusal]) {
+    let mut losses: Vec<&Loss> = refused.iter().map(|refusal| &refusal.loss).collect();
+    losses.sort_by_key(|loss| loss.loser);
+    for loss in losses {
+        let Some(task) = cycle.task(loss.loser) else { continue };
+        let refuses = task.selection.as_ref().is_some_and(|selection| selection.refuses);
+        if refuses && task.state == TaskState::Enabled {
+            let cause = Cause::ResourceBusy { resource: resource_name(cycle, loss.resource), holder: loss.winner };
+            let place = cycle.place_of(loss.loser);
+            termination::fail(cycle, loss.loser, Because::new(cause, place));
+        }
     }
 }
 

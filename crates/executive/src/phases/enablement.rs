@@ -5,7 +5,7 @@
 
 use crate::control::cycle::{Cycle, Firing, in_order};
 use crate::control::tasks::{
-    binding, instantiation, interruption, monitoring_clauses, repetition, restart, termination,
+    binding, execution_conditions, instantiation, interruption, monitoring_clauses, repetition, restart, termination,
 };
 use crate::control::transition::{Trigger, transition};
 use crate::planted;
@@ -22,20 +22,24 @@ use apex_model::source::Place;
 use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::value::Value;
 
-/// Ends come first, so that nothing is started only to be cut; then restarts, suspensions, and enablements.
+/// Ends come first, so that nothing is started only to be cut: exits, skips, ends; then restarts, suspensions, and
+/// enablements.
 fn order(clause: Clause) -> u8 {
     match clause {
-        Clause::EndWhen => 0,
-        Clause::RestartWhen => 1,
-        Clause::SuspendWhen => 2,
-        Clause::SuspendUntil => 3,
-        Clause::ResumeWhen => 4,
-        Clause::Waitfor => 5,
+        Clause::ExitWhen => 0,
+        Clause::SkipWhen => 1,
+        Clause::EndWhen => 2,
+        Clause::RestartWhen => 3,
+        Clause::SuspendWhen => 4,
+        Clause::SuspendUntil => 5,
+        Clause::ResumeWhen => 6,
+        Clause::Waitfor => 7,
     }
 }
 
 /// The enable phase.
 pub(crate) fn enable(cycle: &mut Cycle<'_>) {
+    execution_conditions::judge_invariants(cycle);
     fire_all(cycle);
     cycle.work.evidence.sort_by_key(|(task, _)| *task);
     for id in in_order(&mut cycle.work.ready) {
@@ -104,6 +108,14 @@ fn fire(cycle: &mut Cycle<'_>, firing: Firing) {
         Clause::EndWhen => {
             repetition::forbid(cycle, id, level);
             termination::end(cycle, id, Outcome::Success(Value::nil()), because);
+        }
+        Clause::SkipWhen => match state {
+            TaskState::Pending | TaskState::Enabled => termination::end(cycle, id, Outcome::Skipped, because),
+            TaskState::Ongoing | TaskState::Interrupted | TaskState::Terminated => {}
+        },
+        Clause::ExitWhen => {
+            let begun = matches!(state, TaskState::Ongoing | TaskState::Interrupted);
+            termination::end(cycle, id, if begun { Outcome::Exited } else { Outcome::Skipped }, because);
         }
         Clause::RestartWhen => match state {
             TaskState::Ongoing | TaskState::Interrupted => restart::restart(cycle, id, because),

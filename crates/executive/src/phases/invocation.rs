@@ -4,11 +4,14 @@
 //! Bound: O(1) per task in addition to what its controller does.  PDL: section 9.  Paper: section III, primitive and planner invocation.
 
 use crate::control::cycle::Cycle;
-use crate::control::tasks::{interruption, primitive, procedure, question, termination};
+use crate::control::tasks::{
+    execution_conditions, interruption, monitoring_clauses, primitive, procedure, question, termination,
+};
 use crate::deliberation::{plan_adoption, planner_invocation};
 use crate::phases::built_in;
 use crate::planted;
 use crate::planted::Bug;
+use crate::state::clause::Clause;
 use crate::state::controller::{Controller, MethodBinding};
 use apex_model::because::Cause;
 use apex_model::task::{TaskId, TaskState};
@@ -43,6 +46,10 @@ pub(crate) fn act(cycle: &mut Cycle<'_>) {
 }
 
 fn begin(cycle: &mut Cycle<'_>, id: TaskId) {
+    monitoring_clauses::unwatch(cycle, id, |clause, _| clause == Clause::SkipWhen);
+    if !execution_conditions::begin(cycle, id) {
+        return;
+    }
     let begun = interruption::run_step_start(cycle, id).and_then(|()| interruption::watch_step_restart(cycle, id));
     if let Err(because) = begun {
         return termination::fail(cycle, id, because);
@@ -80,9 +87,14 @@ fn take_way(cycle: &mut Cycle<'_>, id: TaskId) -> Option<MethodBinding> {
 fn go_on(cycle: &mut Cycle<'_>, id: TaskId) {
     let (now, Some(task)) = (cycle.now, cycle.task(id)) else { return };
     let Some(controller) = task.controller.as_deref() else { return };
+    let handling = matches!(controller, Controller::Handling(_));
+    if !handling && !execution_conditions::go_on(cycle, id) {
+        return;
+    }
+    let Some(controller) = cycle.task(id).and_then(|task| task.controller.as_deref()) else { return };
     match controller {
         // It failed before it could begin: this does not resume it.
-        Controller::Handling(_) if task.started_at == Some(now) => {}
+        Controller::Handling(_) if cycle.task(id).is_some_and(|task| task.started_at == Some(now)) => {}
         Controller::Primitive(_) => {
             primitive::resume(cycle, id);
             interruption::run_step_hook(cycle, id, "on-resume", |hooks| &hooks.on_resume);

@@ -35,6 +35,7 @@ pub(crate) fn record(cycle: &mut Cycle<'_>, events: &[Event]) {
                 occurrence(cycle, form.clone(), event.at);
             }
             EventKind::CommandAcknowledged(..)
+            | EventKind::CommandProgressed(..)
             | EventKind::SolverReported(..)
             | EventKind::OperatorAnswered(..)
             | EventKind::Stop(_)
@@ -49,6 +50,7 @@ pub(crate) fn record(cycle: &mut Cycle<'_>, events: &[Event]) {
     for event in events {
         match &event.kind {
             EventKind::CommandAcknowledged(command, answer) => primitive::answered(cycle, *command, answer),
+            EventKind::CommandProgressed(command, progress) => primitive::progressed(cycle, *command, *progress),
             EventKind::SolverReported(request, report) => plan_adoption::reported(cycle, *request, report),
             EventKind::OperatorAnswered(question, answer) => question::answered(cycle, *question, answer),
             EventKind::Stop(reason) => termination::stop(cycle, reason),

@@ -7,6 +7,7 @@
 use crate::control::conflicts::{priority, resources};
 use crate::control::cycle::{Cycle, in_order};
 use crate::control::matching::{IndexPattern, index_of, match_index};
+use crate::control::tasks::execution_conditions;
 use crate::control::tasks::goal;
 use crate::control::tasks::goal::activity_of;
 use crate::control::tasks::termination;
@@ -49,6 +50,7 @@ pub(crate) fn choose(cycle: &mut Cycle<'_>) {
             continue;
         }
         match choose_for(cycle, id) {
+            Ok(()) if !execution_conditions::allow(cycle, id) => {}
             Ok(()) => cycle.work.claims.push(id),
             Err(because) => termination::fail(cycle, id, because),
         }
@@ -69,6 +71,7 @@ fn choose_for(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), Because> {
         interrupt_cost: priority::INTERRUPT_COST_DEFAULT,
         expected: None,
         begun: false,
+        refuses: false,
     };
     if let Some(task) = cycle.agent.task_mut(id) {
         task.selection = Some(Box::new(selection));
@@ -76,11 +79,13 @@ fn choose_for(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), Because> {
     let kind = DecisionKind::Selected { method: choice.method, goal: choice.goal, alternatives: choice.alternatives };
     let because = Because::new(choice.cause, cycle.place_of(id));
     cycle.decide(Some(id), kind, because);
-    let details = details(cycle, id)?;
+    let mut details = details(cycle, id)?;
+    resources::add_parts(cycle, &mut details.needs);
     if let Some(selection) = cycle.agent.task_mut(id).and_then(|task| task.selection.as_mut()) {
         selection.needs = details.needs;
         selection.interrupt_cost = details.interrupt_cost.unwrap_or(priority::INTERRUPT_COST_DEFAULT);
         selection.expected = details.expected;
+        selection.refuses = details.refuses;
     }
     Ok(())
 }
@@ -245,6 +250,7 @@ struct Details {
     needs: Vec<Need>,
     interrupt_cost: Option<f64>,
     expected: Option<Duration>,
+    refuses: bool,
 }
 
 fn details(cycle: &mut Cycle<'_>, id: TaskId) -> Result<Details, Because> {
@@ -253,6 +259,7 @@ fn details(cycle: &mut Cycle<'_>, id: TaskId) -> Result<Details, Because> {
         Some(IndexPattern::Stored(procedure)) => of_procedure(cycle, id, procedure, &mut details)?,
         Some(IndexPattern::Generated(procedure)) => of_procedure(cycle, id, &procedure, &mut details)?,
         Some(IndexPattern::Primitive(primitive)) => {
+            details.refuses |= refuses(&primitive.profile);
             profile(cycle, id, Level::Procedure, &primitive.profile, &mut details.needs)?;
             // The duration may use locals, which do not exist yet: then nothing is expected.
             details.expected = expected(cycle, id, primitive.duration.as_ref()).unwrap_or(None);
@@ -265,6 +272,7 @@ fn details(cycle: &mut Cycle<'_>, id: TaskId) -> Result<Details, Because> {
     if let (Some(Origin::Step(_)), Some(handle)) = (cycle.task(id).map(|task| task.origin), cycle.step_of(id))
         && let Some(step) = handle.get()
     {
+        details.refuses |= refuses(&step.profile);
         profile(cycle, id, Level::Step, &step.profile, &mut details.needs)?;
         if let Some(own) = cost(cycle, id, Level::Step, step.interrupt_cost.as_deref())? {
             details.interrupt_cost = Some(own);
@@ -282,10 +290,15 @@ fn of_procedure(
     procedure: &Procedure,
     details: &mut Details,
 ) -> Result<(), Because> {
+    details.refuses |= refuses(&procedure.profile);
     profile(cycle, id, Level::Procedure, &procedure.profile, &mut details.needs)?;
     details.interrupt_cost = cost(cycle, id, Level::Procedure, procedure.interrupt_cost.as_ref())?;
     details.expected = expected(cycle, id, procedure.expected_duration.as_ref())?;
     Ok(())
+}
+
+fn refuses(profile: &[ResourceNeed]) -> bool {
+    profile.iter().any(|need| need.refuse_if_busy)
 }
 
 /// The procedure or primitive that was selected; none for everything else.

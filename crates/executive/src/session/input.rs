@@ -13,6 +13,7 @@ impl MonitorSession {
             }
             EventKind::Occurrence(form) | EventKind::Told(_, Message::Occurrence(form)) => self.event(form, at),
             EventKind::CommandAcknowledged(..)
+            | EventKind::CommandProgressed(..)
             | EventKind::SolverReported(..)
             | EventKind::OperatorAnswered(..)
             | EventKind::Woken

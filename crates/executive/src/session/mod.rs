@@ -259,7 +259,7 @@ impl MonitorSession {
         known.enter(state, at);
         self.stimuli.push(Stimulus::TaskState { task, from, state, at, before: MonitorId(u64::MAX) });
         if state == TaskState::Terminated {
-            self.stimuli.push(Stimulus::TaskEnded { task, at, before: MonitorId(u64::MAX) });
+            self.stimuli.push(Stimulus::TaskEnded { task, outcome: &[], at, before: MonitorId(u64::MAX) });
         }
     }
 

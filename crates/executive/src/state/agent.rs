@@ -2,6 +2,7 @@
 
 use crate::state::clause::{MonitorId, Watch};
 use crate::state::controller::OpenCommand;
+use crate::state::guards::Guards;
 use crate::state::histories::history::Histories;
 use crate::state::index::{Candidate, Heads, LibraryIndex, ProcedureIndex};
 use crate::state::interests::Interests;
@@ -91,6 +92,9 @@ pub struct Agent {
     /// Messages that wait for repeating steps.
     #[serde(default)]
     pub listening: Listening,
+    /// Tasks that have begun and have an `invariant`, their step's or their procedure's.
+    #[serde(default)]
+    pub guards: Guards,
     /// The newest instant at which messages or samples came from outside, and how many did.
     #[serde(default)]
     pub burst: (Time, u64),
@@ -176,6 +180,7 @@ impl Default for Agent {
             unsteady: BTreeSet::new(),
             circles: Vec::new(),
             listening: Listening::default(),
+            guards: Guards::default(),
             burst: (Time::BEGINNING, 0),
             next: Counters::default(),
             published: Vec::new(),

@@ -25,6 +25,10 @@ pub enum Clause {
     SuspendUntil,
     /// `resume-when`: the suspension ends.
     ResumeWhen,
+    /// `skip-when`: the task is not begun.
+    SkipWhen,
+    /// `exit-when`: the task ends without success or failure.
+    ExitWhen,
 }
 
 impl Clause {
@@ -37,6 +41,8 @@ impl Clause {
             Clause::SuspendWhen => "suspend-when",
             Clause::SuspendUntil => "until",
             Clause::ResumeWhen => "resume-when",
+            Clause::SkipWhen => "skip-when",
+            Clause::ExitWhen => "exit-when",
         }
     }
 }

@@ -29,6 +29,9 @@ pub struct Selection {
     /// The work has begun, and uses what it was granted; until then nothing is used up.
     #[serde(default)]
     pub begun: bool,
+    /// It fails rather than wait for what it needs, `:refuse-if-busy`.
+    #[serde(default)]
+    pub refuses: bool,
 }
 
 /// Ways of pursuing a goal.

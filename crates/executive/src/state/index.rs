@@ -1,14 +1,16 @@
 //! Index of a library, built once instead of searches at run time: candidates by the first word of a
 //! goal, steps by tag, results that steps wait for. Derived from the library alone; never part of a snapshot.
 
+use crate::state::awaited_outcomes as outcomes;
 use crate::state::step_clauses::StepClauses;
 use crate::state::walk;
 use apex_model::awaited::Awaited;
 use apex_model::condition::{Condition, ConditionKind};
+use apex_model::event::COMMAND_STATE;
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::library::Library;
 use apex_model::pattern::Pattern;
-use apex_model::procedure::{Hooks, Procedure, Repetition, Step};
+use apex_model::procedure::{Hooks, Procedure, ProcedureKind, Repetition, Step};
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use rustc_hash::FxBuildHasher;
@@ -89,6 +91,12 @@ pub struct StepIndex {
     pub condition_awaits: Vec<Symbol>,
     /// The end of its procedure waits for it.
     pub counts: bool,
+    /// A clause of its procedure or of another step names its failure: the procedure does not fail with it.
+    pub failure_awaited: bool,
+    /// Steps whose `waitfor` names how it ended.
+    pub outcome_waiters: Vec<u32>,
+    /// Variables that its `=>` binds.
+    pub produces: Vec<Symbol>,
     /// Clauses of the step.
     pub clauses: StepClauses,
 }
@@ -100,6 +108,8 @@ pub struct ProcedureIndex {
     pub tags: HashMap<Symbol, u32, FxBuildHasher>,
     /// Its steps.
     pub steps: Vec<StepIndex>,
+    /// Written order gives each step a rank of its own.
+    pub ranked_by_order: bool,
     /// Variables that get another value while it runs, or may: results of steps, and what its forms assign.
     pub changing: BTreeSet<Symbol>,
 }
@@ -113,6 +123,8 @@ pub struct LibraryIndex {
     pub solvers: Heads,
     /// By index in the library.
     pub procedures: Vec<Arc<ProcedureIndex>>,
+    /// The program names `(command-state ..)`: only then states of commands are published.
+    pub names_command_states: bool,
 }
 
 impl LibraryIndex {
@@ -121,7 +133,9 @@ impl LibraryIndex {
         let uses = |bundle: &Option<Symbol>| {
             bundles.is_empty() || bundle.as_ref().is_none_or(|bundle| bundles.contains(bundle))
         };
-        let mut index = LibraryIndex::default();
+        let names = |text: &str| text.to_ascii_lowercase().contains(COMMAND_STATE);
+        let names_command_states = library.sources.iter().any(|source| names(&source.text));
+        let mut index = LibraryIndex { names_command_states, ..LibraryIndex::default() };
         for (procedure, number) in library.procedures.iter().zip(0..) {
             if uses(&procedure.bundle) {
                 index.methods.insert(&procedure.index, Candidate::Procedure(number));
@@ -153,10 +167,16 @@ impl ProcedureIndex {
                 awaits,
                 condition_awaits: awaited.by_conditions_of(number),
                 counts: endless_only || ends_by_itself(step),
+                failure_awaited: outcomes::is_failure_awaited(procedure, number),
+                outcome_waiters: outcomes::waiters(procedure, number),
+                produces: outcomes::produced(step),
             }
         });
         let steps = steps.collect();
+        let ranked = matches!(procedure.kind, ProcedureKind::Ranked | ProcedureKind::SoftSequential);
+        let by_order = |step: &Step| step.rank.is_none() && step.responding.is_none();
         ProcedureIndex {
+            ranked_by_order: ranked && procedure.steps.iter().all(by_order),
             tags: procedure.steps.iter().zip(0..).map(|(step, number)| (step.tag.clone(), number)).collect(),
             steps,
             changing: changing(procedure, awaited.into_produced()),

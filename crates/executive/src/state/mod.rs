@@ -4,11 +4,13 @@
 //! cloned, compared, stored and restored whole. The services of the executive are functions over it.
 
 pub mod agent;
+pub(crate) mod awaited_outcomes;
 pub mod bindings;
 pub mod children;
 pub mod clause;
 pub mod controller;
 pub mod episode_index;
+pub mod guards;
 pub mod histories;
 pub mod index;
 pub mod interests;

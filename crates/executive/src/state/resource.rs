@@ -36,6 +36,9 @@ pub struct Resource {
     pub total: f64,
     /// True if its users use it up.
     pub depletable: bool,
+    /// Amount when it is full, if it can be replenished.
+    #[serde(default)]
+    pub renewable: Option<f64>,
     /// The dimension of amounts.
     pub dimension: Dimension,
     /// Holders, in order of taking. Several holders of one unit are ancestors and descendants.
@@ -65,14 +68,16 @@ impl ResourceTable {
         let (total, depletable, dimension) = match kind {
             ResourceKind::Unitary => (1.0, false, Dimension::NONE),
             ResourceKind::Capacity(units) => (f64::from(*units), false, Dimension::NONE),
-            ResourceKind::Depletable(amount) => {
+            ResourceKind::Depletable(amount) | ResourceKind::Renewable(amount) => {
                 let (si, dimension) = amount.as_number().unwrap_or((0.0, Dimension::NONE));
                 (si, true, dimension)
             }
         };
+        let renewable = matches!(kind, ResourceKind::Renewable(_)).then_some(total);
         let id = ResourceId(u32::try_from(self.resources.len()).unwrap_or(u32::MAX));
         let (holders, waiting) = (Vec::new(), Waiting::default());
-        self.resources.push(Resource { name: name.clone(), total, depletable, dimension, holders, waiting });
+        let name_known = name.clone();
+        self.resources.push(Resource { name: name_known, total, depletable, renewable, dimension, holders, waiting });
         self.names.insert(name.clone(), id);
         id
     }

@@ -11,7 +11,7 @@ impl StepClauses {
     pub const NONE: StepClauses = StepClauses(0);
     /// `on-start`, `on-end` and the like.
     pub const HOOKS: StepClauses = StepClauses(1);
-    /// `end-when`, `suspend-when` and the like.
+    /// `end-when`, `suspend-when`, `skip-when` and the like.
     pub const TRANSITIONS: StepClauses = StepClauses(1 << 1);
     /// `select`.
     pub const SELECT: StepClauses = StepClauses(1 << 2);
@@ -27,19 +27,32 @@ impl StepClauses {
     pub const CONTENTION: StepClauses = StepClauses(1 << 7);
     /// `rank`, or a place in a procedure whose steps are ranked by their order.
     pub const RANK: StepClauses = StepClauses(1 << 8);
+    /// `precondition`, `invariant`.
+    pub const EXECUTION: StepClauses = StepClauses(1 << 9);
     /// Nothing is known: every clause must be looked for.
     pub const UNKNOWN: StepClauses = StepClauses(u16::MAX);
 
     /// Those of `step` of a procedure of this kind; `awaits` says whether it uses results of other steps.
     pub fn of(step: &Step, kind: ProcedureKind, awaits: bool) -> StepClauses {
-        let Transitions { end_when, restart_when, resume_when, suspend_when, suspend_until } = &step.transitions;
-        let transitions = [end_when, restart_when, resume_when, suspend_when, suspend_until];
+        let Transitions {
+            end_when,
+            restart_when,
+            resume_when,
+            suspend_when,
+            suspend_until,
+            skip_when,
+            exit_when,
+            precondition,
+            invariant,
+        } = &step.transitions;
+        let transitions = [end_when, restart_when, resume_when, suspend_when, suspend_until, skip_when, exit_when];
         let hooks = [&step.hooks.on_start, &step.hooks.on_end, &step.hooks.on_suspend, &step.hooks.on_resume];
         let ranked = matches!(kind, ProcedureKind::Ranked | ProcedureKind::SoftSequential) || step.rank.is_some();
         let contention = !step.profile.is_empty() || !step.priority.is_empty();
         let present = [
             (StepClauses::HOOKS, hooks.into_iter().any(|forms| !forms.is_empty())),
             (StepClauses::TRANSITIONS, transitions.into_iter().any(Option::is_some)),
+            (StepClauses::EXECUTION, precondition.is_some() || invariant.is_some()),
             (StepClauses::SELECT, !step.select.is_empty()),
             (StepClauses::RESULT, step.binds.is_some()),
             (StepClauses::REPETITION, step.repeating.is_some() || step.responding.is_some()),

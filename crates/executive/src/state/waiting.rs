@@ -4,7 +4,7 @@
 //! urgency in a way that never changes the order of its equals. The first ones then decide for all behind them.
 //! Others stand apart: where there is one of them, all claimants are compared.
 
-use crate::state::queue_place::{Among, FamilyOrder, QueueKey, QueuePlace};
+use crate::state::queue_place::{Among, FamilyOrder, QueueKey, QueuePlace, RankAmong};
 use crate::state::resource_id::ResourceId;
 use crate::state::turns::{InTurn, Rest};
 use apex_model::task::TaskId;
@@ -20,14 +20,17 @@ pub const GREATEST_URGENCY_BEFORE: Duration = Duration(500_000_000);
 pub enum Claim {
     /// In a queue.
     Queued {
-        /// Position in the queue.
-        place: QueuePlace,
+        /// Position in the queue; none where it must be compared with each of the others, unless ranks alone count.
+        place: Option<QueuePlace>,
         /// Its priority reads variables: its place must be found again when one of them changes.
         varies: bool,
         /// Expected duration, if stated.
         expected: Option<Duration>,
         /// Other resources that it needs.
         others: Vec<ResourceId>,
+        /// Its places among the tasks below each ranked task above it.
+        #[serde(default)]
+        by_rank: Vec<QueueKey>,
     },
     /// Not in a queue.
     Apart,
@@ -55,7 +58,19 @@ pub struct Waiting {
     together: BTreeMap<Vec<ResourceId>, BTreeMap<Option<Duration>, usize>>,
     /// Those whose place depends on variables or on more.
     sensitive: BTreeSet<TaskId>,
+    /// Number of those without a place.
     apart: usize,
+    /// By parent: those with a rank below it, in the order of their ranks.
+    #[serde(default)]
+    siblings: BTreeMap<TaskId, Siblings>,
+}
+
+/// Claimants with ranks below one parent.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Siblings {
+    keys: BTreeSet<QueueKey>,
+    /// How many have each rank, by its bits.
+    ranks: BTreeMap<u64, usize>,
 }
 
 impl Waiting {
@@ -63,22 +78,18 @@ impl Waiting {
     pub fn insert(&mut self, task: TaskId, claim: Claim) {
         self.remove(task);
         match &claim {
-            Claim::Queued { place, varies, expected, others } => {
+            Claim::Queued { place, varies, expected, others, by_rank } => {
                 match place {
-                    QueuePlace::Steady(key) => {
-                        if let Some(rank) = key.rank {
-                            let group = self.ranked.entry(rank.parent).or_default();
-                            *group = (group.0 + 1, key.priority);
-                        }
-                        self.steady.insert(*key);
-                    }
-                    QueuePlace::Rising(key) => {
-                        let line = self.lines.entry(key.importance.to_bits()).or_default();
-                        line.rising.insert((key.due, !key.begun, key.order));
-                    }
+                    Some(place) => self.enter(place),
+                    None => self.apart += 1,
                 }
                 if *varies {
                     self.sensitive.insert(task);
+                }
+                for (parent, bits, key) in by_rank.iter().filter_map(sibling) {
+                    let siblings = self.siblings.entry(parent).or_default();
+                    siblings.keys.insert(key);
+                    *siblings.ranks.entry(bits).or_default() += 1;
                 }
                 *self.together.entry(others.clone()).or_default().entry(*expected).or_default() += 1;
             }
@@ -95,8 +106,19 @@ impl Waiting {
         let Some(claim) = self.claims.remove(&task) else { return false };
         self.sensitive.remove(&task);
         match claim {
-            Claim::Queued { place, expected, others, .. } => {
-                self.leave(&place);
+            Claim::Queued { place, expected, others, by_rank, .. } => {
+                match &place {
+                    Some(place) => self.leave(place),
+                    None => self.apart -= 1,
+                }
+                for (parent, bits, key) in by_rank.iter().filter_map(sibling) {
+                    let Some(siblings) = self.siblings.get_mut(&parent) else { continue };
+                    siblings.keys.remove(&key);
+                    count_down(&mut siblings.ranks, &bits);
+                    if siblings.keys.is_empty() {
+                        self.siblings.remove(&parent);
+                    }
+                }
                 if let Some(spans) = self.together.get_mut(&others) {
                     count_down(spans, &expected);
                     if spans.is_empty() {
@@ -107,6 +129,22 @@ impl Waiting {
             Claim::Apart => self.apart -= 1,
         }
         true
+    }
+
+    fn enter(&mut self, place: &QueuePlace) {
+        match place {
+            QueuePlace::Steady(key) => {
+                if let Some(rank) = key.rank {
+                    let group = self.ranked.entry(rank.parent).or_default();
+                    *group = (group.0 + 1, key.priority);
+                }
+                self.steady.insert(*key);
+            }
+            QueuePlace::Rising(key) => {
+                let line = self.lines.entry(key.importance.to_bits()).or_default();
+                line.rising.insert((key.due, !key.begun, key.order));
+            }
+        }
     }
 
     fn leave(&mut self, place: &QueuePlace) {
@@ -166,17 +204,46 @@ impl Waiting {
 
     /// Tasks whose place may change with a variable or with what is measured.
     pub fn sensitive(&self) -> impl Iterator<Item = TaskId> + '_ {
-        self.sensitive.iter().copied()
+        let by_rank = self.is_by_rank();
+        self.sensitive.iter().copied().filter(move |_| !by_rank)
     }
 
-    /// True if all claimants that wait are in queues.
+    /// True if all claimants that wait have a place that follows from themselves alone.
     pub fn all_in_queues(&self) -> bool {
         self.apart == 0
     }
 
+    /// The parent, if all claimants have ranks below it and no two the same: then nothing else counts between them.
+    pub fn parent_of_ranks(&self) -> Option<TaskId> {
+        // All have the same parents above them, if one is to be that of all.
+        let Claim::Queued { by_rank, .. } = self.claims.first_key_value()?.1 else { return None };
+        let count = self.claims.len();
+        let mut parents = by_rank.iter().filter_map(|key| Some(key.rank?.parent));
+        parents.find(|parent| {
+            let siblings = self.siblings.get(parent);
+            siblings.is_some_and(|siblings| siblings.keys.len() == count && siblings.ranks.len() == count)
+        })
+    }
+
+    /// True if a claimant has this rank below the parent.
+    pub fn has_rank(&self, rank: RankAmong) -> bool {
+        self.siblings.get(&rank.parent).is_some_and(|siblings| siblings.ranks.contains_key(&bits_of(rank.rank)))
+    }
+
+    /// The claimants in the order of their ranks, where they have no other order and need none.
+    fn queue_by_rank(&self) -> Option<&BTreeSet<QueueKey>> {
+        let parent = self.parent_of_ranks().filter(|_| !self.all_in_queues())?;
+        self.siblings.get(&parent).map(|siblings| &siblings.keys)
+    }
+
+    /// True if ranks below one parent are the order of the queue, and priorities do not count.
+    pub fn is_by_rank(&self) -> bool {
+        self.queue_by_rank().is_some()
+    }
+
     /// Returns true if time, or a change of a variable or measurement, may change the order.
     pub fn is_sensitive(&self) -> bool {
-        !self.sensitive.is_empty() || !self.lines.is_empty()
+        (!self.sensitive.is_empty() || !self.lines.is_empty()) && !self.is_by_rank()
     }
 
     /// Returns true if the priority of a queued claimant rises.
@@ -206,6 +273,9 @@ impl Waiting {
     /// When the order of ranks and priorities cannot be read from the queues: ranks below several parents, or claimants
     /// without rank that are as important.
     pub fn priority_of_ranked(&self) -> Result<Option<f64>, OrderUnknown> {
+        if !self.all_in_queues() {
+            return self.parent_of_ranks().map(|_| Some(0.0)).ok_or(OrderUnknown);
+        }
         let mut groups = self.ranked.values();
         let Some((_, priority)) = groups.next().copied() else { return Ok(None) };
         let unknown = groups.next().is_some() || self.has_unranked_at(priority) || self.has_rising();
@@ -220,6 +290,9 @@ impl Waiting {
 
     /// Returns true if the place of one more claimant determines which tasks precede it.
     pub fn takes_in(&self, key: &QueueKey) -> bool {
+        if !self.all_in_queues() {
+            return false;
+        }
         let alike = |(parent, group): (&TaskId, &(usize, f64))| {
             key.rank.is_some_and(|rank| rank.parent == *parent) == (group.1 == key.priority)
         };
@@ -229,20 +302,27 @@ impl Waiting {
 
     /// The place of the task in its queue; `risen_to` computes a priority from importance and due instant.
     pub fn key_of(&self, task: TaskId, risen_to: impl Fn(f64, Time) -> f64) -> Option<QueueKey> {
-        match self.claims.get(&task)? {
-            Claim::Queued { place: QueuePlace::Steady(key), .. } => Some(*key),
-            Claim::Queued { place: QueuePlace::Rising(key), .. } => Some(QueueKey {
+        let Claim::Queued { place, by_rank, .. } = self.claims.get(&task)? else { return None };
+        if !self.all_in_queues() {
+            let parent = self.parent_of_ranks()?;
+            return by_rank.iter().find(|key| key.rank.is_some_and(|rank| rank.parent == parent)).copied();
+        }
+        match (*place)? {
+            QueuePlace::Steady(key) => Some(key),
+            QueuePlace::Rising(key) => Some(QueueKey {
                 priority: risen_to(key.importance, key.due),
                 rank: None,
                 begun: key.begun,
                 order: key.order,
             }),
-            Claim::Apart => None,
         }
     }
 
     /// Those in queues, the first first; `risen_to` computes a priority from importance and due instant.
     pub fn in_turn<F: Fn(f64, Time) -> f64>(&self, now: Time, risen_to: F) -> InTurn<'_, F> {
+        if let Some(by_rank) = self.queue_by_rank() {
+            return InTurn::new(vec![Rest::Steady(by_rank.iter())], risen_to, now);
+        }
         let mut lines = vec![Rest::Steady(self.steady.iter())];
         for (importance, line) in &self.lines {
             let fresh: Vec<_> = line.rising.iter().take_while(|each| has_risen(each.0, now)).collect();
@@ -266,6 +346,16 @@ fn has_risen(due: Time, now: Time) -> bool {
     due - now <= GREATEST_URGENCY_BEFORE
 }
 
+/// Bits of a rank: equal ranks have equal bits.
+fn bits_of(rank: f64) -> u64 {
+    (rank + 0.0).to_bits()
+}
+
+fn sibling(key: &QueueKey) -> Option<(TaskId, u64, QueueKey)> {
+    let rank = key.rank?;
+    Some((rank.parent, bits_of(rank.rank), *key))
+}
+
 fn count_down<K: Ord>(counts: &mut BTreeMap<K, usize>, key: &K) {
     if let Some(count) = counts.get_mut(key) {
         *count -= 1;
@@ -285,7 +375,7 @@ mod tests {
     }
 
     fn claim(place: QueuePlace, varies: bool) -> Claim {
-        Claim::Queued { place, varies, expected: None, others: Vec::new() }
+        Claim::Queued { place: Some(place), varies, expected: None, others: Vec::new(), by_rank: Vec::new() }
     }
 
     #[test]

@@ -51,7 +51,9 @@ fn resource_of(need: &ResourceNeed) -> Option<&Symbol> {
 fn total(program: &Program<'_>, resource: &Symbol) -> (f64, Dimension) {
     match program.library.resources.get(resource).map(|declaration| &declaration.kind) {
         Some(ResourceKind::Capacity(units)) => (f64::from(*units), Dimension::NONE),
-        Some(ResourceKind::Depletable(amount)) => amount.as_number().unwrap_or((f64::INFINITY, Dimension::NONE)),
+        Some(ResourceKind::Depletable(amount) | ResourceKind::Renewable(amount)) => {
+            amount.as_number().unwrap_or((f64::INFINITY, Dimension::NONE))
+        }
         Some(ResourceKind::Unitary) | None => (1.0, Dimension::NONE),
     }
 }
@@ -103,7 +105,7 @@ fn shortage(
             (Some(ResourceKind::Capacity(units)), _) => {
                 format!("{sum} units of `{resource}` are needed at once, but there are {units}")
             }
-            (Some(ResourceKind::Depletable(amount)), _) => {
+            (Some(ResourceKind::Depletable(amount) | ResourceKind::Renewable(amount)), _) => {
                 let sum = Value::measured(sum, amount.as_number().map_or(Dimension::NONE, |(_, dimension)| dimension));
                 format!("{sum} of `{resource}` is needed, but there is {amount}")
             }

@@ -180,13 +180,27 @@ pub(crate) fn activities(step: &Step) -> impl Iterator<Item = &Activity> {
 
 /// The conditions of transition clauses with the clauses' names.
 pub(crate) fn transitions(transitions: &Transitions) -> impl Iterator<Item = (&'static str, &Condition)> {
-    let Transitions { end_when, restart_when, resume_when, suspend_when, suspend_until } = transitions;
+    let Transitions {
+        end_when,
+        restart_when,
+        resume_when,
+        suspend_when,
+        suspend_until,
+        skip_when,
+        exit_when,
+        precondition,
+        invariant,
+    } = transitions;
     [
         ("end-when", end_when),
         ("restart-when", restart_when),
         ("resume-when", resume_when),
         ("suspend-when", suspend_when),
         ("suspend-when", suspend_until),
+        ("skip-when", skip_when),
+        ("exit-when", exit_when),
+        ("precondition", precondition),
+        ("invariant", invariant),
     ]
     .into_iter()
     .filter_map(|(name, condition)| condition.as_deref().map(|condition| (name, condition)))

@@ -9,7 +9,10 @@ use crate::read::{Datum, DatumKind};
 use crate::suggest::{renames, renames_marked};
 use apex_model::condition::{Condition, ConditionKind, Timing};
 use apex_model::expression::{Expr, ExprKind};
+use apex_model::pattern::Pattern;
 use apex_model::symbol::Symbol;
+use apex_model::task::OUTCOME_STATES;
+use apex_model::value::Value;
 
 /// Every keyword that heads a condition.
 const CONDITION_KEYWORDS: &[&str] = &[
@@ -39,6 +42,9 @@ const CONDITION_KEYWORDS: &[&str] = &[
     "starts",
     "timestamp",
 ];
+
+/// `(WORD ?step)`: how the step's task ended.
+const OUTCOMES: &[&str] = &["succeeded", "failed", "skipped", "exited", "precondition-failed", "invariant-violated"];
 
 impl Lowering {
     /// Lowers a sequence of conditions; `:quality Q` may stand directly after an episode, as the paper prints it.
@@ -107,6 +113,14 @@ impl Lowering {
         };
         if let Some(keyword) = items.first().and_then(Datum::keyword) {
             return self.keyword_condition(datum, keyword, quality);
+        }
+        if let [head, task] = items
+            && head.as_symbol().is_some_and(|word| OUTCOMES.contains(&word.folded()))
+            && self.is_step(task)
+        {
+            let task = Expr { kind: self.task_named(task)?, place: task.span.place() };
+            let state = Pattern::Literal(Value::symbol(datum.head_name()));
+            return plain(ConditionKind::TaskState { task, state });
         }
         if self.report_slipped_condition(datum) {
             return None;
@@ -261,21 +275,34 @@ impl Lowering {
         }
     }
 
+    /// True for the variable of a step.
+    fn is_step(&self, task: &Datum) -> bool {
+        matches!(&task.kind, DatumKind::Variable(name) | DatumKind::Bound(name) if self.scope.tags.contains(name))
+    }
+
+    /// A task by its variable or indexical.
+    fn task_named(&mut self, task: &Datum) -> Option<ExprKind> {
+        match &task.kind {
+            DatumKind::Indexical(name) => Some(self.indexical(name, task.span)),
+            DatumKind::Variable(name) => self.variable(name, false, task.span),
+            DatumKind::Bound(name) => self.variable(name, true, task.span),
+            _ => self.no_condition(task),
+        }
+    }
+
     fn task_state(&mut self, task: &Datum, state: &Datum) -> Option<ConditionKind> {
-        let kind = match &task.kind {
-            DatumKind::Indexical(name) => self.indexical(name, task.span),
-            DatumKind::Variable(name) => self.variable(name, false, task.span)?,
-            DatumKind::Bound(name) => self.variable(name, true, task.span)?,
-            _ => return self.no_condition(task),
-        };
+        let kind = self.task_named(task)?;
         const STATES: &[&str] = &["pending", "enabled", "ongoing", "interrupted", "suspended", "terminated", "resumed"];
         if let Some(name) = state.as_symbol()
             && !STATES.contains(&name.folded())
+            && !OUTCOME_STATES.contains(&name.folded())
         {
             let diagnostic =
                 Diagnostic::error(codes::MALFORMED_CONDITION, state.span, format!("a task is never in state `{name}`"));
-            let fixes = renames(state.span, name.printed(), STATES.iter().copied());
-            return self.refuse(diagnostic.fixes_or_help(fixes, || format!("its states are {}", STATES.join(" "))));
+            let all = || STATES.iter().chain(OUTCOME_STATES).copied();
+            let fixes = renames(state.span, name.printed(), all());
+            let list = || format!("its states are {}; ended, it is {}", STATES.join(" "), OUTCOME_STATES.join(" "));
+            return self.refuse(diagnostic.fixes_or_help(fixes, list));
         }
         let task = Expr { kind, place: task.span.place() };
         Some(ConditionKind::TaskState { task, state: self.pattern(state)? })

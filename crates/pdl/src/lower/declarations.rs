@@ -224,15 +224,17 @@ impl Lowering {
     }
 
     fn declare_resource(&mut self, form: &Datum, library: &mut Library) -> Option<()> {
-        const SHAPE: &str = "(resource NAME [:capacity N] [:depletable QUANTITY])";
+        const SHAPE: &str =
+            "(resource NAME [:capacity N | :depletable QUANTITY | :renewable QUANTITY] [:part-of RESOURCE])";
         let (before, options) = groups(form.tail());
         let [Datum { kind: DatumKind::Symbol(name), span }] = before else {
             return self.missing_part(form.span, "this `resource` has the wrong parts", SHAPE);
         };
-        self.check_groups(&options, &["capacity", "depletable"], "`resource`")?;
-        let kind = match (values_of(&options, "capacity"), values_of(&options, "depletable")) {
-            ([], []) if options.is_empty() => ResourceKind::Unitary,
-            ([capacity], []) => match capacity.kind {
+        self.check_groups(&options, &["capacity", "depletable", "renewable", "part-of"], "`resource`")?;
+        let kinds = ["capacity", "depletable", "renewable"].map(|kind| values_of(&options, kind));
+        let kind = match kinds {
+            [[], [], []] => ResourceKind::Unitary,
+            [[capacity], [], []] => match capacity.kind {
                 DatumKind::Integer(units) if units > 0 && u32::try_from(units).is_ok() => {
                     ResourceKind::Capacity(u32::try_from(units).unwrap_or(u32::MAX))
                 }
@@ -241,22 +243,65 @@ impl Lowering {
                     return self.refuse(Diagnostic::error(codes::MALFORMED, capacity.span, message));
                 }
             },
-            ([], [amount]) => match amount.to_value() {
-                value if value.as_number().is_some_and(|(number, _)| number >= 0.0) => ResourceKind::Depletable(value),
-                _ => {
-                    let diagnostic =
-                        Diagnostic::error(codes::MALFORMED, amount.span, "an amount is a number or quantity")
-                            .help("for example `:depletable 180kg`");
-                    return self.refuse(diagnostic);
-                }
-            },
+            [[], [amount], []] => ResourceKind::Depletable(self.resource_amount(amount)?),
+            [[], [], [amount]] => ResourceKind::Renewable(self.resource_amount(amount)?),
+            _ => return self.missing_part(form.span, "this `resource` has the wrong parts", SHAPE),
+        };
+        let part_of = match values_of(&options, "part-of") {
+            [] => None,
+            [Datum { kind: DatumKind::Symbol(whole), span: whole_span }] => {
+                self.check_part(name, &kind, (whole, *whole_span))?;
+                Some(whole.clone())
+            }
             _ => return self.missing_part(form.span, "this `resource` has the wrong parts", SHAPE),
         };
         let first = self.names.resources.get(name).map(|(_, span)| *span);
         self.define(name.printed(), first, *span)?;
         self.names.resources.insert(name.clone(), (kind.clone(), *span));
-        library.resources.insert(name.clone(), ResourceDeclaration { kind, place: form.span.place() });
+        library.resources.insert(name.clone(), ResourceDeclaration { kind, part_of, place: form.span.place() });
         Some(())
+    }
+
+    fn resource_amount(&mut self, amount: &Datum) -> Option<Value> {
+        let value = amount.to_value();
+        if value.as_number().is_some_and(|(number, _)| number >= 0.0) {
+            return Some(value);
+        }
+        let diagnostic = Diagnostic::error(codes::MALFORMED, amount.span, "an amount is a number or quantity");
+        self.refuse(diagnostic.help("for example `:depletable 180kg`"))
+    }
+
+    /// A part is not used up, and is not a part of itself. Whether its whole is declared is seen when all is collected.
+    fn check_part(&mut self, name: &Symbol, kind: &ResourceKind, (whole, span): (&Symbol, Span)) -> Option<()> {
+        let message = match kind {
+            ResourceKind::Depletable(_) | ResourceKind::Renewable(_) => {
+                "a resource that is used up cannot be a part of another one"
+            }
+            _ if name == whole => "a resource cannot be a part of itself",
+            _ => {
+                self.wholes.push((name.clone(), whole.clone(), span));
+                return Some(());
+            }
+        };
+        self.refuse(Diagnostic::error(codes::MALFORMED, span, message))
+    }
+
+    /// Checks that wholes are declared, are taken as one, and do not belong to their parts.
+    pub(crate) fn check_wholes(&mut self, library: &Library) {
+        for (part, whole, span) in std::mem::take(&mut self.wholes) {
+            let message = match library.resources.get(&whole).map(|declared| &declared.kind) {
+                None => format!("resource `{whole}` is not declared"),
+                Some(ResourceKind::Unitary) if library.parts_of(&part).contains(&&whole) => {
+                    format!("`{whole}` is itself a part of `{part}`")
+                }
+                Some(ResourceKind::Unitary) => continue,
+                Some(_) => format!("`{whole}` is shared by amounts, and has no parts"),
+            };
+            let known = library.resources.iter().filter(|(name, _)| **name != part);
+            let fixes = renames(span, whole.printed(), known.map(|(name, _)| name.printed()));
+            let diagnostic = Diagnostic::error(codes::MALFORMED, span, message);
+            self.report(diagnostic.fixes_or_help(fixes, || format!("declare `(resource {whole})`")));
+        }
     }
 
     /// Lowers the body of a `defun`; purity is settled by [`Lowering::settle_purity`].

@@ -5,6 +5,7 @@ use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::fix::Fix;
 use apex_model::expression::{Expr, ExprKind};
+use apex_model::library::RESOURCE_LEVEL;
 use apex_model::quantity::{Dimension, Quantity, Unit, unit_named};
 use apex_model::symbol::Symbol;
 use apex_model::time::Duration;
@@ -61,6 +62,10 @@ impl Expected {
     pub(crate) fn values_of(lowering: &Lowering, attribute: &Symbol) -> Expected {
         let subject = format!("`({attribute} ..)`");
         let Some((declaration, span)) = lowering.names.state_variables.get(attribute) else {
+            // Levels have the unit of their resource, which only the object names.
+            if attribute.is(RESOURCE_LEVEL) {
+                return Expected::anything();
+            }
             return Expected { subject, kind: ExpectedKind::Undeclared, declared: None, value_type: None };
         };
         let unit = declaration.unit.as_ref().and_then(|unit| unit_named(unit.printed()));

@@ -17,6 +17,7 @@ mod cyclic;
 mod declarations;
 mod derivation;
 mod episode;
+mod execution;
 mod expected;
 mod expression;
 mod goals;
@@ -72,6 +73,8 @@ pub(crate) struct Lowering {
     pub(crate) unknown_functions: BTreeMap<Symbol, Vec<Span>>,
     /// Names of indexicals that nothing defines, with every use.
     pub(crate) unknown_indexicals: BTreeMap<Symbol, Vec<Span>>,
+    /// Resources that are parts, their wholes, and where those are named.
+    pub(crate) wholes: Vec<(Symbol, Symbol, Span)>,
     /// Goals that steps pursue.
     pub(crate) goals: Vec<Goal>,
     /// Goals that procedures, primitives and solvers serve.
@@ -111,6 +114,7 @@ impl Lowering {
             constants_used: BTreeSet::new(),
             unknown_functions: BTreeMap::new(),
             unknown_indexicals: BTreeMap::new(),
+            wholes: Vec::new(),
             goals: Vec::new(),
             served: Vec::new(),
             scope: Scope::default(),

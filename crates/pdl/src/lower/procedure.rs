@@ -278,6 +278,7 @@ impl Lowering {
             }
             "interrupt-cost" => procedure.interrupt_cost = Some(self.only_expression(clause)?),
             "on-start" | "on-end" | "on-suspend" | "on-resume" => self.hook(clause, &mut procedure.hooks)?,
+            "precondition" | "invariant" => self.execution_condition(clause, &mut procedure.transitions)?,
             name if PROCEDURE_CLAUSES.contains(&name) => self.transition(clause, &mut procedure.transitions)?,
             // Unknown clauses have been reported.
             _ => {}

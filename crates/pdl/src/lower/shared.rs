@@ -30,11 +30,15 @@ impl Lowering {
         let is_suspend = name.starts_with("suspend");
         if when.is_empty() || (until.is_some() && !is_suspend) {
             let shape = if is_suspend { "(suspend-when CONDITION [until CONDITION])" } else { "(end-when CONDITION)" };
-            return self.missing_part(clause.span, &format!("this `{name}` has the wrong parts"), shape);
+            let shape =
+                if name == "end-when" || is_suspend { shape.to_string() } else { format!("({name} CONDITION)") };
+            return self.missing_part(clause.span, &format!("this `{name}` has the wrong parts"), &shape);
         }
         let condition = self.clause_condition(name, when, clause)?;
         let slot = match name {
             "end-when" | "terminate" => &mut transitions.end_when,
+            "exit-when" => &mut transitions.exit_when,
+            "skip-when" => &mut transitions.skip_when,
             "restart" | "restart-when" => &mut transitions.restart_when,
             "resume" | "resume-when" => &mut transitions.resume_when,
             _ => &mut transitions.suspend_when,
@@ -87,26 +91,35 @@ impl Lowering {
 
     /// `(profile NAME.. (NAME AMOUNT)..)`
     pub(crate) fn profile(&mut self, clause: &Datum) -> Option<Vec<ResourceNeed>> {
-        self.all(clause.tail(), |lowering, item| {
+        let (options, entries): (Vec<&Datum>, Vec<&Datum>) =
+            clause.tail().iter().partition(|item| item.is(":refuse-if-busy"));
+        let refuse_if_busy = !options.is_empty();
+        let entries: Vec<Datum> = entries.into_iter().cloned().collect();
+        if let ([option, ..], []) = (options.as_slice(), entries.as_slice()) {
+            let diagnostic =
+                Diagnostic::error(codes::MALFORMED, option.span, "`:refuse-if-busy` stands without resources");
+            return self.refuse(diagnostic.help("name them before it: `(profile camera-1 :refuse-if-busy)`"));
+        }
+        self.all(&entries, |lowering, item| {
             let place = item.span.place();
             match &item.kind {
                 DatumKind::Symbol(name) if name.folded().starts_with(':') => {
-                    let message = format!("`{name}` is no resource, and a profile has no options");
+                    let message = format!("`{name}` is neither a resource nor an option of a profile");
                     let diagnostic = Diagnostic::error(codes::MALFORMED, item.span, message)
                         .reason("a task waits until it is granted all of its profile")
-                        .help("to give up waiting, end the step: `(end-when (:delay 10s))`");
+                        .help("to fail rather than wait write `:refuse-if-busy`; to stop waiting after a time, `(end-when (:delay 10s))`");
                     lowering.refuse(diagnostic)
                 }
                 DatumKind::Symbol(_) | DatumKind::Variable(_) | DatumKind::Bound(_) | DatumKind::Indexical(_) => {
                     let resource = lowering.template(item)?;
-                    Some(ResourceNeed { resource, amount: None, place })
+                    Some(ResourceNeed { resource, amount: None, refuse_if_busy, place })
                 }
                 DatumKind::List(parts) => match parts.as_slice() {
                     [name, amount] => {
                         lowering.check_amount(name, amount)?;
                         let resource = lowering.template(name);
                         let amount = lowering.pure_expression(amount, "a profile clause");
-                        Some(ResourceNeed { resource: resource?, amount: Some(amount?), place })
+                        Some(ResourceNeed { resource: resource?, amount: Some(amount?), refuse_if_busy, place })
                     }
                     _ => lowering.missing_part(item.span, "a resource has the wrong parts", "NAME or (NAME AMOUNT)"),
                 },
@@ -133,7 +146,7 @@ impl Lowering {
                 self.report(diagnostic);
                 self.fragment.then_some(())
             }
-            Some((ResourceKind::Depletable(total), span)) => {
+            Some((ResourceKind::Depletable(total) | ResourceKind::Renewable(total), span)) => {
                 let (wanted, found) = (total.as_number(), amount.to_value().as_number());
                 match (wanted, found) {
                     (Some((_, wanted)), Some((_, found))) if wanted != found => {

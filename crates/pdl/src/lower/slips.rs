@@ -15,8 +15,7 @@ use std::collections::BTreeSet;
 const CONDITIONS: &[&str] =
     &["episode", "atomic-episode", "measurement", "in-order", "cyclic", "timestamp", "and", "or", "not"];
 /// Words by which authors mean that a task has ended.
-const ENDED: &[&str] =
-    &["ended", "finished", "done", "complete", "completed", "over", "stopped", "finish", "succeeded"];
+const ENDED: &[&str] = &["ended", "finished", "done", "complete", "completed", "over", "stopped", "finish"];
 /// Relations as other languages write them, with their names here.
 const FOREIGN_RELATIONS: &[(&str, &str)] = &[
     ("==", "="),

@@ -46,8 +46,16 @@ const MEANT: &[(&str, &str)] = &[
     ("wait-until", "waitfor"),
     ("await", "waitfor"),
     ("requires", "waitfor"),
-    ("precondition", "waitfor"),
-    ("preconditions", "waitfor"),
+    ("preconditions", "precondition"),
+    ("pre-condition", "precondition"),
+    ("invariant-condition", "invariant"),
+    ("maintain", "invariant"),
+    ("skip", "skip-when"),
+    ("skip-if", "skip-when"),
+    ("skip-condition", "skip-when"),
+    ("exit", "exit-when"),
+    ("exit-condition", "exit-when"),
+    ("abort-when", "exit-when"),
     ("on-fail", "on-failure"),
     ("on-error", "on-failure"),
     ("repeat", "repeating"),
@@ -55,7 +63,6 @@ const MEANT: &[(&str, &str)] = &[
     ("respond", "responding"),
     ("until", "end-when"),
     ("stop-when", "end-when"),
-    ("exit-when", "end-when"),
     ("finish-when", "end-when"),
     ("done-when", "end-when"),
     ("resource", "profile"),
@@ -180,6 +187,7 @@ impl Lowering {
                 step.on_failure = Some(Box::new(self.pure("an activity", |lowering| lowering.activity(datum))?));
             }
             "on-start" | "on-end" | "on-suspend" | "on-resume" => self.hook(clause, &mut step.hooks)?,
+            "precondition" | "invariant" => self.execution_condition(clause, &mut step.transitions)?,
             name if STEP_CLAUSES.contains(&name) => self.transition(clause, &mut step.transitions)?,
             // Unknown clauses have been reported.
             _ => {}

@@ -101,7 +101,13 @@ fn profile_text(needs: &[ResourceNeed]) -> String {
             None => name,
         }
     };
-    list_text("profile", needs.iter().map(need))
+    let (refusing, waiting): (Vec<_>, Vec<_>) = needs.iter().partition(|need| need.refuse_if_busy);
+    let mut text = if waiting.is_empty() { String::new() } else { list_text("profile", waiting.into_iter().map(need)) };
+    if !refusing.is_empty() {
+        let entries = refusing.into_iter().map(need).chain(std::iter::once(":refuse-if-busy".to_string()));
+        text = format!("{text}{}{}", if text.is_empty() { "" } else { " " }, list_text("profile", entries));
+    }
+    text
 }
 
 fn log_text(policies: &[LogPolicy]) -> String {
@@ -117,7 +123,7 @@ fn log_text(policies: &[LogPolicy]) -> String {
     if policies.is_empty() { String::new() } else { list_text("log", policies.iter().map(policy)) }
 }
 
-fn transitions_text(transitions: &Transitions) -> [String; 4] {
+fn transitions_text(transitions: &Transitions) -> [String; 8] {
     let suspend = match (&transitions.suspend_when, &transitions.suspend_until) {
         (Some(when), Some(until)) => {
             format!("(suspend-when {} until {})", Style::Exact.condition(when), Style::Exact.condition(until))
@@ -129,6 +135,10 @@ fn transitions_text(transitions: &Transitions) -> [String; 4] {
         condition_clause("restart-when", transitions.restart_when.as_deref()),
         condition_clause("resume-when", transitions.resume_when.as_deref()),
         suspend,
+        condition_clause("skip-when", transitions.skip_when.as_deref()),
+        condition_clause("exit-when", transitions.exit_when.as_deref()),
+        condition_clause("precondition", transitions.precondition.as_deref()),
+        condition_clause("invariant", transitions.invariant.as_deref()),
     ]
 }
 

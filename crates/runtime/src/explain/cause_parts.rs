@@ -50,7 +50,10 @@ fn of_task_tree(cause: &Cause) -> Option<Vec<CausePart>> {
         Cause::Responding { answered } => vec![part("answered", *answered)],
         Cause::PredecessorEnded { predecessor } => vec![part("predecessor", *predecessor)],
         Cause::ResultArrived { variable } => vec![name("variable", variable.printed())],
-        Cause::ConditionSatisfied { clause } | Cause::Binding { clause } | Cause::FormRan { clause } => {
+        Cause::ConditionSatisfied { clause }
+        | Cause::ConditionViolated { clause }
+        | Cause::Binding { clause }
+        | Cause::FormRan { clause } => {
             vec![name("clause", clause)]
         }
         Cause::AncestorSuspended { ancestor } | Cause::AncestorResumed { ancestor } => {
@@ -65,6 +68,8 @@ fn of_task_tree(cause: &Cause) -> Option<Vec<CausePart>> {
         Cause::BuiltInDone { activity } | Cause::BuiltIn { activity } => vec![name("activity", activity)],
         Cause::ChildFailed { child } => vec![part("child", *child)],
         Cause::FailureHandled { by } | Cause::ApplicationEnded { by } => vec![part("by", *by)],
+        Cause::OutcomeMissed { task, outcome } => vec![part("task", *task), name("outcome", outcome.printed())],
+        Cause::ResultMissed { task, variable } => vec![part("task", *task), name("variable", variable.printed())],
         Cause::HandlerEnded { handler } => vec![part("handler", *handler)],
         Cause::DurationElapsed { duration } => vec![part("duration", *duration)],
         Cause::MostSpecific { candidates } => vec![part("candidates", *candidates)],
@@ -101,6 +106,8 @@ fn of_resources(cause: &Cause) -> Option<Vec<CausePart>> {
             .iter()
             .flat_map(|link| [part("waits", link.task), part("resource", &link.resource), part("holder", link.holder)])
             .collect(),
+        Cause::LevelChanged { resource } => vec![name("resource", resource.printed())],
+        Cause::ResourceBusy { resource, holder } => vec![part("resource", resource), part("holder", *holder)],
         Cause::ResourceExhausted { resource, needed, left } => {
             vec![part("resource", resource), part("needed", needed), part("left", left)]
         }
@@ -112,7 +119,7 @@ fn of_resources(cause: &Cause) -> Option<Vec<CausePart>> {
 /// Causes that name vehicles, solvers, operators, and faults.
 fn of_outside(cause: &Cause) -> Option<Vec<CausePart>> {
     let parts = match cause {
-        Cause::CommandAcknowledged { command } => vec![part("command", command.0)],
+        Cause::CommandAcknowledged { command } | Cause::CommandMoved { command } => vec![part("command", command.0)],
         Cause::CommandFailed { command, reason } => vec![part("command", command.0), message(reason)],
         Cause::CommandTimedOut { command, patience } => {
             vec![part("command", command.0), part("patience", *patience)]

@@ -173,10 +173,14 @@ impl<'a> Chain<'a> {
             Cause::PredecessorEnded { predecessor: of }
             | Cause::ParentEnded { parent: of }
             | Cause::ChildFailed { child: of }
-            | Cause::HandlerEnded { handler: of } => log.transition(*of, "terminated", here)?,
+            | Cause::HandlerEnded { handler: of }
+            | Cause::OutcomeMissed { task: of, .. }
+            | Cause::ResultMissed { task: of, .. } => log.transition(*of, "terminated", here)?,
             Cause::ResultArrived { variable } => return self.result(own, variable.printed(), row),
             Cause::ResourcesGranted { .. } => return self.granted(own, row),
-            Cause::Outranked { by, .. } => log.transition(*by, "ongoing", here)?,
+            Cause::Outranked { by, .. } | Cause::ResourceBusy { holder: by, .. } => {
+                log.transition(*by, "ongoing", here)?
+            }
             Cause::AncestorSuspended { ancestor } => self.either(*ancestor, "interrupted", here)?,
             Cause::AncestorResumed { ancestor } => self.either(*ancestor, "ongoing", here)?,
             Cause::Activity { by, .. } | Cause::ApplicationEnded { by } => log.transition(*by, "ongoing", here)?,
@@ -185,6 +189,7 @@ impl<'a> Chain<'a> {
                 None => log.transition_before(own, "ongoing", row.id)?,
             },
             Cause::CommandAcknowledged { command }
+            | Cause::CommandMoved { command }
             | Cause::CommandFailed { command, .. }
             | Cause::CommandTimedOut { command, .. } => log.command_of(own, command.0)?,
             Cause::BuiltInDone { .. }
@@ -207,19 +212,8 @@ impl<'a> Chain<'a> {
             | Cause::ForAll { .. }
             | Cause::NoProcedureMatched
             | Cause::NoMethod { .. } => log.transition_before(own, "enabled", row.id)?,
-            Cause::ConditionSatisfied { .. }
-            | Cause::PreconditionsSatisfied
-            | Cause::Binding { .. }
-            | Cause::InitialTask
-            | Cause::ResourceExhausted { .. }
-            | Cause::ExpressionFailed { .. }
-            | Cause::ResultDoesNotFit { .. }
-            | Cause::InputRefused { .. }
-            | Cause::StrayAnswer { .. }
-            | Cause::LimitReached { .. }
-            | Cause::Stopped { .. }
-            | Cause::NobodyHears { .. } => None,
-            Cause::WaitsInCircle { .. } | Cause::ExecutiveFault { .. } | Cause::RecordingLost { .. } => None,
+            // For the others the evidence is all.
+            _ => None,
         };
         Ok(found.into_iter().collect())
     }
@@ -300,8 +294,7 @@ fn moved(from: TaskState, to: TaskState, outcome: Option<&apex_model::task::Outc
         (_, TaskState::Interrupted, _) => "was interrupted",
         (TaskState::Terminated, TaskState::Pending, _) => "is pending again",
         (_, TaskState::Pending, _) => "started over",
-        (_, TaskState::Terminated, Some(Outcome::Failure)) => "failed",
-        (_, TaskState::Terminated, Some(Outcome::Cut)) => "was cut",
-        (_, TaskState::Terminated, _) => "ended",
+        (_, TaskState::Terminated, Some(Outcome::Success(_)) | None) => "ended",
+        (_, TaskState::Terminated, Some(other)) => other.phrase(),
     }
 }

@@ -86,6 +86,13 @@ impl Line {
                 };
                 line
             }
+            EventKind::CommandProgressed(command, progress) => {
+                let name = format!("command {}", command.0);
+                let words = format!("{name} is {}", progress.word());
+                let mut line = line("acknowledged", name, words);
+                line.field("command", command.0).text_field("progress", progress.word());
+                line
+            }
             EventKind::SolverReported(request, report) => {
                 let mut line = line("solver", format!("request {}", request.0), String::new());
                 line.field("request", request.0);

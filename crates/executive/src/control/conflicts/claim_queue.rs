@@ -23,21 +23,43 @@ use std::iter::successors;
 /// Returns the claim of `id`, which needs `needs`.
 pub(crate) fn claim_of(cycle: &Cycle<'_>, id: TaskId, needs: &[Need]) -> Claim {
     let agent = &*cycle.agent;
-    place_of(cycle, id, needs).map_or(Claim::Apart, |(place, varies)| {
-        let expected = agent.task(id).and_then(|task| task.selection.as_ref()?.expected);
-        // Each resource of a claimant with several needs keeps all of them; a claimant with one need keeps none.
-        let others = if needs.len() > 1 { needs.iter().map(|need| need.resource).collect() } else { Vec::new() };
-        Claim::Queued { place, varies, expected, others }
+    let used_up = |need: &Need| agent.resources.get(need.resource).is_none_or(|resource| resource.depletable);
+    if needs.iter().any(used_up) || shares_with_ancestors(agent, id, needs) {
+        return Claim::Apart;
+    }
+    let by_rank = places_by_rank(agent, id);
+    let (place, varies) = match place_of(cycle, id, needs) {
+        Some((place, varies)) => (Some(place), varies),
+        None if by_rank.is_empty() => return Claim::Apart,
+        None => (None, true),
+    };
+    let expected = agent.task(id).and_then(|task| task.selection.as_ref()?.expected);
+    // Each resource of a claimant with several needs keeps all of them; a claimant with one need keeps none.
+    let others = if needs.len() > 1 { needs.iter().map(|need| need.resource).collect() } else { Vec::new() };
+    Claim::Queued { place, varies, expected, others, by_rank }
+}
+
+/// The places of the task among those below each ranked task above it, where ranks alone count.
+fn places_by_rank(agent: &Agent, id: TaskId) -> Vec<QueueKey> {
+    let (begun, order) = (has_begun(agent, id), order_of(agent, id));
+    let ranks = fixed_ranks(agent, id);
+    ranks.map(|rank| QueueKey { priority: 0.0, rank: Some(rank), begun, order }).collect()
+}
+
+/// The ranks of the task and its ancestors that never change, the lowest first.
+pub(crate) fn fixed_ranks(agent: &Agent, id: TaskId) -> impl Iterator<Item = RankAmong> + '_ {
+    let family = successors(agent.task(id), |task| agent.task(task.parent?));
+    family.filter(|task| task.clauses.has(StepClauses::RANK)).filter_map(|task| {
+        let (step, _) = template(agent, task)?;
+        let fixed = step.rank.as_ref().is_none_or(|expr| matches!(expr.kind, ExprKind::Constant(_)));
+        let rank = priority::rank(agent, task.id, agent.now).filter(|_| fixed)?;
+        Some(RankAmong { parent: task.parent?, rank })
     })
 }
 
 /// The place, and whether variables may change it; none where the claimant must be compared with each of the others.
 fn place_of(cycle: &Cycle<'_>, id: TaskId, needs: &[Need]) -> Option<(QueuePlace, bool)> {
     let agent = &*cycle.agent;
-    let used_up = |need: &Need| agent.resources.get(need.resource).is_none_or(|resource| resource.depletable);
-    if needs.iter().any(used_up) || shares_with_ancestors(agent, id, needs) {
-        return None;
-    }
     let brings = Brings::of(agent, id)?;
     let (begun, order) = (has_begun(agent, id), order_of(agent, id));
     if let Some((task, clause)) = brings.rising {

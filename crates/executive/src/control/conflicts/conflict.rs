@@ -176,7 +176,8 @@ impl<'a, 'c> Field<'a, 'c> {
         whom.map_or(ConflictRule::Priority, |whom| ConflictRule::GoesBefore { whom })
     }
 
-    fn load(&mut self, id: ResourceId) {
+    /// Notes who holds the resource, unless it was inspected before.
+    pub(crate) fn load(&mut self, id: ResourceId) {
         let Some(resource) = self.cycle.agent.resources.get(id) else { return };
         let displaced = &self.displaced;
         self.uses.entry(id).or_insert_with(|| {

@@ -56,6 +56,8 @@ struct Front<'a, 'c> {
     queues: BTreeMap<ResourceId, Queue<'a>>,
     /// The first claimant of each queue that does not fit, with the resource.
     outside: Vec<(TaskId, ResourceId)>,
+    /// The order of a queue is that of ranks alone.
+    by_rank: bool,
 }
 
 /// A queue, as far as it was gone through.
@@ -71,12 +73,13 @@ impl<'a, 'c> Front<'a, 'c> {
     fn new(cycle: &'a Cycle<'c>, gone: BTreeSet<TaskId>) -> Front<'a, 'c> {
         let field = Field::brief(cycle);
         let (candidates, placed) = (BTreeSet::new(), BTreeSet::new());
-        Front { cycle, field, gone, candidates, placed, queues: BTreeMap::new(), outside: Vec::new() }
+        Front { cycle, field, gone, candidates, placed, queues: BTreeMap::new(), outside: Vec::new(), by_rank: false }
     }
 
     /// Finds the claimants of a resource that could fit into it.
     fn look_at(&mut self, id: ResourceId) -> Option<()> {
         let resource = usable(self.cycle, id)?;
+        self.by_rank |= resource.waiting.is_by_rank();
         let holders: Vec<Use> = resource
             .holders
             .iter()
@@ -144,13 +147,24 @@ impl<'a, 'c> Front<'a, 'c> {
             }
         }
         result.watched = self.watched(&result);
-        Some(result)
+        let has_order = result.displaced.is_empty() || !self.by_rank || self.all_need_one();
+        has_order.then_some(result)
+    }
+
+    /// True if all that were placed need one and the same resource. Ranks put only those in order that share something:
+    /// who of the others takes a turn first matters where holders are displaced.
+    fn all_need_one(&self) -> bool {
+        let needs = |task: &TaskId| as_claimant(self.cycle, *task).needs.into_iter().map(|need| need.resource);
+        let mut placed = self.placed.iter().map(|task| needs(task).collect::<BTreeSet<ResourceId>>());
+        let common = placed.next().map(|first| placed.fold(first, |common, each| &common & &each));
+        common.is_none_or(|common| !common.is_empty())
     }
 
     /// Notes what those claim who come before `key` in the queue of a resource.
     fn pass_until(&mut self, id: ResourceId, key: QueueKey) -> Option<()> {
         if !self.queues.contains_key(&id) {
             let resource = usable(self.cycle, id)?;
+            self.by_rank |= resource.waiting.is_by_rank();
             let rest: Box<dyn Iterator<Item = QueueKey> + 'a> = Box::new(in_turn(self.cycle, &resource.waiting));
             self.queues.insert(id, Queue { rest: rest.peekable(), claimed: 0.0, last: None });
         }
@@ -176,7 +190,9 @@ impl<'a, 'c> Front<'a, 'c> {
     }
 
     /// The first claimants that do not fit, whose priorities may rise above those of tasks in their way.
-    fn watched(&self, result: &Arbitration) -> Vec<Watch> {
+    fn watched(&mut self, result: &Arbitration) -> Vec<Watch> {
+        // Where no claimant was placed, nothing has been inspected.
+        self.outside.iter().for_each(|(_, id)| self.field.load(*id));
         let agent = &*self.cycle.agent;
         let mut watched = Vec::new();
         for (task, id) in &self.outside {
@@ -184,7 +200,8 @@ impl<'a, 'c> Front<'a, 'c> {
             let moves = |task: TaskId| priority::moves(agent, task) || priority::reads_inputs(agent, task);
             let rivals = || self.field.uses_of(*id).iter().filter(|each| each.task != *task);
             let any = resource.waiting.has_rising() || rivals().any(|each| moves(each.task));
-            if !any || result.granted.contains(task) {
+            // No priority counts between ranks.
+            if !any || resource.waiting.is_by_rank() || result.granted.contains(task) {
                 continue;
             }
             let rival = |each: &Use| Rival {

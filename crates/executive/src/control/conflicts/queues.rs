@@ -7,7 +7,7 @@
 //! PDL: section 9, conflict.  Paper: section III, detecting and resolving conflicts.
 
 use crate::control::conflicts::arbitration::Loss;
-use crate::control::conflicts::competition::as_claimant;
+use crate::control::conflicts::competition::{Claimant, as_claimant};
 use crate::control::conflicts::curve::RisingTerm;
 use crate::control::conflicts::resources::needs_in;
 use crate::control::conflicts::{claim_queue, priority};
@@ -27,18 +27,32 @@ pub(crate) fn is_queued(cycle: &Cycle<'_>, id: ResourceId) -> bool {
     let agent = &*cycle.agent;
     let Some(resource) = agent.resources.get(id) else { return false };
     let waiting = &resource.waiting;
-    if resource.depletable || !waiting.all_in_queues() {
+    if resource.depletable || !resource.holders.iter().all(|holding| is_alone(agent, resource, holding.task)) {
         return false;
     }
+    if !waiting.all_in_queues() {
+        return waiting.parent_of_ranks().is_some_and(|parent| are_below(agent, resource, parent));
+    }
     let Ok(ranked) = waiting.priority_of_ranked() else { return false };
+    let mut holders = resource.holders.iter();
+    holders.all(|holding| !may_stand_for_others(cycle, holding.task, resource, ranked))
+}
+
+/// True if the holder holds nothing for its steps, and no task above it waits for the resource or holds it.
+fn is_alone(agent: &Agent, resource: &Resource, holder: TaskId) -> bool {
+    let holder = agent.task(holder);
+    // What it holds for its steps it may have begun to hold when they claimed already.
+    let shares = holder.is_some_and(|task| task.extras.as_ref().is_some_and(|extras| !extras.held.is_empty()));
+    let mut above = successors(holder, |task| agent.task(task.parent?)).skip(1);
+    let holds = |id: TaskId| resource.holders.iter().any(|other| other.task == id);
+    !shares && !above.any(|task| resource.waiting.contains(task.id) || holds(task.id))
+}
+
+/// True if the rank below `parent` decides between each holder and each claimant.
+pub(crate) fn are_below(agent: &Agent, resource: &Resource, parent: TaskId) -> bool {
     resource.holders.iter().all(|holding| {
-        let holder = agent.task(holding.task);
-        // What it holds for its steps it may have begun to hold when they claimed already.
-        let shares = holder.is_some_and(|task| task.extras.as_ref().is_some_and(|extras| !extras.held.is_empty()));
-        let mut above = successors(holder, |task| agent.task(task.parent?)).skip(1);
-        let holds = |id: TaskId| resource.holders.iter().any(|other| other.task == id);
-        let alone = !above.any(|task| waiting.contains(task.id) || holds(task.id));
-        !shares && alone && !may_stand_for_others(cycle, holding.task, resource, ranked)
+        let rank = claim_queue::fixed_ranks(agent, holding.task).find(|rank| rank.parent == parent);
+        rank.is_some_and(|rank| !resource.waiting.has_rank(rank))
     })
 }
 
@@ -78,14 +92,29 @@ pub(crate) fn key_of_loser(cycle: &Cycle<'_>, loss: &Loss) -> Option<QueueKey> {
         let mut needed = claimant.needs.iter().filter_map(|need| cycle.agent.resources.get(need.resource));
         needed.all(|resource| resource.waiting.takes_in(key))
     };
-    match claim_queue::claim_of(cycle, loss.loser, &claimant.needs) {
-        Claim::Queued { place: QueuePlace::Steady(key), .. } => Some(key).filter(takes_in),
-        Claim::Queued { place: QueuePlace::Rising(key), .. } => {
+    let Claim::Queued { place, by_rank, .. } = claim_queue::claim_of(cycle, loss.loser, &claimant.needs) else {
+        return None;
+    };
+    if cycle.agent.resources.get(loss.resource)?.waiting.is_by_rank() {
+        return by_rank.into_iter().find(|key| ranks_among_all(cycle, &claimant, key));
+    }
+    match place? {
+        QueuePlace::Steady(key) => Some(key).filter(takes_in),
+        QueuePlace::Rising(key) => {
             let priority = risen_to(cycle)(key.importance, key.due);
             Some(QueueKey { priority, rank: None, begun: key.begun, order: key.order })
         }
-        Claim::Apart => None,
     }
+}
+
+/// True if the rank decides between the claimant and all who wait for one of its resources.
+fn ranks_among_all(cycle: &Cycle<'_>, claimant: &Claimant, key: &QueueKey) -> bool {
+    let Some(rank) = key.rank else { return false };
+    let mut needed = claimant.needs.iter().filter_map(|need| cycle.agent.resources.get(need.resource));
+    needed.all(|Resource { waiting, .. }| {
+        let alone = waiting.is_by_rank() && waiting.parent_of_ranks() == Some(rank.parent) && !waiting.has_rank(rank);
+        waiting.is_empty() || alone
+    })
 }
 
 /// The place of a task that claims, if it is in a queue.

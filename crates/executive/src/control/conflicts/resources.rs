@@ -10,12 +10,16 @@ use crate::expression::{EvalContext, evaluate, instantiate};
 use crate::state::agent::Agent;
 use crate::state::resource::{Holding, Need};
 use crate::state::resource_id::ResourceId;
-use apex_model::library::ResourceKind;
+use apex_model::because::{Because, Cause};
+use apex_model::event::StateVariable;
+use apex_model::library::{RESOURCE_LEVEL, ResourceKind};
 use apex_model::procedure::ResourceNeed;
 use apex_model::quantity::Dimension;
 use apex_model::source::Place;
+use apex_model::symbol::Symbol;
 use apex_model::task::TaskId;
 use apex_model::value::Value;
+use std::collections::BTreeSet;
 
 /// The needs that `profile` states.
 ///
@@ -67,6 +71,74 @@ pub(crate) fn add(list: &mut Vec<Need>, need: Need) {
     match list.iter_mut().find(|each| each.resource == need.resource) {
         Some(each) => each.amount += need.amount,
         None => list.push(need),
+    }
+}
+
+/// Adds the parts of resources that are taken: a task that has the head has all parts of it.
+pub(crate) fn add_parts(cycle: &mut Cycle<'_>, list: &mut Vec<Need>) {
+    let library = cycle.library;
+    if list.is_empty() || library.resources.values().all(|declared| declared.part_of.is_none()) {
+        return;
+    }
+    let names = list.iter().filter_map(|need| cycle.agent.resources.get(need.resource)?.name.as_symbol().cloned());
+    let parts: BTreeSet<Symbol> = names.flat_map(|name| library.parts_of(&name)).cloned().collect();
+    for part in parts {
+        let resource = intern(cycle, &Value::Symbol(part));
+        let amount = cycle.agent.resources.get(resource).map_or(1.0, |resource| resource.total);
+        match list.iter_mut().find(|each| each.resource == resource) {
+            Some(each) => each.amount = amount,
+            None => list.push(Need { resource, amount }),
+        }
+    }
+}
+
+/// `(replenish RESOURCE [AMOUNT])`: what is lacking comes back, the amount at most.
+///
+/// # Errors
+/// The cause when the resource cannot be replenished, or the amount is none of it.
+pub(crate) fn replenish(
+    cycle: &mut Cycle<'_>,
+    id: TaskId,
+    name: &Value,
+    amount: Option<&Value>,
+    because: Because,
+) -> Result<(), Because> {
+    let failed = |message| Because::new(Cause::ExpressionFailed { message }, because.place);
+    let number = intern(cycle, name);
+    let wanted = amount.map(|amount| amount_of(cycle, number, Some(amount))).transpose().map_err(failed)?;
+    let Some(resource) = cycle.agent.resources.get_mut(number) else { return Ok(()) };
+    let Some(full) = resource.renewable else {
+        let message = format!("{name} cannot be replenished; declare it as `(resource {name} :renewable AMOUNT)`");
+        return Err(failed(message));
+    };
+    let more = wanted.unwrap_or(full);
+    resource.total = (resource.total + more).min(full);
+    if !resource.waiting.is_empty() {
+        cycle.work.dirty.insert(number);
+    }
+    tell_level(cycle, id, number, because);
+    Ok(())
+}
+
+/// Publishes how much there is of a renewable resource, reservations included.
+pub(crate) fn tell_level(cycle: &mut Cycle<'_>, id: TaskId, number: ResourceId, because: Because) {
+    let Some(resource) = cycle.agent.resources.get(number).filter(|resource| resource.renewable.is_some()) else {
+        return;
+    };
+    let value = Value::measured(resource.total, resource.dimension);
+    let variable = StateVariable::new(Symbol::new(RESOURCE_LEVEL), resource.name.clone());
+    cycle.publish_own(id, (variable, value), because);
+}
+
+/// Publishes how much there is of each renewable resource as the agent begins.
+pub(crate) fn tell_levels(cycle: &mut Cycle<'_>, root: TaskId) {
+    let library = cycle.library;
+    for (name, declared) in &library.resources {
+        if matches!(declared.kind, ResourceKind::Renewable(_)) {
+            let number = intern(cycle, &Value::Symbol(name.clone()));
+            let because = Because::new(Cause::LevelChanged { resource: name.clone() }, Some(declared.place));
+            tell_level(cycle, root, number, because);
+        }
     }
 }
 
@@ -168,6 +240,11 @@ pub(crate) fn release_one(cycle: &mut Cycle<'_>, id: TaskId, resource_id: Resour
     }
     if consumed {
         take_from_ancestors(cycle, id, Need { resource: resource_id, amount: holding.amount });
+        let name = cycle.agent.resources.get(resource_id).and_then(|resource| resource.name.as_symbol().cloned());
+        if let Some(resource) = name {
+            let because = Because::new(Cause::LevelChanged { resource }, cycle.place_of(id));
+            tell_level(cycle, id, resource_id, because);
+        }
     }
 }
 

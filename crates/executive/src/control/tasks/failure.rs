@@ -91,11 +91,11 @@ fn claim_nothing(cycle: &mut Cycle<'_>, id: TaskId) {
 pub(crate) fn handled(cycle: &mut Cycle<'_>, id: TaskId, handler: TaskId, outcome: &Outcome) {
     let place = cycle.place_of(id);
     match outcome {
-        Outcome::Failure => {
+        Outcome::Failure | Outcome::PreconditionFailed | Outcome::InvariantViolated => {
             let because = Because::new(Cause::ChildFailed { child: handler }, place);
             termination::end(cycle, id, Outcome::Failure, because);
         }
-        Outcome::Success(_) | Outcome::Cut => {
+        Outcome::Success(_) | Outcome::Cut | Outcome::Skipped | Outcome::Exited => {
             let because = Because::new(Cause::HandlerEnded { handler }, place);
             termination::end(cycle, id, outcome.clone(), because);
         }

@@ -4,6 +4,7 @@
 //! Bound: by the limits of evaluation.  PDL: `on-start`, `on-end`, `on-suspend`, `on-resume`, `update`, section 6.
 //! Paper: section III, code embedded in the `on-enablement` clause.
 
+use crate::control::conflicts::resources;
 use crate::control::cycle::Cycle;
 use crate::control::tasks::{binding, messaging, primitive, termination};
 use crate::expression::{Action, run};
@@ -95,6 +96,10 @@ pub(crate) fn run_forms(
             Action::Publish { variable, value, router, place } => {
                 let because = Because::new(Cause::FormRan { clause: clause.into() }, Some(place));
                 said(messaging::publish(cycle, id, (variable, value), router.as_ref(), because));
+            }
+            Action::Replenish { resource, amount, place } => {
+                let because = Because::new(Cause::FormRan { clause: clause.into() }, Some(place));
+                said(resources::replenish(cycle, id, &resource, amount.as_ref(), because));
             }
             Action::Complete(value) => wants.completed = Some(value),
             Action::SetTaskVariable(name, value) => binding::assign(cycle, id, level, &name, value, place),

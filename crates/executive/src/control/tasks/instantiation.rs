@@ -17,6 +17,7 @@ use crate::state::task::{HeldBack, Origin, Task};
 use apex_model::agent_limits::Limit;
 use apex_model::because::{Because, Cause};
 use apex_model::effect::DecisionKind;
+use apex_model::procedure::Transitions;
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use apex_model::task::{TaskId, TaskState};
@@ -158,15 +159,23 @@ fn watch_preconditions(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), (String,
         .map_err(|error| (error.message, error.place))
 }
 
-/// Makes the monitor of the step's own `end-when`, which can end the task in any state.
+/// Makes the monitors of the step's own `end-when` and `exit-when`, which can end the task in any state, and of its
+/// `skip-when`.
 fn watch_end(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), (String, Place)> {
     let Some(task) = cycle.task(id).filter(|task| task.clauses.has(StepClauses::TRANSITIONS)) else { return Ok(()) };
     let window = window(task);
     let Some(handle) = cycle.step_of(id) else { return Ok(()) };
-    let Some(condition) = handle.get().and_then(|step| step.transitions.end_when.as_ref()) else { return Ok(()) };
-    monitoring_clauses::watch(cycle, id, Clause::EndWhen, Level::Step, condition, window, true)
-        .map(|_| ())
-        .map_err(|error| (error.message, error.place))
+    let Some(Transitions { end_when, exit_when, skip_when, .. }) = handle.get().map(|step| &step.transitions) else {
+        return Ok(());
+    };
+    let clauses = [(Clause::EndWhen, end_when), (Clause::ExitWhen, exit_when), (Clause::SkipWhen, skip_when)];
+    for (clause, condition) in clauses {
+        if let Some(condition) = condition {
+            monitoring_clauses::watch(cycle, id, clause, Level::Step, condition, window, true)
+                .map_err(|error| (error.message, error.place))?;
+        }
+    }
+    Ok(())
 }
 
 /// A result arrived in the context of `parent`: steps that waited for it get their monitors.

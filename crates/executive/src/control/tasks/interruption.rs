@@ -202,6 +202,7 @@ pub(crate) fn hold_children(cycle: &mut Cycle<'_>, id: TaskId) {
 pub(crate) fn watch_procedure(cycle: &mut Cycle<'_>, id: TaskId, clauses: &Transitions) -> Result<(), Because> {
     let level = Level::Procedure;
     watch(cycle, id, Clause::EndWhen, level, clauses.end_when.as_deref())?;
+    watch(cycle, id, Clause::ExitWhen, level, clauses.exit_when.as_deref())?;
     watch(cycle, id, Clause::RestartWhen, level, clauses.restart_when.as_deref())?;
     watch(cycle, id, Clause::SuspendWhen, level, clauses.suspend_when.as_deref())?;
     watch(cycle, id, Clause::ResumeWhen, level, clauses.resume_when.as_deref())?;
@@ -267,7 +268,8 @@ fn step_clauses(cycle: &Cycle<'_>, id: TaskId) -> Option<Transitions> {
     let task = cycle.task(id).filter(|task| task.clauses.has(StepClauses::TRANSITIONS))?;
     let is_step = matches!(task.origin, Origin::Step(_));
     let handle = cycle.step_of(id).filter(|_| is_step)?;
-    let Transitions { end_when, restart_when, resume_when, suspend_when, suspend_until } = &handle.get()?.transitions;
+    let Transitions { end_when, restart_when, resume_when, suspend_when, suspend_until, .. } =
+        &handle.get()?.transitions;
     let some = [end_when, restart_when, resume_when, suspend_when, suspend_until].into_iter().any(Option::is_some);
     some.then(|| handle.get().map(|step| step.transitions.clone()))?
 }
@@ -287,7 +289,12 @@ fn watch(
     let after_sequence = match clause {
         // What the task's `waitfor` answered says nothing about these.
         Clause::SuspendWhen | Clause::ResumeWhen => None,
-        Clause::EndWhen | Clause::RestartWhen | Clause::SuspendUntil | Clause::Waitfor => task.after_sequence,
+        Clause::EndWhen
+        | Clause::ExitWhen
+        | Clause::SkipWhen
+        | Clause::RestartWhen
+        | Clause::SuspendUntil
+        | Clause::Waitfor => task.after_sequence,
     };
     let window = Window { start, after_sequence };
     // Work that begins in a state that would start it over has not begun before that.
@@ -343,9 +350,9 @@ pub(crate) fn forget_clauses(cycle: &mut Cycle<'_>, id: TaskId) {
     }
     let Some(suspended) = cycle.task(id).map(|task| task.suspended) else { return };
     monitoring_clauses::unwatch(cycle, id, |clause, level| match clause {
-        Clause::EndWhen => level == Level::Procedure,
+        Clause::EndWhen | Clause::ExitWhen => level == Level::Procedure,
         Clause::SuspendWhen | Clause::SuspendUntil | Clause::ResumeWhen => level == Level::Procedure || !suspended,
-        Clause::Waitfor | Clause::RestartWhen => true,
+        Clause::Waitfor | Clause::RestartWhen | Clause::SkipWhen => true,
     });
 }
 

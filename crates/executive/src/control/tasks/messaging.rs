@@ -60,24 +60,16 @@ pub(crate) fn publish(
         let shown = held.unwrap_or_else(|_| value.clone());
         let effect = Effect::Publish { task: id, variable: variable.clone(), value: shown, because };
         cycle.effects.push(effect);
-        say_sample(cycle, variable, value);
+        cycle.say_sample(variable, value);
     }
     tell(cycle, id, to, message);
     Ok(())
 }
 
-/// The agent measures something itself: its expressions see it from now on, its conditions from the next round.
-fn say_sample(cycle: &mut Cycle<'_>, variable: StateVariable, value: Value) {
-    if let Ok(held) = declared_unit::in_declared_unit(cycle.library, &variable, value.clone()) {
-        cycle.agent.published.push((variable.clone(), held));
-    }
-    cycle.work.said.push(SelfMessage::Measurement(variable, value));
-}
-
 /// A message of the agent to itself; `(ATTRIBUTE OBJECT = VALUE)` is a sample.
 fn say(cycle: &mut Cycle<'_>, form: Value) {
     match measured(&form) {
-        Some((variable, value)) => say_sample(cycle, variable, value),
+        Some((variable, value)) => cycle.say_sample(variable, value),
         None => cycle.work.said.push(SelfMessage::Occurrence(form)),
     }
 }

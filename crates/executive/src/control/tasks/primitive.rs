@@ -14,9 +14,11 @@ use crate::state::controller::{Controller, OpenCommand, PrimitiveController};
 use crate::state::wake::Wake;
 use apex_model::because::{Because, Cause};
 use apex_model::effect::{CommandId, Effect};
+use apex_model::event::{COMMAND_STATE, CommandProgress, StateVariable};
 use apex_model::expression::Expr;
 use apex_model::limits::{COMMAND_TIMEOUT_DEFAULT_S, UPDATE_INTERVAL_DEFAULT_MS};
 use apex_model::procedure::Primitive;
+use apex_model::symbol::Symbol;
 use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::time::{Duration, NANOSECONDS_PER_SECOND};
 use apex_model::value::Value;
@@ -175,7 +177,29 @@ pub(crate) fn command(
     let open = OpenCommand { task: id, form: form.clone(), sent_at: now, patience, timeout };
     cycle.agent.commands.insert(command, open);
     cycle.effects.push(Effect::Command { command, task: id, form, because });
+    tell_state(cycle, id, command, "sent");
     command
+}
+
+/// Publishes the state of a command as `(command-state TASK)`, where the program names that.
+fn tell_state(cycle: &mut Cycle<'_>, id: TaskId, command: CommandId, state: &str) {
+    if !cycle.index.names_command_states {
+        return;
+    }
+    let variable = StateVariable::new(Symbol::new(COMMAND_STATE), Value::Task(id));
+    let because = Because::new(Cause::CommandMoved { command }, cycle.place_of(id));
+    cycle.publish_own(id, (variable, Value::symbol(state)), because);
+}
+
+/// The vehicle said how far a command is.
+pub(crate) fn progressed(cycle: &mut Cycle<'_>, command: CommandId, progress: CommandProgress) {
+    match cycle.agent.commands.get(&command).map(|open| open.task) {
+        Some(id) => tell_state(cycle, id, command, progress.word()),
+        None if command.0 >= cycle.agent.next.command => {
+            cycle.trouble_of(None, Cause::StrayAnswer { to: format!("command {}", command.0) }, None);
+        }
+        None => {}
+    }
 }
 
 /// Completes the primitive: `on-completion`, then its value, then its end.
@@ -250,6 +274,12 @@ fn settle(cycle: &mut Cycle<'_>, command: CommandId, answer: Result<Value, Cause
     let Some(open) = cycle.agent.commands.remove(&command) else { return };
     cycle.agent.wakes.cancel(open.timeout);
     let id = open.task;
+    let state = match &answer {
+        Ok(_) => "done",
+        Err(Cause::CommandTimedOut { .. }) => "timed-out",
+        Err(_) => "failed",
+    };
+    tell_state(cycle, id, command, state);
     let Some(state) = controller(cycle, id).filter(|state| state.commands.contains(&command)) else {
         if let Err(cause) = answer {
             let place = cycle.place_of(id);
@@ -288,6 +318,7 @@ pub(crate) fn withdraw_commands(cycle: &mut Cycle<'_>, id: TaskId, reason: &str)
         if let Some(open) = cycle.agent.commands.remove(&command) {
             cycle.agent.wakes.cancel(open.timeout);
             cycle.effects.push(Effect::WithdrawCommand { command, reason: reason.to_string() });
+            tell_state(cycle, id, command, "withdrawn");
             withdrawn.push((open.form, open.patience));
         }
     }

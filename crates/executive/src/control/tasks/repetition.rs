@@ -86,7 +86,7 @@ fn is_allowed(cycle: &Cycle<'_>, id: TaskId, clause: &Repetition) -> Result<bool
 pub(crate) fn ended_for_good(cycle: &mut Cycle<'_>, id: TaskId, outcome: &Outcome) {
     if matches!(outcome, Outcome::Success(_)) && cycle.may_repeat(id) && !cycle.agent.interests.ignore_task(id) {
         let before = MonitorId(cycle.agent.next.monitor);
-        cycle.work.stimuli.push(Stimulus::TaskEnded { task: id, at: cycle.now, before });
+        cycle.work.stimuli.push(Stimulus::TaskEnded { task: id, outcome: outcome.states(), at: cycle.now, before });
     }
 }
 

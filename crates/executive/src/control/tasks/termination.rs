@@ -7,7 +7,7 @@
 use crate::control::conflicts::resources;
 use crate::control::cycle::Cycle;
 use crate::control::tasks::{
-    binding, failure, interruption, monitoring_clauses, primitive, probing, procedure, question, repetition,
+    binding, failure, interruption, monitoring_clauses, outcomes, primitive, probing, procedure, question, repetition,
 };
 use crate::control::transition::{Trigger, transition};
 use crate::state::controller::Controller;
@@ -80,6 +80,7 @@ pub(crate) fn end_children(cycle: &mut Cycle<'_>, id: TaskId, because: &Because)
 pub(crate) fn dismantle(cycle: &mut Cycle<'_>, id: TaskId, reason: &str) {
     primitive::withdraw_commands(cycle, id, reason);
     question::withdraw(cycle, id, reason);
+    cycle.agent.guards.remove(id);
     let Some(controller) = cycle.agent.task_mut(id).and_then(|task| task.controller.take()) else { return };
     match *controller {
         Controller::Procedure(controller) => {
@@ -129,8 +130,13 @@ fn forget_wakes(cycle: &mut Cycle<'_>, id: TaskId) {
 
 /// The task failed: its `on-failure` goal handles that, or it ends with failure.
 pub(crate) fn fail(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
+    fail_as(cycle, id, Outcome::Failure, because);
+}
+
+/// The same with the kind of failure.
+pub(crate) fn fail_as(cycle: &mut Cycle<'_>, id: TaskId, outcome: Outcome, because: Because) {
     if cycle.state(id) != TaskState::Terminated && !failure::handle(cycle, id, &because) {
-        end(cycle, id, Outcome::Failure, because);
+        end(cycle, id, outcome, because);
     }
 }
 
@@ -163,7 +169,7 @@ fn react(cycle: &mut Cycle<'_>, parent: TaskId, child: TaskId) {
     if let Origin::Probe(id) = origin {
         return probing::ended(cycle, id, parent, child);
     }
-    let failed = outcome == Outcome::Failure;
+    let failed = outcome.is_failure() && !outcomes::is_awaited(cycle, child);
     let because = Because::new(Cause::ChildFailed { child }, cycle.place_of(child));
     match cycle.task(parent).and_then(|task| task.controller.as_deref()) {
         Some(Controller::Procedure(_)) if failed => fail(cycle, parent, because),
@@ -171,6 +177,9 @@ fn react(cycle: &mut Cycle<'_>, parent: TaskId, child: TaskId) {
             if !repetition::repeat(cycle, child, &outcome) {
                 cycle.agent.listening.forget(child);
                 repetition::ended_for_good(cycle, child, &outcome);
+                for (dependent, because) in outcomes::dependents(cycle, parent, child, &outcome) {
+                    end(cycle, dependent, Outcome::Skipped, because);
+                }
                 procedure::step_ended(cycle, parent, child);
             }
         }
@@ -187,8 +196,11 @@ fn finish(cycle: &mut Cycle<'_>, root: TaskId) {
     let reason = match cycle.task(root).and_then(|task| task.outcome.as_ref()) {
         Some(Outcome::Success(value)) if value.is_true() => format!("the initial task is done: {value}"),
         Some(Outcome::Success(_)) => "the initial task is done".to_string(),
-        Some(Outcome::Failure) => "the initial task failed".to_string(),
-        Some(Outcome::Cut) | None => "the application was ended".to_string(),
+        Some(Outcome::Failure | Outcome::PreconditionFailed | Outcome::InvariantViolated) => {
+            "the initial task failed".to_string()
+        }
+        Some(Outcome::Exited) => "the initial task exited".to_string(),
+        Some(Outcome::Cut | Outcome::Skipped) | None => "the application was ended".to_string(),
     };
     if cycle.agent.finished.is_none() {
         cycle.agent.finished = Some(reason.clone());

@@ -1,10 +1,10 @@
 //! Task conditions (M&I)
-//! What: detects that a task has ended or entered a state.
+//! What: has a task ended, or entered a state? Its outcome is such a fact, too.
 //! Runs: on transitions of the task; once on the task as it is when the monitor is made.
 //! Reads: evaluation context.
 //! Writes: the task parts of a monitor.
 //! Bound: O(1) per transition.
-//! PDL: `?s1`, `(end ?s1)`, `(state ?s1 = S)`.
+//! PDL: `?s1`, `(end ?s1)`, `(state ?s1 = S)`, `(failed ?s1)`.
 //! Paper: section III, monitors check events of internal mechanisms.
 
 use crate::expression::{EvalContext, evaluate};
@@ -14,8 +14,9 @@ use crate::state::bindings::Bindings;
 use crate::state::monitors::monitor::{Interest, Keep, Monitor, PartKind, Satisfaction, TaskEndedPart, TaskStatePart};
 use apex_model::because::Evidence;
 use apex_model::evidence_list::EvidenceList;
+use apex_model::pattern::Pattern;
 use apex_model::symbol::Symbol;
-use apex_model::task::{TaskId, TaskState};
+use apex_model::task::{OUTCOME_STATES, TaskId, TaskState};
 use apex_model::time::Time;
 use apex_model::value::Value;
 
@@ -63,6 +64,32 @@ pub(crate) fn advance_state(
         && let Some(state) = context.task_state(task)
     {
         note(part, site, task, state.word(), context.now(), context, troubles);
+        if state == TaskState::Terminated && names_outcome(part) {
+            for word in context.task_outcome(task).unwrap_or_default() {
+                note(part, site, task, word, context.now(), context, troubles);
+            }
+        }
+    }
+}
+
+/// True if the condition names an outcome: only then outcomes count, since a variable in the place of the state is a state.
+fn names_outcome(part: &TaskStatePart) -> bool {
+    matches!(&part.state, Pattern::Literal(Value::Symbol(name)) if OUTCOME_STATES.contains(&name.folded()))
+}
+
+/// A task ended for good: how is a fact, too.
+pub(crate) fn notice_outcome(
+    part: &mut TaskStatePart,
+    site: PartContext,
+    (task, outcome, at): (TaskId, &'static [&'static str], Time),
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
+) {
+    if part.task != Some(task) || at < site.window.start || !names_outcome(part) {
+        return;
+    }
+    for word in outcome {
+        note(part, site, task, word, at, context, troubles);
     }
 }
 

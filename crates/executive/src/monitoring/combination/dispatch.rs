@@ -49,6 +49,9 @@ fn notice_kind(part: &mut Part, stimulus: &Stimulus, context: &dyn EvalContext, 
         (PartKind::TaskState(leaf), Stimulus::TaskState { task, from, state, at, .. }) => {
             task_state::notice_state(leaf, site, (*task, *from, *state, *at), context, troubles);
         }
+        (PartKind::TaskState(leaf), Stimulus::TaskEnded { task, outcome, at, .. }) => {
+            task_state::notice_outcome(leaf, site, (*task, outcome, *at), context, troubles);
+        }
         (PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite), _) => {
             composite.parts.iter_mut().for_each(|part| notice_part(part, stimulus, context, troubles));
         }

@@ -59,6 +59,9 @@ impl EvalContext for Then<'_> {
     fn task_state(&self, task: TaskId) -> Option<TaskState> {
         self.below.task_state(task)
     }
+    fn task_outcome(&self, task: TaskId) -> Option<&'static [&'static str]> {
+        self.below.task_outcome(task)
+    }
     fn task_time_ongoing(&self, task: TaskId) -> Option<Duration> {
         self.below.task_time_ongoing(task)
     }

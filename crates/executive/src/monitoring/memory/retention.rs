@@ -256,8 +256,10 @@ impl Survey<'_> {
     }
 
     fn transitions(&mut self, transitions: &Transitions) {
-        let Transitions { end_when, restart_when, resume_when, suspend_when, suspend_until } = transitions;
+        // The newest samples, which `precondition` and `invariant` read, are always kept.
+        let Transitions { end_when, restart_when, resume_when, suspend_when, suspend_until, .. } = transitions;
         let all = end_when.iter().chain(restart_when).chain(resume_when).chain(suspend_when).chain(suspend_until);
+        let all = all.chain(&transitions.skip_when).chain(&transitions.exit_when);
         all.for_each(|condition| self.condition(condition));
     }
 

@@ -220,7 +220,7 @@ fn tasks_that_have_ended_satisfy_at_once_unless_only_changes_count() {
     assert_eq!(world.ask(5), Verdict::NotSatisfied);
     notice(
         &mut world.monitor,
-        &Stimulus::TaskEnded { task: TaskId(4), at: Time(6), before: MonitorId(9) },
+        &Stimulus::TaskEnded { task: TaskId(4), outcome: &[], at: Time(6), before: MonitorId(9) },
         &world.view,
     );
     assert_eq!(world.answer(6), Some((6, 6, 6)));

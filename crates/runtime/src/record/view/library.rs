@@ -145,6 +145,7 @@ fn declare(library: &Library, contents: &mut ProgramContents) {
             ResourceKind::Unitary => "one holder".to_owned(),
             ResourceKind::Capacity(units) => format!("capacity {units}"),
             ResourceKind::Depletable(amount) => format!("depletable, {amount}"),
+            ResourceKind::Renewable(amount) => format!("renewable, up to {amount}"),
         },
         place: library.describe_place(declared.place),
     });

@@ -1,0 +1,76 @@
+//! Was it false? A `precondition` or `invariant` that does not hold rests on facts that make it false, or on what is not known.
+
+use super::Step;
+use super::evidence::{holds_of, in_time, is_of, one, require, was_measured};
+use super::thresholds::Thresholds;
+use super::world::World;
+use apex_model::because::{Because, Evidence};
+use apex_model::condition::{Condition, ConditionKind};
+use apex_model::task::TaskId;
+
+/// Looks for all evidence that the conditions, of which one does not hold, do not.
+pub(super) fn check(
+    world: &World<'_>,
+    step: &Step,
+    task: TaskId,
+    because: &Because,
+    conditions: &[&Condition],
+) -> Result<(), String> {
+    let mut leaves = Vec::new();
+    conditions.iter().for_each(|condition| collect(condition, false, &mut leaves));
+    require(!because.evidence.is_empty(), "nothing says why it does not hold")?;
+    for evidence in because.evidence.iter() {
+        fact(world, step, task, evidence, &leaves).map_err(|what| format!("{}: {what}", evidence.text()))?;
+    }
+    Ok(())
+}
+
+fn fact(
+    world: &World<'_>,
+    step: &Step,
+    task: TaskId,
+    evidence: &Evidence,
+    leaves: &[(&ConditionKind, bool)],
+) -> Result<(), String> {
+    match evidence {
+        Evidence::Sample { variable, value, at } => {
+            in_time(world, *at)?;
+            let variable = variable.to_string();
+            was_measured(world, &variable, value, *at)?;
+            let thresholds = Thresholds { world, task };
+            let decides = leaves.iter().any(|(leaf, truth)| match leaf {
+                ConditionKind::Measurement(measurement) if is_of(&variable, leaf) => {
+                    holds_of(&thresholds, measurement, value) != Some(!truth)
+                }
+                _ => false,
+            });
+            require(decides, "it does not make the condition false")
+        }
+        Evidence::Function { value, at, .. } => {
+            let decides = |(leaf, truth): &(&ConditionKind, bool)| {
+                matches!(leaf, ConditionKind::Function(_)) && value.is_true() == *truth
+            };
+            require(leaves.iter().any(decides), "it does not make the condition false")?;
+            require(*at == world.now, "it is told of another instant")
+        }
+        Evidence::TaskState { .. } => {
+            let about = |(leaf, _): &(&ConditionKind, bool)| {
+                matches!(leaf, ConditionKind::TaskState { .. } | ConditionKind::TaskEnded(_))
+            };
+            require(leaves.iter().any(about), "the condition names no state of a task")?;
+            one(world, step, task, evidence, &[])
+        }
+        other => one(world, step, task, other, &[]),
+    }
+}
+
+/// The parts of the condition, each with the truth that makes the whole have this one.
+fn collect<'a>(condition: &'a Condition, truth: bool, leaves: &mut Vec<(&'a ConditionKind, bool)>) {
+    match &condition.kind {
+        ConditionKind::And(parts, _) | ConditionKind::Or(parts, _) => {
+            parts.iter().for_each(|part| collect(part, truth, leaves));
+        }
+        ConditionKind::Not(part) => collect(part, !truth, leaves),
+        leaf => leaves.push((leaf, truth)),
+    }
+}

@@ -1,0 +1,126 @@
+//! `cargo xtask test ARGUMENTS..`: builds tests as `cargo test` does and runs their programs several at a time. `cargo test` runs one after
+//! another, so a program with one long test leaves all other processors idle.
+
+use serde::Deserialize;
+use std::collections::VecDeque;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::sync::Mutex;
+use std::thread;
+
+/// A line of `cargo test --no-run --message-format=json`.
+#[derive(Deserialize)]
+struct Message {
+    reason: String,
+    executable: Option<String>,
+    manifest_path: Option<String>,
+    profile: Option<Profile>,
+}
+
+#[derive(Deserialize)]
+struct Profile {
+    test: bool,
+}
+
+/// A program of tests.
+struct Program {
+    executable: String,
+    /// The folder of its package, in which `cargo test` runs it.
+    folder: String,
+}
+
+/// Builds and runs the tests that `arguments` of `cargo test` select. Prints the output of each program when it ends.
+///
+/// # Errors
+/// A build that fails; the programs whose tests fail.
+pub(crate) fn run(root: &Path, arguments: &[&str]) -> Result<String, String> {
+    let programs = build(root, arguments)?;
+    let count = programs.len();
+    let at_once = thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let (open, failed) = (Mutex::new(VecDeque::from(programs)), Mutex::new(Vec::new()));
+    thread::scope(|scope| {
+        for _ in 0..at_once {
+            scope.spawn(|| {
+                while let Some(program) = next(&open) {
+                    if !passes(&program)
+                        && let Ok(mut failed) = failed.lock()
+                    {
+                        failed.push(program.executable);
+                    }
+                }
+            });
+        }
+    });
+    let failed = failed.into_inner().map_err(|_| "a thread that ran tests panicked".to_string())?;
+    match failed.as_slice() {
+        [] => Ok(format!("{count} programs of tests passed")),
+        some => Err(format!("tests failed in {} of {count} programs:\n  {}", some.len(), some.join("\n  "))),
+    }
+}
+
+fn next(open: &Mutex<VecDeque<Program>>) -> Option<Program> {
+    open.lock().ok()?.pop_front()
+}
+
+/// Runs one program; true if all of its tests pass.
+fn passes(program: &Program) -> bool {
+    let output = Command::new(&program.executable)
+        .arg("--quiet")
+        .current_dir(&program.folder)
+        .env("CARGO_MANIFEST_DIR", &program.folder)
+        .stdin(Stdio::null())
+        .output();
+    match output {
+        Ok(output) => {
+            let text = [output.stdout, output.stderr].concat();
+            println!("{}\n{}", program.executable, String::from_utf8_lossy(&text).trim());
+            output.status.success()
+        }
+        Err(error) => {
+            println!("{}: cannot be started: {error}", program.executable);
+            false
+        }
+    }
+}
+
+/// The programs, built.
+fn build(root: &Path, arguments: &[&str]) -> Result<Vec<Program>, String> {
+    let output = Command::new("cargo")
+        .arg("test")
+        .args(arguments)
+        .args(["--no-run", "--message-format=json-render-diagnostics"])
+        .current_dir(root)
+        .stderr(Stdio::inherit())
+        .output()
+        .map_err(|error| format!("cannot run cargo test: {error}"))?;
+    if !output.status.success() {
+        return Err("the tests cannot be built".to_string());
+    }
+    let mut programs = Vec::new();
+    for line in String::from_utf8_lossy(&output.stdout).lines() {
+        let message: Message =
+            serde_json::from_str(line).map_err(|error| format!("cargo wrote an unknown line: {error}: {line}"))?;
+        let is_test = message.reason == "compiler-artifact" && message.profile.is_some_and(|profile| profile.test);
+        let folder = message.manifest_path.as_deref().and_then(|path| Path::new(path).parent());
+        if let (true, Some(executable), Some(folder)) = (is_test, message.executable, folder) {
+            programs.push(Program { executable, folder: folder.display().to_string() });
+        }
+    }
+    Ok(programs)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn artifacts_of_cargo_are_read() {
+        let line = r#"{"reason":"compiler-artifact","package_id":"x","manifest_path":"/a/b/Cargo.toml","target":{},"profile":{"opt_level":"3","test":true},"executable":"/t/x-1","fresh":true}"#;
+        let message: Message = serde_json::from_str(line).expect("a line of cargo");
+        assert!(message.profile.is_some_and(|profile| profile.test));
+        assert_eq!(message.executable.as_deref(), Some("/t/x-1"));
+        let end: Message =
+            serde_json::from_str(r#"{"reason":"build-finished","success":true}"#).expect("a line of cargo");
+        assert!(end.executable.is_none());
+    }
+}
