@@ -149,7 +149,7 @@ pub(crate) fn wind(file: &DataFile) -> MissionResult<WindField> {
     Ok(WindField { layers, blend: true })
 }
 
-fn wind_layer(row: &tables::Row<'_>) -> MissionResult<WindLayer> {
+fn wind_layer(row: &tables::TableRow<'_>) -> MissionResult<WindLayer> {
     let edges = [
         row.number("south_deg", -90.0, 90.0)?,
         row.number("north_deg", -90.0, 90.0)?,
@@ -191,7 +191,7 @@ fn wind_layer(row: &tables::Row<'_>) -> MissionResult<WindLayer> {
 }
 
 /// Reads the turbulence of a row as EDR: from the column `edr`, else from the former column `turbulence`.
-fn edr(row: &tables::Row<'_>) -> MissionResult<f64> {
+fn edr(row: &tables::TableRow<'_>) -> MissionResult<f64> {
     let edr = row.number("edr", 0.0, EDR_MAX)?;
     let turbulence = row.number("turbulence", 0.0, 1.0)?;
     if edr.is_some() && turbulence.is_some() {

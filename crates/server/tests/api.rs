@@ -5,7 +5,7 @@
 mod flight;
 
 use apex_model::source::SourceFile;
-use apex_runtime::record::Program;
+use apex_runtime::record::RestoredProgram;
 use apex_server::{AccessOptions, ServeError, ServeOptions, serve};
 use flight::Writer;
 use flight::story::Story;
@@ -16,7 +16,7 @@ use std::path::Path;
 use std::sync::{Arc, mpsc};
 
 /// Represents a command that cannot load the recorded sources.
-fn unloadable(_: &[SourceFile]) -> Result<Program, String> {
+fn unloadable(_: &[SourceFile]) -> Result<RestoredProgram, String> {
     Err("the sources are not PDL".into())
 }
 

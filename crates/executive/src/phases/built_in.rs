@@ -185,9 +185,9 @@ pub(crate) fn terminate(cycle: &mut Cycle<'_>, id: TaskId) {
     }
 }
 
-type Target = Option<(TaskId, Outcome, bool)>;
+type TaskToEnd = Option<(TaskId, Outcome, bool)>;
 
-fn terminate_target(cycle: &Cycle<'_>, id: TaskId) -> Result<Target, Because> {
+fn terminate_target(cycle: &Cycle<'_>, id: TaskId) -> Result<TaskToEnd, Because> {
     let Some(handle) = cycle.step_of(id) else { return Ok(None) };
     let origin = cycle.task(id).map(|task| task.origin);
     let Some(Activity::Terminate { task, outcome, value }) = handle.get().map(|step| activity_of(origin, step)) else {

@@ -69,7 +69,7 @@ fn breaks(place: &str, broken: &[String]) -> MissionError {
 
 /// The plan in the output of `apex plan --json`; other members are ignored.
 #[derive(Deserialize)]
-struct Answer {
+struct PlanFile {
     plan: Plan,
 }
 
@@ -78,7 +78,7 @@ fn read(file: &Path, place: &str) -> MissionResult<Plan> {
     let text = read_text(file)?;
     let is_answer = serde_json::from_str::<serde_json::Value>(&text).is_ok_and(|value| value.get("plan").is_some());
     let plan = match is_answer {
-        true => serde_json::from_str::<Answer>(&text).map(|answer| answer.plan),
+        true => serde_json::from_str::<PlanFile>(&text).map(|answer| answer.plan),
         false => serde_json::from_str::<Plan>(&text),
     };
     plan.map_err(|error| {

@@ -1,7 +1,7 @@
 //! Names that nothing needs to define, and that look like a misspelling of another one: messages, state variables,
 //! resources. Anything may come from outside, so a name is suspected only where a near one is known and it is not.
 
-use super::{Program, Report, walk};
+use super::{FindingCollector, Program, walk};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::matching::{View, pattern_head};
@@ -20,7 +20,7 @@ type Uses<'l> = BTreeMap<&'l Symbol, Vec<Place>>;
 /// Maximum number of suspects in one program.
 const SUSPECTS_MAX: usize = 500;
 
-pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
+pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     messages(program, report);
     state_variables(program, report);
     resources(program, report);
@@ -37,7 +37,7 @@ fn meant<'n>(name: &Symbol, known: impl IntoIterator<Item = &'n str>) -> Option<
 }
 
 /// Messages that steps wait for and none sends, next to messages that are sent and awaited by none.
-fn messages(program: &Program<'_>, report: &mut Report<'_>) {
+fn messages(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     let mut waited: Uses<'_> = BTreeMap::new();
     for procedure in &program.library.procedures {
         walk::conditions_of(procedure, &mut |condition| {
@@ -69,7 +69,7 @@ fn messages(program: &Program<'_>, report: &mut Report<'_>) {
 }
 
 /// Messages said once, awaited by no step, next to others that are sent elsewhere, too, and awaited.
-fn misspelt_said(said: &Uses<'_>, waited: &Uses<'_>, report: &mut Report<'_>) {
+fn misspelt_said(said: &Uses<'_>, waited: &Uses<'_>, report: &mut FindingCollector<'_>) {
     let heard = || said.keys().filter(|name| waited.contains_key(*name)).map(|name| name.printed());
     let suspects = said.iter().filter(|(name, places)| places.len() == 1 && !waited.contains_key(*name));
     for (name, places) in suspects.take(SUSPECTS_MAX) {
@@ -117,7 +117,7 @@ fn said_in<'l>(program: &Program<'l>) -> Uses<'l> {
 }
 
 /// State variables that nothing declares, next to declared ones.
-fn state_variables(program: &Program<'_>, report: &mut Report<'_>) {
+fn state_variables(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     let declared = &program.library.state_variables;
     if declared.is_empty() {
         return;
@@ -190,7 +190,7 @@ pub(super) const QUERIES: &[&str] = &[
 ];
 
 /// Resources named once and declared nowhere, next to others.
-fn resources(program: &Program<'_>, report: &mut Report<'_>) {
+fn resources(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     let library = program.library;
     let mut used: Uses<'_> = BTreeMap::new();
     let note = |needs: &[ResourceNeed]| -> Vec<(Symbol, Place)> {
@@ -227,7 +227,7 @@ fn resources(program: &Program<'_>, report: &mut Report<'_>) {
 /// Outcomes of `terminate` that mean something; every other word is a success.
 const OUTCOMES: &[&str] = &["success", "failure", "fail", "failed", "cut", "abort", "aborted"];
 
-fn outcomes(program: &Program<'_>, report: &mut Report<'_>) {
+fn outcomes(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     for step in program.library.procedures.iter().flat_map(|procedure| &procedure.steps) {
         for activity in walk::activities(step) {
             let Activity::Terminate { outcome: Some(outcome), .. } = activity else { continue };

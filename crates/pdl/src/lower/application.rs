@@ -1,7 +1,7 @@
 //! Applications (`pdl.md`, Applications).
 
 use super::Lowering;
-use super::clauses::{Group, groups};
+use super::clauses::{KeywordGroup, groups};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::read::{Datum, DatumKind};
@@ -105,11 +105,11 @@ impl Lowering {
     }
 
     /// Checks that options for an outside simulator are given only with one. A text as `:start` is a mission's civil time.
-    fn check_cues(&mut self, options: &[Group<'_>], kind: &Symbol) -> Option<()> {
+    fn check_cues(&mut self, options: &[KeywordGroup<'_>], kind: &Symbol) -> Option<()> {
         if kind.is("foreign-sim") {
             return Some(());
         }
-        let is_text = |group: &Group<'_>| matches!(group.values, [Datum { kind: DatumKind::Text(_), .. }]);
+        let is_text = |group: &KeywordGroup<'_>| matches!(group.values, [Datum { kind: DatumKind::Text(_), .. }]);
         let stray =
             options.iter().find(|group| CUES.contains(&group.name) && !(group.name == "start" && is_text(group)));
         let Some(group) = stray else { return Some(()) };
@@ -121,7 +121,7 @@ impl Lowering {
     }
 
     /// Is the option none that is misspelt or lacks its value? Options that the checker does not know are for the host program.
-    fn is_application_option(&mut self, group: &super::clauses::Group<'_>) -> bool {
+    fn is_application_option(&mut self, group: &super::clauses::KeywordGroup<'_>) -> bool {
         let mark = |name: &str| format!(":{name}");
         let known = OPTIONS.contains(&group.name);
         let found = near(group.name, OPTIONS.iter().copied());

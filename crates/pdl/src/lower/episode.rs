@@ -1,7 +1,7 @@
 //! Episodes: quality, statistics, trends; atomic episodes (`conditions.md`).
 
 use super::Lowering;
-use super::clauses::{Group, groups, values_of};
+use super::clauses::{KeywordGroup, groups, values_of};
 use super::expected::{Expected, ExpectedKind};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
@@ -96,7 +96,12 @@ impl Lowering {
         (any, items.iter().filter(|item| !item.is(":any")).cloned().collect())
     }
 
-    fn episode_quality(&mut self, datum: &Datum, options: &[Group<'_>], outer: Option<&Datum>) -> Option<Quality> {
+    fn episode_quality(
+        &mut self,
+        datum: &Datum,
+        options: &[KeywordGroup<'_>],
+        outer: Option<&Datum>,
+    ) -> Option<Quality> {
         let inner = options.iter().find(|group| group.name == "quality");
         match (inner, outer) {
             (Some(inner), Some(outer)) => {

@@ -22,7 +22,7 @@ pub(super) struct Chain<'a> {
     goals: &'a dyn Fn(TaskId) -> String,
 }
 
-type Found = Result<Vec<Row>, RecordError>;
+type RowsResult = Result<Vec<Row>, RecordError>;
 
 impl<'a> Chain<'a> {
     /// A chain through the decisions of `log`; `goals` names tasks.
@@ -99,7 +99,7 @@ impl<'a> Chain<'a> {
     }
 
     /// Adds the evidence: leaves of the chain, and the decisions that are evidence themselves.
-    fn evidence(&self, link: &mut Link, row: &Row, because: &Because) -> Found {
+    fn evidence(&self, link: &mut Link, row: &Row, because: &Because) -> RowsResult {
         let mut rows = Vec::new();
         let here = |at: Time| (row.id, at);
         for evidence in because.evidence.iter() {
@@ -153,7 +153,7 @@ impl<'a> Chain<'a> {
     }
 
     /// The decisions that a cause names, or that stand behind it without being named.
-    fn behind(&self, row: &Row, cause: &Cause) -> Found {
+    fn behind(&self, row: &Row, cause: &Cause) -> RowsResult {
         let (log, here, own) = (self.log.decisions, (row.id, row.at), row.task.unwrap_or(TaskId(u64::MAX)));
         let found = match cause {
             Cause::ParentStarted { parent } | Cause::ItemOf { parent } | Cause::Meanwhile { parent } => {
@@ -242,7 +242,7 @@ impl<'a> Chain<'a> {
     }
 
     /// A result is in the context of the parent.
-    fn result(&self, own: TaskId, variable: &str, row: &Row) -> Found {
+    fn result(&self, own: TaskId, variable: &str, row: &Row) -> RowsResult {
         let Some(created) = self.log.decisions.before(own, "created", row.id)? else { return Ok(Vec::new()) };
         let parent = match created.effect {
             Some(Effect::Decided(decision)) => match decision.kind {
@@ -259,7 +259,7 @@ impl<'a> Chain<'a> {
     }
 
     /// Explains the instant of a grant: the blocking task left, and the task had been enabled.
-    fn granted(&self, own: TaskId, row: &Row) -> Found {
+    fn granted(&self, own: TaskId, row: &Row) -> RowsResult {
         let mut rows = Vec::new();
         let enabled = self.log.decisions.transition_before(own, "enabled", row.id)?;
         let waited = self.log.decisions.before(own, "refused", row.id)?;

@@ -201,7 +201,7 @@ pub(crate) fn clauses_that_count(agent: &Agent, id: TaskId) -> impl Iterator<Ite
 }
 
 /// Change of a priority clause while only time passes.
-pub(crate) enum Kind {
+pub(crate) enum PriorityChange {
     /// It has no number.
     Absent,
     /// It stays.
@@ -213,25 +213,25 @@ pub(crate) enum Kind {
 }
 
 /// Returns the change of the clause from `now` on.
-pub(crate) fn kind(agent: &Agent, task: &Task, clause: &PriorityClause, now: Time) -> Kind {
+pub(crate) fn kind(agent: &Agent, task: &Task, clause: &PriorityClause, now: Time) -> PriorityChange {
     let parts: &[&Expr] = match clause {
         PriorityClause::Number(expr) => &[expr],
         PriorityClause::UrgencyImportance(urgency, importance) => &[urgency, importance],
     };
     if recovery(agent, task, now) < 1.0 || parts.iter().any(|expr| value_intervals::moves(expr, &agent.library)) {
-        return Kind::Other;
+        return PriorityChange::Other;
     }
     let view = View { agent, task: task.id, level: Level::Step, now };
     let found = match clause {
-        PriorityClause::Number(expr) => number(expr, &view).map(Kind::Steady),
+        PriorityClause::Number(expr) => number(expr, &view).map(PriorityChange::Steady),
         PriorityClause::UrgencyImportance(urgency, importance) => {
             number(urgency, &view).zip(number(importance, &view)).map(|(urgency, importance)| {
                 let (due, importance) = (deadline(urgency, created(task)), importance.clamp(0.0, 10.0));
-                Kind::Rising(RisingTerm { importance, due })
+                PriorityChange::Rising(RisingTerm { importance, due })
             })
         }
     };
-    found.unwrap_or(Kind::Absent)
+    found.unwrap_or(PriorityChange::Absent)
 }
 
 /// Returns the value at `at` of a priority that rises with its urgency.

@@ -10,7 +10,7 @@
 use crate::expression::arithmetic::duration;
 use crate::expression::declared_unit::unit_of;
 use crate::expression::{EvalContext, EvaluationError, evaluate};
-use crate::monitoring::constraints::{Reading, all, is_lower_bound, prepare};
+use crate::monitoring::constraints::{RightSide, all, is_lower_bound, prepare};
 use crate::monitoring::episodes::run_update::{Judged, advance_run};
 use crate::monitoring::episodes::{run_fast_path, threshold_backfill};
 use crate::monitoring::part::{ConditionFaults, PartContext, Truth, remember};
@@ -249,7 +249,7 @@ fn judge(
             [(&condition.first_value, &mut newest.first_holds), (&condition.last_value, &mut newest.last_holds)]
         {
             if !constraints.is_empty() {
-                match all(constraints, sample.value, Reading::Value(unit), bindings, context, site.place) {
+                match all(constraints, sample.value, RightSide::Value(unit), bindings, context, site.place) {
                     Ok(truth) => *holds = truth,
                     Err(error) => {
                         *holds = false;

@@ -9,7 +9,7 @@
 
 use crate::expression::declared_unit::unit_of;
 use crate::expression::{EvalContext, EvaluationError};
-use crate::monitoring::constraints::{Reading, all, prepare, satisfies_all};
+use crate::monitoring::constraints::{RightSide, all, prepare, satisfies_all};
 use crate::monitoring::numbers::aggregates::{CriterionResult, criteria, name};
 use crate::monitoring::numbers::regression::declared_scale;
 use crate::monitoring::numbers::statistic_runs::{CriteriaVerdict, Evaluated, Evaluation, contradicted, take_in};
@@ -205,7 +205,7 @@ fn judge(
     for (constraints, holds) in
         [(&part.condition.first_value, &mut newest.first_holds), (&part.condition.last_value, &mut newest.last_holds)]
     {
-        *holds = all(constraints, sample.value, Reading::Value(unit), bindings, context, site.place).unwrap_or_else(
+        *holds = all(constraints, sample.value, RightSide::Value(unit), bindings, context, site.place).unwrap_or_else(
             |error| {
                 troubles.add(error);
                 false
