@@ -171,7 +171,7 @@ fn read_options(text: &str) -> Result<Options, String> {
 pub(crate) fn read_time(text: &str) -> Result<Time, String> {
     match apex_pdl::read_value(text) {
         Ok(Value::Duration(Duration(nanoseconds))) => Ok(Time(nanoseconds)),
-        _ => Err(format!("`{text}` is no instant: expected a duration such as 20s")),
+        _ => Err(format!("`{text}` is not an instant: expected a duration such as 20s")),
     }
 }
 

@@ -10,7 +10,7 @@ use std::thread;
 
 /// A line of `cargo test --no-run --message-format=json`.
 #[derive(Deserialize)]
-struct Message {
+struct CargoMessage {
     reason: String,
     executable: Option<String>,
     manifest_path: Option<String>,
@@ -23,7 +23,7 @@ struct Profile {
 }
 
 /// A program of tests.
-struct Program {
+struct TestProgram {
     executable: String,
     /// The folder of its package, in which `cargo test` runs it.
     folder: String,
@@ -58,12 +58,12 @@ pub(crate) fn run(root: &Path, arguments: &[&str]) -> Result<String, String> {
     }
 }
 
-fn next(open: &Mutex<VecDeque<Program>>) -> Option<Program> {
+fn next(open: &Mutex<VecDeque<TestProgram>>) -> Option<TestProgram> {
     open.lock().ok()?.pop_front()
 }
 
 /// Runs one program; true if all of its tests pass.
-fn passes(program: &Program) -> bool {
+fn passes(program: &TestProgram) -> bool {
     let output = Command::new(&program.executable)
         .arg("--quiet")
         .current_dir(&program.folder)
@@ -84,7 +84,7 @@ fn passes(program: &Program) -> bool {
 }
 
 /// The programs, built.
-fn build(root: &Path, arguments: &[&str]) -> Result<Vec<Program>, String> {
+fn build(root: &Path, arguments: &[&str]) -> Result<Vec<TestProgram>, String> {
     let output = Command::new("cargo")
         .arg("test")
         .args(arguments)
@@ -98,12 +98,12 @@ fn build(root: &Path, arguments: &[&str]) -> Result<Vec<Program>, String> {
     }
     let mut programs = Vec::new();
     for line in String::from_utf8_lossy(&output.stdout).lines() {
-        let message: Message =
+        let message: CargoMessage =
             serde_json::from_str(line).map_err(|error| format!("cargo wrote an unknown line: {error}: {line}"))?;
         let is_test = message.reason == "compiler-artifact" && message.profile.is_some_and(|profile| profile.test);
         let folder = message.manifest_path.as_deref().and_then(|path| Path::new(path).parent());
         if let (true, Some(executable), Some(folder)) = (is_test, message.executable, folder) {
-            programs.push(Program { executable, folder: folder.display().to_string() });
+            programs.push(TestProgram { executable, folder: folder.display().to_string() });
         }
     }
     Ok(programs)
@@ -116,10 +116,10 @@ mod tests {
     #[test]
     fn artifacts_of_cargo_are_read() {
         let line = r#"{"reason":"compiler-artifact","package_id":"x","manifest_path":"/a/b/Cargo.toml","target":{},"profile":{"opt_level":"3","test":true},"executable":"/t/x-1","fresh":true}"#;
-        let message: Message = serde_json::from_str(line).expect("a line of cargo");
+        let message: CargoMessage = serde_json::from_str(line).expect("a line of cargo");
         assert!(message.profile.is_some_and(|profile| profile.test));
         assert_eq!(message.executable.as_deref(), Some("/t/x-1"));
-        let end: Message =
+        let end: CargoMessage =
             serde_json::from_str(r#"{"reason":"build-finished","success":true}"#).expect("a line of cargo");
         assert!(end.executable.is_none());
     }

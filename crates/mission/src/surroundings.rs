@@ -47,7 +47,7 @@ pub(crate) fn airspace(file: &DataFile) -> MissionResult<Vec<AirspaceZone>> {
             return Err(feature
                 .trouble("airspace with a hole")
                 .because("what is inside the hole would be flown as if there were none")
-                .help("cut the area into polygons without holes, as a MultiPolygon or as features of their own"));
+                .help("cut the area into polygons without holes, as a MultiPolygon or as separate features"));
         }
         for corners in &polygons {
             in_order(&feature, corners)?;

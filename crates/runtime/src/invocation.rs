@@ -58,7 +58,7 @@ impl StopReason {
     fn words(&self) -> Option<String> {
         match self {
             StopReason::Cancelled => None,
-            StopReason::Overran(units) => Some(format!("went on after its {units} units of work")),
+            StopReason::Overran(units) => Some(format!("continued after its {units} units of work")),
             StopReason::TimedOut(timeout) => {
                 Some(format!("gave no answer within {} s and was abandoned", timeout.as_secs_f64()))
             }
@@ -282,8 +282,8 @@ impl Invocation {
         let (plan, violation) = match ended {
             Ended::Answered(plan) => (plan.map_err(|reason| short(&reason)), stop),
             Ended::Stopped => (Err("it was stopped".into()), stop),
-            Ended::BrokeDown(why) => (Err("it failed".into()), Some(format!("broke down: {}", short(&why)))),
-            Ended::LeftBehind => (Err("it did not stop".into()), stop.or(Some("did not stop when told to".into()))),
+            Ended::BrokeDown(why) => (Err("it failed".into()), Some(format!("failed: {}", short(&why)))),
+            Ended::LeftBehind => (Err("it did not stop".into()), stop.or(Some("did not stop when asked to".into()))),
         };
         let violation = violation.map(|what| format!("the solver {name} {what}"));
         let plan = plan.or_else(|why| match self.best() {
@@ -366,7 +366,7 @@ impl Invocations {
         if self.left_behind.len() >= SOLVERS_LEFT_BEHIND_MAX {
             let names: Vec<&str> = self.left_behind.keys().map(String::as_str).collect();
             return refused(format!(
-                "{} solvers hang and were left behind ({}); no other one is begun before one of them has come back",
+                "{} solvers hang and were left behind ({}); no further solver starts before one of them returns",
                 names.len(),
                 names.join(", ")
             ));

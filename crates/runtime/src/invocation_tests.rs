@@ -106,9 +106,9 @@ fn solve_with(name: &'static str, limits: SolverLimits) -> Answer {
 fn a_panic_is_named_and_the_best_plan_so_far_counts() {
     let answer = solve_with("panics", LIMITS);
     assert_eq!(answer.plan.map(|plan| score(&plan)), Ok(1.0));
-    assert_eq!(answer.violation.as_deref(), Some("the solver panics broke down: ran out of ideas"));
+    assert_eq!(answer.violation.as_deref(), Some("the solver panics failed: ran out of ideas"));
     let nothing = solve_with("mute", LIMITS);
-    assert_eq!(nothing.plan, Err("the solver mute broke down: ran out of ideas".into()));
+    assert_eq!(nothing.plan, Err("the solver mute failed: ran out of ideas".into()));
 }
 
 #[test]
@@ -123,7 +123,7 @@ fn work_beyond_the_budget_ends_at_the_same_unit_in_every_run() {
     for answer in answers {
         assert_eq!(answer.plan.map(|plan| score(&plan)), Ok(1.0));
         assert_eq!(answer.used, 2 * LIMITS.units + SOLVER_OVERRUN_UNITS);
-        assert_eq!(answer.violation.as_deref(), Some("the solver overruns went on after its 1000 units of work"));
+        assert_eq!(answer.violation.as_deref(), Some("the solver overruns continued after its 1000 units of work"));
     }
 }
 
@@ -145,7 +145,7 @@ fn who_hangs_is_left_behind_and_others_are_served() {
     while Arc::strong_count(&sleeper) > 1 {
         thread::yield_now();
     }
-    assert_eq!(solve(&sleeper).plan.map(|plan| score(&plan)), Ok(2.0), "it is asked again when it has come back");
+    assert_eq!(solve(&sleeper).plan.map(|plan| score(&plan)), Ok(2.0), "it is asked again after it has returned");
 }
 
 #[test]

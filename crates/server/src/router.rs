@@ -170,7 +170,7 @@ async fn samples(State(state): Shared, params: QueryParams<SamplesParams>) -> Ap
 async fn source(State(state): Shared, params: QueryParams<SourceParams>) -> ApiResult<Response> {
     let place = checked(params)?.place;
     let line = SourceLine::parse(&place)
-        .ok_or_else(|| ApiError::bad_request(format!("`{place}` is no place"), "a place is `file:line:column`"))?;
+        .ok_or_else(|| ApiError::bad_request(format!("`{place}` is not a place"), "a place is `file:line:column`"))?;
     read(state, move |view| {
         view.source(&line)?.ok_or_else(|| {
             ApiError::not_found(

@@ -178,7 +178,7 @@ pub(crate) async fn blocking<T: Send + 'static>(work: impl FnOnce() -> ApiResult
     tokio::task::spawn_blocking(work).await.unwrap_or_else(|error| {
         Err(ApiError {
             status: StatusCode::INTERNAL_SERVER_ERROR,
-            error: format!("the query broke off: {error}"),
+            error: format!("the query was interrupted: {error}"),
             help: "this is a fault of Apex; please report it with the record".into(),
         })
     })

@@ -313,7 +313,7 @@ fn a_port_in_use_and_files_that_are_no_records_are_named() {
     assert!(error.to_string().contains("--port"), "{error}");
 
     let missing = serve(options(&folder.path().join("none.apex"))).unwrap_err().to_string();
-    assert!(missing.contains("There is no flight record at"), "{missing}");
+    assert!(missing.contains("there is no flight record at"), "{missing}");
 
     let text = folder.path().join("notes.apex");
     std::fs::write(&text, "these are notes, and more than a header of a hundred bytes long ".repeat(20)).unwrap();

@@ -51,7 +51,7 @@ fn fact(
                 matches!(leaf, ConditionKind::Function(_)) && value.is_true() == *truth
             };
             require(leaves.iter().any(decides), "it does not make the condition false")?;
-            require(*at == world.now, "it is told of another instant")
+            require(*at == world.now, "it is evidence of another instant")
         }
         Evidence::TaskState { .. } => {
             let about = |(leaf, _): &(&ConditionKind, bool)| {

@@ -354,9 +354,9 @@ fn hooks_collect_actions_and_conditions_may_not_act() {
             Action::Complete(Value::symbol("done")),
         ]
     );
-    assert!(evaluate(&forms[3], &view).unwrap_err().message.contains("can stand in hooks only"));
+    assert!(evaluate(&forms[3], &view).unwrap_err().message.contains("is allowed in hooks only"));
     let assign = expr(ExprKind::Assign { name: Symbol::new("x"), of_task: true, value: Box::new(int(1)) });
-    assert!(evaluate(&assign, &view).unwrap_err().message.contains("can stand in hooks only"));
+    assert!(evaluate(&assign, &view).unwrap_err().message.contains("is allowed in hooks only"));
     assert!(evaluate(&call("triple", vec![]), &view).unwrap_err().message.contains("triple takes an integer"));
 }
 

@@ -34,7 +34,7 @@ fn task_argument(value: &Value, expr: &Expr) -> Result<TaskId, Because> {
     match value {
         Value::Task(task) => Ok(*task),
         other => {
-            let message = format!("{other} is no task; name a step by its tag, such as ?s1");
+            let message = format!("{other} is not a task; name a step by its tag, such as ?s1");
             Err(Because::new(Cause::ExpressionFailed { message }, Some(expr.place)))
         }
     }

@@ -340,7 +340,7 @@ fn expected(cycle: &Cycle<'_>, id: TaskId, expr: Option<&Expr>) -> Result<Option
     match evaluate(expr, &cycle.view(id, Level::Procedure)).map_err(failed)? {
         Value::Duration(span) => Ok(Some(span)),
         other => {
-            let message = format!("{other} is no span of time; write a duration such as 10s");
+            let message = format!("{other} is not a span of time; write a duration such as 10s");
             Err(Because::new(Cause::ExpressionFailed { message }, Some(expr.place)))
         }
     }

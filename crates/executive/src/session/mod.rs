@@ -205,8 +205,8 @@ impl MonitorSession {
         self.touch_all();
     }
 
-    /// A measurement, in the declared unit where it is a bare number. Returns its recording; `None` if it was refused, and a
-    /// trouble says why.
+    /// A measurement, in the declared unit where it is a bare number. Returns its recording; `None` if it was refused; a
+    /// condition fault holds the reason.
     pub fn sample(&mut self, variable: &StateVariable, value: Value, at: Time) -> Option<Recorded> {
         self.come_to(at);
         let sequence = self.arrival();

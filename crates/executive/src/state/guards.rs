@@ -60,7 +60,7 @@ impl Guards {
         self.tasks.is_empty()
     }
 
-    /// Tasks that a sample of this attribute concerns, besides [`Guards::restless`].
+    /// Tasks that a sample of this attribute concerns, in addition to [`Guards::restless`].
     pub fn concerned_by(&self, attribute: &Symbol) -> impl Iterator<Item = TaskId> + '_ {
         self.by_attribute.get(attribute).into_iter().flatten().copied()
     }

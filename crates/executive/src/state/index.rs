@@ -108,7 +108,7 @@ pub struct ProcedureIndex {
     pub tags: HashMap<Symbol, u32, FxBuildHasher>,
     /// Its steps.
     pub steps: Vec<StepIndex>,
-    /// Written order gives each step a rank of its own.
+    /// Written order gives each step a distinct rank.
     pub ranked_by_order: bool,
     /// Variables that get another value while it runs, or may: results of steps, and what its forms assign.
     pub changing: BTreeSet<Symbol>,

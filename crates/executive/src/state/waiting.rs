@@ -69,7 +69,7 @@ pub struct Waiting {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Siblings {
     keys: BTreeSet<QueueKey>,
-    /// How many have each rank, by its bits.
+    /// Number of claimants by the bits of their rank.
     ranks: BTreeMap<u64, usize>,
 }
 

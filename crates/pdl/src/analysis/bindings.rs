@@ -267,7 +267,7 @@ impl<'l> VariableFacts<'l> {
                 report.locator.span(producer.place),
                 "its value is the result of this step, which need not have ended",
             )
-            .reason("a step waits by itself only for results in its waitfor, activity, select and forall")
+            .reason("a step waits implicitly only for results in its waitfor, activity, select and forall")
             .help(format!("add `(waitfor (end ?{}))`", producer.tag));
         let fix = report.locator.add_wait(step.place, &producer.tag);
         report.add(diagnostic.fixes(fix));

@@ -179,10 +179,10 @@ fn report_endless(
             .help("add `:while TEST` or `:until TEST`, or make the procedure concurrent and let the step wait for an event");
     } else {
         let (place, why) = why_endless(program, &blocker.activity, report)
-            .unwrap_or_else(|| (report.locator.activity(blocker.place), format!("{other} does not end by itself")));
+            .unwrap_or_else(|| (report.locator.activity(blocker.place), format!("{other} does not end on its own")));
         diagnostic = diagnostic
             .label(place, why)
-            .reason(format!("{waits_in_words}, which does not end by itself"))
+            .reason(format!("{waits_in_words}, which does not end on its own"))
             .help(format!("give {other} an `end-when`, or let what it does come to an end"));
     }
     report.add(diagnostic);
@@ -201,7 +201,7 @@ fn why_endless(
         Method::Procedure(number) => {
             let procedure = program.library.procedures.get(number)?;
             let text = pattern_text(&procedure.index);
-            Some((report.locator.index(procedure.place), format!("`{text}` goes on without end")))
+            Some((report.locator.index(procedure.place), format!("`{text}` never ends")))
         }
         Method::Primitive(number) => {
             let primitive = program.library.primitives.get(number)?;

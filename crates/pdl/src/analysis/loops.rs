@@ -23,9 +23,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Yields the procedures that surely lead into a recursion without end.
 pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) -> BTreeSet<usize> {
-    let mut told = BTreeSet::new();
-    let mut caught = recursion(program, true, &mut told, report);
-    caught.extend(recursion(program, false, &mut told, report));
+    let mut reported = BTreeSet::new();
+    let mut caught = recursion(program, true, &mut reported, report);
+    caught.extend(recursion(program, false, &mut reported, report));
     for (number, procedure) in program.library.procedures.iter().enumerate() {
         repetitions(program, number, procedure, report);
         answers(program, number, procedure, report);
@@ -64,12 +64,12 @@ fn has_interval(clause: &Repetition) -> bool {
     })
 }
 
-/// Procedures that surely pursue themselves, or lead to one that does. `at_once`: without any time passing. `told` are
+/// Procedures that surely pursue themselves, or lead to one that does. `at_once`: without any time passing. `reported` receives
 /// those that a message was about.
 fn recursion(
     program: &Program<'_>,
     at_once: bool,
-    told: &mut BTreeSet<usize>,
+    reported: &mut BTreeSet<usize>,
     report: &mut FindingCollector<'_>,
 ) -> BTreeSet<usize> {
     let mut horn = Horn::default();
@@ -123,8 +123,8 @@ fn recursion(
             && let Some(first) = path.iter().position(|(each, _)| *each == number)
         {
             let circle = path.split_off(first);
-            if circle.iter().all(|(each, _)| !told.contains(each)) {
-                told.extend(circle.iter().map(|(each, _)| *each));
+            if circle.iter().all(|(each, _)| !reported.contains(each)) {
+                reported.extend(circle.iter().map(|(each, _)| *each));
                 report_recursion(program, &circle, at_once, report);
             }
         }

@@ -109,7 +109,7 @@ fn piling_up(step: &Step, ends: bool, report: &mut FindingCollector<'_>) {
     warn(
         report.locator.clause(step.place, "responding"),
         format!("tasks of `{}` pile up", step.tag),
-        "each response begins a new task, and what the step does never ends by itself".to_string(),
+        "each response begins a new task, and what the step does never ends on its own".to_string(),
         "give the step an `end-when`, or use `repeating`, which has one task at a time",
         report,
     );
@@ -234,7 +234,7 @@ fn published(expr: &Expr, report: &mut FindingCollector<'_>) {
     if parts.iter().skip(1).any(computed) {
         warn(
             report.locator.span(expr.place),
-            "each of these is a state variable of its own".to_string(),
+            "each of these is a separate state variable".to_string(),
             "its object is computed, and the history of every object is kept".to_string(),
             "publish one variable with the computed part in its value",
             report,

@@ -60,7 +60,7 @@ pub(super) fn without_effect(conditions: &[Condition], report: &mut FindingColle
         walk::conditions(condition, &mut |part| {
             if let ConditionKind::Probing { .. } = part.kind {
                 let span = report.locator.probe(part.place);
-                let message = "`:probing` has no effect here: nobody pursues its goal";
+                let message = "`:probing` has no effect here: no task pursues its goal";
                 let diagnostic = Diagnostic::new(Severity::Warning, codes::WITHOUT_EFFECT, span, message)
                     .reason("a condition that is watched alone has no task; the samples that come are all there is")
                     .help("remove the option, or let an agent wait for the condition: `(waitfor ..)` in a procedure");

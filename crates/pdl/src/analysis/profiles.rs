@@ -191,7 +191,7 @@ fn starved(program: &Program<'_>, number: usize, procedure: &Procedure, report: 
         let span = report.locator.activity(step.place);
         let message = format!("`{}` never gets `{resource}`", step.tag);
         let diagnostic = Diagnostic::new(Severity::Warning, codes::STARVED, span, message)
-            .label(report.locator.activity(keeper.place), "this holds it and does not end by itself")
+            .label(report.locator.activity(keeper.place), "this holds it and does not end on its own")
             .reason("among equals the one that has a resource keeps it")
             .help("give the step a `(priority N)`, or let the other one end");
         report.add(diagnostic);

@@ -59,10 +59,10 @@ fn messages(program: &Program<'_>, report: &mut FindingCollector<'_>) {
         let span = report.locator.word(*place, name);
         let message = format!("nothing here says `({name} ..)`, but something says `({known} ..)`");
         let mut diagnostic = Diagnostic::new(Severity::Warning, codes::RESEMBLES, span, message)
-            .reason("a message that never comes from outside either is waited for in vain")
+            .reason("if no source outside the program sends it either, the wait never ends")
             .fixes(renames(span, name.printed(), [known]));
         if let Some(place) = said.get(&Symbol::new(known)).and_then(|places| places.first()) {
-            diagnostic = diagnostic.label(report.locator.span(*place), "said here, and nobody waits for it");
+            diagnostic = diagnostic.label(report.locator.span(*place), "sent here, and no clause waits for it");
         }
         report.add(diagnostic);
     }
@@ -75,7 +75,7 @@ fn misspelt_said(said: &Uses<'_>, waited: &Uses<'_>, report: &mut FindingCollect
     for (name, places) in suspects.take(SUSPECTS_MAX) {
         let (Some(known), Some(place)) = (meant(name, heard()), places.first()) else { continue };
         let span = report.locator.word(*place, name);
-        let message = format!("nobody waits for `({name} ..)`, but somebody waits for `({known} ..)`");
+        let message = format!("no clause waits for `({name} ..)`, but one waits for `({known} ..)`");
         let diagnostic = Diagnostic::new(Severity::Warning, codes::RESEMBLES, span, message).fixes(renames(
             span,
             name.printed(),
@@ -218,7 +218,7 @@ fn resources(program: &Program<'_>, report: &mut FindingCollector<'_>) {
         let span = report.locator.word(*place, name).to(span);
         let message = format!("resource `{name}` is needed nowhere else, but `{known}` is");
         let diagnostic = Diagnostic::new(Severity::Warning, codes::RESEMBLES, span, message)
-            .reason("a resource that nothing else needs is no conflict with anything")
+            .reason("a resource that nothing else needs is not a conflict with anything")
             .fixes(renames(span, name.printed(), [known]));
         report.add(diagnostic);
     }
@@ -237,7 +237,7 @@ fn outcomes(program: &Program<'_>, report: &mut FindingCollector<'_>) {
                 continue;
             };
             let span = report.locator.span(outcome.place);
-            let message = format!("`{word}` is no outcome, so it counts as success");
+            let message = format!("`{word}` is not an outcome, so it counts as success");
             let diagnostic = Diagnostic::new(Severity::Warning, codes::RESEMBLES, span, message)
                 .fixes(renames(span, word.printed(), [known]))
                 .help("outcomes are success, failure and cut");

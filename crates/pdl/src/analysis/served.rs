@@ -47,7 +47,7 @@ fn plans(program: &Program<'_>, report: &mut FindingCollector<'_>) {
             let severity = if step.on_failure.is_some() { Severity::Warning } else { Severity::Error };
             let span = report.locator.span(goal.place);
             let diagnostic = Diagnostic::new(severity, codes::UNSERVED_GOAL, span, message)
-                .reason("`plan` asks a solver, whoever else serves the goal")
+                .reason("`plan` asks a solver, even if a procedure serves the goal")
                 .help(format!("declare one: `(solver auto (index {text}))`"));
             report.add(diagnostic);
         }

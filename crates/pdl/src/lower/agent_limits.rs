@@ -14,7 +14,7 @@ impl Lowering {
     /// `(:NAME NUMBER ..)`
     pub(crate) fn agent_limits(&mut self, datum: &Datum) -> Option<Limits> {
         let Some((before, options)) = datum.as_list().map(groups) else {
-            return self.missing_part(datum.span, "these are no limits", SHAPE);
+            return self.missing_part(datum.span, "these are not limits", SHAPE);
         };
         if let Some(first) = before.first() {
             return self.missing_part(first.span, "here the name of a limit is expected", SHAPE);

@@ -150,7 +150,8 @@ impl Lowering {
         match datum.as_symbol().map(|name| name.folded().trim_start_matches(':')) {
             Some(name) if KINDS.contains(&name) => Some(Symbol::new(name)),
             other => {
-                let diagnostic = Diagnostic::error(codes::UNKNOWN_OPTION, datum.span, "this is no type of application");
+                let diagnostic =
+                    Diagnostic::error(codes::UNKNOWN_OPTION, datum.span, "this is not a type of application");
                 let fixes = renames(datum.span, other.unwrap_or_default(), KINDS.iter().copied());
                 self.refuse(diagnostic.fixes_or_help(fixes, || format!("types are {}", KINDS.join(" "))))
             }
@@ -166,7 +167,7 @@ impl Lowering {
             };
             for form in forms {
                 if form.head_name() != "router" {
-                    return self.missing_part(form.span, "this is no router", "(router NAME [:carries (TOPIC..)])");
+                    return self.missing_part(form.span, "this is not a router", "(router NAME [:carries (TOPIC..)])");
                 }
                 self.router(form, library)?;
             }
@@ -183,7 +184,11 @@ impl Lowering {
             };
             for form in forms {
                 if form.head_name() != "agent" {
-                    return self.missing_part(form.span, "this is no agent", "(agent NAME [:initial-task GOAL] ..)");
+                    return self.missing_part(
+                        form.span,
+                        "this is not an agent",
+                        "(agent NAME [:initial-task GOAL] ..)",
+                    );
                 }
                 let agent = self.agent(form, library)?;
                 library.agents.push(agent);

@@ -141,7 +141,7 @@ impl Lowering {
             }
             _ => {
                 let diagnostic =
-                    Diagnostic::error(codes::MALFORMED_CONDITION, datum.span, "this is no sampling quality");
+                    Diagnostic::error(codes::MALFORMED_CONDITION, datum.span, "this is not a sampling quality");
                 let fixes = quality_renamed(datum);
                 self.refuse(
                     diagnostic.fixes_or_help(fixes, || "write `:no-constraints` or `(:max-gap DURATION)`".to_string()),
@@ -215,7 +215,7 @@ impl Lowering {
         {
             return Some((found, item.tail()));
         }
-        let diagnostic = Diagnostic::error(codes::MALFORMED_CONDITION, item.span, format!("this is no {what}"));
+        let diagnostic = Diagnostic::error(codes::MALFORMED_CONDITION, item.span, format!("this is not a {what}"));
         let span = item.head_span();
         let mark = |name: &str| format!(":{name}");
         let fixes = renames_marked(span, name.unwrap_or_default(), known.iter().copied(), mark);

@@ -88,7 +88,7 @@ impl<'a> Chain<'a> {
                 DecisionKind::Selected { .. } => format!("{name} is pursued by {}", selected_text(row)),
                 DecisionKind::Refused { resource, .. } => format!("{name} was refused {resource}"),
                 DecisionKind::ProcedureAdded { summary, .. } => format!("{name} got a plan: {summary}"),
-                DecisionKind::Trouble { .. } => format!("{name} had trouble"),
+                DecisionKind::Trouble { .. } => format!("{name} had an error"),
             },
             Some(Effect::Command { command, form, .. }) => format!("{name} sent command {} {form}", command.0),
             Some(Effect::Inform { form, .. }) => format!("{name} said {form}"),
@@ -131,7 +131,7 @@ impl<'a> Chain<'a> {
                     None
                 }
                 Evidence::Instant { at, .. } => {
-                    link.causes.push(Link::seen(*at, format!("time went on: {}", evidence.text())));
+                    link.causes.push(Link::seen(*at, format!("time passed: {}", evidence.text())));
                     None
                 }
                 Evidence::Function { at, .. } | Evidence::Absence { at, .. } => {
@@ -289,7 +289,7 @@ fn moved(from: TaskState, to: TaskState, outcome: Option<&apex_model::task::Outc
     use apex_model::task::Outcome;
     match (from, to, outcome) {
         (_, TaskState::Enabled, _) => "was enabled",
-        (TaskState::Interrupted, TaskState::Ongoing, _) => "went on",
+        (TaskState::Interrupted, TaskState::Ongoing, _) => "continued",
         (_, TaskState::Ongoing, _) => "started",
         (_, TaskState::Interrupted, _) => "was interrupted",
         (TaskState::Terminated, TaskState::Pending, _) => "is pending again",

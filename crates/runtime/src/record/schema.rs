@@ -92,7 +92,7 @@ pub(super) enum FileState {
 pub(super) fn look(path: &Path) -> Result<FileState, RecordError> {
     let unreadable = |error: std::io::Error| RecordError::Unwritable {
         path: path.to_path_buf(),
-        doing: "looking at what stands there".into(),
+        doing: "inspecting the existing file".into(),
         reason: error.to_string(),
     };
     let mut file = match fs::File::open(path) {

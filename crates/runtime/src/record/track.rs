@@ -147,7 +147,7 @@ mod tests {
         let first = track.hear(&batch(0.0, 359.0)).unwrap();
         assert_eq!((first.latitude_deg, first.altitude_m), (34.5, Some(7000.0)));
         assert!((first.heading_deg.unwrap() - 359.0).abs() < 1e-9);
-        assert_eq!(track.hear(&batch(5.0, 1.0)), None, "two degrees across north are no turn");
+        assert_eq!(track.hear(&batch(5.0, 1.0)), None, "two degrees across north are not a turn");
         assert!(track.hear(&batch(6.0, 20.0)).is_some());
         assert_eq!(track.hear(&batch(6.5, 60.0)), None, "not more often than once a second");
         assert!(track.hear(&batch(16.0, 20.0)).is_some());

@@ -136,6 +136,14 @@ impl Recorder {
         Ok(recorder)
     }
 
+    /// Writes everything that waits to the file.
+    ///
+    /// # Errors
+    /// [`RecordError`] when the file cannot be written.
+    pub fn commit(&mut self) -> Result<(), RecordError> {
+        self.store.commit()
+    }
+
     /// Stores the PDL sources of `library` in load order, as [`Recorder::source`] with role `pdl`.
     ///
     /// # Errors

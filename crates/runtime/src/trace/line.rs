@@ -268,7 +268,7 @@ impl TraceLine {
                 self.field("request", request.0).text_field("summary", summary);
             }
             DecisionKind::Trouble { message } => {
-                self.words = format!("trouble: {message}");
+                self.words = format!("trouble: {message}"); // english: allow
                 self.text_field("message", message);
             }
         }

@@ -209,8 +209,8 @@ fn told(reader: &RecordReader) -> String {
 #[test]
 fn solvers_that_break_down_overrun_or_hoard_are_named_and_nothing_waits_for_them() {
     for (name, named) in [
-        ("panics", "the solver panics broke down: no idea left"),
-        ("loops", "the solver loops went on after its 1000 units of work"),
+        ("panics", "the solver panics failed: no idea left"),
+        ("loops", "the solver loops continued after its 1000 units of work"),
         ("hoards", "the solver hoards took more than 64 MiB of memory"),
     ] {
         let told = fly(name, true);
@@ -229,7 +229,7 @@ fn who_hangs_is_overtaken_by_the_executive_which_goes_on() {
     let told = fly("hangs", false);
     assert!(told.contains("SolverTimedOut") && told.contains("0:01:05 CancelSolve"), "{told}");
     assert!(told.contains("no-plan") && told.contains("(high)"), "{told}");
-    assert!(told.contains("the answer of bad to request 0"), "what became of its answer is told\n{told}");
+    assert!(told.contains("the answer of bad to request 0"), "the outcome of its answer is reported\n{told}");
 }
 
 #[test]

@@ -26,7 +26,7 @@ pub(crate) fn plan(mission: Mission, budget: Option<Duration>, means: &PlanningR
             ApiError {
                 status: StatusCode::UNPROCESSABLE_ENTITY,
                 error: format!("no plan was found: {reason}"),
-                help: "look at the mission's data, or give more time with `budget_s`".into(),
+                help: "check the mission's data, or give more time with `budget_s`".into(),
             }
         })?;
     if let Some(mission) = input.mission() {

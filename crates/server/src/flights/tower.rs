@@ -131,7 +131,7 @@ impl Tower {
             .stack_size(STACK_BYTES)
             .spawn(move || flown.fly(preparation, place))
             .map_err(|error| {
-                failure(format!("no thread can be started: {error}"), "look at the system's limits (`ulimit -a`)")
+                failure(format!("no thread can be started: {error}"), "check the system's limits (`ulimit -a`)")
             })?;
         known.threads.retain(|thread| !thread.is_finished());
         known.threads.push(thread);

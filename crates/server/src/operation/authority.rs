@@ -21,7 +21,7 @@ pub(crate) struct AuthorityState {
     may_take: bool,
 }
 
-/// A person or program, as the API describes it.
+/// An operator or program, as the API describes it.
 #[derive(Debug, Serialize)]
 struct ActorState {
     name: String,

@@ -82,7 +82,7 @@ pub(crate) fn troubles(cycle: &Cycle<'_>, id: TaskId, step: &Step) -> Vec<(Strin
     let view = cycle.view(id, Level::Step);
     let trouble = |(what, expr): (&str, &Expr)| match evaluate(expr, &view) {
         Ok(value) if value.as_number().is_some_and(|(number, _)| number.is_finite()) => None,
-        Ok(value) => Some((format!("its {what} is {value}, which is no number"), expr.place)),
+        Ok(value) => Some((format!("its {what} is {value}, which is not a number"), expr.place)),
         Err(error) => Some((format!("its {what} has no value: {}", error.message), error.place)),
     };
     let priorities = step.priority.iter().flat_map(|clause| match clause {
@@ -333,7 +333,7 @@ pub(crate) fn is_ranked(agent: &Agent, id: TaskId) -> bool {
 pub(crate) fn interrupt_cost(expr: &Expr, context: &dyn EvalContext) -> Result<f64, String> {
     let value = evaluate(expr, context).map_err(|error| error.message)?;
     let number = value.as_number().map(|(number, _)| number);
-    number.ok_or_else(|| format!("{value} is no interrupt cost; write a number"))
+    number.ok_or_else(|| format!("{value} is not an interrupt cost; write a number"))
 }
 
 #[cfg(test)]

@@ -144,7 +144,7 @@ fn absent(
 
 fn allen(condition: &Condition, role: Role, context: &dyn EvalContext) -> Result<AllenPart, EvaluationError> {
     let ConditionKind::Allen { relation, parts, tolerance, constraints } = &condition.kind else {
-        return Err(EvaluationError { message: "this is no relation in time".into(), place: condition.place });
+        return Err(EvaluationError { message: "this is not a relation in time".into(), place: condition.place });
     };
     let tolerance = match tolerance {
         Some(tolerance) => {

@@ -58,7 +58,7 @@ pub(crate) fn regression(leaf: &RegressionPart, site: PartContext, query: &mut V
         Saying::Met(result) => PartFacts::words("the line meets the constraints").since(Some(result.recognised_at)),
         Saying::WillBe(at, value, line) => {
             let now = format!(
-                "{}; it is {} at {at} if it goes on so",
+                "{}; it is {} at {at} if it continues so",
                 course(&variable, &line, query.now),
                 line.value(value)
             );
@@ -126,7 +126,7 @@ pub(crate) fn statistical(leaf: &StatisticalPart, site: PartContext, query: &Ver
         }
     }
     if let Some(at) = standing.long_enough_at {
-        now.push_str(&format!("; it is long enough at {at} if it goes on"));
+        now.push_str(&format!("; it is long enough at {at} if it continues"));
     }
     PartFacts { now, since: Some(standing.start), until: standing.long_enough_at, distance: None }
 }

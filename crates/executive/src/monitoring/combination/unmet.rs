@@ -162,8 +162,8 @@ fn absence_state(leaf: &AbsentPart, query: &VerdictQuery<'_>) -> PartFacts {
     let (silence, over) = absence::state(leaf, query.now);
     let since = Some(leaf.since);
     let (now, since, until) = match (leaf.goes_on, leaf.unknown) {
-        (true, _) => (format!("{} goes on", text(&leaf.part)), None, leaf.decides_at),
-        (_, true) => (format!("the data do not say whether {} goes on", text(&leaf.part)), since, leaf.decides_at),
+        (true, _) => (format!("{} continues", text(&leaf.part)), None, leaf.decides_at),
+        (_, true) => (format!("the data do not say whether {} continues", text(&leaf.part)), since, leaf.decides_at),
         _ => (format!("it has been absent for {silence} of {}", leaf.length), since, Some(over)),
     };
     PartFacts { until: until.filter(|at| *at > query.now), ..PartFacts::words(now).since(since) }
@@ -306,7 +306,7 @@ fn episode_state(leaf: &EpisodePart, query: &VerdictQuery<'_>) -> PartFacts {
     let silent = leaf.gap_max.is_some_and(|most| query.now - state.newest.at > most);
     let until = Some(run.start + leaf.duration_min).filter(|at| *at > query.now && !silent);
     if let Some(at) = until {
-        now.push_str(&format!("; it is long enough at {at} if it goes on"));
+        now.push_str(&format!("; it is long enough at {at} if it continues"));
     }
     PartFacts { now, since: Some(run.start), until, distance: None }
 }
@@ -315,7 +315,7 @@ fn task_words(task: Option<TaskId>, unknown: &str, query: &VerdictQuery<'_>) -> 
     let Some(task) = task else { return PartFacts::words(unknown) };
     match query.context.task_state(task) {
         Some(state) => PartFacts::words(format!("{task} is {state}")).since(query.context.task_start(task)),
-        None => PartFacts::words(format!("{task} is not known any more")),
+        None => PartFacts::words(format!("{task} is no longer known")),
     }
 }
 

@@ -187,7 +187,9 @@ impl CriterionContext<'_> {
             },
             measure => match computed(measure, numbers) {
                 Err(reason) => return Ok(CriterionResult::Undefined(reason)),
-                Ok(number) if !number.is_finite() => return Ok(CriterionResult::Undefined("it is no finite number")),
+                Ok(number) if !number.is_finite() => {
+                    return Ok(CriterionResult::Undefined("it is not a finite number"));
+                }
                 Ok(number) => self.measured(number, measure),
             },
         };
@@ -234,7 +236,7 @@ impl CriterionContext<'_> {
     ) -> Result<CriterionResult, EvaluationError> {
         let value = evaluate(level, self.context)?;
         let Some((level_number, Dimension::NONE)) = value.as_number() else {
-            let message = format!(":significance is {value}, which is no probability");
+            let message = format!(":significance is {value}, which is not a probability");
             return Err(EvaluationError { message, place: level.place });
         };
         Ok(match slope_by_chance(moments) {

@@ -52,7 +52,7 @@ pub(crate) fn create(
             (Some((number, Dimension::NONE)), Some(unit)) => number * unit.factor,
             (Some((number, _)), _) => number,
             (None, _) => {
-                let message = format!("the :hysteresis {found} is no number");
+                let message = format!("the :hysteresis {found} is not a number");
                 return Err(EvaluationError { message, place: right.place });
             }
         };

@@ -94,7 +94,7 @@ pub(crate) fn create(
         Some(expr) => match evaluate(expr, context)? {
             Value::Integer(points) if points >= 0 => points.unsigned_abs(),
             other => {
-                let message = format!(":minimum-points is {other}, which is no number of samples");
+                let message = format!(":minimum-points is {other}, which is not a number of samples");
                 return Err(EvaluationError { message, place: expr.place });
             }
         },
@@ -216,7 +216,7 @@ fn feed(
 
 fn no_number(sample: SampleView<'_>, site: PartContext) -> EvaluationError {
     let message =
-        format!("{} = {} is no number of the kind before it: no line is fitted", sample.variable, sample.value);
+        format!("{} = {} is not a number of the kind before it: no line is fitted", sample.variable, sample.value);
     EvaluationError { message, place: site.place }
 }
 

@@ -264,7 +264,7 @@ fn number(
             let names: Vec<&str> = part.criteria.iter().map(|criterion| name(&criterion.measure)).collect();
             let SampleView { variable, value, .. } = sample;
             let message = format!(
-                "{variable} = {value} is no number of the kind before it: it is left out of the {}",
+                "{variable} = {value} is not a number of the kind before it: it is left out of the {}",
                 names.join(", ")
             );
             troubles.add(EvaluationError { message, place: site.place });
@@ -402,7 +402,7 @@ pub(crate) fn judgement_words(
         CriterionResult::Holds(value) => format!("{name} = {}", computed(value)),
         // Only the level of significance has no constraints.
         CriterionResult::Fails(value) if wanted.is_empty() => {
-            format!("such a slope comes by chance with probability {}", computed(value))
+            format!("such a slope arises at random with probability {}", computed(value))
         }
         CriterionResult::Fails(value) => format!("{name} = {}, wanted {wanted}", computed(value)),
     }

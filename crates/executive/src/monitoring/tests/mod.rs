@@ -165,7 +165,7 @@ impl World {
         let plain = threshold_episode::variable(&self.monitor).is_some();
         assert!(
             !plain || self.monitor.root == self.told.root,
-            "{:#?}\nwas told {:#?}",
+            "{:#?}\nwas given {:#?}",
             self.monitor.root,
             self.told.root
         );

@@ -201,7 +201,7 @@ fn bare_numbers_are_in_the_declared_unit_and_other_dimensions_are_told() {
     assert_eq!(troubles.len(), 1);
     assert!(troubles[0].message.contains("cannot compare 301ft (length) with P0.000000005S (time)"));
     world.sample("altitude", "uav", Value::Integer(301), 3);
-    assert!(take_troubles(&mut world.monitor).is_empty(), "the same trouble is told once");
+    assert!(take_troubles(&mut world.monitor).is_empty(), "the same fault is reported once");
 }
 
 #[test]
