@@ -9,6 +9,7 @@
 //! | `perimeter 500` | the band of this width along its edge is wanted, not the inside |
 //! | `want NAME value 100 pixel 10`, `light night`, `window -4h..6h`, `ramp 1h`, `overpass 5h`, `latency 10min..60min` | a look |
 //! | `line y 4000 height 6000`, `x 0..3000`, `clarity 0.98`, `at 5h`, `landed 14min` | a line from west to east; `y` from south |
+//! | `line .. hidden yes`, `line .. cover 0.4` | clouds hid the line as flown; a line that is planned below this cover of clouds |
 //! | `work 20h at 95`, `risk 0.002 share 0.9 cost 9000000`, `value-unit 100` | costs in money, and the money of a point |
 //!
 //! `at` is the instant at which a line is seen, `landed` how long after that its image is on the ground. Times count from midnight UTC of
@@ -40,6 +41,9 @@ struct ScannedLine {
     height_m: f64,
     x_m: Option<(f64, f64)>,
     clarity: f64,
+    is_hidden: bool,
+    /// Forecast cover of a line that is only planned.
+    cover: Option<f64>,
     at_s: f64,
     landed_s: Option<f64>,
 }
@@ -177,9 +181,11 @@ impl Described {
             pixel_rad: PIXEL_RAD,
             sun: None,
         };
-        let weights = ClarityWeights { rates: line.clarity, ..ClarityWeights::CLEAR };
+        let clear_share = if line.is_hidden { 0.0 } else { 1.0 - line.cover.unwrap_or(0.0) };
+        let weights = ClarityWeights { rates: line.clarity, clear_share, ..ClarityWeights::CLEAR };
+        let is_flown = line.cover.is_none();
         let on_ground_s = line.landed_s.map(|after_s| line.at_s + after_s);
-        looks.add(grid, &seen, StripFacts { time_s: line.at_s, weights, is_flown: true, on_ground_s }, None);
+        looks.add(grid, &seen, StripFacts { time_s: line.at_s, weights, is_flown, on_ground_s }, None);
     }
 }
 
@@ -213,13 +219,24 @@ fn wanted(name: &str, words: &[&str]) -> Result<WantedLook, String> {
 }
 
 fn scanned(words: &[&str]) -> Result<ScannedLine, String> {
-    let mut line = ScannedLine { y_m: 0.0, height_m: 0.0, x_m: None, clarity: 1.0, at_s: 0.0, landed_s: None };
+    let mut line = ScannedLine {
+        y_m: 0.0,
+        height_m: 0.0,
+        x_m: None,
+        clarity: 1.0,
+        is_hidden: false,
+        cover: None,
+        at_s: 0.0,
+        landed_s: None,
+    };
     for pair in words.chunks(2) {
         match pair {
             ["y", metres] => line.y_m = number(metres)?,
             ["height", metres] => line.height_m = number(metres)?,
             ["x", span] => line.x_m = Some(spanned(span, number)?),
             ["clarity", share] => line.clarity = number(share)?,
+            ["hidden", "yes"] => line.is_hidden = true,
+            ["cover", share] => line.cover = Some(number(share)?),
             ["at", time] => line.at_s = seconds(time)?,
             ["landed", time] => line.landed_s = Some(seconds(time)?),
             _ => return Err(format!("`{}` is not a property of a line", pair.join(" "))),

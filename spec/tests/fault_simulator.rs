@@ -1,37 +1,48 @@
-//! Flights with seeded failures of the vehicle, its sensors, its link, its planners and its operators, and what must hold in all of them:
+//! Flights with seeded failures of the vehicle, its sensors, its link, its clock, its planners, its operators and the recorder's disk, and what
+//! must hold in all of them:
 //!
 //! 1. a flight ends, by its application or at its time limit, and no task is silent: after every step each says what it waits for;
-//! 2. it ends on the ground, or in safing (the time limit came while it holds, returns or waits); a crash has a cause that was there;
-//! 3. a violated requirement was reported by the flight;
-//! 4. the same seed gives the same flight, and its record replays without a difference.
+//! 2. an application ends on the ground, and fails for a reason that was reported; only the time limit ends a flight in the air;
+//! 3. a vehicle is lost by a failure that can lose it, which held then or shortly before, and after a report;
+//! 4. a violation was announced before it began, by a message that names its requirement and its zone (`rules.rs` has the windows);
+//! 5. the same seed gives the same flight, and its record replays without a difference, also that of a disk which was full from some
+//!    instant on.
 //!
 //! `APEX_FAULT_HOURS` says how many flight hours are flown (200 in `make test`, 50,000 in `make nightly`), `APEX_FAULT_SEED` where they
-//! begin. A failure names its seed: `APEX_FAULT_SEED=N APEX_FAULT_HOURS=1` repeats it.
+//! begin. A failure names its seed: `APEX_FAULT_SEED=N APEX_FAULT_HOURS=1` repeats it, and `APEX_FAULT_KEEP=FOLDER` keeps its mission with
+//! the record of the flight.
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a failed test should stop")]
 
+#[path = "fault_simulator/disk.rs"]
+mod disk;
 #[path = "fault_simulator/draws.rs"]
 mod draws;
-#[path = "fault_simulator/invariants.rs"]
-mod invariants;
 #[path = "fault_simulator/link.rs"]
 mod link;
 #[path = "fault_simulator/mission.rs"]
 mod mission;
+#[path = "fault_simulator/rules.rs"]
+mod rules;
 #[path = "fault_simulator/solver.rs"]
 mod solver;
+#[path = "fault_simulator/story.rs"]
+mod story;
 
 use apex_mission::Mission;
-use apex_mission::deliberation::PlanningResources;
 use apex_mission::flight::MissionFlight;
 use apex_mission::recorded::replay;
 use apex_mission::verification::FlightCheck;
+use apex_model::time::Time;
 use apex_runtime::ports::Observer;
 use apex_runtime::record::RecordReader;
-use invariants::{Story, broken};
+use disk::FullDisk;
 use link::BadLink;
-use std::collections::BTreeMap;
+use rules::broken;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
 use std::sync::Arc;
+use story::Story;
 
 /// Every so many flights one is recorded, replayed and flown twice.
 const REPLAYED_EVERY: u64 = 10;
@@ -48,17 +59,25 @@ struct Flown {
 }
 
 fn fly(seed: u64, replayed: bool) -> Flown {
-    let folder = tempfile::tempdir().unwrap();
-    mission::write(seed, folder.path());
-    let mission = Arc::new(Mission::load(folder.path()).unwrap_or_else(|error| panic!("mission {seed}: {error:?}")));
-    let means = PlanningResources::of(&solver::planners());
+    let temporary = tempfile::tempdir().unwrap();
+    let kept = std::env::var_os("APEX_FAULT_KEEP").map(|folder| PathBuf::from(folder).join(seed.to_string()));
+    let folder = kept.as_deref().unwrap_or(temporary.path());
+    std::fs::create_dir_all(folder).unwrap();
+    mission::write(seed, folder);
+    let mission = Arc::new(Mission::load(folder).unwrap_or_else(|error| panic!("mission {seed}: {error:?}")));
+    let means = solver::means();
     let world = apex_simulation::world(&mission, Some(seed)).unwrap_or_else(|error| panic!("world {seed}: {error:?}"));
     let mut vehicle = BadLink::new(world, seed);
-    let (mut story, mut check) = (Story::default(), FlightCheck::new(&mission));
-    let path = folder.path().join("flight.apex");
-    let mut recorder = replayed.then(|| apex_simulation::create_record(&path, &mission, Some(seed)).unwrap());
+    let (mut story, mut check) = (Story::of(folder), FlightCheck::new(&mission));
+    let path = folder.join("flight.apex");
+    let mut recorder =
+        (replayed || kept.is_some()).then(|| apex_simulation::create_record(&path, &mission, Some(seed)).unwrap());
+    // Of the recorded flights each second one meets a full disk.
+    let full_from =
+        (replayed && (seed / REPLAYED_EVERY).is_multiple_of(2)).then(|| Time::from_seconds(300.0 + seed as f64));
+    let mut disk = recorder.as_mut().map(|recorder| FullDisk::new(recorder, full_from));
     let mut observers: Vec<&mut dyn Observer> = Vec::new();
-    observers.extend(recorder.as_mut().map(|recorder| recorder as &mut dyn Observer));
+    observers.extend(disk.as_mut().map(|disk| disk as &mut dyn Observer));
     observers.push(&mut story);
     observers.push(&mut check);
     let terms = MissionFlight::terms(&mission, None);
@@ -75,7 +94,13 @@ fn fly(seed: u64, replayed: bool) -> Flown {
                 broken_rules.extend(notes.map(|note| format!("{} {}", note.at, note.text)));
             }
             if let Some(mut recorder) = recorder {
-                flown.store(&mut recorder).unwrap();
+                match (flown.store(&mut recorder), full_from) {
+                    (Err(error), None) => broken_rules.push(format!("the record was not closed: {error}")),
+                    (Ok(()), Some(at)) if at < flown.end.at => {
+                        broken_rules.push("a record on a full disk was closed as if it were whole".to_string());
+                    }
+                    _ => {}
+                }
                 drop(recorder);
                 let report = replay(&RecordReader::open(&path).unwrap()).unwrap();
                 broken_rules.extend(report.difference.map(|difference| format!("replay differs: {}", difference.what)));
@@ -94,8 +119,9 @@ fn flights_with_failures_end_well_or_say_why_not() {
     while hours < wanted {
         let flown = fly(seed, seed.is_multiple_of(REPLAYED_EVERY));
         hours += flown.hours;
-        for kind in flown.story.faults.keys() {
-            *seen.entry(kind.clone()).or_default() += 1;
+        let kinds: BTreeSet<&str> = flown.story.faults.iter().map(|span| span.kind.as_str()).collect();
+        for kind in kinds {
+            *seen.entry(kind.to_string()).or_default() += 1;
         }
         *seen.entry(flown.story.outcome().to_string()).or_default() += 1;
         if !flown.broken.is_empty() {

@@ -25,6 +25,9 @@ const PACKAGES = {
   svelte: () => true,
   'maplibre-gl': file => file.startsWith('panels/map/'),
   uplot: file => file.startsWith('panels/details/'),
+  pmtiles: file => file.startsWith('panels/map/'),
+  'hyparquet-writer': file => file.startsWith('files/'),
+  hyparquet: file => file.endsWith('.test.ts'),
   vitest: file => file.endsWith('.test.ts'),
 };
 

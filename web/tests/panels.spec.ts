@@ -3,11 +3,13 @@
 import { execFileSync } from 'node:child_process';
 import { readFileSync } from 'node:fs';
 import { expect, type Page, test } from '@playwright/test';
+import { parquetReadObjects } from 'hyparquet';
 import type { Footprints } from '../src/record/seen';
 import type { Holdings, Mission, PlanInForce, Plans, Targets } from '../src/record/types';
 import { COLOURS } from '../src/theme/colours';
 import { expectNoFaults } from './axe';
 import { countColours } from './pixels';
+import { tilesOfOneArea } from './pmtiles';
 import { apexProgram, type Server, startServer } from './server';
 
 let server: Server;
@@ -30,10 +32,38 @@ async function open(page: Page, address: string): Promise<void> {
   await expect(page.locator('[data-task]').first()).toBeVisible();
 }
 
+/** Of a thin slanted line this share of its length has its pure colour; the rest is blended, or covered by other marks. */
+const USER_SHARE = 0.15;
+
+/** The length in pixels of a line on the map, which is fitted to the places of the flight (FlightMap.svelte). */
+async function lengthOnMap(page: Page, [from, to]: number[][]): Promise<number> {
+  const { targets } = await ask<Targets>(`targets?at=${mission.end_ns}`);
+  const north = (latitude = 0) =>
+    (Math.log(Math.tan(Math.PI / 4 + (latitude * Math.PI) / 360)) * 180) / Math.PI;
+  const x = targets.map(target => target.longitude_deg ?? 0);
+  const y = targets.map(target => north(target.latitude_deg ?? 0));
+  const spread = (values: number[]) => Math.max(...values) - Math.min(...values);
+  const box = (await page.getByTestId('map').boundingBox()) ?? { width: 0, height: 0 };
+  const scale = Math.min((box.width - 120) / spread(x), (box.height - 74) / spread(y));
+  const [east = 0, up = 0] = [(to?.[0] ?? 0) - (from?.[0] ?? 0), north(to?.[1]) - north(from?.[1])];
+  return Math.hypot(east, up) * scale;
+}
+
 /** Saves by a button and returns the file's bytes. */
 async function saved(page: Page, button: string): Promise<Buffer> {
   const [download] = await Promise.all([page.waitForEvent('download'), page.getByTestId(button).click()]);
   return readFileSync(await download.path());
+}
+
+/** The browser reads the text as a drawing without faults. */
+async function expectSvg(page: Page, text: string): Promise<void> {
+  const fault = await page.evaluate(
+    svg =>
+      new DOMParser().parseFromString(svg, 'image/svg+xml').querySelector('parsererror')?.textContent ?? null,
+    text,
+  );
+  expect(fault).toBeNull();
+  expect(text).not.toContain('style=');
 }
 
 const western = () => test.skip(mission.mission !== 'Western States Fire Mission', 'needs western-states');
@@ -147,13 +177,38 @@ test('a layer of the user is drawn, never sent, and a wrong file is explained', 
   if (mission.mission === 'Western States Fire Mission')
     await expect
       .poll(async () => (await countColours(page, map, [COLOURS.user]))[COLOURS.user] ?? 0)
-      .toBeGreaterThan(20);
+      .toBeGreaterThan(USER_SHARE * (await lengthOnMap(page, line.coordinates)));
   await page.getByTestId('layer-file').setInputFiles(file('bad.json', '{"type": "Topology"}'));
   await expect(page.getByTestId('layer-fault')).toContainText('bad.json is not GeoJSON');
   await expectNoFaults(page, 'a layer and a wrong file');
   expect(sent).toEqual([]);
   await page.getByTestId('user-layer').click();
   await expect(page.getByTestId('user-layer')).toHaveCount(0);
+});
+
+test('tiles of the user are drawn from a file that stays in the browser', async ({ page }) => {
+  await open(page, '?t=100');
+  const sent: string[] = [];
+  page.on('request', request => {
+    if (!request.url().startsWith(server.url) && !/^(blob|data):/.test(request.url()))
+      sent.push(request.url());
+  });
+  const map = page.getByTestId('map');
+  const colour = async () => (await countColours(page, map, [COLOURS.user]))[COLOURS.user] ?? 0;
+  const before = await colour();
+  const file = (name: string, buffer: Buffer) => ({ name, mimeType: 'application/octet-stream', buffer });
+  await page.getByTestId('layer-file').setInputFiles(file('rivers.pmtiles', tilesOfOneArea()));
+  await expect(page.getByTestId('user-layer')).toContainText('rivers.pmtiles');
+  // The edge of the area crosses the map from left to right.
+  const width = (await map.boundingBox())?.width ?? 0;
+  await expect.poll(async () => (await colour()) - before, { timeout: 30_000 }).toBeGreaterThan(width / 4);
+  await expectNoFaults(page, 'a layer of tiles');
+  await page.getByTestId('layer-file').setInputFiles(file('bad.pmtiles', Buffer.from('no tiles here')));
+  await expect(page.getByTestId('layer-fault')).toContainText('bad.pmtiles is not a PMTiles file');
+  await page.getByTestId('user-layer').click();
+  await expect(page.getByTestId('user-layer')).toHaveCount(0);
+  await expect.poll(colour).toBeLessThan(before + width / 8);
+  expect(sent).toEqual([]);
 });
 
 test('plans are compared, and panels are exported', async ({ page }) => {
@@ -164,15 +219,48 @@ test('plans are compared, and panels are exported', async ({ page }) => {
   await expect(shown).toHaveCount(plans.length);
   const last = plans.at(-1);
   await expect(shown.first()).toContainText(last?.summary ?? '?');
-  for (const left of last?.left_out ?? []) await expect(page.getByTestId('plans')).toContainText(left.reason);
+  // The planner's reason is in a column, and as a whole under the pointer.
+  for (const left of last?.left_out ?? []) {
+    const row = shown.first().getByTestId('left-out').locator(`tr[title="${left.reason}"]`);
+    const time = /^needs (.+) more than (.+) leaves$/.exec(left.reason);
+    if (time) await expect(row).toContainText(`${time[1]} more than ${time[2]}`);
+    else if (left.reason.includes('window closes')) await expect(row).toContainText('one that closes later');
+    else await expect(row).toContainText(left.reason);
+  }
   await expectNoFaults(page, 'comparison of plans');
 
   const png = (bytes: Buffer) => expect(bytes.subarray(1, 4).toString()).toBe('PNG');
   png(await saved(page, 'export-map'));
   png(await saved(page, 'export-timeline'));
+  // Drawings hold the words and the marks that the page shows, and no styles in markup.
+  const map = (await saved(page, 'export-map-svg')).toString();
+  expect(map).toContain('href="data:image/png;base64,');
+  const { targets } = await ask<Targets>('targets?at=70000000000000');
+  const named = targets.filter(target => map.includes(`>${target.name}</text>`));
+  const lost = Number.parseInt((await page.getByTestId('lost-labels').textContent()) ?? '0', 10);
+  expect(named.length + lost).toBeGreaterThanOrEqual(targets.length);
+  const timeline = (await saved(page, 'export-timeline-svg')).toString();
+  await expectSvg(page, timeline);
+  const rows = page.locator('[data-target]');
+  const first = await rows.first().locator('.text').textContent();
+  expect(timeline).toContain(`>${first}</text>`);
+  expect(timeline.match(/class="planned/g)?.length ?? 0).toBeGreaterThan(0);
+  expect(await saved(page, 'export-plans').then(String)).toContain(
+    'plan,adopted_s,target,begin_s,end_s,left_out',
+  );
   await page.getByTestId('tab-signals').click();
   await expect(page.getByTestId('signals').locator('canvas').first()).toBeVisible();
   png(await saved(page, 'export-plots'));
+  await expectSvg(page, (await saved(page, 'export-plots-svg')).toString());
+  // The same samples as CSV and as Parquet, by another reader.
+  const text = (await saved(page, 'export-csv')).toString().split('\r\n').slice(1, -1);
+  const bytes = await saved(page, 'export-parquet');
+  const file = bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength) as ArrayBuffer;
+  const table = await parquetReadObjects({ file });
+  expect(table.length).toBe(text.length);
+  expect(`${table[5]?.signal},${table[5]?.unit},${table[5]?.time_s},${table[5]?.value}`).toBe(
+    text[5]?.split(',').slice(0, 4).join(','),
+  );
   await page.getByTestId('tab-log').click();
   await page.getByLabel('Find in the log').fill('zaca');
   await expect(page.getByTestId('log')).toContainText('Zaca');

@@ -170,7 +170,11 @@ impl SimulatedWorld {
         self.report(Extent::Attitude, inputs);
         let target = camera.aim.as_ref().map_or_else(Value::nil, Aim::given);
         let clear = self.is_picture_clear(camera);
-        let head = if clear { "image-taken" } else { "image-obscured" };
+        let head = match (camera.broken, clear) {
+            (true, _) => "image-blank",
+            (false, true) => "image-taken",
+            (false, false) => "image-obscured",
+        };
         let form = [Value::symbol(head), Value::symbol(&camera.model.name), target];
         inputs.push(Input::new(self.now, EventKind::Occurrence(Value::list(form))));
         if clear {

@@ -263,3 +263,17 @@ fn a_check_reads_the_data_of_the_mission() {
     // A fragment has no data.
     desk.apex(&["check", "m", "--fragment"]).well();
 }
+
+#[test]
+fn a_check_reads_the_world_file_of_the_mission() {
+    let desk = Desk::with_mission("plain-watch");
+    desk.change("m/mission.pdl", "  :duration 1h\n", "  :duration 1h\n  :world \"world.json\"\n");
+    desk.write("m/world.json", r#"{"format": "apex-world-1", "faults": [{"fault": "engine", "at_s": 60}]}"#);
+    desk.apex(&["check", "m"]).well();
+    desk.write("m/world.json", r#"{"format": "apex-world-1", "faults": [{"fault": "engine"}]}"#);
+    let said = desk.apex(&["check", "m"]);
+    assert_eq!(said.code, Some(2), "{said:?}");
+    said.told(&["m/world.json is not a world of this mission", "`rate_per_h`", "1 error in the data of the mission"]);
+    desk.write("m/world.json", "{\n  \"fautls\": []\n}");
+    desk.apex(&["check", "m"]).told(&["m/world.json:2:", "unknown field `fautls`"]);
+}

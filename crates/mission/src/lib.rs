@@ -2,6 +2,7 @@
 
 pub mod acquisition;
 pub mod check_report;
+pub mod clouds;
 pub mod comparison;
 mod costs;
 pub mod crew;
@@ -110,6 +111,8 @@ pub struct Mission {
     pub forecast: WindField,
     /// All forecasts by the names of their files: the first is assumed at the start, others when they are said to be out.
     pub forecasts: Vec<(String, WindField)>,
+    /// Clouds that the planner believes in.
+    pub clouds: Vec<clouds::CloudDeck>,
     /// Wind that blows.
     pub weather: WindField,
     /// Working times of the crew.
@@ -186,8 +189,7 @@ impl Mission {
         let forecasts = files.forecasts(&settings.forecasts)?;
         let forecast = forecasts.first().map(|(_, wind)| wind.clone());
         let weather = files.read("weather", &settings.weather, surroundings::wind)?;
-        let has_fires = targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_)));
-        let planned_margin_m = if has_fires { settings.zone_margin_m } else { settings.obstacle_margin_m };
+        let planned_margin_m = planned_margin_m(&settings, &targets);
         let mut mission = Mission {
             requirements: requirements::state(&settings.stated_requirements(), &model, planned_margin_m)?,
             agent: program::agent_of(&library),
@@ -204,6 +206,7 @@ impl Mission {
             weather: weather.or_else(|| forecast.clone()).unwrap_or_default(),
             forecast: forecast.unwrap_or_default(),
             forecasts,
+            clouds: files.read("cloud-forecast", &settings.cloud_forecast, clouds::read)?.unwrap_or_default(),
             failure: settings.failure,
             start: Position::default(),
             start_altitude_m: 0.0,
@@ -379,6 +382,12 @@ impl Mission {
 pub fn read_wind(path: &Path) -> MissionResult<WindField> {
     let bytes = files::read_bytes(path)?;
     surroundings::wind(&DataFile { place: path.display().to_string(), bytes })
+}
+
+/// Distance that plans keep from zones: on the way between fires, or between structures.
+fn planned_margin_m(settings: &Settings, targets: &[Target]) -> f64 {
+    let has_fires = targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_)));
+    if has_fires { settings.zone_margin_m } else { settings.obstacle_margin_m }
 }
 
 /// Room for turns next to a place: so many turn radii, and for vehicles that turn on the spot.

@@ -1,6 +1,7 @@
 //! The mission's data in the terms of the observation model: the vehicle's scanner, and the air as forecast.
 
 use crate::Mission;
+use crate::clouds::{CloudDeck, clear_share};
 use crate::vehicle::{Airframe, VehicleModel};
 use apex_geo::wind;
 use apex_model::problem::{Position, WindField};
@@ -137,12 +138,13 @@ pub(crate) fn hold_of(model: &VehicleModel) -> AttitudeHold {
 /// The air as the mission believes it.
 pub(crate) struct ForecastAir<'a> {
     field: &'a WindField,
+    clouds: &'a [CloudDeck],
 }
 
 impl<'a> ForecastAir<'a> {
-    /// By the forecast that the mission believes.
+    /// By the forecasts that the mission believes.
     pub(crate) fn new(mission: &'a Mission) -> ForecastAir<'a> {
-        ForecastAir { field: &mission.forecast }
+        ForecastAir { field: &mission.forecast, clouds: &mission.clouds }
     }
 
     /// Eddy dissipation rate, m^(2/3)/s.
@@ -153,6 +155,7 @@ impl<'a> ForecastAir<'a> {
 
 impl Conditions for ForecastAir<'_> {
     fn at(&self, position: Position, altitude_m: f64, time_s: f64) -> AirConditions {
-        AirConditions { edr: self.edr(position, altitude_m, time_s), clear_share: 1.0 }
+        let clear_share = clear_share(self.clouds, position, altitude_m, time_s);
+        AirConditions { edr: self.edr(position, altitude_m, time_s), clear_share }
     }
 }

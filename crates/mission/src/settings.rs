@@ -40,6 +40,8 @@ pub struct Settings {
     pub airfields: Option<String>,
     /// Winds that the planner assumes, in sequence.
     pub forecasts: Vec<String>,
+    /// Clouds that the planner assumes.
+    pub cloud_forecast: Option<String>,
     /// Wind that blows.
     pub weather: Option<String>,
     /// Working times of the crew.
@@ -94,6 +96,7 @@ const KNOWN: &[&str] = &[
     "terrain",
     "airfields",
     "forecast",
+    "cloud-forecast",
     "weather",
     "people",
     "scenario",
@@ -169,6 +172,7 @@ pub(crate) fn read(library: &Library) -> MissionResult<Settings> {
         terrain: reader.texts("terrain")?,
         airfields: reader.text("airfields")?,
         forecasts: reader.texts("forecast")?,
+        cloud_forecast: reader.text("cloud-forecast")?,
         weather: reader.text("weather")?,
         people: reader.text("people")?,
         scenario: reader.text("scenario")?,

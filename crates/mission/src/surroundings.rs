@@ -149,27 +149,38 @@ pub(crate) fn wind(file: &DataFile) -> MissionResult<WindField> {
     Ok(WindField { layers, blend: true })
 }
 
-fn wind_layer(row: &tables::TableRow<'_>) -> MissionResult<WindLayer> {
+/// The area of a row by its four edges; none if it has none.
+pub(crate) fn area_of(row: &tables::TableRow<'_>) -> MissionResult<Option<Area>> {
     let edges = [
         row.number("south_deg", -90.0, 90.0)?,
         row.number("north_deg", -90.0, 90.0)?,
         row.number("west_deg", -180.0, 180.0)?,
         row.number("east_deg", -180.0, 180.0)?,
     ];
-    let area = match edges {
-        [None, None, None, None] => None,
+    match edges {
+        [None, None, None, None] => Ok(None),
         [Some(south_deg), Some(north_deg), Some(west_deg), Some(east_deg)] if south_deg < north_deg => {
-            Some(Area { south_deg, north_deg, west_deg, east_deg })
+            Ok(Some(Area { south_deg, north_deg, west_deg, east_deg }))
         }
         [Some(_), Some(_), Some(_), Some(_)] => {
-            return Err(row.trouble("the area's southern edge is not south of its northern edge"));
+            Err(row.trouble("the area's southern edge is not south of its northern edge"))
         }
-        _ => return Err(row.trouble("an area needs all four edges, or none of them")),
-    };
-    let altitude_m_min = row.required("altitude_m_min", -500.0, 1e6)?;
-    let altitude_m_max = row.required("altitude_m_max", -500.0, 1e6)?;
+        _ => Err(row.trouble("an area needs all four edges, or none of them")),
+    }
+}
+
+/// The span of a row between `from_h` and `until_h`, in seconds; without them it has no beginning or end.
+pub(crate) fn hours_of(row: &tables::TableRow<'_>) -> MissionResult<(f64, f64)> {
     let from_s = row.number("from_h", -1e6, 1e6)?.map_or(-FOREVER_S, |hours| hours * 3600.0);
     let until_s = row.number("until_h", -1e6, 1e6)?.map_or(FOREVER_S, |hours| hours * 3600.0);
+    Ok((from_s, until_s))
+}
+
+fn wind_layer(row: &tables::TableRow<'_>) -> MissionResult<WindLayer> {
+    let area = area_of(row)?;
+    let altitude_m_min = row.required("altitude_m_min", -500.0, 1e6)?;
+    let altitude_m_max = row.required("altitude_m_max", -500.0, 1e6)?;
+    let (from_s, until_s) = hours_of(row)?;
     if altitude_m_max <= altitude_m_min {
         return Err(row.trouble("the layer's upper face is not above its lower face"));
     }

@@ -21,7 +21,7 @@ use libm::{atan, atan2, cos, sin, sqrt, tan};
 use serde::Serialize;
 use std::fmt;
 
-/// Height over ground that must be kept under way: fixed wing, rotorcraft.
+/// Height over ground that must be kept under way, unless requirement `terrain` asks for less: fixed wing, rotorcraft.
 const GROUND_MARGIN_M: (f64, f64) = (300.0, 30.0);
 /// Phases of flight in which the ground may be near.
 const NEAR_GROUND: [&str; 8] =
@@ -130,11 +130,14 @@ impl FlightCheck {
         let is_place = |target: &&crate::Target| matches!(target.kind, TargetKind::Base);
         let bases = mission.targets.iter().filter(is_place).map(|base| base.position);
         let fixed_wing = mission.model.airframe == Airframe::FixedWing;
+        let usual_m = if fixed_wing { GROUND_MARGIN_M.0 } else { GROUND_MARGIN_M.1 };
+        // A small aircraft works lower than a large one may fly.
+        let ground_margin_m = mission.requirements.terrain_clearance_m.map_or(usual_m, |asked_m| asked_m.min(usual_m));
         FlightCheck {
             zones: mission.zones.clone(),
             landing_places: mission.airfields.iter().map(|field| field.position).chain(bases).collect(),
             landing_distance_m_max: mission.requirements.landing_distance_m_max(),
-            ground_margin_m: if fixed_wing { GROUND_MARGIN_M.0 } else { GROUND_MARGIN_M.1 },
+            ground_margin_m,
             phase: String::new(),
             height_m: None,
             is_climbing: false,

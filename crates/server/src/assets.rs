@@ -13,7 +13,7 @@ struct Pages;
 
 /// Said instead of the page when the program was built without it.
 const NOT_BUILT: &str = "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Sherpa</title>\
-<body style=\"font:16px/1.6 system-ui;margin:12vh auto;max-width:38rem\"><h1>The page is not built in</h1>\
+<body><h1>The page is not built in</h1>\
 <p>This program was built before the web page. Run <code>make web</code>, then build it again.</p>\
 <p>The data is here all the same: <a href=\"/api/mission\">/api/mission</a>.</p>";
 

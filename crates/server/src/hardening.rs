@@ -20,7 +20,7 @@ const BODY_MAX_BYTES: usize = 64 << 10;
 
 /// The page needs nothing from elsewhere: no fonts, no tiles, no scripts. `'self'` of `connect-src` is also the WebSocket of this
 /// server. Pictures that the page makes are `data:` and `blob:`, the worker of the map is a `blob:`.
-const CONTENT_RULES: &str = "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; \
+const CONTENT_RULES: &str = "default-src 'none'; script-src 'self'; style-src 'self'; \
 img-src 'self' data: blob:; font-src 'self'; connect-src 'self'; worker-src 'self' blob:; manifest-src 'self'; \
 base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 

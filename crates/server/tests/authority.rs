@@ -91,6 +91,13 @@ fn trace(record: &Path) -> String {
     String::from_utf8(bytes).unwrap()
 }
 
+/// Stations are callers that may command, other than the one that asks.
+fn check_stations(stations: &Value) {
+    let van = json!({"name": "van", "role": "operator"});
+    assert!(stations.as_array().unwrap().contains(&van), "{stations}");
+    assert!(!stations.to_string().contains("guest") && !stations.to_string().contains("tower"), "{stations}");
+}
+
 #[test]
 fn authority_is_offered_taken_refused_and_recorded() {
     let folder = tempfile::tempdir().unwrap();
@@ -125,6 +132,7 @@ fn authority_is_offered_taken_refused_and_recorded() {
     );
     ends(&van, json!({"do": "resume"}), "rejected", "tower holds authority");
     ends(&van, json!({"do": "take-authority"}), "rejected", "tower holds authority");
+    check_stations(&authority(&tower)["stations"]);
     ends(&tower, json!({"do": "offer-authority", "to": "van"}), "accepted", "");
     let offered = authority(&van);
     assert_eq!((&offered["offer"]["to"], &offered["may_take"]), (&json!("van"), &json!(true)), "{offered}");

@@ -10,6 +10,11 @@ mod flown;
 
 use apex_mission::Mission;
 use apex_mission::deliberation::PlanningResources;
+use apex_mission::flight::MissionFlight;
+use apex_mission::recorded::{replay, report_of};
+use apex_mission::recording;
+use apex_mission::report::MissionValue;
+use apex_mission::verification::verify;
 use apex_simulation::{IgnoranceSummary, RunSummary, RunTerms, fly_runs};
 use std::path::Path;
 use std::sync::Arc;
@@ -165,4 +170,37 @@ fn a_mount_and_a_bus_that_fail_are_told_apart_and_the_rest_is_used() {
     assert_eq!(bridges.iter().filter(served).count(), 6, "{}", flown.story());
     assert!(flown.count("(relaying") >= 1 && flown.count("(landed aircraft-1)") == 1, "{}", flown.story());
     flown.assert_replays();
+}
+
+/// `western-states/living.pdl`: planners wait for clouds to go, fly below a deck and near the pass of a satellite, and the record says what
+/// clouds hid that no forecast knew.
+#[test]
+fn a_living_sky_is_planned_for_and_scored() {
+    let folder = tempfile::tempdir().unwrap();
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/western-states/living.pdl");
+    let mission = Arc::new(Mission::load(&shipped).unwrap_or_else(|error| panic!("{error:?}")));
+    let path = folder.path().join("flight.apex");
+    let mut recorder = apex_simulation::create_record(&path, &mission, None).unwrap();
+    let terms = MissionFlight::terms(&mission, None);
+    apex_simulation::fly(Arc::clone(&mission), means(), None, terms, &mut recorder, &mut []).unwrap();
+    drop(recorder);
+    let (reader, _) = recording::open(&path).unwrap();
+    let checked = verify(&reader, &mission).unwrap();
+    assert!(checked.positions > 10_000 && checked.violations() == 0, "{checked}");
+    let report = report_of(&reader, &mission).unwrap();
+    let visit =
+        |target: &str| report.visits.iter().rfind(|visit| visit.target == target && visit.end.is_some()).unwrap();
+    // The clouds over Zaca go after six hours; the satellite passes after nine hours and a quarter.
+    assert!(visit("zaca").begin.seconds() > 6.0 * 3_600.0, "{}", report.text());
+    assert!((visit("castle-rock").begin.seconds() - 9.25 * 3_600.0).abs() < 2_400.0, "{}", report.text());
+    let MissionValue::Score(score) = &report.value else { panic!("of another kind") };
+    let look = |target: &str| &score.looks.iter().find(|look| look.id == target).unwrap().flown;
+    assert!(look("castle-rock").factors.timing > 0.99 && look("zaca").factors.clarity > 0.95, "{}", report.text());
+    let hidden = |target: &str| {
+        let lost = look(target).losses.iter().filter(|loss| loss.cause.words() == "cloud").map(|loss| loss.points);
+        lost.sum::<f64>()
+    };
+    assert!(hidden("egley-complex") > 10.0 && hidden("zaca") < 1.0, "{}", report.text());
+    let replayed = replay(&reader).unwrap();
+    assert!(replayed.difference.is_none(), "{:?}", replayed.difference.map(|difference| difference.what.to_string()));
 }

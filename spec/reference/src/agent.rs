@@ -249,11 +249,15 @@ impl Agent<'_> {
         }
     }
 
-    /// The newest value of a state variable.
-    pub(crate) fn newest(&self, attribute: &str, object: &str) -> Value {
-        let mut newest = self.samples.iter().rev();
-        let newest = newest.find(|each| each.attribute == attribute && each.object == object);
-        newest.map_or(Value::Nil, |sample| sample.value.clone())
+    /// The newest value of a state variable; what was published at this instant is not recorded yet, and counts.
+    pub(crate) fn newest(&self, attribute: &str, object: &str) -> Option<Value> {
+        let said = self.said.iter().rev().find_map(|said| match said {
+            Said::Sample(of, what, value) if of == attribute && what == object => Some(value.clone()),
+            _ => None,
+        });
+        let mut known = self.samples.iter().rev();
+        let mut recorded = || known.find(|each| each.attribute == attribute && each.object == object);
+        said.or_else(|| recorded().map(|sample| sample.value.clone()))
     }
 
     /// Every alarm that is set.

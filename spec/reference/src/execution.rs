@@ -1,6 +1,6 @@
 //! Conditions as a task begins and while it works, and consequences of the outcomes of steps.
 
-use crate::agent::{Agent, Said};
+use crate::agent::Agent;
 use crate::expression::compare;
 use crate::program::{Clauses, Condition, Step, Term};
 use crate::task::{Level, OUTCOMES, Origin, Outcome, State, Way, Work};
@@ -60,14 +60,7 @@ impl<'p> Agent<'p> {
     fn holds_now(&self, condition: &Condition, id: usize, level: Level) -> Option<bool> {
         match condition {
             Condition::Measurement(attribute, Term::Is(object), relation, number) => {
-                let object = object.to_string();
-                let said = self.said.iter().rev().find_map(|said| match said {
-                    Said::Sample(of, what, value) if of == attribute && *what == object => Some(value.clone()),
-                    _ => None,
-                });
-                let mut seen = self.samples.iter().rev();
-                let mut known = || seen.find(|each| each.attribute == *attribute && each.object == object);
-                let value = said.or_else(|| known().map(|sample| sample.value.clone()))?;
+                let value = self.newest(attribute, &object.to_string())?;
                 compare(*relation, &value, &Value::Number(*number)).ok()
             }
             Condition::Ended(tag) => Some(self.tasks[self.tagged_task(id, level, tag)?].state == State::Terminated),

@@ -50,7 +50,7 @@ impl Agent<'_> {
                     value(b)?
                 }
             }
-            Expr::Current(attribute, object) => self.newest(attribute, object),
+            Expr::Current(attribute, object) => self.newest(attribute, object).unwrap_or(Value::Nil),
             Expr::MissionTime => Value::Span(self.now),
             Expr::StateOf(tag) => match self.variable(task, level, tag) {
                 Some(Value::Task(other)) if !self.tasks[other].forgotten => Value::word(self.tasks[other].state.word()),

@@ -1,4 +1,5 @@
-//! A link between the simulated vehicle and the executive that is late, out of order, and doubles what it carries.
+//! A link between the simulated vehicle and the executive that is late, out of order, and doubles what it carries, and a clock of the
+//! vehicle that jumps.
 
 use crate::draws::Draws;
 use apex_model::effect::CommandId;
@@ -16,6 +17,8 @@ pub(crate) struct BadLink {
     late: f64,
     lost: f64,
     doubled: f64,
+    /// The vehicle's clock is slow or fast by this in a span.
+    jump: Option<(Time, Time, Duration)>,
     held: Vec<(Time, Input)>,
 }
 
@@ -25,7 +28,12 @@ impl BadLink {
         let is_bad = draws.happens(0.5);
         let share = |draws: &mut Draws| if is_bad { draws.between(0.0, 0.05) } else { 0.0 };
         let (late, lost, doubled) = (share(&mut draws), share(&mut draws), share(&mut draws));
-        BadLink { vehicle, draws, late, lost, doubled, held: Vec::new() }
+        let jump = draws.happens(0.3).then(|| {
+            let from = Time::from_seconds(draws.between(60.0, 3_000.0));
+            let by_s = draws.between(-30.0, 10.0);
+            (from, from + Duration::from_seconds(draws.between(20.0, 600.0)), Duration::from_seconds(by_s))
+        });
+        BadLink { vehicle, draws, late, lost, doubled, jump, held: Vec::new() }
     }
 }
 
@@ -38,7 +46,12 @@ impl Vehicle for BadLink {
     fn advance(&mut self, to: Time, inputs: &mut Vec<Input>) -> Result<(), String> {
         let mut said = Vec::new();
         self.vehicle.advance(to, &mut said)?;
-        for input in said {
+        for mut input in said {
+            if let Some((from, until, by)) = self.jump
+                && (from..until).contains(&to)
+            {
+                input.at = (input.at + by).max(Time::ZERO);
+            }
             let is_sample = matches!(input.kind, EventKind::Measurement(..));
             if is_sample && self.draws.happens(self.lost) {
                 continue;

@@ -30,9 +30,13 @@ pub(crate) fn write(seed: u64, folder: &Path) {
     let places: Vec<(f64, f64)> = (0..2 + draws.below(5)).map(|_| place(&mut draws, craft.reach_km)).collect();
     let planned = draws.happens(0.35);
     let put = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
-    put("mission.pdl", &program(&mut draws, craft, &places, planned));
+    let zones = zones(&mut draws, craft, &places);
+    put("mission.pdl", &program(&mut draws, craft, &places, (planned, zones.is_some())));
     put("places.geojson", &targets(&mut draws, craft, &places));
     put("winds.csv", &winds(&mut draws, craft));
+    if let Some(zones) = zones {
+        put("zones.geojson", &zones);
+    }
     put("world.json", &world(&mut draws, craft));
     put("scenario.jsonl", &scenario(&mut draws, craft));
 }
@@ -60,6 +64,29 @@ fn targets(draws: &mut Draws, craft: &Craft, places: &[(f64, f64)]) -> String {
         features.push(feature(&format!("site-{index}"), "structure", *at, &format!(", \"rate_per_h\": {rate:.3}")));
     }
     format!("{{\"type\": \"FeatureCollection\", \"features\": [\n{}\n]}}\n", features.join(",\n"))
+}
+
+/// In most missions a zone to stay out of, away from the field and from the places of work, so that every place can be reached.
+fn zones(draws: &mut Draws, craft: &Craft, places: &[(f64, f64)]) -> Option<String> {
+    let half_km = 0.06 * craft.reach_km;
+    let is_free = |at: &(f64, f64)| {
+        let far = |place: &(f64, f64)| {
+            let (north_km, east_km) = ((place.0 - at.0) * KM_PER_DEG, (place.1 - at.1) * KM_PER_DEG * 0.766);
+            north_km.abs().max(east_km.abs()) > 4.0 * half_km
+        };
+        far(&HOME) && places.iter().all(far)
+    };
+    let at = (0..20).map(|_| place(draws, craft.reach_km)).find(is_free);
+    let (latitude, longitude) = at.filter(|_| draws.happens(0.6))?;
+    let (north, east) = (half_km / KM_PER_DEG, half_km / KM_PER_DEG / 0.766);
+    let corner = |n: f64, e: f64| format!("[{:.5}, {:.5}]", longitude + e * east, latitude + n * north);
+    let ring =
+        [corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, -1.0)].join(", ");
+    Some(format!(
+        "{{\"type\": \"FeatureCollection\", \"features\": [{{\"type\": \"Feature\", \
+         \"properties\": {{\"id\": \"r-1\", \"kind\": \"restricted\"}}, \
+         \"geometry\": {{\"type\": \"Polygon\", \"coordinates\": [[{ring}]]}}}}]}}\n"
+    ))
 }
 
 fn winds(draws: &mut Draws, craft: &Craft) -> String {
@@ -159,19 +186,19 @@ fn scenario(draws: &mut Draws, craft: &Craft) -> String {
     lines.iter().map(|(t_s, event)| format!("{{\"t\": {t_s:.1}, \"event\": \"{event}\"}}\n")).collect()
 }
 
-fn program(draws: &mut Draws, craft: &Craft, places: &[(f64, f64)], planned: bool) -> String {
+fn program(draws: &mut Draws, craft: &Craft, places: &[(f64, f64)], (planned, zoned): (bool, bool)) -> String {
     let altitude = craft.altitude_m;
     let work = if planned {
         "(step work (patrol the sites) (waitfor (end ?up)) (restart-when (new plan)) (on-failure (inform (survey-impossible))))\n\
          (step plan (keep planning (patrol the sites)))\n\
          (step clock (wait CLOCK))\n\
-         (step home (return to home at ALTITUDE) (waitfor (end ?clock)) (priority 10))"
+         (step home (return to home at ALTITUDE) (waitfor (end ?clock)) (priority 10) (on-failure (land or hold)))"
             .replace("CLOCK", &format!("{:.0}min", craft.hours * 40.0))
             .replace("ALTITUDE", &format!("{altitude:.0}m"))
     } else {
         format!(
             "(step work (tour) (waitfor (end ?up)) (on-failure (inform (tour-failed))))\n\
-             (step home (return to home at {altitude:.0}m) (waitfor (end ?work)))"
+             (step home (return to home at {altitude:.0}m) (waitfor (end ?work)) (on-failure (land or hold)))"
         )
     };
     let mut tour = String::new();
@@ -185,7 +212,9 @@ fn program(draws: &mut Draws, craft: &Craft, places: &[(f64, f64)], planned: boo
         let _ = write!(tour, "\n  (step go-{index} {step} (on-failure (inform (skipped site-{index}))))");
     }
     let camera = if craft.camera {
-        "(step heat (guard camera-1 against heat)) (step sun (guard camera-1 against the sun))"
+        // What a camera cannot do ends no flight.
+        "(step heat (guard camera-1 against heat) (on-failure (inform (skipped heat))))
+  (step sun (guard camera-1 against the sun) (on-failure (inform (skipped sun))))"
     } else {
         ""
     };
@@ -198,6 +227,7 @@ fn program(draws: &mut Draws, craft: &Craft, places: &[(f64, f64)], planned: boo
   :duration {minutes:.0}min
   :end-margin 5min
   :targets "places.geojson"
+  {airspace}
   :forecast "winds.csv"
   :scenario "scenario.jsonl"
   :world "world.json"
@@ -206,7 +236,7 @@ fn program(draws: &mut Draws, craft: &Craft, places: &[(f64, f64)], planned: boo
 (solver SOLVER (index (patrol the sites)) :budget 20ms)
 (procedure
   (index (fly the mission))
-  (step up (take off to {altitude:.0}m))
+  (step up (take off to {altitude:.0}m) (on-failure (inform (skipped take-off))))
   (step touch (keep in touch over radio))
   (step guard (guard the flight))
   (step contingencies (guard against contingencies))
@@ -225,6 +255,7 @@ fn program(draws: &mut Draws, craft: &Craft, places: &[(f64, f64)], planned: boo
 "#,
         model = craft.model,
         minutes = craft.hours * 60.0,
+        airspace = if zoned { ":airspace \"zones.geojson\"" } else { "" },
         full = craft.reach_km * 0.7,
         lease = draws.between(0.5, 2.0) * craft.hours * 60.0,
     )

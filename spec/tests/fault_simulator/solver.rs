@@ -1,10 +1,17 @@
-//! A planner that fails in every way that a planner can: error, panic, plan of another problem, budget exceeded.
+//! A planner that fails: with an error, without words, by a panic, and once by never answering. Every fifth call it plans.
+//!
+//! Plans that are wrong, and planners that take memory or crash their process, are cases of `crates/cli/tests/third_party.rs` and
+//! `solver_programs.rs`.
 
+use apex_mission::deliberation::PlanningResources;
 use apex_model::problem::{Plan, Problem};
-use apex_planning::registry::Registry;
 use apex_planning::solver::{Environment, Solver};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+/// Wall time after which a planner that hangs is left behind: far more than the others take, so that only this one is.
+const TIMEOUT: Duration = Duration::from_secs(2);
 
 struct Faulty {
     good: Arc<dyn Solver>,
@@ -21,19 +28,24 @@ impl Solver for Faulty {
     }
 
     fn solve(&self, problem: &Problem, environment: &mut Environment<'_>) -> Result<Plan, String> {
-        match self.calls.fetch_add(1, Ordering::Relaxed) % 4 {
-            0 => Err("it has no idea".to_string()),
-            1 => panic!("it breaks on purpose"),
-            2 => Err(String::new()),
+        match self.calls.fetch_add(1, Ordering::Relaxed) {
+            // It hangs once a flight, in a call that its watcher can end.
+            3 => loop {
+                std::thread::sleep(Duration::from_millis(10));
+                environment.budget.charge(0);
+            },
+            call if call % 5 == 0 => Err("it has no idea".to_string()),
+            call if call % 5 == 1 => panic!("it breaks on purpose"),
+            call if call % 5 == 2 => Err(String::new()),
             _ => self.good.solve(problem, environment),
         }
     }
 }
 
-/// The planners that ship, and one that fails.
-pub(crate) fn planners() -> Arc<Registry> {
+/// The planners that ship, and one that fails; each flight has its own, so that a flight does not depend on those before it.
+pub(crate) fn means() -> PlanningResources {
     let mut registry = apex_solvers::shipped();
     let good = registry.find("nearest-neighbour").cloned().unwrap();
     registry.add(Arc::new(Faulty { good, calls: AtomicU64::new(0) })).unwrap();
-    Arc::new(registry)
+    PlanningResources { timeout: TIMEOUT, ..PlanningResources::of(&Arc::new(registry)) }
 }

@@ -44,19 +44,36 @@ export function saveStack(name: string, canvases: readonly HTMLCanvasElement[], 
 
 /** Saves a drawing with the styles that it has on the page, so that it looks the same elsewhere. */
 export function saveSvg(name: string, drawing: SVGSVGElement): void {
+  const copy = styledCopy(drawing);
+  const ground = document.createElementNS(SVG, 'rect');
+  for (const [name, value] of [
+    ['width', '100%'],
+    ['height', '100%'],
+    ['fill', window.getComputedStyle(document.body).backgroundColor],
+  ] as const)
+    ground.setAttribute(name, value);
+  copy.prepend(ground);
+  save(name, 'image/svg+xml', new XMLSerializer().serializeToString(copy));
+}
+
+/** A copy of a drawing whose styles are attributes: the content rules of the server refuse styles in markup. */
+export function styledCopy(drawing: SVGSVGElement): SVGSVGElement {
   const copy = drawing.cloneNode(true) as SVGSVGElement;
   const [from, to] = [drawing.querySelectorAll('*'), copy.querySelectorAll('*')];
   from.forEach((element, index) => {
     const style = window.getComputedStyle(element);
-    const kept = SVG_STYLES.filter(one => style.getPropertyValue(one) !== '');
-    const own = kept.map(one => `${one}:${style.getPropertyValue(one)}`).join(';');
-    to[index]?.setAttribute('style', own);
+    for (const name of SVG_STYLES) {
+      const value = style.getPropertyValue(name);
+      if (value !== '') to[index]?.setAttribute(name, value);
+    }
+    to[index]?.removeAttribute('style');
   });
-  copy.setAttribute('xmlns', 'http://www.w3.org/2000/svg');
-  copy.style.background = window.getComputedStyle(document.body).backgroundColor;
-  save(name, 'image/svg+xml', new XMLSerializer().serializeToString(copy));
+  copy.removeAttribute('style');
+  copy.setAttribute('xmlns', SVG);
+  return copy;
 }
 
+const SVG = 'http://www.w3.org/2000/svg';
 /** Styles that a drawing takes along. */
 const SVG_STYLES = [
   'fill',
@@ -67,6 +84,21 @@ const SVG_STYLES = [
   'font-family',
   'font-weight',
 ];
+
+/** Saves an SVG text as a PNG picture. */
+export function saveRaster(name: string, svg: string): void {
+  const image = new Image();
+  const address = URL.createObjectURL(new Blob([svg], { type: 'image/svg+xml' }));
+  image.onload = () => {
+    const ratio = window.devicePixelRatio || 1;
+    const picture = document.createElement('canvas');
+    [picture.width, picture.height] = [image.width * ratio, image.height * ratio];
+    picture.getContext('2d')?.drawImage(image, 0, 0, picture.width, picture.height);
+    URL.revokeObjectURL(address);
+    picture.toBlob(blob => blob && save(name, 'image/png', blob));
+  };
+  image.src = address;
+}
 
 /** A table as comma-separated values (RFC 4180). */
 export function csv(rows: readonly (readonly (string | number | null)[])[]): string {

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { alarmGlyph, alarmsOf } from './alarms';
+import { type Alarm, alarmGlyph, alarmsOf, floodOf, groupsOf } from './alarms';
 import type { RecordedCommand, SignalWindow, Trouble } from './types';
 
 const trouble = (kind: Trouble['kind'], t_ns: number, subject = 'x'): Trouble => ({
@@ -68,5 +68,38 @@ describe('alarms', () => {
       'roll beyond its limit',
       'peak 17.48 deg, 6.0 s, watched by refly',
     ]);
+  });
+});
+
+describe('a flood', () => {
+  const alarm = (number: number, minutes: number, cause: string): Alarm => ({
+    id: `a${number}`,
+    words: `left out: target ${number}`,
+    cause,
+    firstNs: minutes * 60e9,
+    lastNs: minutes * 60e9,
+    count: 1,
+    open: false,
+    acknowledgedNs: null,
+    task: null,
+    target: `t${number}`,
+    signal: null,
+  });
+  const ten = Array.from({ length: 10 }, (_, at) => alarm(at, 20 - at * 0.5, `needs ${at + 1} min more`));
+
+  it('is ten alarms in ten minutes without acknowledgement, and the first one leads', () => {
+    expect(floodOf(ten, 20 * 60e9)?.map(one => one.id)[0]).toBe('a9');
+    expect(floodOf(ten.slice(1), 20 * 60e9)).toBeNull();
+    // Ten minutes later the oldest one no longer counts, and an acknowledged one never does.
+    expect(floodOf(ten, 25.5 * 60e9)).toBeNull();
+    expect(
+      floodOf([...ten.slice(1), { ...alarm(0, 20, ''), acknowledgedNs: 21 * 60e9 }], 21 * 60e9),
+    ).toBeNull();
+  });
+
+  it('is listed by cause, whatever the figures', () => {
+    const groups = groupsOf([...ten, alarm(11, 1, 'T7 failed: no path'), alarm(12, 1, 'T8 failed: no path')]);
+    expect(groups.map(group => group.alarms.length)).toEqual([10, 2]);
+    expect(groups[0]?.cause).toBe('needs 1 min more');
   });
 });

@@ -103,6 +103,35 @@ function exceeded(window: SignalWindow, atNs: number, name: string): Raised[] {
   });
 }
 
+/** Alarms within this time, and their number from which on they are a flood (ISA-18.2: ten in ten minutes). */
+const [FLOOD_NS, FLOOD_COUNT] = [600e9, 10];
+
+/** Alarms that share a cause, newest first; the group of the newest alarm comes first. */
+export interface AlarmGroup {
+  cause: string;
+  alarms: Alarm[];
+}
+
+/** The alarms of a flood at `atNs`, oldest first: those not acknowledged that were raised in the last ten minutes. */
+export function floodOf(alarms: readonly Alarm[], atNs: number): Alarm[] | null {
+  const late = alarms.filter(
+    alarm => alarm.acknowledgedNs === null && alarm.lastNs <= atNs && alarm.lastNs > atNs - FLOOD_NS,
+  );
+  return late.length >= FLOOD_COUNT ? late.sort((a, b) => a.firstNs - b.firstNs) : null;
+}
+
+/** Alarms by cause: figures and task numbers make no other cause. */
+export function groupsOf(alarms: readonly Alarm[]): AlarmGroup[] {
+  const groups = new Map<string, AlarmGroup>();
+  for (const alarm of alarms) {
+    const key = alarm.signal ?? alarm.cause.replace(/T?\d+(\.\d+)?/g, '#');
+    const group = groups.get(key);
+    if (group) group.alarms.push(alarm);
+    else groups.set(key, { cause: alarm.cause, alarms: [alarm] });
+  }
+  return [...groups.values()];
+}
+
 /** `▲` not acknowledged, `△` acknowledged and going on, `·` over. */
 export function alarmGlyph(alarm: Alarm): string {
   if (alarm.acknowledgedNs === null) return '▲';

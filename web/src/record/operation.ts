@@ -31,6 +31,8 @@ export interface Authority {
   you: Actor;
   yours: boolean;
   may_take: boolean;
+  /** Other callers with a recent request that may hold it. */
+  stations: Actor[];
 }
 
 /** A command and its end: exactly one of accepted, rejected and expired. */

@@ -68,3 +68,37 @@ export function changeWords(change: Change): string {
   const minutes = Math.round(Math.abs(afterNs - beforeNs) / 60e9);
   return `${minutes} min ${afterNs > beforeNs ? 'later' : 'earlier'}`;
 }
+
+/** What would let a plan visit a target that it leaves out; empty where the planner names nothing of the kind. */
+export interface Needs {
+  value: string;
+  window: string;
+  fuel: string;
+  time: string;
+  /** The other obstacles, such as airspace. */
+  other: string;
+}
+
+const NONE: Needs = { value: '', window: '', fuel: '', time: '', other: '' };
+
+/** The planner's reason, in the column that it is about. The figures are the planner's own. */
+export function needsOf(reason: string): Needs {
+  const lack = /^needs (.+?) more than (.+?)( leaves| allows)?(, even alone)?(?:: (.*))?$/.exec(reason);
+  if (lack) {
+    const [, more = '', limit = '', , alone] = lack;
+    const even = alone ? ', even alone' : '';
+    // Energy is stated as the time that it lasts.
+    return /fuel|battery|endurance/.test(limit)
+      ? { ...NONE, fuel: `for ${more} more${even}` }
+      : { ...NONE, time: `${more} more than ${limit}${even}` };
+  }
+  const loss = /^would lower the score by ([\d.]+)/.exec(reason);
+  if (loss) return { ...NONE, value: `at least ${loss[1]} more` };
+  const cost = /raise the expected cost from ([\d.]+) to ([\d.]+)/.exec(reason);
+  if (cost)
+    return { ...NONE, value: `${(Number(cost[2]) - Number(cost[1])).toFixed(2)} more of expected cost` };
+  if (/worth nothing/.test(reason)) return { ...NONE, value: 'more than 0, and a manoeuvre that earns it' };
+  if (/window closes/.test(reason)) return { ...NONE, window: 'one that closes later' };
+  if (/time window|by daylight|by night/.test(reason)) return { ...NONE, window: reason };
+  return { ...NONE, other: reason };
+}

@@ -45,13 +45,14 @@ pub fn run(options: &CheckOptions) -> CliResult {
     if wrong { Err(CliError::already_reported()) } else { Ok(()) }
 }
 
-/// Reads the data of a mission, as planning and flying do. A program without a vehicle has none.
+/// Reads the data of a mission, as planning and flying do, with its world file. A program without a vehicle has none.
 fn check_data(file: &Path, checked: &Checked) -> MissionResult {
     let application = checked.library.application.as_ref();
     if application.is_none_or(|application| application.option("vehicle").is_none()) {
         return Ok(());
     }
-    Mission::of_program(file, Arc::new(checked.library.clone())).map(|_| ())
+    let mission = Mission::of_program(file, Arc::new(checked.library.clone()))?;
+    apex_simulation::world(&mission, None).map(|_| ())
 }
 
 /// Prints an error of a mission's data, as text or as a JSON line with the members of a diagnostic.

@@ -243,7 +243,20 @@ fn suspensions(agent: &Agent, task: &Task) -> Vec<Reason> {
 fn resources(agent: &Agent, task: &Task) -> Vec<Reason> {
     let profile = task.selection.iter().flat_map(|selection| &selection.needs);
     let held = task.extras.iter().flat_map(|extras| &extras.held);
-    profile.chain(held).flat_map(|need| rivals(agent, task, need)).collect()
+    profile
+        .chain(held)
+        .flat_map(|need| lacking(agent, task, need).into_iter().chain(rivals(agent, task, need)))
+        .collect()
+}
+
+/// A resource of which there is too little until it is replenished.
+fn lacking(agent: &Agent, task: &Task, need: &Need) -> Option<Reason> {
+    let resource = agent.resources.get(need.resource).filter(|resource| resource.renewable.is_some())?;
+    let amount = |number: f64| Value::measured(number, resource.dimension);
+    let now = format!("{} is left, and it needs {}", amount(resource.total), amount(need.amount));
+    let text = format!("more {}", resource.name);
+    let reason = Reason { now: Some(now), place: place(agent, task), ..Reason::new(ReasonKind::Resource, text) };
+    (need.amount > resource.total).then_some(reason)
 }
 
 /// All tasks that keep the task from this resource: its holders, or the claimant it was refused to.

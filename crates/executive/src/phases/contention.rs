@@ -7,7 +7,7 @@ use crate::control::conflicts::arbitration::{Arbitration, LostConflict, Refusal,
 use crate::control::conflicts::crossing;
 use crate::control::conflicts::crossing::Defender;
 use crate::control::conflicts::curve::Curve;
-use crate::control::conflicts::{claim_queue, competition, priority, resolution, resources};
+use crate::control::conflicts::{claim_queue, competition, priority, queues, resolution, resources};
 use crate::control::cycle::{Cycle, in_order};
 use crate::control::tasks::{interruption, termination};
 use crate::control::transition::{Trigger, transition};
@@ -47,7 +47,7 @@ pub(crate) fn contend(cycle: &mut Cycle<'_>) -> Arbitration {
         let claim = claim_queue::claim_of(cycle, id, &needs);
         for need in needs {
             if let Some(resource) = cycle.agent.resources.get_mut(need.resource) {
-                resource.waiting.insert(id, claim.clone());
+                resource.waiting.insert(id, claim.clone().of_amount(need.amount));
                 cycle.work.dirty.insert(need.resource);
                 fresh.entry(need.resource).or_default().push(id);
             }
@@ -96,20 +96,25 @@ fn look_again(cycle: &mut Cycle<'_>) {
         return;
     }
     let contested = cycle.agent.resources.iter().filter(|(_, resource)| !resource.waiting.is_empty());
-    let concerned = contested.filter(|(_, resource)| {
+    let concerned = contested.filter(|(id, resource)| {
         let mut holders = resource.holders.iter();
         inherited
-            || resource.waiting.is_sensitive()
+            || resource.waiting.is_sensitive() && !queues::is_by_rank(cycle, *id)
             || holders.any(|holding| !claim_queue::is_steady(cycle.agent, holding.task))
     });
     let concerned: Vec<ResourceId> = concerned.map(|(id, _)| id).collect();
     for id in &concerned {
         let Some(resource) = cycle.agent.resources.get(*id) else { continue };
         // A claimant whose place does not depend on measurements is considered only if it inherits from others.
-        let waiting: Vec<TaskId> =
-            if inherited { resource.waiting.tasks().collect() } else { resource.waiting.sensitive().collect() };
+        let waiting: Vec<TaskId> = match inherited {
+            true => resource.waiting.tasks().collect(),
+            false if queues::is_by_rank(cycle, *id) => Vec::new(),
+            false => resource.waiting.sensitive().collect(),
+        };
         for task in waiting {
-            let claim = claim_queue::claim_of(cycle, task, &resources::needs_of(cycle, task));
+            let needs = resources::needs_of(cycle, task);
+            let amount = needs.iter().find(|need| need.resource == *id).map_or(0.0, |need| need.amount);
+            let claim = claim_queue::claim_of(cycle, task, &needs).of_amount(amount);
             if let Some(resource) = cycle.agent.resources.get_mut(*id) {
                 resource.waiting.insert(task, claim);
             }

@@ -26,6 +26,9 @@ pub enum Claim {
         varies: bool,
         /// Expected duration, if stated.
         expected: Option<Duration>,
+        /// Amount that it needs of this resource.
+        #[serde(default)]
+        amount: f64,
         /// Other resources that it needs.
         others: Vec<ResourceId>,
         /// Its places among the tasks below each ranked task above it.
@@ -54,8 +57,8 @@ pub struct Waiting {
     lines: BTreeMap<u64, RisingLine>,
     /// By parent: how many of the claimants have a rank below it, and the priority of the one that came last.
     ranked: BTreeMap<TaskId, (usize, f64)>,
-    /// By what claimants need together: how many of them say that they take how long.
-    together: BTreeMap<Vec<ResourceId>, BTreeMap<Option<Duration>, usize>>,
+    /// By what claimants need together: how many of them need how much of this resource, for how long.
+    together: BTreeMap<Vec<ResourceId>, Spans>,
     /// Those whose place depends on variables or on more.
     sensitive: BTreeSet<TaskId>,
     /// Number of those without a place.
@@ -63,6 +66,19 @@ pub struct Waiting {
     /// By parent: those with a rank below it, in the order of their ranks.
     #[serde(default)]
     siblings: BTreeMap<TaskId, Siblings>,
+}
+
+/// By the bits of the amount, which order as amounts do: how many claimants say that they take how long.
+type Spans = BTreeMap<u64, BTreeMap<Option<Duration>, usize>>;
+
+impl Claim {
+    /// The claim on one of several resources.
+    pub fn of_amount(mut self, needed: f64) -> Claim {
+        if let Claim::Queued { amount, .. } = &mut self {
+            *amount = needed;
+        }
+        self
+    }
 }
 
 /// Claimants with ranks below one parent.
@@ -78,7 +94,7 @@ impl Waiting {
     pub fn insert(&mut self, task: TaskId, claim: Claim) {
         self.remove(task);
         match &claim {
-            Claim::Queued { place, varies, expected, others, by_rank } => {
+            Claim::Queued { place, varies, expected, amount, others, by_rank } => {
                 match place {
                     Some(place) => self.enter(place),
                     None => self.apart += 1,
@@ -91,7 +107,8 @@ impl Waiting {
                     siblings.keys.insert(key);
                     *siblings.ranks.entry(bits).or_default() += 1;
                 }
-                *self.together.entry(others.clone()).or_default().entry(*expected).or_default() += 1;
+                let spans = self.together.entry(others.clone()).or_default().entry(amount.to_bits()).or_default();
+                *spans.entry(*expected).or_default() += 1;
             }
             Claim::Apart => {
                 self.apart += 1;
@@ -106,7 +123,7 @@ impl Waiting {
         let Some(claim) = self.claims.remove(&task) else { return false };
         self.sensitive.remove(&task);
         match claim {
-            Claim::Queued { place, expected, others, by_rank, .. } => {
+            Claim::Queued { place, expected, amount, others, by_rank, .. } => {
                 match &place {
                     Some(place) => self.leave(place),
                     None => self.apart -= 1,
@@ -119,16 +136,24 @@ impl Waiting {
                         self.siblings.remove(&parent);
                     }
                 }
-                if let Some(spans) = self.together.get_mut(&others) {
-                    count_down(spans, &expected);
-                    if spans.is_empty() {
-                        self.together.remove(&others);
-                    }
-                }
+                self.part(&others, amount, expected);
             }
             Claim::Apart => self.apart -= 1,
         }
         true
+    }
+
+    fn part(&mut self, others: &Vec<ResourceId>, amount: f64, expected: Option<Duration>) {
+        let Some(amounts) = self.together.get_mut(others) else { return };
+        if let Some(spans) = amounts.get_mut(&amount.to_bits()) {
+            count_down(spans, &expected);
+            if spans.is_empty() {
+                amounts.remove(&amount.to_bits());
+            }
+        }
+        if amounts.is_empty() {
+            self.together.remove(others);
+        }
     }
 
     fn enter(&mut self, place: &QueuePlace) {
@@ -204,8 +229,7 @@ impl Waiting {
 
     /// Tasks whose place may change with a variable or with what is measured.
     pub fn sensitive(&self) -> impl Iterator<Item = TaskId> + '_ {
-        let by_rank = self.is_by_rank();
-        self.sensitive.iter().copied().filter(move |_| !by_rank)
+        self.sensitive.iter().copied()
     }
 
     /// True if all claimants that wait have a place that follows from themselves alone.
@@ -215,10 +239,10 @@ impl Waiting {
 
     /// The parent, if all claimants have ranks below it and no two the same: then nothing else counts between them.
     pub fn parent_of_ranks(&self) -> Option<TaskId> {
-        // All have the same parents above them, if one is to be that of all.
+        // One that is above all is above the first. The highest comes first: it is the same for most resources.
         let Claim::Queued { by_rank, .. } = self.claims.first_key_value()?.1 else { return None };
         let count = self.claims.len();
-        let mut parents = by_rank.iter().filter_map(|key| Some(key.rank?.parent));
+        let mut parents = by_rank.iter().rev().filter_map(|key| Some(key.rank?.parent));
         parents.find(|parent| {
             let siblings = self.siblings.get(parent);
             siblings.is_some_and(|siblings| siblings.keys.len() == count && siblings.ranks.len() == count)
@@ -232,18 +256,18 @@ impl Waiting {
 
     /// The claimants in the order of their ranks, where they have no other order and need none.
     fn queue_by_rank(&self) -> Option<&BTreeSet<QueueKey>> {
-        let parent = self.parent_of_ranks().filter(|_| !self.all_in_queues())?;
+        let parent = self.ordered_below()?;
         self.siblings.get(&parent).map(|siblings| &siblings.keys)
     }
 
-    /// True if ranks below one parent are the order of the queue, and priorities do not count.
-    pub fn is_by_rank(&self) -> bool {
-        self.queue_by_rank().is_some()
+    /// The parent below which ranks are the order of the queue, so that priorities do not count between claimants.
+    pub fn ordered_below(&self) -> Option<TaskId> {
+        self.parent_of_ranks().filter(|_| !self.all_in_queues())
     }
 
     /// Returns true if time, or a change of a variable or measurement, may change the order.
     pub fn is_sensitive(&self) -> bool {
-        (!self.sensitive.is_empty() || !self.lines.is_empty()) && !self.is_by_rank()
+        !self.sensitive.is_empty() || !self.lines.is_empty()
     }
 
     /// Returns true if the priority of a queued claimant rises.
@@ -251,15 +275,19 @@ impl Waiting {
         !self.lines.is_empty()
     }
 
-    /// The shortest time that one of those in queues says that it takes.
-    pub fn shortest(&self) -> Option<Duration> {
-        self.together().filter_map(|(_, shortest)| shortest).min()
+    /// The shortest time that one of those in queues says that it takes who need no more than this.
+    pub fn shortest(&self, room: f64) -> Option<Duration> {
+        self.together(room).filter_map(|(_, shortest)| shortest).min()
     }
 
-    /// Returns the joint needs of queued claimants, with the shortest expected duration among them.
-    pub fn together(&self) -> impl Iterator<Item = (&[ResourceId], Option<Duration>)> {
+    /// Returns the joint needs of queued claimants who need no more than this, with the shortest expected duration among them.
+    pub fn together(&self, room: f64) -> impl Iterator<Item = (&[ResourceId], Option<Duration>)> {
         let shortest = |spans: &BTreeMap<Option<Duration>, usize>| spans.keys().flatten().next().copied();
-        self.together.iter().map(move |(needs, spans)| (needs.as_slice(), shortest(spans)))
+        self.together.iter().filter_map(move |(needs, amounts)| {
+            let mut fitting = amounts.range(..=room.max(0.0).to_bits()).map(|(_, spans)| shortest(spans)).peekable();
+            fitting.peek()?;
+            Some((needs.as_slice(), fitting.flatten().min()))
+        })
     }
 
     /// Returns the resources that queued claimants need in addition to this one.
@@ -375,7 +403,14 @@ mod tests {
     }
 
     fn claim(place: QueuePlace, varies: bool) -> Claim {
-        Claim::Queued { place: Some(place), varies, expected: None, others: Vec::new(), by_rank: Vec::new() }
+        Claim::Queued {
+            place: Some(place),
+            varies,
+            expected: None,
+            amount: 1.0,
+            others: Vec::new(),
+            by_rank: Vec::new(),
+        }
     }
 
     #[test]

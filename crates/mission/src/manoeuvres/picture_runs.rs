@@ -13,7 +13,9 @@ use apex_geo::geodesy;
 use apex_geo::wind::{self, Wind};
 use apex_model::problem::{Manoeuvre, PictureWork, Position};
 use apex_observation::attitude::Attitude;
+use apex_observation::clarity::ClarityWeights;
 use apex_observation::pictures::{PictureView, PlannedPicture};
+use apex_observation::predict::{AirConditions, Conditions};
 use apex_observation::sensor::{CameraSetting, ExposureMotion};
 use apex_observation::target::TargetArea;
 
@@ -245,7 +247,8 @@ fn planned(
                 slant_m: height_m,
                 ..ExposureMotion::default()
             };
-            let weights = camera.planned_weights(&motion, &hold, air.edr(position, altitude_m, time_s));
+            let AirConditions { edr, clear_share } = air.at(position, altitude_m, time_s);
+            let weights = ClarityWeights { clear_share, ..camera.planned_weights(&motion, &hold, edr) };
             let heading_deg = if wish.mission.model.airframe == Airframe::FixedWing { line.crab_deg } else { 0.0 };
             let view = PictureView {
                 time_s,

@@ -11,7 +11,7 @@ use apex_geo::geodesy::RAD_PER_DEG;
 use apex_geo::perimeter::perimeter_lines;
 use apex_geo::wind;
 use apex_model::problem::{AirspaceZone, Manoeuvre, Position, QualityFactor, QualityFactors};
-use apex_observation::predict::{PlannedLine, PredictedScanner, PredictionContext, predict};
+use apex_observation::predict::{AirConditions, Conditions, PlannedLine, PredictedScanner, PredictionContext, predict};
 use apex_observation::result::{LookResult, LossCause};
 use apex_observation::target::{ObservedTarget, TargetArea};
 use std::collections::BTreeMap;
@@ -117,9 +117,9 @@ fn draft(
     }
     let flown = flown(&lines)?;
     let air = ForecastAir::new(mission);
-    let edr = air.edr(target.position, altitude_m, wish.from_s + 0.5 * flown.duration_s);
+    let AirConditions { edr, clear_share } = air.at(target.position, altitude_m, wish.from_s + 0.5 * flown.duration_s);
     let pixel_m = scanner.setting.mode.nadir_pixel_m(height_m);
-    let promise = clarity(scanner, edr) * look.resolution.factor(pixel_m, pixel_m);
+    let promise = clear_share * clarity(scanner, edr) * look.resolution.factor(pixel_m, pixel_m);
     let name = format!("{}-{name}-{altitude_m:.0}m", if along { "perimeter" } else { "sweep" });
     Ok(SweepDraft { name, altitude_m, lines, flown, promise })
 }

@@ -10,7 +10,9 @@ use crate::vehicle::Airframe;
 use apex_geo::geodesy::{self, RAD_PER_DEG};
 use apex_model::problem::{Manoeuvre, PictureWork, Position};
 use apex_observation::attitude::Attitude;
+use apex_observation::clarity::ClarityWeights;
 use apex_observation::pictures::{PictureView, PlannedPicture};
+use apex_observation::predict::Conditions;
 use apex_observation::sensor::{CameraSetting, ExposureMotion, GimbalAngles};
 use apex_observation::target::LookAngles;
 
@@ -132,9 +134,10 @@ fn draft(
     let model = &wish.mission.model;
     let height_m = altitude_m - wish.fire.wanted.elevation_m;
     let slant_m = height_m / libm::cos(angle_deg * RAD_PER_DEG);
-    let edr = ForecastAir::new(wish.mission).edr(from, altitude_m, wish.from_s);
+    let air = ForecastAir::new(wish.mission).at(from, altitude_m, wish.from_s);
     let motion = ExposureMotion { slant_m, ..ExposureMotion::default() };
-    let weights = camera.planned_weights(&motion, &hold_of(model), edr);
+    let weights = camera.planned_weights(&motion, &hold_of(model), air.edr);
+    let weights = ClarityWeights { clear_share: air.clear_share, ..weights };
     let count = wish.fire.pictures.count.unwrap_or_else(|| pictures_needed(weights.roll));
     let view = PictureView {
         time_s: wish.from_s,

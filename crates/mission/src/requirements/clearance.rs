@@ -22,13 +22,29 @@ impl Scene<'_> {
         self.mission.terrain.as_ref()?.highest_m_near(position, self.motion.true_airspeed_mps)
     }
 
+    /// The same for a point of the plane.
+    fn known_ground_below_m(&self, point: Point) -> Option<f64> {
+        // Without terrain the position need not be known.
+        self.mission.terrain.as_ref().and_then(|_| self.known_ground_m(self.plane.position(point)))
+    }
+
+    /// True if the ground counts as flat and the route keeps clear of it: altitude only rises or only falls along the route, so that its
+    /// ends decide.
+    fn is_clear_of_flat_ground(&self, ground_m: f64, clearance_m: f64) -> bool {
+        let ends_s = [0.0, self.route.end_s().min(self.requirements().look_ahead_s)];
+        let is_clear = |after_s: f64| {
+            let state = self.route.at(after_s);
+            state.is_some_and(|state| terrain::terrain_m(state.altitude_m, ground_m, clearance_m) >= 0.0)
+        };
+        self.mission.terrain.is_none() && ends_s.into_iter().all(is_clear)
+    }
+
     /// The highest ground along the route within the look-ahead, and below the vehicle.
     pub(super) fn ground_ahead_m(&self) -> f64 {
         let below_m = self.ground_below_m().unwrap_or(f64::NEG_INFINITY);
         let until_s = self.route.end_s().min(self.requirements().look_ahead_s);
         let instants = (0..=until_s as u32).map(f64::from);
-        let ahead =
-            instants.filter_map(|after_s| self.known_ground_m(self.plane.position(self.route.at(after_s)?.point)));
+        let ahead = instants.filter_map(|after_s| self.known_ground_below_m(self.route.at(after_s)?.point));
         ahead.fold(below_m, f64::max)
     }
 
@@ -41,8 +57,9 @@ impl Scene<'_> {
         let below_m = self.ground_below_m()?;
         let margin = terrain::terrain_m(self.flown.altitude_m, below_m, clearance_m);
         let look_ahead_s = self.requirements().look_ahead_s;
-        let ground_m = |point: Point| self.known_ground_m(self.plane.position(point)).unwrap_or(below_m);
-        let lost = terrain::first_loss(&self.route, look_ahead_s, clearance_m, ground_m);
+        let ground_m = |point: Point| self.known_ground_below_m(point).unwrap_or(below_m);
+        let is_clear = self.is_clear_of_flat_ground(below_m, clearance_m);
+        let lost = if is_clear { None } else { terrain::first_loss(&self.route, look_ahead_s, clearance_m, ground_m) };
         // The time until the climb must begin decides, not the instant of the loss itself: a high ridge is climbed over early.
         let climb = self.mission.terrain.as_ref().and_then(|_| {
             terrain::latest_climb(&self.route, look_ahead_s, clearance_m, self.motion.climb_mps, ground_m)

@@ -49,6 +49,11 @@ const ROLL_IN_S: f64 = 3.0;
 const DETOUR: f64 = 1.1;
 /// Steps along the route for what changes slowly.
 const COARSE_S: f64 = 30.0;
+/// A site this much farther on the chart than the nearest one is farther in truth ..
+const CHART_FACTOR: f64 = 1.3;
+/// .. for a nearest site within this angle, and at latitudes up to this one: the chart is wrong by 10 % at most there.
+const CHART_DEG_MAX: f64 = 5.0;
+const CHART_LATITUDE_DEG_MAX: f64 = 60.0;
 
 /// A place to land.
 #[derive(Clone, Copy, Debug)]
@@ -125,6 +130,12 @@ impl<'a> Scene<'a> {
 
     /// The nearest landing site to a position, with its distance; the start if the mission has none.
     pub(super) fn nearest_site(&self, position: Position) -> (LandingSite<'a>, f64) {
+        let (site, (distance_m, _)) = self.way_to_site(position);
+        (site, distance_m)
+    }
+
+    /// The nearest landing site to a position, with the length and the azimuth of the geodesic to it.
+    fn way_to_site(&self, position: Position) -> (LandingSite<'a>, (f64, f64)) {
         // Near on a plane chart first, since geodesics are expensive; the nearest three of those exactly.
         let east = libm::cos(position.latitude_deg.to_radians());
         let chart = |site: &LandingSite<'_>| {
@@ -146,16 +157,19 @@ impl<'a> Scene<'a> {
                 }
             }
         }
-        let exact = best.into_iter().flatten().map(|(_, site)| (site, geodesy::distance_m(position, site.position)));
-        let start = self.start();
-        exact
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .unwrap_or_else(|| (start, geodesy::distance_m(position, start.position)))
+        let way = |site: LandingSite<'a>| (site, geodesy::inverse(position, site.position));
+        let nearest = best.first().copied().flatten().map_or(f64::INFINITY, |(squared, _)| squared);
+        let is_exact =
+            nearest <= CHART_DEG_MAX * CHART_DEG_MAX && position.latitude_deg.abs() <= CHART_LATITUDE_DEG_MAX;
+        let limit = if is_exact { CHART_FACTOR * CHART_FACTOR * nearest } else { f64::INFINITY };
+        let near = best.into_iter().flatten().filter(|(squared, _)| *squared <= limit);
+        near.map(|(_, site)| way(site))
+            .min_by(|(_, a), (_, b)| a.0.total_cmp(&b.0))
+            .unwrap_or_else(|| way(self.start()))
     }
 
-    /// Ground speed towards a place.
-    fn ground_speed_mps(&self, from: Position, to: Position, airspeed_mps: f64) -> f64 {
-        let track_deg = geodesy::azimuth_deg(from, to);
+    /// Ground speed on a track.
+    fn ground_speed_mps(&self, track_deg: f64, airspeed_mps: f64) -> f64 {
         triangle(track_deg, airspeed_mps, self.motion.wind).map_or(0.0, |found| found.ground_speed_mps)
     }
 
@@ -201,8 +215,8 @@ impl<'a> Scene<'a> {
         let endurance_s = self.flown.endurance_s?;
         let cruise_mps = self.mission.model.true_airspeed_m_s_cruise;
         let left_s = |position: Position, after_s: f64| {
-            let (site, distance_m) = self.nearest_site(position);
-            let home_mps = self.ground_speed_mps(position, site.position, cruise_mps);
+            let (_, (distance_m, track_deg)) = self.way_to_site(position);
+            let home_mps = self.ground_speed_mps(track_deg, cruise_mps);
             energy::energy(endurance_s - after_s, reserve_s, 1.0, DETOUR * distance_m, home_mps)
         };
         let margin = left_s(self.here, 0.0);
@@ -234,7 +248,7 @@ impl<'a> Scene<'a> {
         let reach = self.requirements().landing?;
         let model = &self.mission.model;
         let margin_m = |position: Position, altitude_m: f64| {
-            let (site, distance_m) = self.nearest_site(position);
+            let (site, (distance_m, track_deg)) = self.way_to_site(position);
             match reach {
                 LandingReach::Disc { distance_m_max } => disc_m(distance_m, distance_m_max),
                 LandingReach::Gliding { pattern_m } => {
@@ -242,8 +256,7 @@ impl<'a> Scene<'a> {
                         ratio: model.glide_ratio,
                         airspeed_mps: GLIDE_SPEED_SHARE * model.true_airspeed_m_s_cruise,
                     };
-                    let tail_mps =
-                        self.ground_speed_mps(position, site.position, glide.airspeed_mps) - glide.airspeed_mps;
+                    let tail_mps = self.ground_speed_mps(track_deg, glide.airspeed_mps) - glide.airspeed_mps;
                     glide_m(glide, altitude_m - site.elevation_m, pattern_m, tail_mps, distance_m)
                 }
             }

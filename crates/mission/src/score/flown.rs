@@ -147,17 +147,23 @@ impl FlownScore {
         self.sample(pending);
     }
 
-    /// `(image-taken CAMERA TARGET)`: position, attitude and the angles of the mount were reported just before.
+    /// `(image-taken CAMERA TARGET)`: position, attitude and the angles of the mount were reported just before. A picture that clouds
+    /// hide (`image-obscured`), and one of a failed detector (`image-blank`), is a look that is not clear.
     fn occurrence(&mut self, form: &Value, at: Time) {
         let Some([Value::Symbol(head), camera, ..]) = form.as_list() else { return };
-        if !head.is("image-taken") {
+        let (is_obscured, is_blank) = (head.is("image-obscured"), head.is("image-blank"));
+        if !(head.is("image-taken") || is_obscured || is_blank) {
             return;
         }
         let name = camera.to_string();
         let Some(camera) = self.cameras.iter().find(|camera| camera.name.eq_ignore_ascii_case(&name)).cloned() else {
             return;
         };
-        if let Some(picture) = self.picture(&camera, at) {
+        if let Some(mut picture) = self.picture(&camera, at) {
+            if is_blank {
+                picture.weights.ready = 0.0;
+            }
+            picture.sample.clear_share = if is_obscured { Some(0.0) } else { None };
             if let Some(log) = &mut self.footprints {
                 log.picture(&picture, at, self.observation.elevation_m_near(picture.sample.position));
                 return;

@@ -106,7 +106,9 @@ impl FootprintLog {
             t_ns: at.0,
             left: pair(line.left),
             right: pair(line.right),
-            valid: known.is_some() && weights.roll * weights.steady() > 0.0,
+            valid: known.is_some()
+                && weights.roll * weights.steady() > 0.0
+                && latest.clear_share.is_none_or(|share| share > 0.0),
         };
         if self.last.is_some_and(|last| (at - Time(last.t_ns)).seconds() > gap_s_max) {
             self.end_swath();

@@ -67,10 +67,22 @@ impl Latest {
             "ground-speed" => {
                 self.speed_mps = value.as_number().map(|(value, _)| TimedValue { value, at });
             }
-            "scanner-state" => self.is_on = value.as_symbol().is_some_and(|state| state.is("on")),
+            "scanner-state" => self.switch(value),
             _ => {}
         }
         false
+    }
+
+    /// Takes the state of the scanner, which records clouds, too: ground that they hide is seen without being clear. That none hides it
+    /// is known only where clouds are reported.
+    fn switch(&mut self, state: &Value) {
+        let is = |word: &str| value_is(state, word);
+        self.is_on = is("on") || is("obscured");
+        if is("obscured") {
+            self.clear_share = Some(0.0);
+        } else if self.clear_share.is_some() {
+            self.clear_share = Some(1.0);
+        }
     }
 
     /// Roll, pitch and heading at `at`; none if one of them is not in the record, or too old.
@@ -112,6 +124,10 @@ impl Latest {
     pub(super) fn ground_speed_mps(&self, at: Time) -> f64 {
         known(self.speed_mps, at).unwrap_or(0.0)
     }
+}
+
+fn value_is(value: &Value, word: &str) -> bool {
+    value.as_symbol().is_some_and(|symbol| symbol.is(word))
 }
 
 fn known(measured: Option<TimedValue>, at: Time) -> Option<f64> {

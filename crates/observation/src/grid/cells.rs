@@ -137,12 +137,17 @@ impl TargetGrid {
     /// Calls `hit` for every cell whose middle lies in the polygon (even-odd rule), with its index and its middle.
     pub fn rasterise(&self, polygon: &[Point], mut hit: impl FnMut(usize, Point)) {
         let (mut low_y, mut high_y) = (f64::INFINITY, f64::NEG_INFINITY);
+        let (mut low_x, mut high_x) = (f64::INFINITY, f64::NEG_INFINITY);
         for corner in polygon {
-            low_y = low_y.min(corner.y);
-            high_y = high_y.max(corner.y);
+            (low_y, high_y) = (low_y.min(corner.y), high_y.max(corner.y));
+            (low_x, high_x) = (low_x.min(corner.x), high_x.max(corner.x));
+        }
+        // Most strips of a join lie beside the target.
+        if high_x < self.low.x || low_x > self.high.x {
+            return;
         }
         let first = self.rows.partition_point(|row| row.y < low_y);
-        let edges: Vec<(Point, Point)> = apex_geo::plane::edges(polygon).collect();
+        let edges: Vec<(Point, Point)> = apex_geo::plane::edges(polygon).filter(|(a, b)| a.y != b.y).collect();
         let mut crossings: Vec<f64> = Vec::with_capacity(edges.len());
         for row in self.rows.iter().skip(first).take_while(|row| row.y <= high_y) {
             crossings.clear();

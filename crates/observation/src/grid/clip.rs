@@ -3,42 +3,32 @@
 use crate::plane::Point;
 use apex_geo::plane::doubled_area;
 
-/// The side of a line that is kept.
-#[derive(Clone, Copy)]
-enum Keep {
-    XFrom(f64),
-    XTo(f64),
-    YFrom(f64),
-    YTo(f64),
-}
-
-impl Keep {
-    fn side(self, point: Point) -> f64 {
-        match self {
-            Keep::XFrom(x) => point.x - x,
-            Keep::XTo(x) => x - point.x,
-            Keep::YFrom(y) => point.y - y,
-            Keep::YTo(y) => y - point.y,
-        }
-    }
-}
-
-/// Replaces `kept` by the part of a polygon on one side of a line; edges along the line may be counted twice in opposite directions,
-/// which leaves the area exact.
-fn clip(polygon: &[Point], keep: Keep, kept: &mut Vec<Point>) {
-    kept.clear();
+/// Splits a polygon at a line, `ahead` giving the signed distance of a point beyond it, into the parts before and beyond; a corner on the
+/// line belongs to both. Edges along the line may be counted twice in opposite directions, which leaves the areas exact.
+fn split(polygon: &[Point], ahead: impl Fn(Point) -> f64, before: &mut Vec<Point>, beyond: &mut Vec<Point>) {
+    before.clear();
+    beyond.clear();
     let Some(last) = polygon.last() else { return };
-    let (mut from, mut from_side) = (*last, keep.side(*last));
+    let (mut from, mut from_m) = (*last, ahead(*last));
     for to in polygon {
-        let to_side = keep.side(*to);
-        if (from_side >= 0.0) != (to_side >= 0.0) {
-            let share = from_side / (from_side - to_side);
-            kept.push(from.plus(share, to.minus(from)));
+        let to_m = ahead(*to);
+        let (leaves, enters) = ((from_m <= 0.0) != (to_m <= 0.0), (from_m >= 0.0) != (to_m >= 0.0));
+        if leaves || enters {
+            let crossing = from.plus(from_m / (from_m - to_m), to.minus(from));
+            if leaves {
+                before.push(crossing);
+            }
+            if enters {
+                beyond.push(crossing);
+            }
         }
-        if to_side >= 0.0 {
-            kept.push(*to);
+        if to_m <= 0.0 {
+            before.push(*to);
         }
-        (from, from_side) = (*to, to_side);
+        if to_m >= 0.0 {
+            beyond.push(*to);
+        }
+        (from, from_m) = (*to, to_m);
     }
 }
 
@@ -51,12 +41,11 @@ fn area(polygon: &[Point]) -> f64 {
 pub(super) fn add_areas(polygon: &[Point], origin: Point, cell_m: f64, columns: usize, areas: &mut [f64], sign: f64) {
     let rows = areas.len().checked_div(columns).unwrap_or(0);
     let mut above = polygon.to_vec();
-    let (mut right, mut part) = (Vec::new(), Vec::new());
+    let (mut right, mut part, mut rest) = (Vec::new(), Vec::new(), Vec::new());
     for (row, cells) in (0..rows).zip(areas.chunks_mut(columns.max(1))) {
         let top = origin.y + (row + 1) as f64 * cell_m;
-        clip(&above, Keep::YTo(top), &mut right);
-        clip(&above, Keep::YFrom(top), &mut part);
-        std::mem::swap(&mut above, &mut part);
+        split(&above, |corner| corner.y - top, &mut right, &mut rest);
+        std::mem::swap(&mut above, &mut rest);
         if area(&right) == 0.0 {
             continue;
         }
@@ -66,10 +55,9 @@ pub(super) fn add_areas(polygon: &[Point], origin: Point, cell_m: f64, columns: 
         let last = (libm::floor((most_x - origin.x) / cell_m).max(0.0) as usize).min(columns.saturating_sub(1));
         for (column, cell) in cells.iter_mut().enumerate().take(last + 1).skip(first) {
             let edge = origin.x + (column + 1) as f64 * cell_m;
-            clip(&right, Keep::XTo(edge), &mut part);
+            split(&right, |corner| corner.x - edge, &mut part, &mut rest);
             *cell += sign * area(&part);
-            clip(&right, Keep::XFrom(edge), &mut part);
-            std::mem::swap(&mut right, &mut part);
+            std::mem::swap(&mut right, &mut rest);
         }
     }
 }

@@ -7,6 +7,7 @@ use apex_runtime::authority::Actor;
 use axum::extract::{MatchedPath, Request, State};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
+use std::time::Instant;
 
 /// The sender of a request: an extension of every request to the API that needs a role.
 #[derive(Clone, Debug)]
@@ -36,6 +37,7 @@ pub(crate) async fn check(State(state): Shared, mut request: Request, next: Next
         )
         .into_response();
     }
+    state.sessions.stations.hear(&actor, Instant::now());
     if let Some(door) = &state.door {
         door.hear(&actor.name);
     }

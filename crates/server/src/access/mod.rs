@@ -9,6 +9,7 @@ mod check;
 mod matrix_tests;
 pub(crate) mod routes;
 mod sessions;
+mod stations;
 mod table;
 mod token;
 

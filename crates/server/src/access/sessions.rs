@@ -1,5 +1,6 @@
 //! Sessions: who speaks, by the cookie of a session or by a token that comes with the request.
 
+use super::stations::Stations;
 use super::token::{AccessToken, check_name, digest, new_secret};
 use crate::answer::{ApiError, ApiResult};
 use apex_runtime::authority::{Actor, ActorRole};
@@ -26,6 +27,8 @@ pub(crate) struct Sessions {
     /// The name of the cookie.
     cookie: String,
     open: Mutex<BTreeMap<[u8; 32], Session>>,
+    /// Callers with a request in the last seconds.
+    pub(crate) stations: Stations,
 }
 
 struct Session {
@@ -37,7 +40,8 @@ impl Sessions {
     /// No sessions yet, of a server at `port`. Without tokens, and with `loopback`, callers need none.
     pub(crate) fn new(tokens: Vec<AccessToken>, loopback: bool, port: u16) -> Sessions {
         let required = !loopback || !tokens.is_empty();
-        Sessions { tokens, required, cookie: format!("{COOKIE_NAME}-{port}"), open: Mutex::default() }
+        let cookie = format!("{COOKIE_NAME}-{port}");
+        Sessions { tokens, required, cookie, open: Mutex::default(), stations: Stations::default() }
     }
 
     /// The name of the cookie that holds a session's secret.

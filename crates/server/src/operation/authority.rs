@@ -19,6 +19,8 @@ pub(crate) struct AuthorityState {
     yours: bool,
     /// The caller may take it now.
     may_take: bool,
+    /// Other callers with a recent request that may hold it.
+    stations: Vec<ActorState>,
 }
 
 /// An operator or program, as the API describes it.
@@ -38,8 +40,8 @@ struct OfferState {
 }
 
 impl AuthorityState {
-    /// Returns authority as shown to `actor`.
-    pub(crate) fn of(board: &AuthorityBoard, actor: &Actor) -> AuthorityState {
+    /// Returns authority as shown to `actor`, who can offer it to `stations`.
+    pub(crate) fn of(board: &AuthorityBoard, actor: &Actor, stations: &[Actor]) -> AuthorityState {
         let now = board.now();
         let authority = board.authority();
         let offer = authority.offer(now);
@@ -55,6 +57,7 @@ impl AuthorityState {
             you: ActorState::of(actor),
             yours,
             may_take: !yours && open && actor.role >= ActorRole::Operator,
+            stations: stations.iter().map(ActorState::of).collect(),
         }
     }
 }

@@ -208,8 +208,8 @@ impl FlightDoor {
         self.sent().entries.iter().find(|entry| entry.number == number).map(SourceEntry::state)
     }
 
-    /// The run now, for an actor.
-    pub(crate) fn operation(&self, actor: &Actor) -> Operation {
+    /// The run now, for an actor, who can offer authority to `stations`.
+    pub(crate) fn operation(&self, actor: &Actor, stations: Vec<Actor>) -> Operation {
         let seen = self.shared.seen.state();
         let sent = self.sent();
         let pace = sent.pace_now();
@@ -224,7 +224,7 @@ impl FlightDoor {
             paused: pace == Some(0.0),
             targets: targets.collect(),
             commands: sent.entries.iter().map(SourceEntry::state).collect(),
-            authority: AuthorityState::of(&self.shared.authority, actor),
+            authority: AuthorityState::of(&self.shared.authority, actor, &stations),
             seen,
         }
     }

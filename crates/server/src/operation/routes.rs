@@ -5,6 +5,7 @@ use crate::answer::{ApiError, ApiResult};
 use crate::operation::door::{CommandState, FlightDoor};
 use crate::operation::request::Wish;
 use crate::state::{AppState, Shared};
+use apex_runtime::authority::Actor;
 use apex_runtime::commands::Author;
 use axum::extract::rejection::{JsonRejection, PathRejection};
 use axum::extract::{DefaultBodyLimit, Path, State};
@@ -14,7 +15,7 @@ use axum::routing::{get, post};
 use axum::{Extension, Json, Router};
 use serde_json::Value;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Bytes of the largest body: a message of the longest size, escaped.
 const BODY_MAX_BYTES: usize = 16 << 10;
@@ -36,7 +37,7 @@ type CommandBody = Result<Json<Value>, JsonRejection>;
 
 /// The run behind the served record; `null` if it is not flown by this program.
 async fn operation(State(state): Shared, Extension(Caller(actor)): Who) -> ApiResult<Response> {
-    Ok(Json(state.door.as_ref().map(|door| door.operation(&actor))).into_response())
+    Ok(Json(state.door.as_ref().map(|door| door.operation(&actor, stations(&state, &actor)))).into_response())
 }
 
 async fn command(State(state): Shared, Extension(caller): Who, body: CommandBody) -> ApiResult<Json<CommandState>> {
@@ -56,7 +57,7 @@ async fn flight_operation(
 ) -> ApiResult<Response> {
     let door = door_of(&state, id)?;
     door.hear(&actor.name);
-    Ok(Json(door.operation(&actor)).into_response())
+    Ok(Json(door.operation(&actor, stations(&state, &actor))).into_response())
 }
 
 async fn flight_command(
@@ -66,6 +67,11 @@ async fn flight_command(
     body: CommandBody,
 ) -> ApiResult<Json<CommandState>> {
     send(door_of(&state, id)?, caller, body).await
+}
+
+/// The other callers that can receive authority from `actor`.
+fn stations(state: &AppState, actor: &Actor) -> Vec<Actor> {
+    state.sessions.stations.others(actor, Instant::now())
 }
 
 fn door_of(state: &AppState, id: Result<Path<u64>, PathRejection>) -> ApiResult<FlightDoor> {

@@ -10,6 +10,7 @@ const FREE: Authority = {
   you: { name: 'van', role: 'operator' },
   yours: false,
   may_take: true,
+  stations: [],
 };
 const HELD: Authority = { ...FREE, epoch: 1, holder: { name: 'tower', role: 'operator' }, may_take: false };
 

@@ -156,23 +156,47 @@ export function rangeWords(range: Range): string {
   return `${missionTime(range.fromNs).slice(2)} to ${missionTime(range.toNs).slice(2)}`;
 }
 
-/** The samples of one window as comma-separated values, in the record's own unit, one line for each sample. */
-export function csvOf(windows: readonly SignalWindow[]): string {
-  const lines = ['signal,unit,time_s,value,lowest,highest,samples'];
+/** The samples of windows as columns, in the record's own unit: one row for each sample, or for each pixel with more. */
+export function samplesTable(windows: readonly SignalWindow[]) {
+  const table = {
+    signal: [] as string[],
+    unit: [] as string[],
+    time_s: [] as number[],
+    /** A number, or none for a word. */
+    value: [] as (number | null)[],
+    lowest: [] as (number | null)[],
+    highest: [] as (number | null)[],
+    word: [] as string[],
+    samples: [] as number[],
+  };
   for (const window of windows) {
+    const isWord = window.kind === 'words';
     window.t_ns.forEach((time, index) => {
-      const word = window.kind === 'words';
       const mean = window.mean[index] ?? Number.NaN;
-      const value = word ? (window.words[mean] ?? '') : String(mean);
-      const extremes = word ? ',' : `${window.low[index]},${window.high[index]}`;
-      const seconds = time / NANOSECONDS_PER_SECOND;
-      const text = [quoted(window.name), window.unit, seconds, quoted(value), extremes, window.count[index]];
-      lines.push(text.join(','));
+      table.signal.push(window.name);
+      table.unit.push(window.unit);
+      table.time_s.push(time / NANOSECONDS_PER_SECOND);
+      table.value.push(isWord ? null : mean);
+      table.lowest.push(isWord ? null : (window.low[index] ?? null));
+      table.highest.push(isWord ? null : (window.high[index] ?? null));
+      table.word.push(isWord ? (window.words[mean] ?? '') : '');
+      table.samples.push(window.count[index] ?? 1);
     });
   }
-  return `${lines.join('\n')}\n`;
+  return table;
 }
 
-function quoted(text: string): string {
-  return /[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
+/** The samples of windows as rows for comma-separated values. */
+export function samplesRows(windows: readonly SignalWindow[]): (string | number | null)[][] {
+  const table = samplesTable(windows);
+  const rows = table.signal.map((signal, index) => [
+    signal,
+    table.unit[index] ?? '',
+    table.time_s[index] ?? null,
+    table.value[index] ?? table.word[index] ?? null,
+    table.lowest[index] ?? null,
+    table.highest[index] ?? null,
+    table.samples[index] ?? null,
+  ]);
+  return [['signal', 'unit', 'time_s', 'value', 'lowest', 'highest', 'samples'], ...rows];
 }

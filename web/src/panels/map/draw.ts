@@ -1,5 +1,6 @@
 /** Draws what moves, and all words, on a canvas above the map. */
 
+import type { Pen } from '../../files/vector';
 import type { LandingPlace } from '../../record/types';
 import { COLOURS, MONO, SANS, stateColour } from '../../theme/colours';
 import { drawAbove, drawBelow, drawDraft, type Layers } from './layers';
@@ -52,7 +53,7 @@ const LABEL_FONT = `600 11.5px ${SANS}`;
 const CORNER_PX = 290;
 const GRID_FONT = `11px ${MONO}`;
 
-export function draw(context: CanvasRenderingContext2D, scene: Scene, frame: Frame, project: Project): void {
+export function draw(context: Pen, scene: Scene, frame: Frame, project: Project): void {
   context.clearRect(0, 0, frame.width, frame.height);
   drawGraticule(context, frame, project);
   drawBelow(context, scene.layers, project);
@@ -61,12 +62,12 @@ export function draw(context: CanvasRenderingContext2D, scene: Scene, frame: Fra
   drawOutlines(context, scene, project);
   drawTrack(context, scene, project);
   drawAbove(context, scene.layers, project);
-  drawTargets(context, scene, project);
+  drawTargets(context, scene, frame, project);
   drawDraft(context, scene.layers, project);
   if (scene.aircraft) drawAircraft(context, scene.aircraft, scene.rotorcraft, project);
 }
 
-function drawGraticule(context: CanvasRenderingContext2D, frame: Frame, project: Project): void {
+function drawGraticule(context: Pen, frame: Frame, project: Project): void {
   const step = graticuleStep(frame.east - frame.west);
   context.font = GRID_FONT;
   context.fillStyle = COLOURS.faint;
@@ -91,7 +92,7 @@ function drawGraticule(context: CanvasRenderingContext2D, frame: Frame, project:
 }
 
 /** Zones that hold now and here are hatched, others outlined; the permitted area is a dashed line. */
-function drawZones(context: CanvasRenderingContext2D, zones: readonly ZoneView[], project: Project): void {
+function drawZones(context: Pen, zones: readonly ZoneView[], project: Project): void {
   context.strokeStyle = COLOURS.dim;
   context.lineWidth = 1;
   for (const zone of zones) {
@@ -112,7 +113,7 @@ function drawZones(context: CanvasRenderingContext2D, zones: readonly ZoneView[]
 }
 
 /** Parallel lines over the box of an outline. */
-function hatch(context: CanvasRenderingContext2D, line: readonly Position[], project: Project): void {
+function hatch(context: Pen, line: readonly Position[], project: Project): void {
   const points = line.map(project);
   const [left, right] = [Math.min(...points.map(at => at.x)), Math.max(...points.map(at => at.x))];
   const [top, bottom] = [Math.min(...points.map(at => at.y)), Math.max(...points.map(at => at.y))];
@@ -127,11 +128,7 @@ function hatch(context: CanvasRenderingContext2D, line: readonly Position[], pro
   context.stroke();
 }
 
-function drawLandingPlaces(
-  context: CanvasRenderingContext2D,
-  places: readonly LandingPlace[],
-  project: Project,
-): void {
+function drawLandingPlaces(context: Pen, places: readonly LandingPlace[], project: Project): void {
   context.strokeStyle = COLOURS.dim;
   context.lineWidth = 1.2;
   context.beginPath();
@@ -146,7 +143,7 @@ function drawLandingPlaces(
   context.stroke();
 }
 
-function drawOutlines(context: CanvasRenderingContext2D, scene: Scene, project: Project): void {
+function drawOutlines(context: Pen, scene: Scene, project: Project): void {
   context.lineWidth = 1;
   for (const target of scene.targets) {
     context.strokeStyle = context.fillStyle = stateColour(target.state);
@@ -161,7 +158,7 @@ function drawOutlines(context: CanvasRenderingContext2D, scene: Scene, project: 
   }
 }
 
-function drawTrack(context: CanvasRenderingContext2D, scene: Scene, project: Project): void {
+function drawTrack(context: Pen, scene: Scene, project: Project): void {
   const { positions, times } = scene.path;
   context.lineJoin = 'round';
   context.lineCap = 'round';
@@ -183,12 +180,7 @@ function drawTrack(context: CanvasRenderingContext2D, scene: Scene, project: Pro
   context.stroke();
 }
 
-function polyline(
-  context: CanvasRenderingContext2D,
-  line: readonly Position[],
-  count: number,
-  project: Project,
-): void {
+function polyline(context: Pen, line: readonly Position[], count: number, project: Project): void {
   context.beginPath();
   for (let index = 0; index < count; index += 1) {
     const { x, y } = project(line[index] as Position);
@@ -197,7 +189,7 @@ function polyline(
   }
 }
 
-function drawTargets(context: CanvasRenderingContext2D, scene: Scene, project: Project): void {
+function drawTargets(context: Pen, scene: Scene, frame: Frame, project: Project): void {
   const points = scene.targets.map(target => ({ target, ...project(target.position) }));
   const taken: Box[] = points.map(({ x, y }) => ({ x: x - 7, y: y - 7, width: 14, height: 14 }));
   if (scene.aircraft) {
@@ -211,7 +203,9 @@ function drawTargets(context: CanvasRenderingContext2D, scene: Scene, project: P
   context.textBaseline = 'middle';
   let lost = 0;
   const write = (text: string, x: number, y: number, colour: string): void => {
-    const box = placeLabel(x, y, context.measureText(text).width + 2, 13, taken);
+    // What lies outside of the picture has no label there, and needs none.
+    if (x < 0 || y < 0 || x > frame.width || y > frame.height) return;
+    const box = placeLabel(x, y, context.measureText(text).width + 2, 13, taken, frame);
     if (!box) {
       lost += 1;
       return;
@@ -239,13 +233,7 @@ function drawTargets(context: CanvasRenderingContext2D, scene: Scene, project: P
   context.textBaseline = 'alphabetic';
 }
 
-function drawSymbol(
-  context: CanvasRenderingContext2D,
-  target: TargetView,
-  x: number,
-  y: number,
-  selected: boolean,
-): void {
+function drawSymbol(context: Pen, target: TargetView, x: number, y: number, selected: boolean): void {
   const colour = stateColour(target.state);
   context.fillStyle =
     target.state === 'planned' || target.state === 'known' || target.state === 'skipped'
@@ -272,17 +260,12 @@ function drawSymbol(
   }
 }
 
-function circle(context: CanvasRenderingContext2D, x: number, y: number, radius: number): void {
+function circle(context: Pen, x: number, y: number, radius: number): void {
   context.beginPath();
   context.arc(x, y, radius, 0, 2 * Math.PI);
 }
 
-function drawAircraft(
-  context: CanvasRenderingContext2D,
-  aircraft: Aircraft,
-  rotorcraft: boolean,
-  project: Project,
-): void {
+function drawAircraft(context: Pen, aircraft: Aircraft, rotorcraft: boolean, project: Project): void {
   const { x, y } = project(aircraft.position);
   context.save();
   context.translate(x, y);
@@ -318,7 +301,7 @@ function drawAircraft(
 }
 
 /** A helicopter from above: cabin, boom with tail rotor, and the disc of the main rotor with its blades. */
-function drawRotor(context: CanvasRenderingContext2D): void {
+function drawRotor(context: Pen): void {
   const outline = (widen: number) => {
     context.beginPath();
     context.ellipse(0, -2, 3 + widen, 6 + widen, 0, 0, 2 * Math.PI);

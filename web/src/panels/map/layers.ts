@@ -1,5 +1,6 @@
 /** Draws what lies below the flown track: ground seen, reach, the replaced plan, weak links, winds, the user's layers. */
 
+import type { Pen } from '../../files/vector';
 import { COLOURS, MONO } from '../../theme/colours';
 import type { SeenPatch, UserLayer, WindArrow } from './air';
 import type { Project } from './draw';
@@ -25,7 +26,7 @@ export interface Layers {
 /** Pixels between two wind arrows. */
 const ARROW_GAP_PX = 46;
 
-export function drawBelow(context: CanvasRenderingContext2D, layers: Layers, project: Project): void {
+export function drawBelow(context: Pen, layers: Layers, project: Project): void {
   drawReach(context, layers.reach, project);
   drawUser(context, layers.user, project);
   drawSeen(context, layers.seen, project);
@@ -34,13 +35,13 @@ export function drawBelow(context: CanvasRenderingContext2D, layers: Layers, pro
 }
 
 /** What lies above the flown track. */
-export function drawAbove(context: CanvasRenderingContext2D, layers: Layers, project: Project): void {
+export function drawAbove(context: Pen, layers: Layers, project: Project): void {
   drawWeak(context, layers.weak, project);
   drawWinds(context, layers.winds, project);
 }
 
 /** The drawn plan lies above everything: the order of visits, numbered, with a triangle at one that cannot be made. */
-export function drawDraft(context: CanvasRenderingContext2D, layers: Layers, project: Project): void {
+export function drawDraft(context: Pen, layers: Layers, project: Project): void {
   if (layers.draft.length === 0) return;
   context.strokeStyle = COLOURS.text;
   context.lineWidth = 1.6;
@@ -71,7 +72,7 @@ export function drawDraft(context: CanvasRenderingContext2D, layers: Layers, pro
 }
 
 /** The track of the other record: thin, below the own one. */
-function drawOther(context: CanvasRenderingContext2D, way: readonly Position[], project: Project): void {
+function drawOther(context: Pen, way: readonly Position[], project: Project): void {
   context.strokeStyle = COLOURS.dim;
   context.lineWidth = 1.4;
   context.beginPath();
@@ -79,7 +80,7 @@ function drawOther(context: CanvasRenderingContext2D, way: readonly Position[], 
   context.stroke();
 }
 
-function trace(context: CanvasRenderingContext2D, line: readonly Position[], project: Project): void {
+function trace(context: Pen, line: readonly Position[], project: Project): void {
   line.forEach((position, index) => {
     const { x, y } = project(position);
     if (index === 0) context.moveTo(x, y);
@@ -88,11 +89,7 @@ function trace(context: CanvasRenderingContext2D, line: readonly Position[], pro
 }
 
 /** The outline of all circles together: within it a landing place is near enough. */
-function drawReach(
-  context: CanvasRenderingContext2D,
-  circles: readonly Position[][],
-  project: Project,
-): void {
+function drawReach(context: Pen, circles: readonly Position[][], project: Project): void {
   context.strokeStyle = COLOURS.rule;
   context.lineWidth = 1;
   context.setLineDash([1, 4]);
@@ -102,7 +99,7 @@ function drawReach(
   context.setLineDash([]);
 }
 
-function drawUser(context: CanvasRenderingContext2D, layers: readonly UserLayer[], project: Project): void {
+function drawUser(context: Pen, layers: readonly UserLayer[], project: Project): void {
   context.strokeStyle = COLOURS.user;
   context.fillStyle = COLOURS.user;
   context.lineWidth = 1.2;
@@ -117,7 +114,7 @@ function drawUser(context: CanvasRenderingContext2D, layers: readonly UserLayer[
   }
 }
 
-function drawSeen(context: CanvasRenderingContext2D, patches: readonly SeenPatch[], project: Project): void {
+function drawSeen(context: Pen, patches: readonly SeenPatch[], project: Project): void {
   for (const valid of [false, true]) {
     context.fillStyle = valid ? COLOURS.seen : COLOURS.band;
     for (const patch of patches) {
@@ -130,7 +127,7 @@ function drawSeen(context: CanvasRenderingContext2D, patches: readonly SeenPatch
   }
 }
 
-function drawGhost(context: CanvasRenderingContext2D, way: readonly Position[], project: Project): void {
+function drawGhost(context: Pen, way: readonly Position[], project: Project): void {
   context.strokeStyle = COLOURS.ghost;
   context.lineWidth = 1.5;
   context.setLineDash([1.5, 5]);
@@ -141,7 +138,7 @@ function drawGhost(context: CanvasRenderingContext2D, way: readonly Position[], 
 }
 
 /** A weak link is a dotted gap on the flown track: its colour is that of the ground. */
-function drawWeak(context: CanvasRenderingContext2D, ways: readonly Position[][], project: Project): void {
+function drawWeak(context: Pen, ways: readonly Position[][], project: Project): void {
   context.strokeStyle = COLOURS.sea;
   context.lineWidth = 3;
   context.setLineDash([2, 4]);
@@ -152,7 +149,7 @@ function drawWeak(context: CanvasRenderingContext2D, ways: readonly Position[][]
 }
 
 /** Arrows with the wind: they point to where it blows, with a feather for each 10 kt. */
-function drawWinds(context: CanvasRenderingContext2D, winds: readonly WindArrow[], project: Project): void {
+function drawWinds(context: Pen, winds: readonly WindArrow[], project: Project): void {
   context.strokeStyle = COLOURS.dim;
   context.lineWidth = 1.1;
   context.font = `11px ${MONO}`;

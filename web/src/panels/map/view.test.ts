@@ -129,6 +129,10 @@ describe('the picture', () => {
     expect(second?.x).toBe(-49);
     const wall = { x: -500, y: -500, width: 1000, height: 1000 };
     expect(placeLabel(0, 0, 40, 12, [wall])).toBeNull();
+    // A label is not cut by the edge of the map.
+    const room = { width: 100, height: 50 };
+    expect(placeLabel(90, 25, 40, 12, [], room)).toMatchObject({ x: 41 });
+    expect(placeLabel(50, 25, 120, 12, [], room)).toBeNull();
   });
 
   it('has a graticule for every scale', () => {

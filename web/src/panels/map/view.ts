@@ -230,13 +230,14 @@ export interface Box {
   height: number;
 }
 
-/** Where to write a label next to a symbol without covering what is written already; null when there is no space. */
+/** Where to write a label next to a symbol, inside the picture, without covering what is written already; null when there is no space. */
 export function placeLabel(
   x: number,
   y: number,
   width: number,
   height: number,
   taken: readonly Box[],
+  room?: { width: number; height: number },
 ): Box | null {
   const gap = 9;
   const places: Box[] = [
@@ -249,7 +250,9 @@ export function placeLabel(
     { x: x - gap + 2 - width, y: y - gap - height + 4, width, height },
     { x: x - gap + 2 - width, y: y + gap - 4, width, height },
   ];
-  return places.find(place => !taken.some(box => overlap(place, box))) ?? null;
+  const fits = ({ x: left, y: top }: Box) =>
+    !room || (left >= 0 && top >= 0 && left + width <= room.width && top + height <= room.height);
+  return places.find(place => fits(place) && !taken.some(box => overlap(place, box))) ?? null;
 }
 
 function overlap(a: Box, b: Box): boolean {

@@ -18,6 +18,7 @@ const RUN: Operation = {
     you: { name: 'this-machine', role: 'pilot-in-command' },
     yours: false,
     may_take: true,
+    stations: [],
   },
 };
 const SENT = {

@@ -1,5 +1,6 @@
 /** Draws the timeline on a canvas; the cursor lies above it as a separate element, so that it moves for nothing. */
 
+import type { Pen } from '../../files/vector';
 import type { Range } from '../../player/clock';
 import { COLOURS, MONO, SANS, stateColour } from '../../theme/colours';
 import { ticks } from '../../time/format';
@@ -50,7 +51,7 @@ export function lanesTop(visits: number, strips: number, gapPx = 0): number {
   return RAIL_PX + AXIS_PX + gapPx + (visits > 0 ? VISITS_PX : 0) + strips * STRIP_PX;
 }
 
-export function draw(context: CanvasRenderingContext2D, picture: Picture): void {
+export function draw(context: Pen, picture: Picture): void {
   context.clearRect(0, 0, picture.width, picture.height);
   context.textBaseline = 'middle';
   const top = lanesTop(picture.visits.length, picture.strips.length, picture.gapPx);
@@ -78,7 +79,7 @@ export function draw(context: CanvasRenderingContext2D, picture: Picture): void 
   line(context, NAMES_PX - 0.5, 0, NAMES_PX - 0.5, picture.height);
 }
 
-function line(context: CanvasRenderingContext2D, x0: number, y0: number, x1: number, y1: number): void {
+function line(context: Pen, x0: number, y0: number, x1: number, y1: number): void {
   context.strokeStyle = COLOURS.line;
   context.lineWidth = 1;
   context.beginPath();
@@ -88,7 +89,7 @@ function line(context: CanvasRenderingContext2D, x0: number, y0: number, x1: num
 }
 
 /** The lines of the time axis through all rows; below everything else. */
-function drawGrid(context: CanvasRenderingContext2D, picture: Picture): void {
+function drawGrid(context: Pen, picture: Picture): void {
   context.strokeStyle = COLOURS.graticule;
   context.lineWidth = 1;
   context.beginPath();
@@ -100,7 +101,7 @@ function drawGrid(context: CanvasRenderingContext2D, picture: Picture): void {
   context.stroke();
 }
 
-function drawAxis(context: CanvasRenderingContext2D, picture: Picture): void {
+function drawAxis(context: Pen, picture: Picture): void {
   const { scale, width } = picture;
   context.font = NUMBERS;
   context.fillStyle = COLOURS.dim;
@@ -112,7 +113,7 @@ function drawAxis(context: CanvasRenderingContext2D, picture: Picture): void {
 }
 
 /** Triangles at the times of failures and faults, with a count where they touch, and words next to the last ones. */
-function drawTroubles(context: CanvasRenderingContext2D, picture: Picture): void {
+function drawTroubles(context: Pen, picture: Picture): void {
   const total = picture.troubles.reduce((sum, mark) => sum + mark.troubles.length, 0);
   name(context, 'trouble', 8, RAIL_PX / 2, COLOURS.dim); // english: allow
   if (total > 0) {
@@ -142,7 +143,7 @@ function marks({ visible, width }: Picture): { atNs: number; label: string }[] {
   return ticks(visible.fromNs, visible.toNs, (width - NAMES_PX) / 90);
 }
 
-function drawVisits(context: CanvasRenderingContext2D, picture: Picture, y: number): void {
+function drawVisits(context: Pen, picture: Picture, y: number): void {
   const { scale, visible } = picture;
   name(context, 'target visits', 8, y + VISITS_PX / 2, COLOURS.dim);
   let free = NAMES_PX;
@@ -165,7 +166,7 @@ function drawVisits(context: CanvasRenderingContext2D, picture: Picture, y: numb
   }
 }
 
-function drawStrip(context: CanvasRenderingContext2D, picture: Picture, strip: Strip, y: number): void {
+function drawStrip(context: Pen, picture: Picture, strip: Strip, y: number): void {
   const points = lineOf(strip, picture.visible, picture.scale, y + 4, STRIP_PX - 7);
   context.save();
   context.beginPath();
@@ -189,7 +190,7 @@ function drawStrip(context: CanvasRenderingContext2D, picture: Picture, strip: S
   line(context, 0, y + STRIP_PX - 0.5, picture.width, y + STRIP_PX - 0.5);
 }
 
-function drawLane(context: CanvasRenderingContext2D, picture: Picture, lane: LaneRow): void {
+function drawLane(context: Pen, picture: Picture, lane: LaneRow): void {
   const indent = 8 + Math.min(lane.depth, 6) * 8;
   const count = lane.tasks > 1 ? ` ×${lane.tasks}` : '';
   name(context, lane.name + count, indent, lane.y + ROW_PX / 2, COLOURS.text);
@@ -211,7 +212,7 @@ function drawLane(context: CanvasRenderingContext2D, picture: Picture, lane: Lan
 }
 
 /** Dense stretches: a block for each pixel, as high as the share of time with work, and the number of intervals. */
-function drawBands(context: CanvasRenderingContext2D, picture: Picture, lane: LaneRow): void {
+function drawBands(context: Pen, picture: Picture, lane: LaneRow): void {
   const y = lane.y + (bandsApart(lane) ? lane.rows.length * ROW_PX : 0) + 2;
   const height = ROW_PX - 4;
   for (const run of densityOf(lane.bands, picture.visible, picture.atNs, picture.scale)) {
@@ -233,7 +234,7 @@ function drawBands(context: CanvasRenderingContext2D, picture: Picture, lane: La
   }
 }
 
-function name(context: CanvasRenderingContext2D, text: string, x: number, y: number, colour: string): void {
+function name(context: Pen, text: string, x: number, y: number, colour: string): void {
   context.font = FONT;
   context.fillStyle = colour;
   const room = NAMES_PX - x - 8;

@@ -6,7 +6,7 @@
 //! PDL: section 9, conflict.  Paper: section III, detecting and resolving conflicts.
 
 use crate::control::conflicts::competition::{has_begun, order_of};
-use crate::control::conflicts::priority::{self, PriorityChange};
+use crate::control::conflicts::priority::{self, PriorityChange, reads_variable};
 use crate::control::cycle::Cycle;
 use crate::state::agent::Agent;
 use crate::state::queue_place::{QueueKey, QueuePlace, RankAmong, RisingKey};
@@ -15,7 +15,7 @@ use crate::state::resource_id::ResourceId;
 use crate::state::step_clauses::StepClauses;
 use crate::state::task::{Origin, Task};
 use crate::state::waiting::Claim;
-use apex_model::expression::{Expr, ExprKind};
+use apex_model::expression::ExprKind;
 use apex_model::procedure::{PriorityClause, ProcedureKind, Step};
 use apex_model::task::{TaskId, TaskState};
 use std::iter::successors;
@@ -36,7 +36,8 @@ pub(crate) fn claim_of(cycle: &Cycle<'_>, id: TaskId, needs: &[Need]) -> Claim {
     let expected = agent.task(id).and_then(|task| task.selection.as_ref()?.expected);
     // Each resource of a claimant with several needs keeps all of them; a claimant with one need keeps none.
     let others = if needs.len() > 1 { needs.iter().map(|need| need.resource).collect() } else { Vec::new() };
-    Claim::Queued { place, varies, expected, others, by_rank }
+    let amount = needs.first().map_or(0.0, |need| need.amount);
+    Claim::Queued { place, varies, expected, amount, others, by_rank }
 }
 
 /// The places of the task among those below each ranked task above it, where ranks alone count.
@@ -154,15 +155,6 @@ impl<'a> Brings<'a> {
         let rank = priority::rank(agent, task.id, agent.now)?;
         self.rank = Some(RankAmong { parent: task.parent?, rank });
         Some(())
-    }
-}
-
-/// Is the expression a variable? None if it is neither that nor a constant.
-fn reads_variable(expr: &Expr) -> Option<bool> {
-    match expr.kind {
-        ExprKind::Constant(_) => Some(false),
-        ExprKind::Variable { .. } => Some(true),
-        _ => None,
     }
 }
 

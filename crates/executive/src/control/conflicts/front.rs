@@ -19,6 +19,7 @@ use crate::control::conflicts::sharing::{TOLERANCE, Use, UseKind};
 use crate::control::conflicts::{gaps, priority};
 use crate::control::cycle::Cycle;
 use crate::state::queue_place::QueueKey;
+use crate::state::resource::Resource;
 use crate::state::resource_id::ResourceId;
 use apex_model::task::TaskId;
 use apex_model::time::Time;
@@ -56,8 +57,8 @@ struct Front<'a, 'c> {
     queues: BTreeMap<ResourceId, Queue<'a>>,
     /// The first claimant of each queue that does not fit, with the resource.
     outside: Vec<(TaskId, ResourceId)>,
-    /// The order of a queue is that of ranks alone.
-    by_rank: bool,
+    /// The task below which ranks alone are the order of queues.
+    by_rank: Option<TaskId>,
 }
 
 /// A queue, as far as it was gone through.
@@ -73,13 +74,13 @@ impl<'a, 'c> Front<'a, 'c> {
     fn new(cycle: &'a Cycle<'c>, gone: BTreeSet<TaskId>) -> Front<'a, 'c> {
         let field = Field::brief(cycle);
         let (candidates, placed) = (BTreeSet::new(), BTreeSet::new());
-        Front { cycle, field, gone, candidates, placed, queues: BTreeMap::new(), outside: Vec::new(), by_rank: false }
+        Front { cycle, field, gone, candidates, placed, queues: BTreeMap::new(), outside: Vec::new(), by_rank: None }
     }
 
     /// Finds the claimants of a resource that could fit into it.
     fn look_at(&mut self, id: ResourceId) -> Option<()> {
         let resource = usable(self.cycle, id)?;
-        self.by_rank |= resource.waiting.is_by_rank();
+        self.meet_ranks(resource)?;
         let holders: Vec<Use> = resource
             .holders
             .iter()
@@ -112,6 +113,12 @@ impl<'a, 'c> Front<'a, 'c> {
         let heads: Vec<QueueKey> = turns.heads().collect();
         self.outside.extend(outside.into_iter().chain(heads).map(|key| (key.task(), id)));
         Some(())
+    }
+
+    /// None where the ranks of two queues are below separate tasks: then a claimant has a place in each.
+    fn meet_ranks(&mut self, resource: &Resource) -> Option<()> {
+        let Some(parent) = resource.waiting.ordered_below() else { return Some(()) };
+        (*self.by_rank.get_or_insert(parent) == parent).then_some(())
     }
 
     fn beaten(&self, claimant: &Claimant, id: ResourceId, holders: &[Use]) -> f64 {
@@ -147,7 +154,7 @@ impl<'a, 'c> Front<'a, 'c> {
             }
         }
         result.watched = self.watched(&result);
-        let has_order = result.displaced.is_empty() || !self.by_rank || self.all_need_one();
+        let has_order = result.displaced.is_empty() || self.by_rank.is_none() || self.all_need_one();
         has_order.then_some(result)
     }
 
@@ -164,7 +171,7 @@ impl<'a, 'c> Front<'a, 'c> {
     fn pass_until(&mut self, id: ResourceId, key: QueueKey) -> Option<()> {
         if !self.queues.contains_key(&id) {
             let resource = usable(self.cycle, id)?;
-            self.by_rank |= resource.waiting.is_by_rank();
+            self.meet_ranks(resource)?;
             let rest: Box<dyn Iterator<Item = QueueKey> + 'a> = Box::new(in_turn(self.cycle, &resource.waiting));
             self.queues.insert(id, Queue { rest: rest.peekable(), claimed: 0.0, last: None });
         }
@@ -201,7 +208,7 @@ impl<'a, 'c> Front<'a, 'c> {
             let rivals = || self.field.uses_of(*id).iter().filter(|each| each.task != *task);
             let any = resource.waiting.has_rising() || rivals().any(|each| moves(each.task));
             // No priority counts between ranks.
-            if !any || resource.waiting.is_by_rank() || result.granted.contains(task) {
+            if !any || resource.waiting.ordered_below().is_some() || result.granted.contains(task) {
                 continue;
             }
             let rival = |each: &Use| Rival {
@@ -247,7 +254,8 @@ impl<'a, 'c> Front<'a, 'c> {
             if waits && used < resource.total - TOLERANCE {
                 let expected = |each: &&Claimant| agent.task(each.id)?.selection.as_ref()?.expected;
                 let known = losers.iter().filter_map(expected);
-                shortest = [shortest, waiting.shortest()].into_iter().flatten().chain(known).min();
+                let fitting = waiting.shortest(resource.total - used + TOLERANCE);
+                shortest = [shortest, fitting].into_iter().flatten().chain(known).min();
             }
             let matters = |id: &ResourceId| {
                 agent.resources.get(*id).is_some_and(|other| other.waiting.len() > 1 || !other.holders.is_empty())

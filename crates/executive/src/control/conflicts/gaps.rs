@@ -130,13 +130,15 @@ impl<'a, 'c> ClaimOrder<'a, 'c> {
             let awaited = self.field.uses_of(*id).iter().filter(|each| matches!(each.kind, UseKind::Awaited(_)));
             let awaited: f64 = awaited.map(|each| each.amount).sum();
             if taken < resource.total - TOLERANCE {
-                room.insert(*id, taken + awaited < resource.total - TOLERANCE);
+                let free = resource.total - taken + TOLERANCE;
+                room.insert(*id, (free, taken + awaited < resource.total - TOLERANCE));
             }
         }
         let is_open = |id: &ResourceId, resource: &Resource| {
-            resource.waiting.together().any(|(others, shortest)| {
+            let free = room.get(id).map_or(0.0, |(free, _)| *free);
+            resource.waiting.together(free).any(|(others, shortest)| {
                 let mut all = others.iter().chain([id]);
-                let unclaimed = others.iter().chain([id]).all(|each| room.get(each) == Some(&true));
+                let unclaimed = others.iter().chain([id]).all(|each| room.get(each).is_some_and(|room| room.1));
                 let fits = |(latest, shortest): (Time, _)| self.cycle.now + shortest <= latest;
                 all.all(|each| room.contains_key(each)) && (unclaimed || latest.zip(shortest).is_some_and(fits))
             })

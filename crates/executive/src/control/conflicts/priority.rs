@@ -160,9 +160,22 @@ fn recovery_span(agent: &Agent, task: &Task) -> Option<(Time, Duration)> {
     }
 }
 
+/// Does arithmetic read a variable? None if the value of the expression depends on anything else than variables.
+pub(crate) fn reads_variable(expr: &Expr) -> Option<bool> {
+    const ARITHMETIC: [&str; 7] = ["+", "-", "*", "/", "min", "max", "abs"];
+    match &expr.kind {
+        ExprKind::Constant(_) => Some(false),
+        ExprKind::Variable { .. } => Some(true),
+        ExprKind::Call { function, arguments } if ARITHMETIC.iter().any(|name| function.is(name)) => {
+            arguments.iter().try_fold(false, |reads, argument| Some(reads | reads_variable(argument)?))
+        }
+        _ => None,
+    }
+}
+
 /// True when what the task brings to a conflict may depend on what is measured, or on the states of tasks.
 pub(crate) fn reads_inputs(agent: &Agent, id: TaskId) -> bool {
-    let computed = |expr: &Expr| !matches!(expr.kind, ExprKind::Constant(_) | ExprKind::Variable { .. });
+    let computed = |expr: &Expr| reads_variable(expr).is_none();
     cost_clause(agent, id).is_some_and(|(expr, _)| computed(expr))
         || clauses_above(agent, id).any(|(_, clause)| match clause {
             PriorityClause::Number(expr) => computed(expr),

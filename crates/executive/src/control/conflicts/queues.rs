@@ -38,6 +38,12 @@ pub(crate) fn is_queued(cycle: &Cycle<'_>, id: ResourceId) -> bool {
     holders.all(|holding| !may_stand_for_others(cycle, holding.task, resource, ranked))
 }
 
+/// True if ranks alone put claimants and holders of the resource in order.
+pub(crate) fn is_by_rank(cycle: &Cycle<'_>, id: ResourceId) -> bool {
+    let resource = cycle.agent.resources.get(id);
+    resource.is_some_and(|resource| !resource.waiting.all_in_queues()) && is_queued(cycle, id)
+}
+
 /// True if the holder holds nothing for its steps, and no task above it waits for the resource or holds it.
 fn is_alone(agent: &Agent, resource: &Resource, holder: TaskId) -> bool {
     let holder = agent.task(holder);
@@ -49,7 +55,7 @@ fn is_alone(agent: &Agent, resource: &Resource, holder: TaskId) -> bool {
 }
 
 /// True if the rank below `parent` decides between each holder and each claimant.
-pub(crate) fn are_below(agent: &Agent, resource: &Resource, parent: TaskId) -> bool {
+fn are_below(agent: &Agent, resource: &Resource, parent: TaskId) -> bool {
     resource.holders.iter().all(|holding| {
         let rank = claim_queue::fixed_ranks(agent, holding.task).find(|rank| rank.parent == parent);
         rank.is_some_and(|rank| !resource.waiting.has_rank(rank))
@@ -95,7 +101,7 @@ pub(crate) fn key_of_loser(cycle: &Cycle<'_>, loss: &LostConflict) -> Option<Que
     let Claim::Queued { place, by_rank, .. } = claim_queue::claim_of(cycle, loss.loser, &claimant.needs) else {
         return None;
     };
-    if cycle.agent.resources.get(loss.resource)?.waiting.is_by_rank() {
+    if cycle.agent.resources.get(loss.resource)?.waiting.ordered_below().is_some() {
         return by_rank.into_iter().find(|key| ranks_among_all(cycle, &claimant, key));
     }
     match place? {
@@ -112,8 +118,7 @@ fn ranks_among_all(cycle: &Cycle<'_>, claimant: &Claimant, key: &QueueKey) -> bo
     let Some(rank) = key.rank else { return false };
     let mut needed = claimant.needs.iter().filter_map(|need| cycle.agent.resources.get(need.resource));
     needed.all(|Resource { waiting, .. }| {
-        let alone = waiting.is_by_rank() && waiting.parent_of_ranks() == Some(rank.parent) && !waiting.has_rank(rank);
-        waiting.is_empty() || alone
+        waiting.is_empty() || waiting.ordered_below() == Some(rank.parent) && !waiting.has_rank(rank)
     })
 }
 

@@ -1,16 +1,14 @@
-//! The story of a flight, and the rules that it must keep.
+//! The story of a flight, as its steps tell it.
 
 use apex_executive::state::agent::Agent;
-use apex_mission::verification::CheckResult;
 use apex_model::effect::Effect;
 use apex_model::event::{Batch, EventKind};
 use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_runtime::ports::{Deliberator, Observer};
-use apex_runtime::{EndReason, RunEnd};
 use apex_spec::reasons::Asker;
-use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
+use std::path::Path;
 
 /// Steps between two questions to all tasks: they are asked at each step in the first minutes, where most begins.
 const ASKED_EVERY: u64 = 20;
@@ -41,23 +39,41 @@ const REPORTS: [&str; 22] = [
     "camera-hot",
 ];
 
+/// A failure of the vehicle: its kind, what it concerns, and when it began and ended.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct FaultSpan {
+    pub(crate) kind: String,
+    pub(crate) of: String,
+    pub(crate) from_s: f64,
+    pub(crate) until_s: f64,
+}
+
 /// A flight as its steps tell it.
 #[derive(Default)]
 pub(crate) struct Story {
+    /// The mission's folder, which places in messages name: another one for each flight.
+    folder: String,
     pub(crate) steps: u64,
-    /// Failures that began, by kind, with the instant of the first.
-    pub(crate) faults: BTreeMap<String, f64>,
+    /// Failures in the order in which they began.
+    pub(crate) faults: Vec<FaultSpan>,
     /// Those messages with their instants.
     pub(crate) reported: Vec<(f64, String)>,
-    asker: Asker,
+    pub(crate) asker: Asker,
     pub(crate) landed: bool,
     pub(crate) crashed: bool,
     pub(crate) exhausted: bool,
-    airborne: bool,
+    pub(crate) airborne: bool,
+    /// Instants of the first crash and of the end of its energy.
+    pub(crate) lost_s: Option<f64>,
     hasher: DefaultHasher,
 }
 
 impl Story {
+    /// The story of a flight of the mission in `folder`.
+    pub(crate) fn of(folder: &Path) -> Story {
+        Story { folder: folder.display().to_string(), ..Story::default() }
+    }
+
     /// Digest of all batches and effects.
     pub(crate) fn digest(&self) -> u64 {
         self.hasher.finish()
@@ -76,20 +92,31 @@ impl Story {
 impl Observer for Story {
     fn observe(&mut self, batch: &Batch, effects: &[Effect]) -> Result<(), String> {
         self.steps += 1;
-        format!("{batch:?}{effects:?}").hash(&mut self.hasher);
+        format!("{batch:?}{effects:?}").replace(&self.folder, "").hash(&mut self.hasher);
         let at_s = batch.now.seconds();
         for event in &batch.events {
             let EventKind::Occurrence(form) = &event.kind else { continue };
             let Some([Value::Symbol(head), rest @ ..]) = form.as_list() else { continue };
             match head.folded() {
                 "truth-fault" => {
-                    let kind = rest.first().map(Value::to_string).unwrap_or_default();
-                    self.faults.entry(kind).or_insert(at_s);
+                    let (kind, of) = (word(rest.first()), word(rest.get(1)));
+                    self.faults.push(FaultSpan { kind, of, from_s: at_s, until_s: f64::INFINITY });
+                }
+                "truth-fault-over" => {
+                    let (kind, of) = (word(rest.first()), word(rest.get(1)));
+                    let open = self.faults.iter_mut().rev().find(|span| span.kind == kind && span.of == of);
+                    open.into_iter().for_each(|span| span.until_s = at_s);
                 }
                 "airborne" => (self.airborne, self.landed) = (true, false),
                 "landed" => (self.airborne, self.landed) = (false, true),
-                "crashed" => (self.airborne, self.crashed) = (false, true),
-                "fuel-exhausted" => self.exhausted = true,
+                "crashed" => {
+                    (self.airborne, self.crashed) = (false, true);
+                    self.lost_s.get_or_insert(at_s);
+                }
+                "fuel-exhausted" => {
+                    self.exhausted = true;
+                    self.lost_s.get_or_insert(at_s);
+                }
                 _ => {}
             }
         }
@@ -110,36 +137,6 @@ impl Observer for Story {
     }
 }
 
-/// The rules that a flight broke.
-pub(crate) fn broken(story: &Story, end: &RunEnd, check: &CheckResult) -> Vec<String> {
-    let mut rules = Vec::new();
-    if let Some(first) = story.asker.missing().first() {
-        rules.push(format!("a task is silent: {first} ({} in all)", story.asker.missing().len()));
-    }
-    if matches!(end.reason, EndReason::Quiescent | EndReason::Stopped) {
-        rules.push(format!("it ended as {}", end.reason.text()));
-    }
-    let began = |kind: &str| story.faults.contains_key(kind);
-    // Without engine or energy a landing may fail; with wrong readings a flight may meet the ground.
-    let lost = ["engine", "leak", "navigation", "freeze", "silence", "bias", "acknowledgements"];
-    // A command that is never acknowledged, or cannot be carried out, fails the task that waits for it.
-    if let EndReason::Application(reason) = &end.reason
-        && reason.contains("failed")
-        && !lost.iter().any(|kind| began(kind))
-    {
-        rules.push(format!("at {:.0} s: {reason}", end.at.seconds()));
-    }
-    if story.crashed && !lost.iter().any(|kind| began(kind)) && !story.exhausted {
-        rules.push(format!("it crashed without a failure: {:?}", story.faults));
-    }
-    if story.exhausted && !began("leak") && story.reported.is_empty() {
-        rules.push("its energy ran out, and nothing was reported".to_string());
-    }
-    if (story.crashed || story.exhausted) && story.reported.is_empty() {
-        rules.push(format!("it was lost, and no task reported it: {:?}", story.faults));
-    }
-    if check.violations() > 0 && check.said_broken.is_empty() && story.reported.is_empty() {
-        rules.push(format!("requirements were violated, and no task reported it: {check}"));
-    }
-    rules
+fn word(value: Option<&Value>) -> String {
+    value.map(Value::to_string).unwrap_or_default()
 }

@@ -1,0 +1,131 @@
+//! The rules that a flight must keep.
+//!
+//! A failure excuses nothing by having begun at some time: it must explain what happened, at the time at which it happened.
+
+use crate::story::{FaultSpan, Story};
+use apex_mission::verification::{CheckResult, Finding, Violation};
+use apex_runtime::{EndReason, RunEnd};
+
+/// A violation must have been announced at most this long before it begins: the look-ahead of the watcher, and the time that a response
+/// takes.
+const ANNOUNCED_S_MAX: f64 = 900.0;
+/// A way that leads through a zone is announced when it is chosen.
+const CHOSEN_S_MAX: f64 = 7_200.0;
+/// Violations of one requirement at most this far apart are one.
+const EPISODE_GAP_S: f64 = 60.0;
+/// False positions have effects for this long: the jump back, and the way chosen by them.
+const FALSE_POSITION_S: f64 = 120.0;
+/// A report that explains the end of a flight, or its loss, came at most this long before.
+const EXPLAINED_S_MAX: f64 = 3_600.0;
+
+/// The rules that a flight broke.
+pub(crate) fn broken(story: &Story, end: &RunEnd, check: &CheckResult) -> Vec<String> {
+    let mut rules = Vec::new();
+    if let Some(first) = story.asker.missing().first() {
+        rules.push(format!("a task is silent: {first} ({} in all)", story.asker.missing().len()));
+    }
+    if matches!(end.reason, EndReason::Quiescent | EndReason::Stopped) {
+        rules.push(format!("it ended as {}", end.reason.text()));
+    }
+    rules.extend(end_explained(story, end));
+    rules.extend(loss_explained(story));
+    rules.extend(episodes(check).iter().filter_map(|episode| unannounced(story, check, episode)));
+    rules
+}
+
+/// An application that ends leaves no vehicle in the air, and an initial task fails for a reason that was reported.
+fn end_explained(story: &Story, end: &RunEnd) -> Vec<String> {
+    let EndReason::Application(reason) = &end.reason else { return Vec::new() };
+    let end_s = end.at.seconds();
+    let mut rules = Vec::new();
+    if story.airborne {
+        rules.push(format!("at {end_s:.0} s it ended in the air: {reason}"));
+    }
+    let reported = story.reported.iter().any(|(at_s, _)| *at_s <= end_s && end_s - at_s <= EXPLAINED_S_MAX);
+    if reason.contains("failed") && !reported {
+        rules.push(format!("at {end_s:.0} s, without a report before: {reason}"));
+    }
+    rules
+}
+
+/// A vehicle is lost by what can lose it, and says so before.
+fn loss_explained(story: &Story) -> Option<String> {
+    let lost_s = story.lost_s?;
+    // Without engine or energy a landing may fail; with wrong readings, or without acknowledgements, a flight may meet the ground.
+    let can_lose = |span: &&FaultSpan| match span.kind.as_str() {
+        "engine" | "leak" | "navigation" | "acknowledgements" => true,
+        "freeze" | "silence" | "bias" => {
+            ["altitude", "location", "fuel", "battery-charge", "true-airspeed", "ground-speed"]
+                .contains(&span.of.as_str())
+        }
+        _ => false,
+    };
+    let causes = story.faults.iter().filter(|span| span.from_s <= lost_s && lost_s - span.until_s <= EXPLAINED_S_MAX);
+    if causes.filter(can_lose).next().is_none() {
+        return Some(format!("at {lost_s:.0} s it was lost without a failure that can cause it: {:?}", story.faults));
+    }
+    let reported = story.reported.iter().any(|(at_s, _)| *at_s <= lost_s && lost_s - at_s <= EXPLAINED_S_MAX);
+    (!reported).then(|| format!("at {lost_s:.0} s it was lost, and no task reported it before: {:?}", story.faults))
+}
+
+/// Violations of one requirement that follow each other: the first of them.
+fn episodes(check: &CheckResult) -> Vec<&Finding> {
+    let mut begins: Vec<&Finding> = Vec::new();
+    let mut last: Vec<(&Violation, f64)> = Vec::new();
+    for finding in &check.findings {
+        match last.iter_mut().find(|(violation, _)| **violation == finding.violation) {
+            Some((_, at_s)) if finding.t_s - *at_s <= EPISODE_GAP_S => *at_s = finding.t_s,
+            Some((_, at_s)) => {
+                *at_s = finding.t_s;
+                begins.push(finding);
+            }
+            None => {
+                last.push((&finding.violation, finding.t_s));
+                begins.push(finding);
+            }
+        }
+    }
+    begins
+}
+
+/// A violation that no message named before it began, and that no failure explains.
+fn unannounced(story: &Story, check: &CheckResult, episode: &Finding) -> Option<String> {
+    let begin_s = episode.t_s;
+    let before = |at_s: f64, most_s: f64| at_s <= begin_s && begin_s - at_s <= most_s;
+    let (requirement, zone) = match &episode.violation {
+        Violation::Inside(zone) => ("airspace", Some(zone.as_str())),
+        Violation::OutsidePermitted => ("airspace", None),
+        Violation::NearGround => ("terrain", None),
+        Violation::BeyondLandingDistance => ("landing-distance", None),
+    };
+    let named = |text: &str| {
+        let words = format!("(responding {requirement} ");
+        let failed = format!("(response-failed {requirement} ");
+        (text.starts_with(&words) && zone.is_none_or(|zone| text.contains(zone))) || text.starts_with(&failed)
+    };
+    let announced = story.reported.iter().any(|(at_s, text)| before(*at_s, ANNOUNCED_S_MAX) && named(text));
+    let name = episode.violation.requirement();
+    let chosen = check.said_broken.iter().any(|(at_s, words)| before(*at_s, CHOSEN_S_MAX) && words.contains(name));
+    // False positions prove nothing; a glide goes where it must.
+    let is_false = story.faults.iter().any(|span| {
+        let concerns = span.kind == "navigation"
+            || (["freeze", "silence"].contains(&span.kind.as_str())
+                && ["location", "altitude"].contains(&span.of.as_str()));
+        concerns && span.from_s <= begin_s && begin_s <= span.until_s + FALSE_POSITION_S
+    });
+    let glides =
+        story.faults.iter().any(|span| span.kind == "engine" && (span.from_s..=span.until_s).contains(&begin_s))
+            && story.reported.iter().any(|(at_s, text)| before(*at_s, CHOSEN_S_MAX) && text.starts_with("(engine-out"));
+    (!announced && !chosen && !is_false && !glides).then(|| {
+        let all = story
+            .reported
+            .iter()
+            .filter(|(at_s, _)| before(*at_s, CHOSEN_S_MAX))
+            .map(|(at_s, text)| format!("{at_s:.0} {text}"));
+        let last: Vec<String> = all.collect::<Vec<_>>().into_iter().rev().take(3).collect();
+        format!(
+            "at {begin_s:.0} s {:?} was not announced; last said {last:?}; faults {:?}",
+            episode.violation, story.faults
+        )
+    })
+}

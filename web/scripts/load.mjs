@@ -1,0 +1,127 @@
+// Measures the server on a large record, with ten clients that ask at the same time:
+// node scripts/load.mjs APEX RECORD [SECONDS]
+// Makes the record first if it does not exist: 100 steps that repeat, a million intervals, ten signals at 10 Hz; about 1 GB.
+
+import { spawn } from 'node:child_process';
+import { createWriteStream, existsSync, mkdtempSync, statSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+
+const [apex, record, seconds = '20'] = process.argv.slice(2);
+if (!apex || !record) {
+  console.error('usage: node scripts/load.mjs APEX RECORD [SECONDS]');
+  process.exit(2);
+}
+const [LANES, MISSION_S, CLIENTS] = [100, 10_000, 10];
+/** The bars of the design: p95 of any query, and of any instant restored, and the first page. */
+const [BAR_MS, RESTORED_MS, FIRST_MS] = [100, 200, 2000];
+
+if (!existsSync(record)) await makeRecord();
+const server = spawn(apex, ['serve', record, '--port', '0'], { stdio: ['ignore', 'pipe', 'inherit'] });
+const url = await new Promise((resolve, reject) => {
+  server.on('exit', code => reject(new Error(`the server ended with ${code}`)));
+  server.stdout.on('data', data => {
+    const found = /http:\/\/[^\s/]+/.exec(String(data));
+    if (found) resolve(found[0]);
+  });
+});
+try {
+  await measure();
+} finally {
+  server.kill('SIGTERM');
+}
+
+async function measure() {
+  const { end_ns: end } = await ask('mission');
+  const first = performance.now();
+  // What the page asks before its first drawing, at the end of the record.
+  const at = `at=${end}`;
+  const what = [
+    `mission?${at}`,
+    `targets?${at}`,
+    `plan?${at}`,
+    `troubles?${at}`,
+    `report?${at}`,
+    'surroundings',
+    'track',
+  ]; // english: allow
+  await Promise.all([...what, `tasks?${at}`, `timeline?${at}`, `events?to=${end}`].map(ask));
+  const firstMs = performance.now() - first;
+  const took = new Map();
+  const until = performance.now() + Number(seconds) * 1000;
+  const one = async () => {
+    while (performance.now() < until) {
+      const [name, query] = randomQuery(end);
+      const begin = performance.now();
+      await ask(query);
+      took.set(name, [...(took.get(name) ?? []), performance.now() - begin]);
+    }
+  };
+  await Promise.all(Array.from({ length: CLIENTS }, one));
+  console.log(`record of ${(statSync(record).size / 1e9).toFixed(2)} GB, ${CLIENTS} clients`);
+  console.log(`first page ${firstMs.toFixed(0)} ms (bar ${FIRST_MS} ms)`);
+  for (const [name, times] of took) {
+    times.sort((a, b) => a - b);
+    const share = part => times[Math.min(Math.floor(times.length * part), times.length - 1)].toFixed(0);
+    const bar = name === 'restored' ? RESTORED_MS : BAR_MS;
+    console.log(
+      `${name}: ${times.length} times, median ${share(0.5)} ms, p95 ${share(0.95)} ms (bar ${bar} ms)`,
+    );
+  }
+}
+
+function randomQuery(end) {
+  const at = Math.floor(Math.random() * end);
+  const from = Math.floor(Math.random() * at);
+  const window = `from=${from}&to=${Math.max(at, from + 1)}&at=${at}&px=1000`;
+  const queries = [
+    ['timeline', `timeline?${window}`],
+    ['timeline, zoomed', `timeline?from=${Math.max(at - 60e9, 0)}&to=${at}&at=${at}&px=1000`],
+    ['signals', `samples?names=(signal-1 aircraft-1),(signal-2 aircraft-1)&${window}`],
+    ['events', `events?from=${from}&to=${at}`],
+    ['search', `events?to=${at}&find=work ${Math.floor(Math.random() * LANES)}`],
+    ['tasks', `tasks?at=${at}`],
+    ['mission', `mission?at=${at}`],
+    ['failures', `troubles?at=${at}`], // english: allow
+    ['holdings', `holdings?${window.replace('&px=1000', '')}`],
+    ['restored', `monitors?at=${at}`],
+  ];
+  return queries[Math.floor(Math.random() * queries.length)];
+}
+
+async function ask(query) {
+  const response = await fetch(`${url}/api/${query}`);
+  if (!response.ok) throw new Error(`${query}: ${response.status} ${await response.text()}`);
+  return response.json();
+}
+
+async function makeRecord() {
+  const folder = mkdtempSync(join(tmpdir(), 'apex-load-'));
+  const steps = Array.from(
+    { length: LANES },
+    (_, lane) => `  (step lane-${lane} (work ${lane}) (waitfor (tick ${lane % 10})) (repeating))`,
+  );
+  const program = join(folder, 'load.pdl');
+  const work = '(primitive (index (work ?lane)) (duration 350ms))';
+  writeFileSync(
+    program,
+    `(procedure (index (do-domain))\n${steps.join('\n')}\n  (step finish (terminate) (waitfor (enough))))\n${work}\n`,
+  );
+  const inputs = join(folder, 'inputs.jsonl');
+  const file = createWriteStream(inputs);
+  for (let tick = 0; tick < MISSION_S * 10; tick += 1) {
+    const t = tick / 10;
+    const lines = [`{"t":${t},"event":"(tick ${tick % 10})"}`];
+    for (let signal = 0; signal < 10; signal += 1) {
+      const value = (10 * Math.sin(tick * 0.01 * (signal + 1))).toFixed(4);
+      lines.push(`{"t":${t},"event":"((signal-${signal} aircraft-1) = ${value})"}`);
+    }
+    if (!file.write(`${lines.join('\n')}\n`)) await new Promise(resolve => file.once('drain', resolve));
+  }
+  file.end(`{"t":${MISSION_S + 1},"event":"(enough)"}\n`);
+  await new Promise(resolve => file.once('finish', resolve));
+  const run = spawn(apex, ['run', program, '--inputs', inputs, '--record', record], { stdio: 'ignore' });
+  await new Promise((resolve, reject) =>
+    run.on('exit', code => (code === 0 ? resolve() : reject(new Error(`apex run ended with ${code}`)))),
+  );
+}
