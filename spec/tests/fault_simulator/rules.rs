@@ -48,7 +48,7 @@ fn end_explained(story: &Story, end: &RunEnd) -> Vec<String> {
     rules
 }
 
-/// A vehicle is lost by what can lose it, and says so before.
+/// Every loss of a vehicle has a known cause, and the vehicle reports that cause before the loss.
 fn loss_explained(story: &Story) -> Option<String> {
     let lost_s = story.lost_s?;
     // Without engine or energy a landing may fail; with wrong readings, or without acknowledgements, a flight may meet the ground.
