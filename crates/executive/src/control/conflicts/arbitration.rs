@@ -15,7 +15,7 @@ pub(crate) struct Arbitration {
     /// Claimants that get all they need.
     pub(crate) granted: Vec<TaskId>,
     /// Holders that lose what they hold.
-    pub(crate) displaced: Vec<LostConflict>,
+    pub(crate) displaced: Vec<Defeat>,
     /// Claimants that get nothing, holders that were displaced among them.
     pub(crate) refused: Vec<Refusal>,
     /// Claimants whose needs can never be met: resource, need, what there is.
@@ -41,7 +41,7 @@ impl Arbitration {
 
 /// A conflict lost.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct LostConflict {
+pub(crate) struct Defeat {
     /// The loser.
     pub(crate) loser: TaskId,
     /// Over what.
@@ -62,7 +62,7 @@ pub(crate) struct LostConflict {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Refusal {
     /// The conflict that is reported.
-    pub(crate) loss: LostConflict,
+    pub(crate) loss: Defeat,
     /// Tasks whose priorities count for the loser: itself, and those that it precedes.
     pub(crate) stands_for: Rc<[TaskId]>,
     /// All tasks that block it: at least one of them would have to yield.
