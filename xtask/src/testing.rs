@@ -14,11 +14,11 @@ struct CargoMessage {
     reason: String,
     executable: Option<String>,
     manifest_path: Option<String>,
-    profile: Option<Profile>,
+    profile: Option<ArtifactProfile>,
 }
 
 #[derive(Deserialize)]
-struct Profile {
+struct ArtifactProfile {
     test: bool,
 }
 

@@ -116,7 +116,7 @@ impl Vehicle for NoVehicle {
                 _ => {}
             }
         }
-        // A command whose progress the inputs report ends when they report its end.
+        // A command whose progress comes as inputs ends by an input.
         if !goes_on {
             self.report(at, EventKind::CommandAcknowledged(command, Ok(Value::nil())));
         }
@@ -141,6 +141,6 @@ pub struct NoDeliberator;
 
 impl Deliberator for NoDeliberator {
     fn pose(&mut self, request: &SolveRequest, _: Time) -> Posed {
-        Posed::failed(format!("no planner is available for {} without a mission", request.goal))
+        Posed::failed(format!("no planner is at hand for {} without a mission", request.goal))
     }
 }

@@ -1,6 +1,7 @@
 //! Second derivation of the causes for which tasks are created, enabled, chosen, granted, refused and interrupted.
 
 use super::evidence::{self, ends_in, moves, require};
+use super::violations;
 use super::world::{Known, World};
 use super::{Step, ends, probing};
 use apex_model::because::{Because, Cause, ConflictRule, Share, Strength};
@@ -18,7 +19,10 @@ pub(super) fn check(world: &World<'_>, step: &Step, index: usize, effect: &Effec
         _ => return Ok(()),
     };
     let Some(id) = decision.task else { return ends::of_nobody(world, step, because) };
-    evidence::check(world, step, id, because)?;
+    match because.cause {
+        Cause::ConditionViolated { .. } => violations::check(world, step, id, because)?,
+        _ => evidence::check(world, step, id, because)?,
+    }
     let scene = Scene { world, step, index, id, because };
     match &decision.kind {
         DecisionKind::Created { parent, .. } => scene.created(*parent),

@@ -3,9 +3,8 @@
 use super::Step;
 use super::numbers;
 use super::thresholds::Thresholds;
-use super::violations;
 use super::world::World;
-use apex_model::because::{Because, Cause, Evidence};
+use apex_model::because::{Because, Evidence};
 use apex_model::condition::{Condition, ConditionKind, Constraint, MeasurementCondition, Relation};
 use apex_model::effect::{DecisionKind, Effect};
 use apex_model::pattern::Pattern;
@@ -17,9 +16,6 @@ use apex_model::value::Value;
 /// Looks for all evidence of `because`, which `task` may use.
 pub(super) fn check(world: &World<'_>, step: &Step, task: TaskId, because: &Because) -> Result<(), String> {
     let conditions = because.place.map(|place| conditions_at(world, place)).unwrap_or_default();
-    if let Cause::ConditionViolated { .. } = because.cause {
-        return violations::check(world, step, task, because, &conditions);
-    }
     let mut leaves = Vec::new();
     conditions.iter().for_each(|condition| collect(condition, &mut leaves));
     for evidence in because.evidence.iter() {
@@ -250,7 +246,7 @@ fn collect<'a>(condition: &'a Condition, leaves: &mut Vec<&'a ConditionKind>) {
 }
 
 /// The condition at `place`, with those of its waitfor that hold together with it: they are reported as one.
-fn conditions_at<'a>(world: &World<'a>, place: Place) -> Vec<&'a Condition> {
+pub(super) fn conditions_at<'a>(world: &World<'a>, place: Place) -> Vec<&'a Condition> {
     let library = world.library;
     let at = |condition: &&Condition| condition.place == place;
     let mut steps = library.procedures.iter().flat_map(|procedure| &procedure.steps);

@@ -1,7 +1,7 @@
 //! Was it false? A `precondition` or `invariant` that does not hold rests on facts that make it false, or on what is not known.
 
 use super::Step;
-use super::evidence::{holds_of, in_time, is_of, one, require, was_measured};
+use super::evidence::{conditions_at, holds_of, in_time, is_of, one, require, was_measured};
 use super::thresholds::Thresholds;
 use super::world::World;
 use apex_model::because::{Because, Evidence};
@@ -9,13 +9,8 @@ use apex_model::condition::{Condition, ConditionKind};
 use apex_model::task::TaskId;
 
 /// Looks for all evidence that the conditions, of which one does not hold, do not.
-pub(super) fn check(
-    world: &World<'_>,
-    step: &Step,
-    task: TaskId,
-    because: &Because,
-    conditions: &[&Condition],
-) -> Result<(), String> {
+pub(super) fn check(world: &World<'_>, step: &Step, task: TaskId, because: &Because) -> Result<(), String> {
+    let conditions = because.place.map(|place| conditions_at(world, place)).unwrap_or_default();
     let mut leaves = Vec::new();
     conditions.iter().for_each(|condition| collect(condition, false, &mut leaves));
     require(!because.evidence.is_empty(), "nothing says why it does not hold")?;
@@ -51,7 +46,7 @@ fn fact(
                 matches!(leaf, ConditionKind::Function(_)) && value.is_true() == *truth
             };
             require(leaves.iter().any(decides), "it does not make the condition false")?;
-            require(*at == world.now, "it is evidence of another instant")
+            require(*at == world.now, "its instant is not the present")
         }
         Evidence::TaskState { .. } => {
             let about = |(leaf, _): &(&ConditionKind, bool)| {
