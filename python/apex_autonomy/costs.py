@@ -56,7 +56,7 @@ def _visit(visit: Any) -> tuple[str, float]:
     except (TypeError, KeyError, ValueError) as error:
         raise InputError(f"a visit is {visit!r}, which has no `target` and `end_s`: {error!r}") from error
     if not isinstance(target, str):
-        raise InputError(f"a visit is {visit!r}, whose `target` is no name")
+        raise InputError(f"a visit is {visit!r}, whose `target` is not a name")
     return target, end_s
 
 

@@ -188,12 +188,12 @@ fn thread_identity(python: Python<'_>) -> Option<u64> {
 
 /// A plan as JSON, or of surveillance a list of targets' names in the order of visits.
 fn read(name: &str, problem: &Problem, text: &str) -> Result<Plan, String> {
-    let wrong = |why: String| format!("the planner {name} answered with what is no plan: {why}");
+    let wrong = |why: String| format!("the planner {name} answered without a valid plan: {why}");
     if let (Problem::Surveillance(problem), Ok(order)) = (problem, serde_json::from_str::<Vec<String>>(text)) {
         let scenario = Scenario::new(problem)?;
         let index = |target: &String| {
             let found = problem.targets.iter().position(|known| known.name == *target);
-            found.ok_or_else(|| wrong(format!("it visits {target}, which is no target")))
+            found.ok_or_else(|| wrong(format!("it visits {target}, which is not a target")))
         };
         let word = order.iter().map(index).collect::<Result<Vec<usize>, String>>()?;
         return Ok(Plan::Surveillance(scenario.plan(name, word)));

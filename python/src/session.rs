@@ -83,7 +83,7 @@ impl Session {
         // A message is written as PDL: as a string it would be a value that no pattern waits for.
         let form: Value = match form.extract::<String>() {
             Ok(text) => apex_pdl::read_value(&text).map_err(|diagnostic| {
-                input(format!("{text:?} is no message: {}; write (WORD ..)", diagnostic.message))
+                input(format!("{text:?} is not a message: {}; write (WORD ..)", diagnostic.message))
             })?,
             Err(_) => from_python(form)?,
         };

@@ -47,7 +47,7 @@ pub(crate) fn read(condition: &str, library: Option<(String, String)>, folder: O
         }
         (None, _) => Err(ConditionError::new_err("the text holds no condition")),
         (Some(_), false) => Err(ConditionError::new_err(
-            "the text holds several conditions; combine them by :and or :or, or watch each by a Monitor of its own",
+            "the text holds several conditions; combine them by :and or :or, or watch each by a separate Monitor",
         )),
     }
 }
@@ -57,7 +57,7 @@ fn required(requirement: Requirement, folder: Option<&Path>) -> std::result::Res
         Requirement::File { name, .. } => {
             let Some(folder) = folder else {
                 return Err(
-                    "the library was handed over as text; hand over its path, so that files beside it are found"
+                    "the library was handed over as text; hand over its path, so that files next to it are found"
                         .to_string(),
                 );
             };

@@ -176,7 +176,7 @@ pub(crate) struct Variable(pub(crate) StateVariable);
 impl Variable {
     #[new]
     fn new(text: &str) -> PyResult<Variable> {
-        let wrong = |why: &str| input(format!("{text:?} is no state variable: {why}; write (ATTRIBUTE OBJECT)"));
+        let wrong = |why: &str| input(format!("{text:?} is not a state variable: {why}; write (ATTRIBUTE OBJECT)"));
         let value = apex_pdl::read_value(text).map_err(|diagnostic| wrong(&diagnostic.message))?;
         let variable = match &value {
             Value::Symbol(attribute) => Some(StateVariable::new(attribute.clone(), Value::nil())),
@@ -274,7 +274,7 @@ pub(crate) fn from_python(value: &Bound<'_, PyAny>) -> PyResult<Value> {
 /// # Errors
 /// `InputError` when it is none of these, not a time, or further from zero than 292 years.
 pub(crate) fn nanoseconds_of(instant: &Bound<'_, PyAny>) -> PyResult<i64> {
-    let wrong = |why: &str| input(format!("{instant} is no instant: {why}"));
+    let wrong = |why: &str| input(format!("{instant} is not an instant: {why}"));
     let name = instant.get_type().name()?.to_cow()?.into_owned();
     if name == "timedelta64" || name == "datetime64" {
         let unit = if name == "timedelta64" { "timedelta64[ns]" } else { "datetime64[ns]" };

@@ -19,8 +19,8 @@ pub fn text_of(block: &Block) -> Option<Result<String, String>> {
 
 /// Returns the text that the page shows of the file: the whole program, or the number of samples of each variable.
 ///
-/// A line of the inputs that is not JSON.
-/// A line of the inputs is no JSON.
+/// # Errors
+/// A line of the inputs is not JSON.
 pub fn shown(block: &Block, text: &str) -> Result<String, String> {
     match block.kind.as_str() {
         "inputs" => summary(text),

@@ -185,7 +185,7 @@ fn missing(told: &mut Vec<String>, data: &Value, sections: &[Section<'_>]) {
 }
 
 fn targets(told: &mut Vec<String>, data: &Value, sections: &[Section<'_>]) {
-    let lines = section(sections, "What became of it:");
+    let lines = section(sections, "Outcome:");
     same_count(told, "moments of the target", list(data, "target").len(), lines.len());
     for (moment, line) in list(data, "target").iter().zip(lines) {
         needs(told, line, &[instant(moment, "t"), word(moment, "state"), word(moment, "detail")]);

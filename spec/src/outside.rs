@@ -126,7 +126,7 @@ pub struct PagePlanner(pub PlannerManner);
 impl Deliberator for PagePlanner {
     fn pose(&mut self, request: &SolveRequest, _: Time) -> Posed {
         let answer = match &self.0 {
-            PlannerManner::Absent => return Posed::failed(format!("no planner is at hand for {}", request.goal)),
+            PlannerManner::Absent => return Posed::failed(format!("no planner is available for {}", request.goal)),
             PlannerManner::Plans(charged, activities) => {
                 SolverAnswer { result: Ok(plan(request, activities)), charged: *charged }
             }

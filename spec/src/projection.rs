@@ -180,7 +180,7 @@ impl Teller {
                 self.say("added", at, &format!("procedure {summary}"), because)
             }
             DecisionKind::Trouble { message } => {
-                let words = self.with_names(&format!("{name} trouble: {message}"));
+                let words = self.with_names(&format!("{name} trouble: {message}")); // english: allow
                 self.say("trouble", at, &words, None);
             }
         }

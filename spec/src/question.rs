@@ -3,7 +3,7 @@
 use crate::scenario::{self, PROGRAM_NAME, Scenario};
 use apex_runtime::error::RecordError;
 use apex_runtime::explain::{Explainer, Question};
-use apex_runtime::record::{Program, RecordOptions, RecordReader, Recorder};
+use apex_runtime::record::{RecordOptions, RecordReader, Recorder, RestoredProgram};
 
 /// Returns the answer of `apex why` or `apex why-not`, as `word` says, about the scenario's run. `question` is a task, resource or
 /// command, as the command takes it, and an instant: `take-picture@2s`.
@@ -29,7 +29,7 @@ pub struct Recorded {
     /// Reads the record.
     pub reader: RecordReader,
     /// The program that was run.
-    pub program: Program,
+    pub program: RestoredProgram,
     _folder: tempfile::TempDir,
 }
 

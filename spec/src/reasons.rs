@@ -127,11 +127,11 @@ mod tests {
         let mut agent = apex_executive::load(library, &declaration, host).expect("it can be loaded");
         apex_executive::step(&mut agent, &Batch { now: Time::ZERO, events: Vec::new() });
         let mut asker = Asker::default();
-        asker.inspect(&agent, &NoDeliberator, Time::ZERO).expect("inspection always goes on");
+        asker.inspect(&agent, &NoDeliberator, Time::ZERO).expect("inspection always continues");
         assert!(asker.missing().is_empty(), "{:?}", asker.missing());
         let waiting = agent.tasks.iter().map(|(_, task)| task.id).last().expect("there is a task");
         agent.task_mut(waiting).expect("it lives").monitors.clear();
-        asker.inspect(&agent, &NoDeliberator, Time::ZERO).expect("inspection always goes on");
+        asker.inspect(&agent, &NoDeliberator, Time::ZERO).expect("inspection always continues");
         assert!(
             asker.missing().iter().any(|line| line.contains("no reason of kind Condition")),
             "{:?}",

@@ -62,7 +62,7 @@ pub fn faults(row: &Row) -> Vec<String> {
     let is_run =
         |file: &String| file.strip_prefix("spec/").is_some_and(|name| run.iter().any(|page| page.ends_with(name)));
     let idle = pages.iter().filter(|file| !is_run(file));
-    faults.extend(idle.map(|file| format!("rule {number}: {file} is no page that runs")));
+    faults.extend(idle.map(|file| format!("rule {number}: {file} is not a page that runs")));
     faults
 }
 
@@ -82,7 +82,7 @@ mod tests {
         assert_eq!(rows(text), std::slice::from_ref(&expected));
         let faults = faults(&expected);
         let expected =
-            ["no file a/b.rs", "no file c.rs", "in the column of definitions", "README.md is no page that runs"];
+            ["no file a/b.rs", "no file c.rs", "in the column of definitions", "README.md is not a page that runs"];
         assert_eq!(faults.len(), expected.len(), "{faults:?}");
         assert!(faults.iter().zip(expected).all(|(fault, expected)| fault.ends_with(expected)), "{faults:?}");
     }

@@ -11,7 +11,7 @@ use apex_pdl::{CheckOptions, Checked, HostSignature, Requirement, SourceText};
 use apex_runtime::error::RunError;
 use apex_runtime::mission_loop::{EndReason, FlyOptions, RunEnd, fly_all};
 use apex_runtime::ports::Observer;
-use apex_runtime::record::Program;
+use apex_runtime::record::RestoredProgram;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -64,7 +64,7 @@ pub fn run(scenario: &Scenario) -> Result<Teller, String> {
 ///
 /// # Errors
 /// The checker's messages.
-pub fn program(pdl: &str) -> Result<Program, String> {
+pub fn program(pdl: &str) -> Result<RestoredProgram, String> {
     program_of(&Scenario { pdl: pdl.to_string(), ..Scenario::default() })
 }
 
@@ -72,7 +72,7 @@ pub fn program(pdl: &str) -> Result<Program, String> {
 ///
 /// # Errors
 /// The checker's messages.
-pub fn program_of(scenario: &Scenario) -> Result<Program, String> {
+pub fn program_of(scenario: &Scenario) -> Result<RestoredProgram, String> {
     let checked = check(scenario);
     if checked.has_errors() {
         return Err(format!("the program has errors:\n{}", messages(&checked)));
@@ -87,7 +87,7 @@ pub fn program_of(scenario: &Scenario) -> Result<Program, String> {
 /// A bad input line or a bad option, or an agent that cannot be made.
 pub fn run_observed(
     scenario: &Scenario,
-    program: &Program,
+    program: &RestoredProgram,
     observers: &mut [&mut dyn Observer],
 ) -> Result<Result<RunEnd, RunError>, String> {
     let Options { until, vehicle, planner, .. } = read_options(&scenario.options)?;
@@ -171,7 +171,7 @@ fn read_options(text: &str) -> Result<Options, String> {
 pub(crate) fn read_time(text: &str) -> Result<Time, String> {
     match apex_pdl::read_value(text) {
         Ok(Value::Duration(Duration(nanoseconds))) => Ok(Time(nanoseconds)),
-        _ => Err(format!("`{text}` is no instant: expected a duration such as 20s")),
+        _ => Err(format!("`{text}` is not an instant: expected a duration such as 20s")),
     }
 }
 

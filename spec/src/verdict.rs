@@ -120,11 +120,11 @@ mod tests {
     }
 
     #[test]
-    fn a_wrong_trace_does_not_hold_and_update_mends_it() {
+    fn a_wrong_trace_does_not_hold_and_update_corrects_it() {
         let page = "```pdl\n(procedure (do-domain) (step a (print \"x\")))\n```\n\n```trace\n7s print y\n```\n";
         assert_ne!(judge(page), Verdict::Holds);
-        let mended = updated(page).expect("the program runs");
-        assert!(mended.contains("print x"), "{mended}");
-        assert_eq!(judge(&mended), Verdict::Holds);
+        let corrected = updated(page).expect("the program runs");
+        assert!(corrected.contains("print x"), "{corrected}");
+        assert_eq!(judge(&corrected), Verdict::Holds);
     }
 }

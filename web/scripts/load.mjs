@@ -40,7 +40,7 @@ async function measure() {
     `mission?${at}`,
     `targets?${at}`,
     `plan?${at}`,
-    `troubles?${at}`,
+    `troubles?${at}`, // english: allow
     `report?${at}`,
     'surroundings',
     'track',

@@ -28,7 +28,7 @@ test.afterAll(() => {
   flight?.kill('SIGKILL');
 });
 
-/** A separate browser with a session of this name. */
+/** A separate browser context with a session of this name. */
 async function station(browser: Browser, name: string, role: string): Promise<Page> {
   const page = await (await browser.newContext()).newPage();
   const answer = await page.request.post(`${url}/api/session`, { data: { name, role } });
@@ -45,7 +45,7 @@ test('authority is taken, offered to a station of the list, refused, and handed 
   const tower = await station(browser, 'tower', 'operator');
   await tower.getByTestId('take').click();
   await expect(tower.getByTestId('authority')).toContainText('authority: you');
-  // Alone there is nothing to choose from, and the page states it.
+  // A station that is alone has no other to choose; the page shows that.
   await expect(tower.getByTestId('no-stations')).toHaveText('no other station is heard');
 
   const van = await station(browser, 'van', 'operator');

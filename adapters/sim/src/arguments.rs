@@ -261,7 +261,7 @@ impl<'a> Arguments<'a> {
         }
         let wrong = || {
             self.wrong(&format!(
-                "the {what} {value} is no location; give (latitude longitude [altitude]) in degrees and metres, or a place's name"
+                "the {what} {value} is not a location; give (latitude longitude [altitude]) in degrees and metres, or a place's name"
             ))
         };
         let (latitude, longitude, altitude) = match value.as_list() {

@@ -123,21 +123,21 @@ pub(crate) enum Pointing {
 
 /// Direction of the target seen from the camera: forward (along the heading), right and down.
 #[derive(Clone, Copy, Debug)]
-struct Sight {
+struct TargetDirection {
     forward: f64,
     right: f64,
     down: f64,
 }
 
-impl Sight {
+impl TargetDirection {
     /// Direction of a sight line with this tilt and pan.
-    fn of(tilt_rad: f64, pan_rad: f64) -> Sight {
+    fn of(tilt_rad: f64, pan_rad: f64) -> TargetDirection {
         let level = cos(tilt_rad);
-        Sight { forward: level * cos(pan_rad), right: level * sin(pan_rad), down: -sin(tilt_rad) }
+        TargetDirection { forward: level * cos(pan_rad), right: level * sin(pan_rad), down: -sin(tilt_rad) }
     }
 
     /// Angle between two directions; zero if one has no length.
-    fn angle_rad(self, other: Sight) -> f64 {
+    fn angle_rad(self, other: TargetDirection) -> f64 {
         let along = self.forward * other.forward + self.right * other.right + self.down * other.down;
         let (x, y, z) = (
             self.right * other.down - self.down * other.right,
@@ -216,11 +216,11 @@ impl Camera {
 
     /// Angle to the target that a mount which cannot come closer may leave: a tilt-only mount has the target in the picture, not in
     /// its middle; near the nadir pan is held.
-    fn left_rad_max(&self, sight: Sight) -> f64 {
+    fn left_rad_max(&self, sight: TargetDirection) -> f64 {
         if !self.pans() {
             return self.half_view_rad();
         }
-        let nadir = Sight { forward: 0.0, right: 0.0, down: 1.0 }.angle_rad(sight) < self.nadir_cone_rad();
+        let nadir = TargetDirection { forward: 0.0, right: 0.0, down: 1.0 }.angle_rad(sight) < self.nadir_cone_rad();
         if nadir { self.tolerance_rad().max(self.nadir_cone_rad()) } else { self.tolerance_rad() }
     }
 
@@ -244,16 +244,16 @@ impl Camera {
     }
 
     /// Direction of the target.
-    fn sight(aim: &Aim, state: &State) -> Sight {
-        let Aim::At(spot, altitude_m) = aim else { return Sight { forward: 0.0, right: 0.0, down: 1.0 } };
+    fn sight(aim: &Aim, state: &State) -> TargetDirection {
+        let Aim::At(spot, altitude_m) = aim else { return TargetDirection { forward: 0.0, right: 0.0, down: 1.0 } };
         let (azimuth_rad, distance_m) = bearing(state.position, spot.position);
         let relative = azimuth_rad - state.heading_rad;
         let down = state.altitude_m - altitude_m;
-        Sight { forward: distance_m * cos(relative), right: distance_m * sin(relative), down }
+        TargetDirection { forward: distance_m * cos(relative), right: distance_m * sin(relative), down }
     }
 
     /// Tilt and pan, within the limits of the mount, that bring the sight line closest to the target.
-    fn angles(&self, sight: Sight) -> Angles {
+    fn angles(&self, sight: TargetDirection) -> Angles {
         let pan_max = self.model.pan_deg_max * RAD_PER_DEG;
         let level = sqrt(sight.forward * sight.forward + sight.right * sight.right);
         let near_nadir = atan2(level, sight.down) < self.nadir_cone_rad();
@@ -272,7 +272,7 @@ impl Camera {
         // Behind and above: the nearer limit is the highest tilt, not the lowest.
         let wanted = if wanted > FRAC_PI_2 { high } else { wanted };
         let tilt_rad = wanted.clamp(low - LIMIT_RAD, high + LIMIT_RAD);
-        Angles { tilt_rad, pan_rad, left_rad: Sight::of(tilt_rad, pan_rad).angle_rad(sight) }
+        Angles { tilt_rad, pan_rad, left_rad: TargetDirection::of(tilt_rad, pan_rad).angle_rad(sight) }
     }
 
     /// Begins to slew towards `aim`; returns the seconds after which the slew has failed: the angles at the slew rate, the time that a
@@ -283,7 +283,7 @@ impl Camera {
         self.state = CameraState::Slewing;
         (self.timer, self.aligned_s) = (None, 0.0);
         let wanted = self.angles(sight);
-        self.error_rad = Sight::of(self.tilt_rad, self.pan_rad).angle_rad(sight);
+        self.error_rad = TargetDirection::of(self.tilt_rad, self.pan_rad).angle_rad(sight);
         let turn_rad = (wanted.tilt_rad - self.tilt_rad).abs().max(wrap_pi(wanted.pan_rad - self.pan_rad).abs());
         let nose_s = match (self.nose_rad(state), yaw_rate_rad_s) {
             (Some(nose_rad), Some(rate)) => wrap_pi(nose_rad - state.heading_rad).abs() / rate,
@@ -369,7 +369,7 @@ impl Camera {
         let free = self.model.pan_deg_max >= 180.0;
         let pan_error = if free { wrap_pi(pan_error) } else { pan_error };
         self.pan_rad = wrap_pi(self.pan_rad + pan_error.clamp(-most, most));
-        self.error_rad = Sight::of(self.tilt_rad, self.pan_rad).angle_rad(sight);
+        self.error_rad = TargetDirection::of(self.tilt_rad, self.pan_rad).angle_rad(sight);
         let left_max = self.left_rad_max(sight);
         let in_reach = wanted.left_rad <= left_max;
         // A mount that cannot come closer points as well as it can; one that can has to be on the target.

@@ -105,7 +105,7 @@ impl SimulatedWorld {
         let known = || COMMANDS.iter().map(|command| command.name);
         let (name, items) = match form.as_list() {
             Some([Value::Symbol(name), items @ ..]) => (name.folded().to_owned(), items),
-            _ => return Err(format!("{form} is no command; a command is a list like (fly-to (34.7 -119.8 7010))")),
+            _ => return Err(format!("{form} is not a command; a command is a list like (fly-to (34.7 -119.8 7010))")),
         };
         let command = COMMANDS.iter().find(|command| command.name == name);
         let command = command.ok_or_else(|| unknown_name("command", &name, known()))?;

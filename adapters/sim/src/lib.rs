@@ -40,5 +40,5 @@ mod world;
 pub use commands::command_names;
 pub use config::{Ground, GroundPatch, Happening, Modem, NamedPlace, ScheduledEvent, Start, WorldConfig};
 pub use living::{BurnableSite, FaultKind, FaultSpec, LivingWorld, WORLD_FORMAT};
-pub use packet::{Pace, VARIABLES, Variable};
+pub use packet::{Pace, PublishedVariable, VARIABLES};
 pub use world::SimulatedWorld;

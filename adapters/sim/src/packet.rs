@@ -41,7 +41,7 @@ const CHANGE_SHARE: f64 = 0.01;
 
 /// A state variable that the vehicle publishes.
 #[derive(Clone, Copy, Debug)]
-pub struct Variable {
+pub struct PublishedVariable {
     /// The attribute; the object is the vehicle's name.
     pub name: &'static str,
     /// The unit its values print in; none for words, lists, durations and plain numbers.
@@ -80,20 +80,20 @@ pub(crate) struct Snapshot<'a> {
     pub(crate) bump: f64,
 }
 
-const fn number(name: &'static str, unit: &'static str, pace: Pace, read: fn(&Snapshot) -> f64) -> Variable {
-    Variable { name, unit: Some(unit), pace, read: Read::Number(read) }
+const fn number(name: &'static str, unit: &'static str, pace: Pace, read: fn(&Snapshot) -> f64) -> PublishedVariable {
+    PublishedVariable { name, unit: Some(unit), pace, read: Read::Number(read) }
 }
 
-const fn plain(name: &'static str, pace: Pace, read: fn(&Snapshot) -> f64) -> Variable {
-    Variable { name, unit: None, pace, read: Read::Number(read) }
+const fn plain(name: &'static str, pace: Pace, read: fn(&Snapshot) -> f64) -> PublishedVariable {
+    PublishedVariable { name, unit: None, pace, read: Read::Number(read) }
 }
 
-const fn other(name: &'static str, pace: Pace, read: fn(&Snapshot) -> Value) -> Variable {
-    Variable { name, unit: None, pace, read: Read::Other(read) }
+const fn other(name: &'static str, pace: Pace, read: fn(&Snapshot) -> Value) -> PublishedVariable {
+    PublishedVariable { name, unit: None, pace, read: Read::Other(read) }
 }
 
-const fn word(name: &'static str, read: fn(&Snapshot) -> &'static str) -> Variable {
-    Variable { name, unit: None, pace: Pace::Discrete, read: Read::Word(read) }
+const fn word(name: &'static str, read: fn(&Snapshot) -> &'static str) -> PublishedVariable {
+    PublishedVariable { name, unit: None, pace: Pace::Discrete, read: Read::Word(read) }
 }
 
 fn truth_word(truth: bool) -> &'static str {
@@ -104,7 +104,7 @@ use Pace::{Attitude, Fast, Flow, Slow};
 
 /// Every variable of the vehicle, in the order of the packet. Cameras and modems add their own:
 /// `(camera-state C)` `(camera-tilt C)` `(camera-pan C)` `(signal-level M)`.
-pub const VARIABLES: &[Variable] = &[
+pub const VARIABLES: &[PublishedVariable] = &[
     number("latitude", "deg", Fast, |s| s.state.position.latitude_deg * RAD_PER_DEG),
     number("longitude", "deg", Fast, |s| s.state.position.longitude_deg * RAD_PER_DEG),
     number("altitude", "m", Attitude, |s| s.state.altitude_m),
@@ -190,7 +190,7 @@ pub(crate) fn rounded(number: f64, parts: f64) -> f64 {
 const POSITION_PER_DEG: f64 = 1e7;
 
 /// Into how many parts one unit of a variable is rounded: finer than any sensor of the kind, and short to read.
-fn parts(variable: &Variable) -> f64 {
+fn parts(variable: &PublishedVariable) -> f64 {
     match (variable.name, variable.unit) {
         ("latitude" | "longitude", _) => POSITION_PER_DEG,
         ("altitude" | "height-above-ground", _) => 100.0,
@@ -212,7 +212,7 @@ fn is_changed(last: f64, now: f64) -> bool {
 }
 
 /// True if a vehicle with this store of energy has the variable.
-fn is_carried(variable: &Variable, energy: &EnergyModel) -> bool {
+fn is_carried(variable: &PublishedVariable, energy: &EnergyModel) -> bool {
     match energy {
         EnergyModel::Fuel(_) => !matches!(variable.name, "battery-charge" | "battery-power"),
         EnergyModel::Battery(_) => !matches!(variable.name, "fuel" | "fuel-flow"),
@@ -271,7 +271,7 @@ pub(crate) struct Reporter {
 impl Reporter {
     pub(crate) fn new(vehicle: &str, model: &VehicleModel, cameras: &[Camera], radios: &[Radio]) -> Reporter {
         let object = Value::symbol(vehicle);
-        let named = |variable: &Variable| {
+        let named = |variable: &PublishedVariable| {
             let quantity = template(variable.unit);
             Published {
                 name: StateVariable::new(Symbol::new(variable.name), object.clone()),

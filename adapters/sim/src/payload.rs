@@ -80,7 +80,7 @@ impl SimulatedWorld {
                 camera.stop(off == "power-off");
                 answer = Some(Value::symbol(&camera.model.name));
             }
-            ("camera", _) => return Err(arguments.wrong("a camera is told power-up, power-off or rest")),
+            ("camera", _) => return Err(arguments.wrong("a camera takes power-up, power-off or rest")),
             (_, _) if !ready => return Err(arguments.wrong(&format!("{name} is not powered up"))),
             ("point-camera", _) => {
                 self.point(&mut camera, arguments)?;

@@ -34,13 +34,13 @@ pub(crate) struct Turbulence {
 /// One exact step of the attitude hold: transition matrix and the triangular root of the covariance of the noise, for a process
 /// of deviation one.
 #[derive(Clone, Copy, Debug)]
-struct Step {
+struct AttitudeStep {
     transition: [[f64; 2]; 2],
     noise: [[f64; 2]; 2],
 }
 
-impl Step {
-    fn new(hold: &AttitudeHold, dt: f64) -> Step {
+impl AttitudeStep {
+    fn new(hold: &AttitudeHold, dt: f64) -> AttitudeStep {
         let (omega, zeta) = (hold.natural_frequency_rad_s, hold.damping_ratio);
         let decay = exp(-zeta * omega * dt);
         // cos and sin of the damped oscillation; the sine over its frequency.
@@ -66,7 +66,7 @@ impl Step {
         let first = sqrt(angle_angle);
         let second = if first > 0.0 { angle_rate / first } else { 0.0 };
         let noise = [[first, 0.0], [second, sqrt((rate_rate - second * second).max(0.0))]];
-        Step { transition, noise }
+        AttitudeStep { transition, noise }
     }
 }
 
@@ -96,7 +96,8 @@ impl Turbulence {
         if smooth && self.roll_rad.abs() < ROLL_RAD_MIN && self.roll_rate_rad_s.abs() < ROLL_RAD_MIN {
             return self.rest();
         }
-        let Step { transition: [[a, b], [c, d]], noise: [[first, _], [second, third]] } = Step::new(&self.hold, dt);
+        let AttitudeStep { transition: [[a, b], [c, d]], noise: [[first, _], [second, third]] } =
+            AttitudeStep::new(&self.hold, dt);
         let (one, other) = if smooth { (0.0, 0.0) } else { (self.random.normal(), self.random.normal()) };
         let (roll, rate) = (self.roll_rad, self.roll_rate_rad_s);
         self.roll_rad = a * roll + b * rate + sigma_rad * first * one;

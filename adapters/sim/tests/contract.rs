@@ -87,9 +87,9 @@ fn bad_commands_are_refused_with_sentences() {
     let mut run = Run::new(predator(Start::in_flight(40.0, -120.0, 7_010.0, 45.0)));
     let cases = [
         (form("fly-too", [location(40.0, -120.0)]), "did you mean `fly-to`?"),
-        (word("land"), "is no command"),
+        (word("land"), "is not a command"),
         (form("fly-to", []), "it was given 0 arguments"),
-        (form("fly-to", [Value::Real(3.0)]), "is no location"),
+        (form("fly-to", [Value::Real(3.0)]), "is not a location"),
         (form("fly-to", [location(95.0, 0.0)]), "is not on Earth"),
         (form("fly-to", [location(f64::NAN, 0.0)]), "is not on Earth"),
         (form("fly-to", [word("nowhere")]), "unknown place `nowhere`"),

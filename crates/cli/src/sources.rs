@@ -79,7 +79,7 @@ pub fn print_warnings_and_errors(checked: &Checked) {
 /// Says what was given and what is understood.
 pub fn parse_time(text: &str, option: &str) -> CliResult<Time> {
     let bad = || {
-        CliError::user(format!("`{option} {text}` is no time"))
+        CliError::user(format!("`{option} {text}` is not a time"))
             .help("write seconds (90), a duration (20s, 2h, P1M30S), or hours:minutes:seconds (1:30:00)")
     };
     let time = apex_pdl::read_time(text);

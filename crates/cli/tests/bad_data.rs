@@ -43,7 +43,7 @@ fn impossible_coordinates_are_named_with_file_and_feature() {
         ":at (37.4150 -122.0480)",
         ":at (97.4150 -122.0480)",
         &[
-            "m/mission.pdl:3:1: the vehicle's start `:at (97.415 -122.048)` is no place",
+            "m/mission.pdl:3:1: the vehicle's start `:at (97.415 -122.048)` is not a place",
             "(LATITUDE LONGITUDE)",
             "hangar-1",
         ],
@@ -163,7 +163,7 @@ fn options_of_the_application_are_told_with_their_place() {
         ":model concorde",
         &[place, "unknown", "`concorde`", "fixed-wing-mapper, global-hawk, predator-b, quadrotor, rmax"],
     );
-    change(":at (37.4150 -122.0480))", ":at moffett)", &[place, "`:at moffett` is no place", "wind-tunnel"]);
+    change(":at (37.4150 -122.0480))", ":at moffett)", &[place, "`:at moffett` is not a place", "wind-tunnel"]);
     change(":at (37.4150 -122.0480))", ")", &[place, ":vehicle", "(sim :model NAME :at PLACE)"]);
     change(":vehicle (sim :model rmax :at (37.4150 -122.0480))", "", &[place, "names no vehicle", "`apex run`"]);
 }

@@ -27,7 +27,7 @@ fn impossible_paces_and_times_leave_an_older_record_alone() {
     }
     fly(&["--pace", "fast"]).complained(2, &["'fast'", "--pace"]);
     for until in ["NaN", "inf", "soon", "3kg", "1:2:3:4"] {
-        fly(&["--until", until]).complained(2, &[&format!("`--until {until}` is no time"), "P1M30S"]);
+        fly(&["--until", until]).complained(2, &[&format!("`--until {until}` is not a time"), "P1M30S"]);
     }
     fly(&["--until", "-1"]).complained(2, &["`--until -1` is before the start", "begins at 0"]);
     fly(&["--until", "-20s"]).complained(2, &["`--until -20s` is before the start"]);
@@ -59,7 +59,7 @@ fn a_port_in_use_is_told_before_the_flight() {
 fn an_address_must_be_one() {
     let desk = Desk::with_flight();
     let said = desk.apex(&["serve", "flight.apex", "--address", "here"]);
-    said.complained(2, &["`--address here` is no address", "127.0.0.1"]);
+    said.complained(2, &["`--address here` is not an address", "127.0.0.1"]);
     // An address of the documentation range is never one of this machine's.
     let said = desk.apex(&["serve", "flight.apex", "--address", "192.0.2.1", "--port", "0"]);
     said.complained(1, &["cannot serve on 192.0.2.1:0", "--address"]);

@@ -35,7 +35,7 @@ fn a_plan_that_is_brought_back_is_worth_the_same() {
             assert_eq!(body["solver"], "human");
             let (value, before) = (brought["value"].as_f64().unwrap(), planned["value"].as_f64().unwrap());
             assert!((value - before).abs() < 1e-3 * before.abs(), "{what} {more:?}: {value} {before}");
-            let times = if more.is_empty() { "its times as they are" } else { "its times made anew" };
+            let times = if more.is_empty() { "its times as they are" } else { "its times computed again" };
             let reason = brought["reason"].as_str().unwrap();
             assert!(reason.contains("p.json") && reason.contains(times), "{reason}");
         }
@@ -47,7 +47,7 @@ fn an_edited_plan_is_printed_in_every_format() {
     let desk = Desk::new();
     let what = mission("structure-watch");
     desk.write("p.json", &plan(&desk, &what, &["--json"]).well().out);
-    plan(&desk, &what, &["--plan", "p.json"]).well().told(&["planned by human", "somebody brought it in p.json"]);
+    plan(&desk, &what, &["--plan", "p.json"]).well().told(&["planned by human", "read from p.json"]);
     for (format, phrase) in [("pdl", "(visit "), ("geojson", "FeatureCollection"), ("kml", "<kml"), ("qgc", "fileType")]
     {
         plan(&desk, &what, &["--plan", "p.json", "--format", format]).well().told(&[phrase]);
@@ -112,7 +112,7 @@ fn what_is_left_out_says_why() {
     // The barn lies in the quarry now.
     desk.change("m/sites.geojson", "[-121.09709, 37.41851]", "[-121.089, 37.412]");
     let mut planned = answer(&plan(&desk, "m", &["--json", "--visits", "winery,school,clinic"]).well());
-    planned["plan"]["Surveillance"]["left_out"] = json!([{"target": "chapel", "reason": "nobody is there on Sundays"}]);
+    planned["plan"]["Surveillance"]["left_out"] = json!([{"target": "chapel", "reason": "closed on Sundays"}]);
     desk.write("p.json", &planned.to_string());
     for more in [&[][..], &["--retime"]] {
         let brought = answer(&again(&desk, "m", more).well());
@@ -125,7 +125,7 @@ fn what_is_left_out_says_why() {
         };
         assert!(reason("barn").contains("Quarry"), "{}", reason("barn"));
         if more.is_empty() {
-            assert_eq!(reason("chapel"), "nobody is there on Sundays");
+            assert_eq!(reason("chapel"), "closed on Sundays");
             assert_eq!(reason("museum"), "the plan that was brought does not visit it");
         }
     }
@@ -206,13 +206,13 @@ fn what_is_no_plan_for_the_problem_is_told() {
             again(&desk, CELL, more).complained(2, phrases);
         }
     };
-    refused("{\"Surveillance\": ", &["p.json:1:", "this is no plan", "apex plan PROBLEM --json"]);
-    refused("[]", &["p.json:1:", "this is no plan"]);
-    refused("{\"plan\": {\"Surveillance\": {}}}", &["this is no plan", "missing field `solver`"]);
+    refused("{\"Surveillance\": ", &["p.json:1:", "this is not a plan", "apex plan PROBLEM --json"]);
+    refused("[]", &["p.json:1:", "this is not a plan"]);
+    refused("{\"plan\": {\"Surveillance\": {}}}", &["this is not a plan", "missing field `solver`"]);
     let fires = answer(&plan(&desk, &mission("western-states"), &["--json"]).well());
     refused(
         &fires.to_string(),
-        &["p.json is no plan for small-fixed-fixed-6-uniform", "it is a plan of single visits"],
+        &["p.json is not a plan for small-fixed-fixed-6-uniform", "it is a plan of single visits"],
     );
     edited(&desk, |body| body["visits"][2]["target"] = json!("atlantis"));
     refused(&desk.read("p.json"), &["visit 3 is of `atlantis`, and there is no such target", "--problem"]);

@@ -46,9 +46,9 @@ fn a_flight_is_flown_reported_and_confirmed() {
     ]);
     assert_eq!(desk.names(), ["f.apex"], "one file, without companions");
     for question in ["why", "why-not"] {
-        let unknown = ["No agent is called nobody; the record has "];
-        desk.apex(&[question, "f.apex", "nobody/T0"]).complained(2, &unknown);
-        desk.apex(&[question, "f.apex", "nobody/camera-1"]).complained(2, &unknown);
+        let unknown = ["No agent is called copilot; the record has "];
+        desk.apex(&[question, "f.apex", "copilot/T0"]).complained(2, &unknown);
+        desk.apex(&[question, "f.apex", "copilot/camera-1"]).complained(2, &unknown);
     }
     desk.apex(&["replay", "f.apex"]).well().told(&["The record is confirmed: "]);
     let replayed = desk.apex(&["replay", "f.apex", "--json"]).well().json_lines();
@@ -144,7 +144,7 @@ fn a_task_that_is_not_there_is_answered_with_those_that_are() {
     why_not("T2", &["--at", "-5"]).complained(2, &["`--at -5` is before the start"]);
     why("T9", &["--at", "1"]).complained(2, &["T9", "later than 1s. Ask for a later instant"]);
     for at in ["soon", "NaN", "inf", "1:xx", "1:75:00", ""] {
-        why("T2", &["--at", at]).complained(2, &[&format!("`--at {at}` is no time"), "help: write seconds (90)"]);
+        why("T2", &["--at", at]).complained(2, &[&format!("`--at {at}` is not a time"), "help: write seconds (90)"]);
     }
     why("T2", &["--at", "-5"]).complained(2, &["`--at -5` is before the start"]);
 }
@@ -175,7 +175,7 @@ fn filters_that_admit_nothing_are_told() {
     trace(&["--object", "submarine"]).complained(0, &["note: nothing in this record matches"]);
     trace(&["--procedure", "gone.pdl"]).complained(0, &["note: nothing in this record matches"]);
     trace(&["--from", "50", "--to", "40"]).complained(2, &["`--from` is later than `--to`"]);
-    trace(&["--from", "yesterday"]).complained(2, &["`--from yesterday` is no time"]);
+    trace(&["--from", "yesterday"]).complained(2, &["`--from yesterday` is not a time"]);
 }
 
 #[test]
@@ -242,9 +242,9 @@ fn problems_are_printed_read_and_planned_alike() {
     let of_file = plan(&[&["four.json"], &options[..]].concat()).well().json_lines();
     assert_eq!((of_name[0]["plan"].clone(), &of_file[0]["mission"]), (of_file[0]["plan"].clone(), &"four".into()));
     desk.write("bad.json", "{\"Surveillance\": {\n  \"targets\": 7 }}");
-    plan(&["bad.json"]).complained(2, &["bad.json:2:14", "no planning problem", "--problem"]);
+    plan(&["bad.json"]).complained(2, &["bad.json:2:14", "not a planning problem", "--problem"]);
     plan(&["small-fixed-wild-4-globular"]).complained(2, &["wild is not a spread of costs", "test-missions.md"]);
-    plan(&["small-fixed-fixed-4-globular@x"]).complained(2, &["x is no number", "@7"]);
+    plan(&["small-fixed-fixed-4-globular@x"]).complained(2, &["x is not a number", "@7"]);
     plan(&["four.json", "--format", "pdl"]).complained(2, &["only a mission's plan", "help: "]);
     plan(&["four.json", "--budget", "0s"]).complained(2, &["expected a duration greater than zero", "--budget 2s"]);
 }

@@ -11,7 +11,7 @@ use std::process::{Child, Command, Stdio};
 
 const ASKING: &str = "(defapplication \"Ask\" :type KIND :agents ((agent pilot)))
 (procedure :seq (index (do-domain))
-  (step ask (ask operator \"Go on?\" :options (yes no) :by 60s :default no) => ?answer)
+  (step ask (ask operator \"Ready?\" :options (yes no) :by 60s :default no) => ?answer)
   (step tell (print \"the operator says\" ?answer)))
 ";
 
@@ -24,13 +24,13 @@ fn asking(kind: &str) -> Desk {
 #[test]
 fn scripted_answers_come_after_their_time() {
     let desk = asking("native-sim");
-    desk.write("answers.jsonl", "{\"question\": \"GO ON\", \"value\": \"Yes\", \"after\": 5}\n");
+    desk.write("answers.jsonl", "{\"question\": \"READY\", \"value\": \"Yes\", \"after\": 5}\n");
     let said = desk.apex(&["run", "ask.pdl", "--answers", "answers.jsonl", "--text", "--record", "r.apex"]).well();
     said.told(&["  5s  operator answers question 0: \"Yes\"", "prints the operator says yes"]);
     desk.apex(&["replay", "r.apex"]).well().told(&["The record is confirmed: "]);
     desk.apex(&["why", "r.apex", "ask"]).well().told(&["the operator answered yes"]);
     desk.apex(&["run", "ask.pdl", "--text"]).well().told(&["0:01:00  ", "the operator says no"]);
-    desk.write("answers.jsonl", "{\"question\": \"go on\"}\n");
+    desk.write("answers.jsonl", "{\"question\": \"ready\"}\n");
     let answers = ["run", "ask.pdl", "--answers", "answers.jsonl"];
     desk.apex(&answers).complained(2, &["answers.jsonl:1: \"value\" is missing"]);
 }
@@ -47,7 +47,7 @@ fn started(desk: &Desk, arguments: &[&str]) -> (Child, impl Iterator<Item = Stri
 fn questions_of_a_real_time_run_are_answered_on_its_input() {
     let desk = asking("realtime");
     let (mut run, mut lines) = started(&desk, &["run", "ask.pdl", "--text"]);
-    assert_eq!(lines.next().unwrap(), "? 0: Go on? [yes, no] (no is taken at 0:01:00)");
+    assert_eq!(lines.next().unwrap(), "? 0: Ready? [yes, no] (no is taken at 0:01:00)");
     let mut input = run.stdin.take().unwrap();
     input.write_all(b"maybe\nyes\n").unwrap();
     let refused = lines.next().unwrap();
@@ -80,7 +80,7 @@ fn a_real_time_run_takes_inputs_and_ends_when_it_is_told_to() {
 fn ctrl_c_ends_a_real_time_run_in_good_order() {
     let desk = asking("realtime");
     let (mut run, mut lines) = started(&desk, &["run", "ask.pdl", "--text", "--record", "r.apex"]);
-    assert!(lines.next().unwrap().contains("Go on?"));
+    assert!(lines.next().unwrap().contains("Ready?"));
     let killed = Command::new("kill").args(["-INT", &run.id().to_string()]).status().unwrap();
     assert!(killed.success());
     assert!(run.wait().unwrap().success());
@@ -163,7 +163,7 @@ fn a_port_takes_inputs_of_a_real_time_run() {
     let (run, mut lines) = started(&desk, &["run", "ask.pdl", "--text", "--listen", "0"]);
     let told = lines.next().unwrap();
     let address = told.strip_prefix("listening on ").unwrap().to_string();
-    assert!(lines.next().unwrap().contains("Go on?"));
+    assert!(lines.next().unwrap().contains("Ready?"));
     let mut stream = std::net::TcpStream::connect(address).unwrap();
     stream.write_all(b"{\"answer\": 0, \"value\": \"no\"}\n").unwrap();
     let output = run.wait_with_output().unwrap();

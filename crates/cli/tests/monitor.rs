@@ -37,7 +37,7 @@ fn desk() -> Desk {
 /// Results that were printed, by the condition's number.
 fn results(said: &Said, condition: u64) -> usize {
     let of = |line: &&str| {
-        line.contains(&format!("\"condition\":{condition},")) && line.contains("\"telling\":\"recognised\"")
+        line.contains(&format!("\"condition\":{condition},")) && line.contains("\"telling\":\"recognised\"") // english: allow
     };
     said.out.lines().filter(of).count()
 }

@@ -119,16 +119,16 @@ fn functions_that_are_no_costs_are_told() {
         with_program(costs, functions).apex(&["plan", "m"]).complained(2, phrases);
     };
     let place = "m/mission.pdl:3:1: `:costs` names ";
-    told("((shed hay-cost))", HAY, &[place, "`shed`, which is no structure", "structures are: farmhouse, barn"]);
-    told("((home hay-cost))", HAY, &[place, "`home`, which is no structure"]);
-    told("((barn straw-cost))", "", &[place, "`straw-cost`, which is no function", "help: write for example"]);
+    told("((shed hay-cost))", HAY, &[place, "`shed`, which is not a structure", "structures are: farmhouse, barn"]);
+    told("((home hay-cost))", HAY, &[place, "`home`, which is not a structure"]);
+    told("((barn straw-cost))", "", &[place, "`straw-cost`, which is not a function", "help: write for example"]);
     told("((barn hay-cost) (barn hay-cost))", HAY, &[place, "`barn` twice"]);
     told("(barn hay-cost)", HAY, &["`:costs (barn hay-cost)` cannot be read", "structures with functions"]);
     let hay = |body: &str| format!("\n(defun hay-cost (age) {body})\n");
     let barn = "((barn hay-cost))";
-    told(barn, &hay("age"), &["`hay-cost` is no cost of `barn`", "gives P1H18M40S, which is no number; divide"]);
-    told(barn, &hay("(- 5 (/ age 1h))"), &["`hay-cost` is no cost of `barn`", "falls from 5 at 0 s"]);
-    told(barn, &hay("(- (/ age 1h) 1)"), &["is no cost of `barn`", "is -1; a cost is finite and not negative"]);
-    told(barn, &hay("(/ 1 0)"), &["is no cost of `barn`", "cannot be told: m/mission.pdl:"]);
-    told(barn, "\n(defun hay-cost (age extra) 1)\n", &["is no cost of `barn`", "m/mission.pdl:"]);
+    told(barn, &hay("age"), &["`hay-cost` is not a cost of `barn`", "gives P1H18M40S, which is not a number; divide"]);
+    told(barn, &hay("(- 5 (/ age 1h))"), &["`hay-cost` is not a cost of `barn`", "falls from 5 at 0 s"]);
+    told(barn, &hay("(- (/ age 1h) 1)"), &["is not a cost of `barn`", "is -1; a cost is finite and not negative"]);
+    told(barn, &hay("(/ 1 0)"), &["is not a cost of `barn`", "cannot be computed: m/mission.pdl:"]);
+    told(barn, "\n(defun hay-cost (age extra) 1)\n", &["is not a cost of `barn`", "m/mission.pdl:"]);
 }

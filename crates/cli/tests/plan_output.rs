@@ -350,7 +350,7 @@ fn proofs_have_a_budget_of_their_own() {
         .well()
         .told(&["bounds proven so far in ", "a greater `--bound-budget` may prove more"]);
     plan(&["--bound-budget", "-1s"]).complained(2, &["`--bound-budget -1s` is before the start"]);
-    plan(&["--bound-budget", "soon"]).complained(2, &["`--bound-budget soon` is no time"]);
+    plan(&["--bound-budget", "soon"]).complained(2, &["`--bound-budget soon` is not a time"]);
     let four = ["plan", "small-fixed-fixed-3-uniform", "--budget", "5ms"];
     assert_eq!(json(&desk.apex(&[&four[..], &["--json"]].concat()).well().out)["bound_complete"], true);
     desk.apex(&four).well().told(&["bounds proven in ", " units of work"]);

@@ -106,7 +106,7 @@ fn a_profile_is_shown_and_compared() {
     desk.apex(&["profile", "compare", "a.txt"]).well().told(&[
         "Figure 4 (rows)",
         "of 1 cells",
-        "in 1 the figure's best is a person",
+        "in 1 the figure's best is a human planner",
     ]);
 }
 
@@ -141,11 +141,11 @@ fn mistakes_are_told_before_anything_is_measured() {
     build(&["--cells", "subset,subset"]).complained(2, &["is named twice"]);
     build(&["--budgets", "10ms,1ms"]).complained(2, &["do not rise"]);
     build(&["--budgets", "0s"]).complained(2, &["expected a duration greater than zero"]);
-    build(&["--budgets", "soon"]).complained(2, &["is no time"]);
+    build(&["--budgets", "soon"]).complained(2, &["is not a time"]);
     build(&["--missions", "0"]).complained(2, &["0 missions of each cell"]);
     build(&["--cells", "subset", "--missions", "1", "--threads", "0"]).complained(2, &["0 threads"]);
     desk.write("new.txt", "my notes");
-    build(&[]).complained(2, &["new.txt is no profile, and is not written over"]);
+    build(&[]).complained(2, &["new.txt is not a profile, and is not written over"]);
     assert_eq!(desk.read("new.txt"), "my notes");
     desk.apex(&["profile", "show", "new.txt"])
         .complained(2, &["new.txt:1:1: this is not a profile", "my notes", "help: "]);

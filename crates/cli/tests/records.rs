@@ -17,7 +17,7 @@ fn other_files_are_never_overwritten() {
     let fly = |record: &str| desk.apex(&["fly", &mission, "--no-progress", "--record", record]);
     fly("greetings.pdl").complained(2, &["greetings.pdl is not a flight record", "left as it is"]);
     fly("folder").complained(2, &["folder is not a flight record", "it is a folder"]);
-    fly("greetings.pdl/f.apex").complained(2, &["greetings.pdl/f.apex", "greetings.pdl is no folder"]);
+    fly("greetings.pdl/f.apex").complained(2, &["greetings.pdl/f.apex", "greetings.pdl is not a folder"]);
     fly("no/such/f.apex").complained(2, &["no/such/f.apex", "there is no folder no/such", "help: make the folder"]);
     let run = desk.apex(&["run", "greetings.pdl", "--record", "greetings.pdl"]);
     run.complained(2, &["greetings.pdl is not a flight record"]);
@@ -33,9 +33,9 @@ fn devices_and_pipes_are_refused_and_stay() {
     assert!(Command::new("mkfifo").arg(desk.path("pipe")).status().unwrap().success());
     for record in ["pipe", "/dev/null"] {
         let said = desk.apex(&["run", "greetings.pdl", "--record", record]);
-        said.complained(2, &["is not a flight record", "no ordinary file"]);
+        said.complained(2, &["is not a flight record", "not an ordinary file"]);
         for command in ["trace", "replay", "serve"] {
-            desk.apex(&[command, record]).complained(2, &["is not a flight record", "no ordinary file"]);
+            desk.apex(&[command, record]).complained(2, &["is not a flight record", "not an ordinary file"]);
         }
     }
     assert!(fs::metadata(desk.path("pipe")).unwrap().file_type().is_fifo());
@@ -137,7 +137,7 @@ fn a_record_of_another_version_says_so() {
     let mut newer = bytes;
     newer[60..64].copy_from_slice(&99_u32.to_be_bytes());
     fs::write(&path, newer).unwrap();
-    desk.apex(&["replay", "flight.apex"]).complained(2, &["version 99 of the record format", "Use a newer Apex"]);
+    desk.apex(&["replay", "flight.apex"]).complained(2, &["version 99 of the record format", "use a newer Apex"]);
 }
 
 /// `bytes` with every `from` replaced by `to` of the same length.

@@ -48,8 +48,8 @@ fn news_and_the_clock_have_the_mission_planned_again() {
     let report = flown(&desk, &[]);
     for told in [
         "barn: 50 events an hour from now on",
-        "no target any more: winery",
-        "castle is no target of this mission",
+        "no longer a target: winery",
+        "castle is not a target of this mission",
         "(new-value barn ..) is without a number from 0 to 1000000000, and changes nothing",
         "winds-of-mars.csv is none of the mission's forecasts, winds.csv, winds-actual.csv",
     ] {
@@ -58,7 +58,7 @@ fn news_and_the_clock_have_the_mission_planned_again() {
     let again = after(&report, "replanning wanted: barn");
     assert!(after(again, "new plan: ").contains("of 15 targets"), "the winery still counts: {report}");
     assert!(report.contains("replanning wanted: clock"), "{report}");
-    assert!(after(&report, "Not observed").contains("winery          no target any more"), "{report}");
+    assert!(after(&report, "Not observed").contains("winery          no longer a target"), "{report}");
     let plans = desk.apex(&["trace", "flown.apex", "--type", "plan"]).well().out;
     assert!(plans.lines().count() >= 4, "{plans}");
 }
@@ -68,7 +68,7 @@ const PEOPLE: &str = "cell,budget_units,best,verdict,next,effect_percent\n\
 
 #[test]
 fn where_people_plan_better_they_are_asked_and_their_plan_is_flown() {
-    let desk = watched("(step people (let people plan (patrol the structures) within 5min))");
+    let desk = watched("(step people (let people plan (patrol the structures) within 5min))"); // english: allow
     desk.write("people.csv", PEOPLE);
     desk.write("m/scenario.jsonl", r#"{"t": 100, "answer": 0, "value": ["repeat", "barn", "school"]}"#);
     let report = flown(&desk, &["--table", "people.csv"]);
@@ -77,25 +77,25 @@ fn where_people_plan_better_they_are_asked_and_their_plan_is_flown() {
     assert_eq!(plans.lines().count(), 2, "{plans}");
     assert!(plans.contains("because two-opt answered") && plans.contains("because human answered"), "{plans}");
     let asked = desk.apex(&["trace", "flown.apex", "--type", "ask"]).well().out;
-    assert!(asked.lines().count() == 1 && asked.contains("People plan such missions better"), "{asked}");
+    assert!(asked.lines().count() == 1 && asked.contains("Operators plan such missions better"), "{asked}");
     let told = desk.apex(&["plan", "m", "--table", "people.csv"]).well().out;
-    assert!(told.contains("two-opt plans until a person does"), "{told}");
+    assert!(told.contains("two-opt plans until an operator does"), "{told}");
     let json = desk.apex(&["plan", "m", "--table", "people.csv", "--json"]).well().json_lines();
     assert_eq!(json[0]["people_plan_better"], true);
 }
 
 #[test]
 fn without_an_answer_or_with_one_that_cannot_be_flown_the_planners_plan_stays() {
-    let desk = watched("(step people (let people plan (patrol the structures) within 2min))");
+    let desk = watched("(step people (let people plan (patrol the structures) within 2min))"); // english: allow
     desk.write("people.csv", PEOPLE);
     desk.write("m/scenario.jsonl", "");
     let report = flown(&desk, &["--table", "people.csv"]);
-    assert!(!report.contains("planned by people"), "{report}");
+    assert!(!report.contains("planned by people"), "{report}"); // english: allow
     assert_eq!(report.matches("new plan: ").count(), 1, "{report}");
     desk.write("m/scenario.jsonl", r#"{"t": 60, "answer": 0, "value": ["barn", "castle"]}"#);
     let report = flown(&desk, &["--table", "people.csv"]);
     let refused = "no plan: there is no target `castle`";
     assert!(report.contains(refused) && report.matches("new plan: ").count() == 1, "{report}");
     let said = desk.apex(&["trace", "flown.apex", "--object", "no-better-plan"]).well().out;
-    assert!(said.contains("(no-better-plan people)"), "{said}");
+    assert!(said.contains("(no-better-plan people)"), "{said}"); // english: allow
 }

@@ -171,8 +171,8 @@ fn fly_with(name: &'static str, more: &[&str]) -> Desk {
 #[test]
 fn misconduct_is_named_in_the_record_and_the_flight_goes_on() {
     for (name, named) in [
-        ("panics", "the solver panics broke down: no idea left"),
-        ("loops", "the solver loops went on after its 1000 units of work"),
+        ("panics", "the solver panics failed: no idea left"),
+        ("loops", "the solver loops continued after its 1000 units of work"),
         ("hangs", "the solver hangs gave no answer within 0.2 s and was abandoned"),
         ("hoards", "the solver hoards took more than 64 MiB of memory"),
         ("lies", "before it can be there"),

@@ -23,7 +23,7 @@ pub fn demands(library: &Library) -> Vec<Demand> {
 
 /// Remembered data of one subject.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Kept {
+pub struct MemoryUse {
     /// Of what.
     pub subject: Subject,
     /// Maximum age; `None` without a stated bound.
@@ -39,7 +39,7 @@ pub struct Kept {
 }
 
 /// Returns the remembered data of everything that the library declares or looks back at, for each object of it.
-pub fn kept(library: &Library) -> Vec<Kept> {
+pub fn kept(library: &Library) -> Vec<MemoryUse> {
     let demands = demands(library);
     let everything = demands.iter().filter(|demand| demand.subject == Subject::EveryAttribute);
     let everything: Vec<&Demand> = everything.collect();
@@ -87,7 +87,7 @@ fn samples<'a>(
     demands: impl Iterator<Item = &'a Demand>,
     rate_per_s: Option<f64>,
     most: u64,
-) -> Kept {
+) -> MemoryUse {
     let (span, logged) = longest(demands);
     let least = HISTORY_SAMPLES_DEFAULT as u64;
     let within = match (span, rate_per_s) {
@@ -99,15 +99,15 @@ fn samples<'a>(
     };
     let count = within.map(|within| within.max(logged.unwrap_or_default()).clamp(least, most));
     let bytes = count.map(|count| count * size_of::<Sample>() as u64);
-    Kept { subject, span, count, bytes, rate_per_s, logged: logged.unwrap_or_default() }
+    MemoryUse { subject, span, count, bytes, rate_per_s, logged: logged.unwrap_or_default() }
 }
 
-fn messages<'a>(subject: Subject, demands: impl Iterator<Item = &'a Demand>, most: u64) -> Kept {
+fn messages<'a>(subject: Subject, demands: impl Iterator<Item = &'a Demand>, most: u64) -> MemoryUse {
     let (span, logged) = longest(demands);
     let logged = logged.unwrap_or_default();
     let count = if span == Some(Duration::ZERO) && logged > 0 { logged.min(most) } else { most };
     let bytes = Some(count * size_of::<Occurrence>() as u64);
-    Kept { subject, span, count: Some(count), bytes, rate_per_s: None, logged }
+    MemoryUse { subject, span, count: Some(count), bytes, rate_per_s: None, logged }
 }
 
 impl Subject {
@@ -138,7 +138,7 @@ fn size(bytes: u64) -> String {
     }
 }
 
-impl Kept {
+impl MemoryUse {
     fn words(&self) -> String {
         let what = self.subject.noun();
         let amount = match (self.count, self.bytes) {

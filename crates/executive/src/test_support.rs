@@ -27,7 +27,7 @@ impl Default for TestTask {
 }
 
 /// Everything an expression may see, as plain fields. `+this-task+` is T1, `+self+` is pilot.
-pub(crate) struct View {
+pub(crate) struct TestView {
     pub(crate) variables: Bindings,
     pub(crate) now: Time,
     pub(crate) name: Symbol,
@@ -37,9 +37,9 @@ pub(crate) struct View {
     pub(crate) host: HostFunctions,
 }
 
-impl Default for View {
-    fn default() -> View {
-        View {
+impl Default for TestView {
+    fn default() -> TestView {
+        TestView {
             variables: Bindings::new(),
             now: Time::ZERO,
             name: Symbol::new("pilot"),
@@ -51,7 +51,7 @@ impl Default for View {
     }
 }
 
-impl EvalContext for View {
+impl EvalContext for TestView {
     fn variable(&self, name: &Symbol) -> Option<Value> {
         self.variables.get(name).cloned()
     }

@@ -70,7 +70,7 @@ fn agree(world: &World) -> Result<(), TestCaseError> {
         let effects = step(&mut agent, &Batch { now, events: events(now.seconds(), moment) });
         twin.happen(moment);
         let told = support::story(&effects.into_iter().map(|effect| (now, effect)).collect::<Vec<_>>());
-        prop_assert_eq!(states(&agent, world), twin.states.clone(), "at {}, {:?}, told {:?}", now, moment, told);
+        prop_assert_eq!(states(&agent, world), twin.states.clone(), "at {}, {:?}, reported {:?}", now, moment, told);
         let fuel = agent.resources.iter().find(|(_, resource)| resource.name.to_string() == RESOURCES[FUEL].0);
         if let Some((_, fuel)) = fuel {
             let left = twin.totals[FUEL];

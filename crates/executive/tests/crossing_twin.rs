@@ -1,4 +1,4 @@
-//! Computed crossings of priorities against a naive twin that looks at both priorities every ten milliseconds.
+//! Computed crossings of priorities against a naive twin that compares both priorities every ten milliseconds.
 
 #![allow(
     clippy::unwrap_used,
@@ -98,14 +98,14 @@ fn agree(holder: &[Clause], waiting: &[Clause]) -> Result<(), TestCaseError> {
     let first = (1..10_000).map(|tick| f64::from(tick) / 100.0).find(|t| ahead(*t) > 1e-9);
     let mut late = 1e-6;
     let mut look = next_look(&agent);
-    // Priorities that run close together for long are looked at where the search gave up, while they are still apart, and
+    // Priorities that run close together for long are compared where the search stopped, while they are still apart, and
     // again a quarter of a second later.
     while let Some(at) = look.filter(|at| at.seconds() < 99.9 && ahead(at.seconds()) <= -1e-6) {
         let behind = -ahead(at.seconds());
-        prop_assert!(late > 0.1 || behind < 1e-3, "looks at {at}, but behind by {behind} then\n{pdl}");
+        prop_assert!(late > 0.1 || behind < 1e-3, "compares at {at}, but behind by {behind} then\n{pdl}");
         prop_assert!(
             first.is_none_or(|first| at.seconds() <= first + late),
-            "looks at {at}, ahead at {first:?}\n{pdl}"
+            "compares at {at}, ahead at {first:?}\n{pdl}"
         );
         late = 0.25;
         step(&mut agent, &Batch { now: at, events: Vec::new() });

@@ -84,17 +84,17 @@ fn suspending_and_resuming_without_end_is_stopped() {
 #[test]
 fn a_rising_urgency_takes_the_resource_at_its_crossing() {
     let pdl = "(procedure (index (do-domain))
-      (step calm (use) (priority 4)) (step hurry (use) (priority :urgency 2 :importance 8)))
+      (step calm (use) (priority 4)) (step urgent (use) (priority :urgency 2 :importance 8)))
       (primitive (index (use)) (profile tool) (duration 1000s))";
     let mut agent = agent(pdl);
     let effects = run(&mut agent, &[], 0.0);
-    assert_eq!(lines(&effects, &["calm", "hurry"]).last().unwrap(), "0s calm ongoing");
+    assert_eq!(lines(&effects, &["calm", "urgent"]).last().unwrap(), "0s calm ongoing");
     let (at, why) = agent.next_wake().unwrap();
-    assert!(why.contains("rising priority of T2 (hurry)"), "{why}");
+    assert!(why.contains("rising priority of T2 (urgent)"), "{why}");
     assert!(at > seconds(0.0) && at < seconds(128.0));
     let effects = run_from(&mut agent, &[], at, at.seconds());
     let states: Vec<_> = agenda(&agent).iter().map(|task| (task.tag.clone(), task.state)).collect();
-    assert!(states.contains(&("hurry".into(), TaskState::Ongoing)), "{states:?} {:?}", story(&effects));
+    assert!(states.contains(&("urgent".into(), TaskState::Ongoing)), "{states:?} {:?}", story(&effects));
     assert!(states.contains(&("calm".into(), TaskState::Interrupted)));
 }
 

@@ -11,7 +11,7 @@ use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 use support::{agent, message, run_from, sample, seconds};
 
-/// An agent that logs the roll angle, declared so, with `limits` until it is told to stop.
+/// An agent that logs the roll angle, declared so, with `limits` until it is asked to stop.
 fn logging(declared: &str, limits: &str) -> Agent {
     agent(&format!(
         "(state-variable (roll ?aircraft) :unit deg {declared})
@@ -62,8 +62,8 @@ fn without_limits_all_is_kept() {
 #[test]
 fn a_frequency_limit_keeps_no_denser_than_it_says_and_the_two_newest() {
     let agent = after(":frequency-limit 2s");
-    assert_eq!(kept(&agent), [10, 30, 50, 70, 90, 95, 100], "two seconds apart, but for the two newest");
-    // What was thinned was not asked for: nobody is told that something is missing.
+    assert_eq!(kept(&agent), [10, 30, 50, 70, 90, 95, 100], "two seconds apart, except for the two newest");
+    // What was thinned was not asked for: no task learns that something is missing.
     assert_eq!(history(&agent).forgotten_until, None);
 }
 

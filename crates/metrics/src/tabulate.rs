@@ -202,7 +202,7 @@ mod tests {
         let low = |age_s: f64| if (60.0..70.0).contains(&age_s) { 1.0 } else { age_s };
         assert!(told(&low).contains("falls from 50 at 50 s to 1 at 62.5 s"), "{}", told(&low));
         let raised = tabulate(&mut |age_s| Err(format!("no idea of {age_s}")), 100.0, 1e-2).unwrap_err();
-        assert!(raised.contains("100 s old cannot be told: no idea of 100"), "{raised}");
+        assert!(raised.contains("100 s old cannot be computed: no idea of 100"), "{raised}");
     }
 
     #[test]

@@ -31,7 +31,8 @@ pub struct UserCost<'a> {
 /// # Errors
 /// An error message if it has no cost, or one that is negative or not finite.
 pub(crate) fn ask(function: &mut Function<'_>, age_s: f64) -> Result<f64, String> {
-    let cost = function(age_s).map_err(|why| format!("The cost of an event {age_s} s old cannot be told: {why}"))?;
+    let cost =
+        function(age_s).map_err(|why| format!("The cost of an event {age_s} s old cannot be computed: {why}"))?;
     if !cost.is_finite() || cost < 0.0 {
         return Err(format!("The cost of an event {age_s} s old is {cost}; a cost is finite and not negative."));
     }
@@ -58,10 +59,10 @@ pub fn expected_cost_with(
     let named = visits.iter().map(|visit| &visit.target).chain(own.keys());
     if let Some(stranger) = named.into_iter().find(|name| !known(name)) {
         let names: Vec<&str> = problem.targets.iter().map(|target| target.name.as_str()).take(12).collect();
-        return Err(format!("{stranger} is no target of the problem; targets are {}.", names.join(", ")));
+        return Err(format!("{stranger} is not a target of the problem; targets are {}.", names.join(", ")));
     }
     if let Some(visit) = visits.iter().find(|visit| !visit.end_s.is_finite()) {
-        return Err(format!("A visit of {} ends at {}, which is no time.", visit.target, visit.end_s));
+        return Err(format!("A visit of {} ends at {}, which is not a time.", visit.target, visit.end_s));
     }
     let cost_of = |target: &SurveillanceTarget| {
         let mut ends_s: Vec<f64> =
@@ -226,7 +227,7 @@ mod tests {
             calls += 1;
             Err("no idea".to_string())
         });
-        assert!(raises.unwrap_err().contains("s old cannot be told: no idea"));
+        assert!(raises.unwrap_err().contains("s old cannot be computed: no idea"));
         assert_eq!(calls, 1, "the function is not called again after a failure");
     }
 
@@ -234,11 +235,11 @@ mod tests {
     fn strangers_and_times_that_are_none_are_told() {
         let problem = problem(CostFunction::Linear { cost_per_s: 1.0 }, EventRate::constant(1.0));
         let told = |ends: &[(&str, f64)]| scored(&problem, ends, Ok).unwrap_err();
-        assert_eq!(told(&[("barn", 1.0)]), "barn is no target of the problem; targets are a, b.");
+        assert_eq!(told(&[("barn", 1.0)]), "barn is not a target of the problem; targets are a, b.");
         assert!(told(&[("b", f64::NAN)]).contains("A visit of b ends at NaN"));
         let own = UserCost { function: Box::new(Ok), jumps_s: Vec::new() };
         let unknown =
             expected_cost_with(&problem, &[], &mut BTreeMap::from([("c".to_string(), own)]), Likelihoods::Added);
-        assert!(unknown.unwrap_err().contains("c is no target"));
+        assert!(unknown.unwrap_err().contains("c is not a target"));
     }
 }

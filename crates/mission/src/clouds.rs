@@ -34,7 +34,7 @@ pub(crate) fn read(file: &DataFile) -> MissionResult<Vec<CloudDeck>> {
     tables::read(file, COLUMNS, COLUMNS_OPTIONAL)?.rows().map(|row| deck(&row)).collect()
 }
 
-fn deck(row: &tables::Row<'_>) -> MissionResult<CloudDeck> {
+fn deck(row: &tables::TableRow<'_>) -> MissionResult<CloudDeck> {
     let (from_s, until_s) = hours_of(row)?;
     let deck = CloudDeck {
         area: area_of(row)?,

@@ -26,7 +26,7 @@ pub struct Comparison<'a> {
 }
 
 /// A row: what it is about, and each flight's entry.
-type Row = (String, [String; 2]);
+type ComparisonRow = (String, [String; 2]);
 
 impl Comparison<'_> {
     /// Both reports as JSON, under their headings.
@@ -70,7 +70,7 @@ impl Comparison<'_> {
         text
     }
 
-    fn totals(&self) -> Vec<Row> {
+    fn totals(&self) -> Vec<ComparisonRow> {
         let row = |name: &str, entry: &dyn Fn(&Report) -> Option<String>| {
             let entries = self.reports.map(|report| entry(report).unwrap_or_else(|| "-".to_string()));
             (entries != ["-", "-"]).then(|| (name.to_string(), entries))
@@ -101,7 +101,7 @@ impl Comparison<'_> {
         rows.into_iter().flatten().collect()
     }
 
-    fn observed(&self) -> Vec<Row> {
+    fn observed(&self) -> Vec<ComparisonRow> {
         let mut ids: Vec<&str> = Vec::new();
         for visit in self.reports.iter().flat_map(|report| &report.visits) {
             if visit.end.is_some() && !ids.contains(&visit.target.as_str()) {
@@ -112,7 +112,7 @@ impl Comparison<'_> {
         ids.into_iter().map(row).collect()
     }
 
-    fn left_out(&self) -> Vec<Row> {
+    fn left_out(&self) -> Vec<ComparisonRow> {
         let mut ids: Vec<&str> = Vec::new();
         for (id, _) in self.reports.iter().flat_map(|report| &report.left_out) {
             if !ids.contains(&id.as_str()) {
@@ -128,7 +128,7 @@ impl Comparison<'_> {
 }
 
 /// Widths of the columns: of names, and of the entries of each flight. Columns that fit keep their widths.
-fn widths<'a>(rows: impl Iterator<Item = &'a Row>) -> [usize; 3] {
+fn widths<'a>(rows: impl Iterator<Item = &'a ComparisonRow>) -> [usize; 3] {
     let length = |text: &String| text.chars().count();
     let mut longest = [0; 3];
     for (name, [first, second]) in rows {
@@ -144,7 +144,11 @@ fn widths<'a>(rows: impl Iterator<Item = &'a Row>) -> [usize; 3] {
 }
 
 /// Writes one row, its cells wrapped to the widths.
-fn write_row(text: &mut String, (name, [first, second]): &Row, [name_width, first_width, second_width]: [usize; 3]) {
+fn write_row(
+    text: &mut String,
+    (name, [first, second]): &ComparisonRow,
+    [name_width, first_width, second_width]: [usize; 3],
+) {
     let cells = [wrapped(name, name_width), wrapped(first, first_width), wrapped(second, second_width)];
     let height = cells.iter().map(Vec::len).max().unwrap_or(0);
     for number in 0..height {
@@ -205,7 +209,7 @@ mod tests {
 
     #[test]
     fn columns_that_fit_keep_their_widths() {
-        let row: Row = ("because".to_string(), ["mission over".to_string(), "no fuel".to_string()]);
+        let row: ComparisonRow = ("because".to_string(), ["mission over".to_string(), "no fuel".to_string()]);
         let widths = widths([&row].into_iter());
         assert_eq!(widths[..2], [7, 12]);
         let mut text = String::new();
@@ -217,7 +221,7 @@ mod tests {
     fn no_line_is_wider_than_the_table_and_no_letter_is_lost() {
         let (short, long, word) = ("a b  c".to_string(), "reserve fuel is needed ".repeat(9), "x".repeat(150));
         for cells in [[&short, &long, &long], [&long, &short, &word], [&word, &word, &short], [&word, &long, &word]] {
-            let row: Row = (cells[0].clone(), [cells[1].clone(), cells[2].clone()]);
+            let row: ComparisonRow = (cells[0].clone(), [cells[1].clone(), cells[2].clone()]);
             let mut text = String::new();
             write_row(&mut text, &row, widths([&row].into_iter()));
             assert!(text.lines().all(|line| line.chars().count() <= LINE_WIDTH), "{text}");

@@ -34,7 +34,7 @@ pub(super) fn apply(settings: &Settings, library: &Arc<Library>, targets: &mut [
         let Some(site) = targets.iter_mut().find(|target| target.id == *name).and_then(site_of) else {
             let structures = targets.iter_mut().filter_map(|target| site_of(target).is_some().then_some(&*target.id));
             let structures: Vec<&str> = structures.take(12).collect();
-            return Err(MissionError::setting(format!("`:costs` names `{name}`, which is no structure"))
+            return Err(MissionError::setting(format!("`:costs` names `{name}`, which is not a structure"))
                 .at(place)
                 .help(format!("structures are: {}", structures.join(", "))));
         };
@@ -45,7 +45,7 @@ pub(super) fn apply(settings: &Settings, library: &Arc<Library>, targets: &mut [
         }
         if !library.functions.contains_key(function) {
             return Err(MissionError::setting(format!(
-                "`:costs` names `{function}`, which is no function of the program"
+                "`:costs` names `{function}`, which is not a function of the program"
             ))
             .at(place)
             .help(EXAMPLE));
@@ -57,7 +57,7 @@ pub(super) fn apply(settings: &Settings, library: &Arc<Library>, targets: &mut [
         let oldest_s = settings.duration.seconds() + site.initial_age_s + response_s;
         let points =
             tabulate(&mut |age_s| cost_at(&agent, function, age_s), oldest_s, RELATIVE_ERROR).map_err(|why| {
-                MissionError::setting(format!("`{function}` is no cost of `{name}`"))
+                MissionError::setting(format!("`{function}` is not a cost of `{name}`"))
                     .at(place)
                     .because(why)
                     .help(EXAMPLE)
@@ -82,6 +82,6 @@ fn cost_at(agent: &Agent, function: &Symbol, age_s: f64) -> Result<f64, String> 
     let value = call(agent, function, &[Value::Duration(Duration::from_seconds(age_s))])?;
     match value.as_number() {
         Some((cost, Dimension::NONE)) => Ok(cost),
-        _ => Err(format!("`{function}` gives {value}, which is no number; divide the age by a time")),
+        _ => Err(format!("`{function}` gives {value}, which is not a number; divide the age by a time")),
     }
 }

@@ -291,7 +291,7 @@ impl Mission {
         found.transpose()?.ok_or_else(|| {
             let mut names: Vec<&str> = self.place_names().collect();
             names.truncate(12);
-            MissionError::setting(format!("the vehicle's start `:at {start}` is no place"))
+            MissionError::setting(format!("the vehicle's start `:at {start}` is not a place"))
                 .at(self.settings.place_of("vehicle"))
                 .help(format!("write a location (LATITUDE LONGITUDE) or one of: {}", names.join(", ")))
         })

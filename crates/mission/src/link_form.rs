@@ -98,6 +98,6 @@ impl<'a> LinkForm<'a> {
 
     /// A location or the name of a place, with its elevation.
     pub(crate) fn place(&self, key: &str, value: &Value) -> MissionResult<(Position, f64)> {
-        (self.place_of)(value).ok_or_else(|| self.wrong(format!("`{key}`: `{value}` is no place of the mission")))
+        (self.place_of)(value).ok_or_else(|| self.wrong(format!("`{key}`: `{value}` is not a place of the mission")))
     }
 }

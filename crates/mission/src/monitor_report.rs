@@ -68,7 +68,7 @@ impl Style {
         }
         let known_at = satisfaction.recognised_at;
         let _ = match result.telling {
-            ResultEvent::Recognised { open: true } => write!(text, ", recognised at {known_at}, goes on"),
+            ResultEvent::Recognised { open: true } => write!(text, ", recognised at {known_at}, continues"),
             _ if known_at == end && start == end => Ok(()),
             _ => write!(text, ", recognised at {known_at}"),
         };

@@ -56,7 +56,7 @@ pub(super) fn here(mission: &Mission, situation: &Situation) -> Position {
 pub(crate) type Asked<'a> = (&'a dyn Fn(&str) -> bool, bool);
 
 /// Knowledge, observations until now, and the instant.
-pub(crate) type Known<'a> = (&'a Situation, Option<&'a FlownScore>, Time);
+pub(crate) type PlanningKnowledge<'a> = (&'a Situation, Option<&'a FlownScore>, Time);
 
 /// The problem of single visits of those looks that are asked for.
 ///
@@ -64,7 +64,7 @@ pub(crate) type Known<'a> = (&'a Situation, Option<&'a FlownScore>, Time);
 /// As [`pose`].
 pub(crate) fn single_visits(
     mission: &Mission,
-    known: Known<'_>,
+    known: PlanningKnowledge<'_>,
     asked: Asked<'_>,
 ) -> Result<SingleVisitProblem, NoPlan> {
     let (situation, _, at) = known;
@@ -114,14 +114,14 @@ fn latest_end_s(duration_s: f64, end_margin_s: f64, now_s: f64) -> f64 {
 }
 
 /// Targets of a problem, and pairs of their names of which the first must come first.
-type Wanted = (Vec<SingleVisitTarget>, Vec<(String, String)>);
+type ProblemTargets = (Vec<SingleVisitTarget>, Vec<(String, String)>);
 
 /// The looks that are still wanted and asked for, each posed as a separate target, and which come before which.
 fn wanted(
     mission: &Mission,
-    (situation, flown, at): Known<'_>,
+    (situation, flown, at): PlanningKnowledge<'_>,
     (is_asked, is_explained): Asked<'_>,
-) -> Result<Wanted, NoPlan> {
+) -> Result<ProblemTargets, NoPlan> {
     let start = here(mission, situation);
     let is_open = |name: &str| is_asked(name) && !situation.observed().any(|visit| visit.target == name);
     let (mut targets, mut after, mut troubles) = (Vec::new(), Vec::new(), Vec::new());

@@ -12,7 +12,7 @@ use crate::situation::Situation;
 use apex_model::source::SourceFile;
 use apex_model::time::Time;
 use apex_runtime::program::NoDeliberator;
-use apex_runtime::record::{Program, RecordReader};
+use apex_runtime::record::{RecordReader, RestoredProgram};
 use apex_runtime::replay::{Difference, Differing, ReplayReport, replay_with};
 use std::sync::Arc;
 
@@ -33,7 +33,7 @@ pub fn mission_of(reader: &RecordReader) -> MissionResult<Option<Mission>> {
 ///
 /// # Errors
 /// A message that states why the record's program or mission cannot be loaded.
-pub fn load_program(reader: &RecordReader, sources: &[SourceFile]) -> Result<Program, String> {
+pub fn load_program(reader: &RecordReader, sources: &[SourceFile]) -> Result<RestoredProgram, String> {
     match mission_of(reader).map_err(|error| error.to_string())? {
         Some(mission) => crew::load_recorded_mission(&mission, sources),
         None => program::load_recorded(sources),

@@ -5,7 +5,6 @@ use crate::files::{nearby_help, unreadable};
 use crate::{Mission, flight};
 use apex_model::library::Library;
 use apex_runtime::RecordError;
-use apex_runtime::ports::Observer;
 use apex_runtime::record::{Durability, RecordOptions, RecordReader, Recorder};
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
@@ -32,13 +31,14 @@ pub fn create(
         }
         other => written(other),
     })?;
-    let filled = recorder.program(library).and_then(|()| fill(&mut recorder)).map_err(|error| error.to_string());
-    let stored = filled.and_then(|()| recorder.flush());
-    if let Err(reason) = stored {
+    let filled = recorder.program(library).and_then(|()| fill(&mut recorder)).and_then(|()| recorder.commit());
+    if let Err(error) = filled {
         drop(recorder);
         remove_beginning(path);
-        let full = reason.starts_with("The disk is full");
-        return Err(if full { no_room(path) } else { MissionError::record(reason) });
+        return Err(match error {
+            RecordError::DiskFull { .. } => no_room(path),
+            other => MissionError::record(other.to_string()),
+        });
     }
     hold(path);
     Ok(recorder)
@@ -129,7 +129,9 @@ fn check_place(path: &Path) -> MissionResult {
     };
     match std::fs::metadata(folder) {
         Ok(found) if found.is_dir() => {}
-        Ok(_) => return refused(format!("{} is no folder", folder.display()), "choose another place with `--record`"),
+        Ok(_) => {
+            return refused(format!("{} is not a folder", folder.display()), "choose another place with `--record`");
+        }
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
             let help = "make the folder, or choose another place with `--record`";
             return refused(format!("there is no folder {}", folder.display()), help);
@@ -138,14 +140,14 @@ fn check_place(path: &Path) -> MissionResult {
             return refused(format!("{}: {error}", folder.display()), "choose another place with `--record`");
         }
     }
-    check_kind(path, "choose another name with `--record`; what stands there is left as it is")
+    check_kind(path, "choose another name with `--record`; the existing file is left as it is")
 }
 
 /// Devices, pipes and folders are not records, and opening some of them blocks forever.
 fn check_kind(path: &Path, help: &str) -> MissionResult {
     match std::fs::metadata(path) {
         Ok(found) if !found.is_file() => {
-            let kind = if found.is_dir() { "it is a folder" } else { "it is no ordinary file" };
+            let kind = if found.is_dir() { "it is a folder" } else { "it is not an ordinary file" };
             Err(MissionError::record_file(format!("{} is not a flight record", path.display()))
                 .because(kind)
                 .help(help))

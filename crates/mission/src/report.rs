@@ -124,7 +124,7 @@ fn reason_left_out(mission: &Mission, target: &Target, name: &str, situation: &S
     match state {
         TargetState::Skipped => detail.clone(),
         TargetState::Planned => format!("{detail}, but the flight ended before"),
-        TargetState::Observing => format!("begun at {at} and broken off"),
+        TargetState::Observing => format!("begun at {at} and interrupted"),
         TargetState::Observed => format!("observed at {at}"),
     }
 }

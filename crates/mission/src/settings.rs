@@ -151,7 +151,7 @@ impl Settings {
 /// No application, an option that the command does not know or cannot read.
 pub(crate) fn read(library: &Library) -> MissionResult<Settings> {
     let Some(application) = &library.application else {
-        return Err(MissionError::setting("this program is no mission: it has no (defapplication ..)")
+        return Err(MissionError::setting("this program is not a mission: it has no (defapplication ..)")
             .help("add one that names the vehicle, or run the program without a vehicle: `apex run PROGRAM.pdl`"));
     };
     let place = library.describe_place(application.place);

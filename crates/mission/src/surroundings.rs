@@ -47,7 +47,7 @@ pub(crate) fn airspace(file: &DataFile) -> MissionResult<Vec<AirspaceZone>> {
             return Err(feature
                 .trouble("airspace with a hole")
                 .because("what is inside the hole would be flown as if there were none")
-                .help("cut the area into polygons without holes, as a MultiPolygon or as features of their own"));
+                .help("cut the area into polygons without holes, as a MultiPolygon or as separate features"));
         }
         for corners in &polygons {
             in_order(&feature, corners)?;
@@ -150,7 +150,7 @@ pub(crate) fn wind(file: &DataFile) -> MissionResult<WindField> {
 }
 
 /// The area of a row by its four edges; none if it has none.
-pub(crate) fn area_of(row: &tables::Row<'_>) -> MissionResult<Option<Area>> {
+pub(crate) fn area_of(row: &tables::TableRow<'_>) -> MissionResult<Option<Area>> {
     let edges = [
         row.number("south_deg", -90.0, 90.0)?,
         row.number("north_deg", -90.0, 90.0)?,
@@ -170,13 +170,13 @@ pub(crate) fn area_of(row: &tables::Row<'_>) -> MissionResult<Option<Area>> {
 }
 
 /// The span of a row between `from_h` and `until_h`, in seconds; without them it has no beginning or end.
-pub(crate) fn hours_of(row: &tables::Row<'_>) -> MissionResult<(f64, f64)> {
+pub(crate) fn hours_of(row: &tables::TableRow<'_>) -> MissionResult<(f64, f64)> {
     let from_s = row.number("from_h", -1e6, 1e6)?.map_or(-FOREVER_S, |hours| hours * 3600.0);
     let until_s = row.number("until_h", -1e6, 1e6)?.map_or(FOREVER_S, |hours| hours * 3600.0);
     Ok((from_s, until_s))
 }
 
-fn wind_layer(row: &tables::Row<'_>) -> MissionResult<WindLayer> {
+fn wind_layer(row: &tables::TableRow<'_>) -> MissionResult<WindLayer> {
     let area = area_of(row)?;
     let altitude_m_min = row.required("altitude_m_min", -500.0, 1e6)?;
     let altitude_m_max = row.required("altitude_m_max", -500.0, 1e6)?;
@@ -202,7 +202,7 @@ fn wind_layer(row: &tables::Row<'_>) -> MissionResult<WindLayer> {
 }
 
 /// Reads the turbulence of a row as EDR: from the column `edr`, else from the former column `turbulence`.
-fn edr(row: &tables::Row<'_>) -> MissionResult<f64> {
+fn edr(row: &tables::TableRow<'_>) -> MissionResult<f64> {
     let edr = row.number("edr", 0.0, EDR_MAX)?;
     let turbulence = row.number("turbulence", 0.0, 1.0)?;
     if edr.is_some() && turbulence.is_some() {

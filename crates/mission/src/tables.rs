@@ -5,7 +5,7 @@ use crate::sources::DataFile;
 
 /// A table whose columns are named by its first line.
 #[derive(Debug)]
-pub(crate) struct Table {
+pub(crate) struct DataTable {
     file: String,
     header: Vec<String>,
     rows: Vec<(u64, Vec<String>)>,
@@ -13,8 +13,8 @@ pub(crate) struct Table {
 
 /// One row of a table.
 #[derive(Clone, Copy)]
-pub(crate) struct Row<'a> {
-    table: &'a Table,
+pub(crate) struct TableRow<'a> {
+    table: &'a DataTable,
     line: u64,
     cells: &'a [String],
 }
@@ -24,7 +24,7 @@ pub(crate) struct Row<'a> {
 ///
 /// # Errors
 /// Unreadable file, rows of unequal length, missing or unknown columns, no rows.
-pub(crate) fn read(file: &DataFile, columns: &[&str], optional: &[&str]) -> MissionResult<Table> {
+pub(crate) fn read(file: &DataFile, columns: &[&str], optional: &[&str]) -> MissionResult<DataTable> {
     let place = &file.place;
     let (header, rows) = rows(file)?;
     let missing: Vec<&str> =
@@ -44,7 +44,7 @@ pub(crate) fn read(file: &DataFile, columns: &[&str], optional: &[&str]) -> Miss
     if rows.is_empty() {
         return Err(MissionError::data(format!("{place} has a header but no rows")));
     }
-    Ok(Table { file: place.clone(), header, rows })
+    Ok(DataTable { file: place.clone(), header, rows })
 }
 
 /// A header in lower case, and line number and cells of each row.
@@ -69,14 +69,14 @@ pub(crate) fn rows(file: &DataFile) -> MissionResult<Rows> {
     Ok((header, rows))
 }
 
-impl Table {
+impl DataTable {
     /// The rows in order.
-    pub(crate) fn rows(&self) -> impl Iterator<Item = Row<'_>> {
-        self.rows.iter().map(|(line, cells)| Row { table: self, line: *line, cells })
+    pub(crate) fn rows(&self) -> impl Iterator<Item = TableRow<'_>> {
+        self.rows.iter().map(|(line, cells)| TableRow { table: self, line: *line, cells })
     }
 }
 
-impl Row<'_> {
+impl TableRow<'_> {
     /// An error in this row.
     pub(crate) fn trouble(&self, what: impl std::fmt::Display) -> MissionError {
         MissionError::data(what.to_string()).at(format!("{}:{}", self.table.file, self.line))

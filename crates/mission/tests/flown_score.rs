@@ -23,6 +23,8 @@ use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_observation::result::LossCause;
 use apex_runtime::ports::{CancelToken, Deliberator};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -177,7 +179,7 @@ fn a_night_fire_seen_by_day_is_worth_nothing() {
     near(lost.points, 100.0, 0.5);
     let by_night = flown(&mission, &two_lines(MIDNIGHT_S));
     near(by_night.benefits, 100.0, 0.5);
-    assert!(by_night.score < by_night.benefits, "people cost");
+    assert!(by_night.score < by_night.benefits, "personnel costs");
 }
 
 #[test]
@@ -249,11 +251,9 @@ fn a_look_by_night_and_one_by_day_are_worth_what_each_is() {
 /// Scores a target by looking at points of it: for each, the best of all samples of 0.2 s from which it is seen.
 fn witness(ground: ([f64; 2], [f64; 2]), wanted_m: f64, lines: &[Line]) -> f64 {
     const POINTS: u32 = 1_500;
-    let mut state = 12_345_u64;
-    let mut draw = |[low, high]: [f64; 2]| {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        low + (high - low) * (state >> 11) as f64 / (1_u64 << 53) as f64
-    };
+    let mut generator = ChaCha8Rng::seed_from_u64(12_345);
+    let mut draw =
+        |[low, high]: [f64; 2]| low + (high - low) * (generator.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
     let mut sum = 0.0;
     for _ in 0..POINTS {
         let (east_m, north_m) = (draw(ground.0), draw(ground.1));
@@ -429,7 +429,7 @@ fn a_segment_is_flown_again_where_it_is_worth_more_than_what_it_displaces() {
     let (again, gain, price, words) = weighed(&overlapped, 23.0);
     assert!(again && price < 0.5, "{words}");
     near(gain, 1.0, 0.1);
-    // Its window closes: the segment that another line has seen is left, the only look at a tenth of the fire is not.
+    // Its window closes: the segment that another line has seen is left, the only observation of a tenth of the fire is not.
     let (again, gain, price, words) = weighed(&overlapped, 6.3);
     assert!(!again && words.ends_with("(one target less, next)"), "{words}");
     near(gain, 1.0, 0.1);

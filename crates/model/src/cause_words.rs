@@ -95,7 +95,7 @@ impl Cause {
             Cause::SolverFailed { request, reason } => format!("solver request {} failed: {reason}", request.0),
             Cause::Binding { clause } => format!("{clause} gave it"),
             Cause::FormRan { clause } => format!("a form of its {clause} said so"),
-            Cause::SentAgain => "it was taken back at the interruption, and the task goes on".into(),
+            Cause::SentAgain => "it was taken back at the interruption, and the task continues".into(),
             Cause::ExpressionFailed { message } => format!("an expression failed: {message}"),
             Cause::ResultDoesNotFit { value } => format!("the result {value} does not fit the pattern after =>"),
             Cause::InputRefused { message } => message.clone(),
@@ -152,12 +152,12 @@ fn outranked_text(by: TaskId, resource: &Value, rule: ConflictRule, winner: Stre
         ConflictRule::Rank => format!("{by} comes first on {resource} (rank {winner} before {loser})"),
         ConflictRule::Priority => format!("{by} outranks it on {resource} (priority {winner} > {loser})"),
         ConflictRule::Incumbent => format!("{by} holds {resource} and defends it (priority {winner} against {loser})"),
-        ConflictRule::Begun => format!("{by} has begun and goes on with {resource} (both priority {winner})"),
+        ConflictRule::Begun => format!("{by} has begun and continues with {resource} (both priority {winner})"),
         ConflictRule::WrittenOrder => format!("{by} is written first and takes {resource} (both priority {winner})"),
         ConflictRule::CreationOrder => format!("{by} is older and takes {resource} (both priority {winner})"),
-        ConflictRule::GoesBefore { whom } => {
+        ConflictRule::GoesBefore { whom: successor } => {
             format!(
-                "{by} outranks it on {resource} (priority {winner} of {whom}, which it goes before by rank, > {loser})"
+                "{by} outranks it on {resource} (priority {winner} of {successor}, which it goes before by rank, > {loser})"
             )
         }
         ConflictRule::Capacity => format!("not enough of {resource} is left, {by} has it"),

@@ -21,7 +21,7 @@ impl fmt::Display for ProbingEnd {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             ProbingEnd::Satisfied => f.write_str("its condition holds"),
-            ProbingEnd::NotAwaited => f.write_str("its condition is not waited for any more"),
+            ProbingEnd::NotAwaited => f.write_str("its condition is no longer awaited"),
             ProbingEnd::TimeLimit(span) => write!(f, "its :time-limit of {span} is over"),
             ProbingEnd::CountLimit(count) => write!(f, "its :count-limit of {count} is reached"),
         }

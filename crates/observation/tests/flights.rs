@@ -274,10 +274,6 @@ fn what_is_predicted_is_flown_in_still_air() {
 struct Generator(ChaCha8Rng);
 
 impl Generator {
-    fn new(seed: u64) -> Generator {
-        Generator(ChaCha8Rng::seed_from_u64(seed))
-    }
-
     fn uniform(&mut self) -> f64 {
         ((self.0.next_u64() >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
     }
@@ -300,7 +296,7 @@ fn predicted_clarity_is_the_mean_of_flown_clarity_in_turbulence() {
     let empty = flight(vec![target], 600);
     let mut sum = 0.0;
     for seed in 0..seeds {
-        let mut air = Generator::new(seed);
+        let mut air = Generator(ChaCha8Rng::seed_from_u64(seed));
         let (mut roll, mut rate) = (sigma_deg * air.normal(), frequency * sigma_deg * air.normal());
         let mut flown = empty.clone();
         let line = (offset(-5_300.0, 0.0), offset(5_300.0, 0.0));

@@ -40,7 +40,7 @@ pub fn read_value(text: &str) -> Result<Value, Diagnostic> {
             let span = Span { line: 1, column: 1, ..Span::default() };
             Err(Diagnostic::error(codes::NOT_ONE_DATUM, span, "there is no value here"))
         }
-        [_, second, ..] => Err(Diagnostic::error(codes::NOT_ONE_DATUM, second.span, "a second value stands here")
+        [_, second, ..] => Err(Diagnostic::error(codes::NOT_ONE_DATUM, second.span, "a second value follows")
             .reason("exactly one value is expected")
             .help("to hand over several values, put them into one list")),
     }

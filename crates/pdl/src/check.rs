@@ -426,7 +426,7 @@ fn unknown_form(lowering: &mut Lowering, form: &Datum) {
                 }
             })
         }
-        None => Diagnostic::error(codes::UNKNOWN_FORM, form.span, "this is no top-level form")
+        None => Diagnostic::error(codes::UNKNOWN_FORM, form.span, "this is not a top-level form")
             .help("a file is a sequence of forms such as `(procedure ..)`"),
     };
     lowering.report(diagnostic);

@@ -116,15 +116,15 @@ fn the_first_fix_of_an_example_makes_its_message_go_away() {
         let Some(fix) = about.and_then(|diagnostic| diagnostic.fixes.first()) else { continue };
         let mut edits = fix.edits.clone();
         edits.sort();
-        let mut mended = wrong.to_string();
+        let mut fixed = wrong.to_string();
         for edit in edits.iter().rev() {
-            mended.replace_range(edit.start as usize..edit.end as usize, &edit.replacement);
+            fixed.replace_range(edit.start as usize..edit.end as usize, &edit.replacement);
         }
         tried += 1;
-        let after = checked(&mended);
+        let after = checked(&fixed);
         if after.diagnostics.iter().any(|diagnostic| diagnostic.code == code.code) || after.has_errors() {
             let told: Vec<&str> = after.diagnostics.iter().map(|diagnostic| diagnostic.message.as_str()).collect();
-            wrongs.push(format!("{}: after \"{}\": {told:?}\n{mended}", code.code, fix.title));
+            wrongs.push(format!("{}: after \"{}\": {told:?}\n{fixed}", code.code, fix.title));
         }
     }
     assert!(wrongs.is_empty(), "{}", wrongs.join("\n"));

@@ -103,7 +103,7 @@ fn of_surveillance(
     if entry.next == PEOPLE {
         return Err(format!("{} names no planner except `human`", entry.cell));
     }
-    reason += &format!("; {} plans until a person does", entry.next);
+    reason += &format!("; {} plans until an operator does", entry.next);
     Ok(Selection { solver: entry.next.clone(), reason, people_plan_better })
 }
 
@@ -182,7 +182,11 @@ mod tests {
         let entry = Conclusion { cell, budget_units: 1, best, verdict: Verdict::First, next, effect_percent: 3.0 };
         let selection = ProfileTable(vec![entry.clone()]).select(&problem, 1_000, &shipped());
         assert_eq!((selection.solver.as_str(), selection.people_plan_better), ("wam", true));
-        assert!(selection.reason.ends_with("3.0 % before wam; wam plans until a person does"), "{}", selection.reason);
+        assert!(
+            selection.reason.ends_with("3.0 % before wam; wam plans until an operator does"),
+            "{}",
+            selection.reason
+        );
         let nobody =
             ProfileTable(vec![Conclusion { next: "human".into(), ..entry }]).select(&problem, 1_000, &shipped());
         assert_eq!((nobody.solver.as_str(), nobody.people_plan_better), ("nearest-neighbour", false));

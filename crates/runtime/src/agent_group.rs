@@ -204,7 +204,7 @@ impl<'a> AgentGroup<'a> {
                 }
             };
             notes.extend(
-                undelivered.map(|why| format!("{author} told {name} {message}, but {why}: it is not delivered")),
+                undelivered.map(|why| format!("{author} sent {name} {message}, but {why}: it is not delivered")),
             );
         }
         notes

@@ -58,7 +58,7 @@ mod tests {
     #[test]
     fn answers_are_read_and_bad_lines_are_named() {
         let read = |text: &str| Ok(Value::symbol(text));
-        let text = "# operator\n{\"question\": \"go on\", \"value\": \"yes\", \"after\": 2.5}\n{\"question\": \"x\", \"value\": 3}";
+        let text = "# operator\n{\"question\": \"ready\", \"value\": \"yes\", \"after\": 2.5}\n{\"question\": \"x\", \"value\": 3}";
         let answers = read_answers("a.jsonl", text, &read).unwrap();
         assert_eq!((answers[0].after, &answers[0].value), (Duration::from_seconds(2.5), &Value::text("yes")));
         assert_eq!(answers[1].value, Value::Integer(3));

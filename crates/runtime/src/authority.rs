@@ -25,7 +25,7 @@ pub enum ActorRole {
     Observer,
     /// Commands, with authority; starts flights.
     Operator,
-    /// Takes authority from whoever holds it.
+    /// Takes authority from the actor that holds it.
     PilotInCommand,
 }
 
@@ -48,7 +48,7 @@ impl ActorRole {
     }
 }
 
-/// A person or program that speaks to a run.
+/// An operator or program that speaks to a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Actor {
     /// Its name: one name is one actor.
@@ -77,7 +77,7 @@ pub struct Authority {
     pub epoch: u64,
     /// The holder; none while authority is free.
     pub holder: Option<Actor>,
-    /// The name of the actor to whom it is offered, and the time of the offer.
+    /// The name of the actor that it is offered to, and the time of the offer.
     offer: Option<(String, Duration)>,
     /// Time at which the holder was heard last.
     heard: Duration,

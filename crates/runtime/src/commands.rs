@@ -31,7 +31,7 @@ pub enum Order {
     Authority(AuthorityRequest),
 }
 
-/// The person or program that gives a command.
+/// The operator or program that gives a command.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Author {
     /// Its name and role.

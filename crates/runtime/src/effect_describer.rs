@@ -107,9 +107,12 @@ impl EffectDescriber {
                 let text = format!("request {} to {}{budget}", request.request.0, request.solver);
                 self.said("solve", Some(request.task), request.goal.to_string(), text)
             }
-            Effect::CancelSolve(request) => {
-                self.said("cancel-solve", None, format!("request {}", request.0), "nobody waits for it any more".into())
-            }
+            Effect::CancelSolve(request) => self.said(
+                "cancel-solve",
+                None,
+                format!("request {}", request.0),
+                "no task waits for it any longer".into(),
+            ),
             Effect::Inform { task, form } => self.said("inform", Some(*task), form.to_string(), String::new()),
             Effect::Publish { task, variable, value, because } => {
                 let mut told = self.said("publish", Some(*task), format!("{variable} = {value}"), cause_text(because));

@@ -8,7 +8,7 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 pub enum RunError {
     /// The link to the vehicle is lost.
-    #[error("The vehicle failed at {at}: {message}")]
+    #[error("the vehicle failed at {at}: {message}")]
     Vehicle {
         /// Instant.
         at: Time,
@@ -16,7 +16,7 @@ pub enum RunError {
         message: String,
     },
     /// An observer cannot continue, usually the recorder.
-    #[error("The run stopped at {at}: {message}")]
+    #[error("the run stopped at {at}: {message}")]
     Observer {
         /// Instant.
         at: Time,
@@ -25,7 +25,7 @@ pub enum RunError {
     },
     /// An input source produces inputs faster than the agents consume them.
     #[error(
-        "More than {limit} inputs wait at {at}. Whoever sends them is faster than any vehicle; look for a loop in the vehicle or in the input file."
+        "more than {limit} inputs wait at {at}, because a source sends them faster than any vehicle; look for a loop in the vehicle or in the input file"
     )]
     InboxFull {
         /// Instant.
@@ -35,7 +35,7 @@ pub enum RunError {
     },
     /// Time stands still.
     #[error(
-        "Time stands still at {at}: more than {limit} steps at one instant. The last cause was {cause}. Look for a repeating step whose work takes no time."
+        "time stands still at {at}: more than {limit} steps at one instant, the last caused by {cause}; look for a repeating step whose work takes no time"
     )]
     Stuck {
         /// Instant.
@@ -54,13 +54,13 @@ pub enum RunError {
 #[derive(Debug, Error)]
 pub enum RecordError {
     /// There is no such file.
-    #[error("There is no flight record at {}. Check the name; `apex fly` prints where it writes.", path.display())]
+    #[error("there is no flight record at {}; check the name: `apex fly` prints where it writes", path.display())]
     Missing {
         /// The file.
         path: PathBuf,
     },
     /// The file is something else.
-    #[error("{} is not a flight record of Apex ({found}), and it is left as it is. Choose another file name.", path.display())]
+    #[error("{} is not a flight record of Apex ({found}), and it is left as it is; choose another file name", path.display())]
     NotARecord {
         /// The file.
         path: PathBuf,
@@ -68,7 +68,7 @@ pub enum RecordError {
         found: String,
     },
     /// The file was written by a later Apex.
-    #[error("{} was written in version {found} of the record format; this Apex reads up to version {known}. Use a newer Apex.", path.display())]
+    #[error("{} was written in version {found} of the record format; this Apex reads up to version {known}; use a newer Apex", path.display())]
     Newer {
         /// The file.
         path: PathBuf,
@@ -78,7 +78,7 @@ pub enum RecordError {
         known: i64,
     },
     /// The file was written by an earlier Apex, in another layout.
-    #[error("{} was written in version {found} of the record format; this Apex reads version {known}, whose rows are sealed. Use the Apex that wrote it, or fly again.", path.display())]
+    #[error("{} was written in version {found} of the record format; this Apex reads version {known}, whose rows are sealed; use the Apex that wrote it, or fly again", path.display())]
     Older {
         /// The file.
         path: PathBuf,
@@ -88,13 +88,13 @@ pub enum RecordError {
         known: i64,
     },
     /// Another program writes it now.
-    #[error("{} is being written by another run. Wait for its end or choose another file name.", path.display())]
+    #[error("{} is being written by another run; wait for its end or choose another file name", path.display())]
     Busy {
         /// The file.
         path: PathBuf,
     },
     /// The file cannot be made or written.
-    #[error("The flight record {} cannot be written while {doing}: {reason}. Check the folder and its permissions, or choose another place.", path.display())]
+    #[error("the flight record {} cannot be written while {doing}: {reason}; check the folder and its permissions, or choose another place", path.display())]
     Unwritable {
         /// The file.
         path: PathBuf,
@@ -104,7 +104,7 @@ pub enum RecordError {
         reason: String,
     },
     /// The disk is full.
-    #[error("The disk is full: the flight record {} ends while {doing}. Everything before is kept and can be read. Free some space or record to another disk, then fly again.", path.display())]
+    #[error("the disk is full: the flight record {} ends while {doing}, and the part before can be read; free some space or record to another disk, then fly again", path.display())]
     DiskFull {
         /// The file.
         path: PathBuf,
@@ -124,7 +124,7 @@ pub enum RecordError {
         steps: u64,
     },
     /// The file is a record, but parts of it cannot be understood.
-    #[error("The flight record {} is damaged: {what}. `apex recover` saves what stands before the damage into a new record.", path.display())]
+    #[error("the flight record {} is damaged: {what}; `apex recover` saves the part before the damage into a new record", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,
@@ -132,7 +132,7 @@ pub enum RecordError {
         what: String,
     },
     /// The mission in the record cannot be loaded by this Apex.
-    #[error("The mission inside {} cannot be loaded: {message}", path.display())]
+    #[error("the mission inside {} cannot be loaded: {message}", path.display())]
     Load {
         /// The file.
         path: PathBuf,

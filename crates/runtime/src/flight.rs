@@ -26,11 +26,11 @@ use std::sync::mpsc::Receiver;
 use std::time::Instant;
 
 /// The executive's door, as a value so that tests can replace it.
-pub(crate) type Step = fn(&mut Agent, &Batch) -> Vec<Effect>;
+pub(crate) type StepFunction = fn(&mut Agent, &Batch) -> Vec<Effect>;
 
 /// Everything that a run consists of.
 pub(crate) struct Flight<'a, 'o> {
-    step: Step,
+    step: StepFunction,
     group: AgentGroup<'a>,
     vehicle: &'a mut dyn Vehicle,
     deliberator: &'a mut dyn Deliberator,
@@ -81,7 +81,7 @@ enum Waited {
 impl<'a, 'o> Flight<'a, 'o> {
     /// A flight that has not begun.
     pub(crate) fn new(
-        step: Step,
+        step: StepFunction,
         agents: &'a mut [Agent],
         vehicle: &'a mut dyn Vehicle,
         deliberator: &'a mut dyn Deliberator,

@@ -9,7 +9,7 @@ use crate::flight::{Flight, OpenAnswer};
 use crate::outbox;
 use crate::pool::SolverPool;
 use crate::ports::{Deliberator, Input, Observer, Posed, SolverAnswer, Vehicle};
-use crate::record::{ProblemRow, Program, RecordReader, RecordedStep};
+use crate::record::{ProblemRow, RecordReader, RecordedStep, RestoredProgram};
 use crate::solver_thread::SolverThread;
 use crate::terms::{FlyOptions, RunEnd};
 use apex_executive::{Agent, step};
@@ -58,7 +58,7 @@ pub enum ForkError {
 /// # Errors
 /// [`ForkError`].
 pub fn fork<V: Vehicle>(
-    (reader, program): (&RecordReader, &Program),
+    (reader, program): (&RecordReader, &RestoredProgram),
     at: Time,
     vehicle: &mut V,
     change: impl FnOnce(&mut V),

@@ -160,7 +160,7 @@ fn kind_of(fields: &Map<String, Json>, read_value: ReadValue<'_>) -> Result<Even
             || (matches!(key.as_str(), "error" | "progress") && subject == "acknowledge"))
     });
     if let Some(stranger) = stranger {
-        return Err(format!("\"{stranger}\" is not known beside \"{subject}\""));
+        return Err(format!("\"{stranger}\" is not a known field next to \"{subject}\""));
     }
     let datum = fields.get(subject).unwrap_or(&Json::Null);
     if subject == "acknowledge" {
@@ -169,7 +169,7 @@ fn kind_of(fields: &Map<String, Json>, read_value: ReadValue<'_>) -> Result<Even
     if subject == "event" {
         return Ok(EventKind::Occurrence(pdl(subject, datum, read_value)?));
     }
-    let Some(value) = fields.get("value") else { return Err(format!("\"value\" is missing beside \"{subject}\"")) };
+    let Some(value) = fields.get("value") else { return Err(format!("\"value\" is missing next to \"{subject}\"")) };
     let value = value_of(value, read_value)?;
     if subject == "measurement" {
         return Ok(EventKind::Measurement(variable(&pdl(subject, datum, read_value)?)?, value));
@@ -248,7 +248,7 @@ pub(crate) fn value_of(json: &Json, read_value: ReadValue<'_>) -> Result<Value, 
             (Some(text), 1) => pdl("pdl", text, read_value),
             _ => Err(format!("the value {json} is not known; PDL is written {{\"pdl\": \"(..)\"}}")),
         },
-        Json::Null => Err("null is no value; write {\"pdl\": \"nil\"} for nil".into()),
+        Json::Null => Err("null is not a value; write {\"pdl\": \"nil\"} for nil".into()),
     }
 }
 
@@ -314,10 +314,10 @@ mod tests {
             "in.jsonl:4: \"t\" is -1; mission time begins at 0 and is given in seconds",
             "in.jsonl:5: \"t\" is \"soon\"; expected a number of seconds",
             "in.jsonl:6: expected exactly one of \"event\", \"measurement\", \"answer\" and \"acknowledge\"",
-            "in.jsonl:7: \"value\" is not known beside \"event\"",
-            "in.jsonl:8: \"value\" is missing beside \"measurement\"",
+            "in.jsonl:7: \"value\" is not a known field next to \"event\"",
+            "in.jsonl:8: \"value\" is missing next to \"measurement\"",
             "in.jsonl:9: \"measurement\" is 7; expected PDL text in a string",
-            "in.jsonl:10: null is no value; write {\"pdl\": \"nil\"} for nil",
+            "in.jsonl:10: null is not a value; write {\"pdl\": \"nil\"} for nil",
             "in.jsonl:11: \"answer\" is \"one\"; expected the question's number",
             "in.jsonl:12: expected an object like {\"t\": 1.5, \"event\": \"(stop)\"}",
         ];

@@ -22,7 +22,7 @@ use std::time::{Duration, Instant};
 
 /// Limits of a solver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Limits {
+pub struct SolverLimits {
     /// Work units.
     pub units: u64,
     /// Wall time until it is abandoned, pauses not counted.
@@ -46,23 +46,23 @@ pub struct Answer {
 
 /// Reason for which a solver has to stop.
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum Stop {
+enum StopReason {
     Cancelled,
     Overran(u64),
     TimedOut(Duration),
     Memory(u64),
 }
 
-impl Stop {
+impl StopReason {
     /// Returns the violation as text; `None` if the solver was only cancelled.
     fn words(&self) -> Option<String> {
         match self {
-            Stop::Cancelled => None,
-            Stop::Overran(units) => Some(format!("went on after its {units} units of work")),
-            Stop::TimedOut(timeout) => {
+            StopReason::Cancelled => None,
+            StopReason::Overran(units) => Some(format!("continued after its {units} units of work")),
+            StopReason::TimedOut(timeout) => {
                 Some(format!("gave no answer within {} s and was abandoned", timeout.as_secs_f64()))
             }
-            Stop::Memory(bytes) => Some(format!("took more than {} MiB of memory", bytes >> 20)),
+            StopReason::Memory(bytes) => Some(format!("took more than {} MiB of memory", bytes >> 20)),
         }
     }
 }
@@ -71,13 +71,13 @@ impl Stop {
 struct State {
     paused: bool,
     paused_for: Duration,
-    stop: Option<Stop>,
+    stop: Option<StopReason>,
     best: Option<Plan>,
 }
 
 /// State shared by the solver's thread and its watcher.
 #[derive(Debug, Default)]
-struct Shared {
+struct SolverState {
     state: Mutex<State>,
     changed: Condvar,
     /// Pause or stop: the solver must look.
@@ -87,12 +87,12 @@ struct Shared {
     used: AtomicU64,
 }
 
-impl Shared {
+impl SolverState {
     fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn stop(&self, why: Stop) {
+    fn stop(&self, why: StopReason) {
         self.state().stop.get_or_insert(why);
         self.stopped.store(true, Ordering::Relaxed);
         self.attention.store(true, Ordering::Relaxed);
@@ -120,7 +120,7 @@ impl Shared {
 struct UnwindPayload;
 
 struct WatchedBudget {
-    shared: Arc<Shared>,
+    shared: Arc<SolverState>,
     machine: MachineLimits,
     allowed: u64,
     used: u64,
@@ -144,7 +144,7 @@ impl Budget for WatchedBudget {
             self.look(units);
         }
         if self.used >= self.allowed.saturating_mul(2).saturating_add(SOLVER_OVERRUN_UNITS) {
-            self.shared.stop(Stop::Overran(self.allowed));
+            self.shared.stop(StopReason::Overran(self.allowed));
             self.overdue = u64::MAX;
         }
         if self.overdue > SOLVER_OVERRUN_UNITS {
@@ -178,8 +178,8 @@ enum Ended {
 /// A solver at work.
 pub struct Invocation {
     solver: Arc<dyn Solver>,
-    limits: Limits,
-    shared: Arc<Shared>,
+    limits: SolverLimits,
+    shared: Arc<SolverState>,
     answers: Receiver<(Ended, Option<f64>)>,
     begun: Instant,
     grown_from: Option<u64>,
@@ -195,9 +195,9 @@ impl Invocation {
         problem: Arc<Problem>,
         previous: Option<Plan>,
         seed: u64,
-        limits: Limits,
+        limits: SolverLimits,
     ) -> Result<Invocation, String> {
-        let shared = Arc::new(Shared::default());
+        let shared = Arc::new(SolverState::default());
         let (sender, answers) = channel();
         let (worker, watched) = (Arc::clone(&solver), Arc::clone(&shared));
         let work = move || {
@@ -238,7 +238,7 @@ impl Invocation {
 
     /// Tells it to stop with what it has; [`finish`](Invocation::finish) then has the answer.
     pub fn cancel(&self) {
-        self.shared.stop(Stop::Cancelled);
+        self.shared.stop(StopReason::Cancelled);
     }
 
     /// Waits for the answer until the timeout, or until the solver must stop because its answer is no longer wanted.
@@ -268,22 +268,22 @@ impl Invocation {
         }
         let paused_for = self.shared.state().paused_for;
         if self.begun.elapsed().saturating_sub(paused_for) > self.limits.timeout {
-            self.shared.stop(Stop::TimedOut(self.limits.timeout));
+            self.shared.stop(StopReason::TimedOut(self.limits.timeout));
         }
         let grown = self.grown_from.zip(resident_bytes()).map(|(from, now)| now.saturating_sub(from));
         if grown.is_some_and(|bytes| bytes > self.limits.memory_bytes) {
-            self.shared.stop(Stop::Memory(self.limits.memory_bytes));
+            self.shared.stop(StopReason::Memory(self.limits.memory_bytes));
         }
     }
 
     fn answer(&self, ended: Ended, cpu_s: Option<f64>) -> Answer {
         let name = self.solver.name();
-        let stop = self.shared.state().stop.as_ref().and_then(Stop::words);
+        let stop = self.shared.state().stop.as_ref().and_then(StopReason::words);
         let (plan, violation) = match ended {
             Ended::Answered(plan) => (plan.map_err(|reason| short(&reason)), stop),
             Ended::Stopped => (Err("it was stopped".into()), stop),
-            Ended::BrokeDown(why) => (Err("it failed".into()), Some(format!("broke down: {}", short(&why)))),
-            Ended::LeftBehind => (Err("it did not stop".into()), stop.or(Some("did not stop when told to".into()))),
+            Ended::BrokeDown(why) => (Err("it failed".into()), Some(format!("failed: {}", short(&why)))),
+            Ended::LeftBehind => (Err("it did not stop".into()), stop.or(Some("did not stop when asked to".into()))),
         };
         let violation = violation.map(|what| format!("the solver {name} {what}"));
         let plan = plan.or_else(|why| match self.best() {
@@ -300,8 +300,8 @@ fn solve(
     problem: &Problem,
     previous: Option<&Plan>,
     seed: u64,
-    limits: Limits,
-    shared: &Arc<Shared>,
+    limits: SolverLimits,
+    shared: &Arc<SolverState>,
 ) -> Ended {
     let machine = MachineLimits { memory_bytes: Some(limits.memory_bytes), timeout: Some(limits.timeout) };
     let mut budget = WatchedBudget { shared: Arc::clone(shared), machine, allowed: limits.units, used: 0, overdue: 0 };
@@ -332,7 +332,7 @@ fn cpu_s() -> Option<f64> {
 /// Sets solvers to work in sequence, and remembers those that never came back.
 #[derive(Debug, Default)]
 pub struct Invocations {
-    left_behind: BTreeMap<String, Arc<Shared>>,
+    left_behind: BTreeMap<String, Arc<SolverState>>,
     worked: Duration,
 }
 
@@ -354,7 +354,7 @@ impl Invocations {
         problem: &Arc<Problem>,
         previous: Option<Plan>,
         seed: u64,
-        limits: Limits,
+        limits: SolverLimits,
         cancel: &CancelToken,
     ) -> Answer {
         let refused = |why: String| Answer { plan: Err(why), used: 0, cpu_s: None, violation: None };
@@ -366,7 +366,7 @@ impl Invocations {
         if self.left_behind.len() >= SOLVERS_LEFT_BEHIND_MAX {
             let names: Vec<&str> = self.left_behind.keys().map(String::as_str).collect();
             return refused(format!(
-                "{} solvers hang and were left behind ({}); no other one is begun before one of them has come back",
+                "{} solvers hang and were left behind ({}); no further solver starts before one of them returns",
                 names.len(),
                 names.join(", ")
             ));

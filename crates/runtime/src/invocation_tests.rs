@@ -95,9 +95,9 @@ fn problem(start_s: f64) -> Arc<Problem> {
     Arc::new(Problem::SingleVisit(SingleVisitProblem { start_s, ..SingleVisitProblem::default() }))
 }
 
-const LIMITS: Limits = Limits { units: 1_000, timeout: Duration::from_secs(60), memory_bytes: 1 << 40 };
+const LIMITS: SolverLimits = SolverLimits { units: 1_000, timeout: Duration::from_secs(60), memory_bytes: 1 << 40 };
 
-fn solve_with(name: &'static str, limits: Limits) -> Answer {
+fn solve_with(name: &'static str, limits: SolverLimits) -> Answer {
     let solver: Arc<dyn Solver> = Arc::new(Bad(name));
     Invocations::new().solve(&solver, &problem(0.0), None, 1, limits, &CancelToken::new())
 }
@@ -106,9 +106,9 @@ fn solve_with(name: &'static str, limits: Limits) -> Answer {
 fn a_panic_is_named_and_the_best_plan_so_far_counts() {
     let answer = solve_with("panics", LIMITS);
     assert_eq!(answer.plan.map(|plan| score(&plan)), Ok(1.0));
-    assert_eq!(answer.violation.as_deref(), Some("the solver panics broke down: ran out of ideas"));
+    assert_eq!(answer.violation.as_deref(), Some("the solver panics failed: ran out of ideas"));
     let nothing = solve_with("mute", LIMITS);
-    assert_eq!(nothing.plan, Err("the solver mute broke down: ran out of ideas".into()));
+    assert_eq!(nothing.plan, Err("the solver mute failed: ran out of ideas".into()));
 }
 
 #[test]
@@ -123,14 +123,14 @@ fn work_beyond_the_budget_ends_at_the_same_unit_in_every_run() {
     for answer in answers {
         assert_eq!(answer.plan.map(|plan| score(&plan)), Ok(1.0));
         assert_eq!(answer.used, 2 * LIMITS.units + SOLVER_OVERRUN_UNITS);
-        assert_eq!(answer.violation.as_deref(), Some("the solver overruns went on after its 1000 units of work"));
+        assert_eq!(answer.violation.as_deref(), Some("the solver overruns continued after its 1000 units of work"));
     }
 }
 
 #[test]
 fn who_hangs_is_left_behind_and_others_are_served() {
     let mut invocations = Invocations::new();
-    let limits = Limits { timeout: Duration::from_millis(50), ..LIMITS };
+    let limits = SolverLimits { timeout: Duration::from_millis(50), ..LIMITS };
     let gate = Arc::new(AtomicBool::new(false));
     let sleeper: Arc<dyn Solver> = Arc::new(Sleeper(Arc::clone(&gate)));
     let mut solve =
@@ -145,7 +145,7 @@ fn who_hangs_is_left_behind_and_others_are_served() {
     while Arc::strong_count(&sleeper) > 1 {
         thread::yield_now();
     }
-    assert_eq!(solve(&sleeper).plan.map(|plan| score(&plan)), Ok(2.0), "it is asked again when it has come back");
+    assert_eq!(solve(&sleeper).plan.map(|plan| score(&plan)), Ok(2.0), "it is asked again after it has returned");
 }
 
 #[test]
@@ -153,14 +153,14 @@ fn memory_beyond_the_limit_ends_the_work() {
     if resident_bytes().is_none() {
         return;
     }
-    let answer = solve_with("hoards", Limits { units: u64::MAX / 4, memory_bytes: 100 << 20, ..LIMITS });
+    let answer = solve_with("hoards", SolverLimits { units: u64::MAX / 4, memory_bytes: 100 << 20, ..LIMITS });
     assert_eq!(answer.violation.as_deref(), Some("the solver hoards took more than 100 MiB of memory"));
     assert_eq!(answer.plan.map(|plan| score(&plan)), Ok(1.0));
 }
 
 #[test]
 fn a_solver_is_polled_paused_and_cancelled() {
-    let endless = Limits { units: u64::MAX / 4, ..LIMITS };
+    let endless = SolverLimits { units: u64::MAX / 4, ..LIMITS };
     let begun = Invocation::begin(Arc::new(Bad("patient")), problem(0.0), None, 1, endless).unwrap();
     while begun.best().is_none() || begun.used() == 0 {
         thread::yield_now();
@@ -183,7 +183,7 @@ fn a_solver_is_polled_paused_and_cancelled() {
 
 #[test]
 fn who_is_not_wanted_any_more_stops_with_what_it_has() {
-    let endless = Limits { units: u64::MAX / 4, ..LIMITS };
+    let endless = SolverLimits { units: u64::MAX / 4, ..LIMITS };
     let begun = Invocation::begin(Arc::new(Bad("patient")), problem(4.0), None, 1, endless).unwrap();
     let cancel = CancelToken::new();
     cancel.clone().cancel();
@@ -209,7 +209,7 @@ impl Solver for Named {
 #[test]
 fn not_more_than_a_few_are_left_behind() {
     let mut invocations = Invocations::new();
-    let limits = Limits { timeout: Duration::from_millis(10), ..LIMITS };
+    let limits = SolverLimits { timeout: Duration::from_millis(10), ..LIMITS };
     let gate = Arc::new(AtomicBool::new(false));
     for number in 0..SOLVERS_LEFT_BEHIND_MAX {
         let sleeper: Arc<dyn Solver> = Arc::new(Named(format!("sleeper-{number}"), Arc::clone(&gate)));

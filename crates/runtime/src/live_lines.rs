@@ -101,7 +101,7 @@ mod tests {
     fn open(questions: &[(&str, u64)]) -> OpenQuestions {
         let open = OpenQuestions::default();
         for (agent, number) in questions {
-            open.opened(Symbol::new(agent), QuestionId(*number), "Go on?");
+            open.opened(Symbol::new(agent), QuestionId(*number), "Ready?");
         }
         open
     }
@@ -114,7 +114,7 @@ mod tests {
         assert_eq!(open(&[("a", 3)]).understand("yes", &read_value), answer("a", 3, Value::text("yes")));
         assert_eq!(open(&[("a", 3)]).understand("12", &read_value), answer("a", 3, Value::Integer(12)));
         let two = open(&[("a", 0), ("b", 0)]);
-        assert!(two.understand("yes", &read_value).unwrap_err().contains("a/0: Go on?; b/0: Go on?"));
+        assert!(two.understand("yes", &read_value).unwrap_err().contains("a/0: Ready?; b/0: Ready?"));
         assert_eq!(two.understand("b/0: no", &read_value), answer("b", 0, Value::text("no")));
         assert!(open(&[]).understand("yes", &read_value).unwrap_err().contains("no question is open"));
         assert_eq!(open(&[]).understand("stop", &read_value), Ok(Control::Stop));

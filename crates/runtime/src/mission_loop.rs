@@ -5,7 +5,7 @@
 //! next scheduled input. Nothing else moves time, so a run depends on its inputs only.
 
 use crate::error::RunError;
-use crate::flight::{Flight, Step};
+use crate::flight::{Flight, StepFunction};
 use crate::ports::{Deliberator, Observer, SolverQueue, Vehicle};
 use crate::solver_thread::SolverThread;
 use apex_executive::{Agent, step};
@@ -45,7 +45,7 @@ pub fn fly_all(
 }
 
 fn fly_by(
-    (step, queue): (Step, Box<dyn SolverQueue>),
+    (step, queue): (StepFunction, Box<dyn SolverQueue>),
     agents: &mut [Agent],
     vehicle: &mut dyn Vehicle,
     deliberator: &mut dyn Deliberator,

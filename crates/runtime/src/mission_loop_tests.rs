@@ -42,7 +42,7 @@ fn effect_of(form: &str) -> Option<Effect> {
             Some(Effect::Command { command: CommandId(9), task, form: samples::goal(&["loop"]), because: ran() })
         }
         "(forget)" => Some(Effect::CancelSolve(SolveRequestId(1))),
-        "(stop)" => Some(Effect::EndApplication { reason: "told to".into() }),
+        "(stop)" => Some(Effect::EndApplication { reason: "asked to".into() }),
         "(plan)" => Some(Effect::Solve(SolveRequest {
             request: SolveRequestId(1),
             task,
@@ -171,7 +171,7 @@ fn the_time_limit_is_the_last_instant() {
 fn the_end_of_the_application_ends_the_run_and_late_answers_are_named() {
     let inputs = vec![said(1.0, "plan"), said(2.0, "stop"), said(3.0, "go")];
     let (end, lines) = fly_balloon(0, FlyOptions { inputs, ..FlyOptions::default() });
-    assert_eq!(end.unwrap().reason, EndReason::Application("told to".into()));
+    assert_eq!(end.unwrap().reason, EndReason::Application("asked to".into()));
     assert_eq!(lines[3..], ["note: the answer of auto to request 1, due at 34s, came too late: the run ended at 2s"]);
     let inputs = vec![said(1.0, "plan"), said(2.0, "forget")];
     let (_, lines) = fly_balloon(0, FlyOptions { inputs, ..FlyOptions::default() });
@@ -183,15 +183,15 @@ fn the_end_of_the_application_ends_the_run_and_late_answers_are_named() {
 fn a_loop_without_time_is_stopped_with_its_cause() {
     let (end, _) = fly_balloon(0, FlyOptions { inputs: vec![said(5.0, "loop")], ..FlyOptions::default() });
     let message = end.unwrap_err().to_string();
-    assert!(message.contains("Time stands still at 5s") && message.contains("a report of the vehicle"), "{message}");
+    assert!(message.contains("time stands still at 5s") && message.contains("a report of the vehicle"), "{message}");
 }
 
 #[test]
 fn broken_vehicles_and_observers_stop_the_run_with_their_sentences() {
     let (end, _) = fly_balloon(0, FlyOptions { inputs: vec![said(2000.0, "hello")], ..FlyOptions::default() });
-    assert_eq!(end.unwrap_err().to_string(), "The vehicle failed at 0:33:20: the balloon burst");
+    assert_eq!(end.unwrap_err().to_string(), "the vehicle failed at 0:33:20: the balloon burst");
     let (end, _) = fly_balloon(0, FlyOptions { inputs: vec![said(1.0, "break")], ..FlyOptions::default() });
-    assert_eq!(end.unwrap_err().to_string(), "The run stopped at 1s: the pencil broke");
+    assert_eq!(end.unwrap_err().to_string(), "the run stopped at 1s: the pencil broke");
 }
 
 #[test]
@@ -204,7 +204,7 @@ fn pace_changes_the_clock_on_the_wall_and_nothing_else() {
     let spent_s = began.elapsed().as_secs_f64();
     assert!(spent_s > 0.17, "36 s at 200 times real time take 0.18 s, not {spent_s}");
     let (end, _) = fly_balloon(2, FlyOptions { pace: Some(-1.0), ..FlyOptions::default() });
-    assert!(end.unwrap_err().to_string().starts_with("A pace of -1 makes no sense"));
+    assert!(end.unwrap_err().to_string().starts_with("a pace of -1 is invalid"));
 }
 
 #[test]

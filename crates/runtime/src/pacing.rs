@@ -108,7 +108,7 @@ impl Pacer {
     pub fn set(&mut self, pace: Option<f64>, now: Time) -> Result<(), String> {
         if let Some(pace) = pace.filter(|pace| !(0.0..=1e9).contains(pace)) {
             return Err(format!(
-                "A pace of {pace} makes no sense: give mission seconds per second, 1 for real time, 0 for a pause."
+                "a pace of {pace} is invalid: give mission seconds per second, 1 for real time, 0 for a pause"
             ));
         }
         (self.pace, self.anchor_wall, self.anchor_mission) = (pace, self.clock.elapsed(), now);

@@ -67,7 +67,7 @@ fn a_panic_is_an_answer() {
     ask(&mut pool, &request(1, "panic", 0.0), 0.0, true);
     ask(&mut pool, &request(2, "plan", 0.0), 0.0, true);
     let said = due(&mut pool, 0.0);
-    assert_eq!(said[0], (1, "the solver auto broke down: ran out of ideas".to_owned()));
+    assert_eq!(said[0], (1, "the solver auto failed: ran out of ideas".to_owned()));
     assert_eq!(said[1].1, "3 targets, value 12", "the next request is served");
 }
 

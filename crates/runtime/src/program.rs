@@ -141,6 +141,6 @@ pub struct NoDeliberator;
 
 impl Deliberator for NoDeliberator {
     fn pose(&mut self, request: &SolveRequest, _: Time) -> Posed {
-        Posed::failed(format!("no planner is at hand for {} without a mission", request.goal))
+        Posed::failed(format!("no planner is available for {} without a mission", request.goal))
     }
 }

@@ -193,7 +193,7 @@ fn third_effects() -> Vec<Effect> {
         Effect::Ask {
             question: QuestionId(1),
             task: TaskId(1),
-            text: "Go on?".into(),
+            text: "Ready?".into(),
             options: vec![Value::symbol("yes"), Value::symbol("no")],
             by: Some(Time::from_seconds(400.0)),
             default: Some(Value::symbol("no")),

@@ -29,11 +29,11 @@ impl Queued {
     fn run(self) -> SolverAnswer {
         let Queued { solver, job, cancel, .. } = self;
         if cancel.is_cancelled() {
-            return failed("it was withdrawn before anybody began with it".into());
+            return failed("it was withdrawn before a solver thread began it".into());
         }
         match catch_unwind(AssertUnwindSafe(|| job.run(&cancel))) {
             Ok(answer) => answer,
-            Err(payload) => failed(format!("the solver {solver} broke down: {}", panic_text(&*payload))),
+            Err(payload) => failed(format!("the solver {solver} failed: {}", panic_text(&*payload))),
         }
     }
 }
@@ -106,7 +106,7 @@ impl SolverThread {
         let oldest = self.pending.iter_mut().find(|pending| !pending.is_abandoned)?;
         oldest.is_abandoned = true;
         oldest.cancel.cancel();
-        let reason = format!("the solver {} gave no answer within {timeout_s} s and was given up", oldest.solver);
+        let reason = format!("the solver {} gave no answer within {timeout_s} s and was abandoned", oldest.solver);
         Some((oldest.request, failed(reason)))
     }
 }
@@ -120,7 +120,7 @@ impl SolverQueue for SolverThread {
             self.settle(answered, answer);
         }
         if let Some(hangs) = self.pending.iter().find(|pending| pending.is_abandoned) {
-            return Err(format!("deliberation still hangs at request {}, which was given up", hangs.request.0));
+            return Err(format!("deliberation still hangs at request {}, which was abandoned", hangs.request.0));
         }
         let worker = match &mut self.worker {
             Some(worker) => worker,

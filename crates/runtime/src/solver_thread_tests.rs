@@ -50,8 +50,8 @@ fn a_job_that_never_ends_is_abandoned_and_its_thread_may_return() {
         submit(&mut queue, number, scripted.job(goal))?;
         words(queue.recv().unwrap()).1
     };
-    assert_eq!(answer(7, "hang"), Err("the solver auto gave no answer within 0.1 s and was given up".to_owned()));
-    let hangs = Err("deliberation still hangs at request 7, which was given up".to_owned());
+    assert_eq!(answer(7, "hang"), Err("the solver auto gave no answer within 0.1 s and was abandoned".to_owned()));
+    let hangs = Err("deliberation still hangs at request 7, which was abandoned".to_owned());
     assert_eq!(answer(8, "plan"), hangs);
     scripted.gate.store(true, Ordering::SeqCst);
     let mut last = answer(9, "plan");
@@ -72,7 +72,7 @@ fn queued_jobs_are_answered_in_order_without_a_wait() {
     assert!(queue.try_recv().is_none(), "the first hangs, and this call returned");
     scripted.gate.store(true, Ordering::SeqCst);
     let all: Vec<_> = std::iter::from_fn(|| queue.recv().map(words)).collect();
-    let broke = "the solver auto broke down: ran out of ideas".to_owned();
+    let broke = "the solver auto failed: ran out of ideas".to_owned();
     assert_eq!(all, [(1, Err("no idea".to_owned())), (2, Err(broke)), (3, Ok("3 targets, value 12".to_owned()))]);
 }
 
@@ -85,6 +85,6 @@ fn a_job_cancelled_before_its_turn_is_not_started_and_a_running_one_sees_it() {
     queue.cancel(SolveRequestId(2));
     queue.cancel(SolveRequestId(1));
     let all: Vec<_> = std::iter::from_fn(|| queue.recv().map(words)).collect();
-    assert_eq!(all[1], (2, Err("it was withdrawn before anybody began with it".to_owned())));
+    assert_eq!(all[1], (2, Err("it was withdrawn before a solver thread began it".to_owned())));
     assert!(scripted.ran.load(Ordering::SeqCst) <= 1);
 }

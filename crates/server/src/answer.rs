@@ -19,7 +19,7 @@ pub(crate) struct ApiError {
 }
 
 /// Every handler's result.
-pub(crate) type Answer<T> = Result<T, ApiError>;
+pub(crate) type ApiResult<T> = Result<T, ApiError>;
 
 #[derive(Serialize)]
 struct ErrorBody {

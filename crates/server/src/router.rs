@@ -1,6 +1,6 @@
 //! The table of addresses: from a request to the record view and back.
 
-use crate::answer::{Answer, ApiError};
+use crate::answer::{ApiError, ApiResult};
 use crate::params::{
     AtParams, EventsParams, MonitorsParams, ProgramTextParams, SamplesParams, SourceParams, TasksParams,
     TimelineParams, TrackParams, WhyParams,
@@ -63,7 +63,7 @@ pub(crate) fn router(state: Arc<AppState>) -> Router {
         .with_state(state)
 }
 
-async fn mission(State(state): Shared, params: QueryParams<AtParams>) -> Answer<Response> {
+async fn mission(State(state): Shared, params: QueryParams<AtParams>) -> ApiResult<Response> {
     let at = checked(params)?.at;
     let known = Arc::clone(&state);
     read(state, move |view| {
@@ -73,44 +73,44 @@ async fn mission(State(state): Shared, params: QueryParams<AtParams>) -> Answer<
     .await
 }
 
-async fn track(State(state): Shared, params: QueryParams<TrackParams>) -> Answer<Response> {
+async fn track(State(state): Shared, params: QueryParams<TrackParams>) -> ApiResult<Response> {
     let query = checked(params)?.into();
     read(state, move |view| Ok(view.track(&query)?)).await
 }
 
-async fn tasks(State(state): Shared, params: QueryParams<TasksParams>) -> Answer<Response> {
+async fn tasks(State(state): Shared, params: QueryParams<TasksParams>) -> ApiResult<Response> {
     let query = checked(params)?.into();
     read(state, move |view| Ok(view.tasks(&query)?)).await
 }
 
-async fn timeline(State(state): Shared, params: QueryParams<TimelineParams>) -> Answer<Response> {
+async fn timeline(State(state): Shared, params: QueryParams<TimelineParams>) -> ApiResult<Response> {
     let query = checked(params)?.into();
     read(state, move |view| Ok(view.timeline(&query)?)).await
 }
 
-async fn events(State(state): Shared, params: QueryParams<EventsParams>) -> Answer<Response> {
+async fn events(State(state): Shared, params: QueryParams<EventsParams>) -> ApiResult<Response> {
     let query = checked(params)?.into();
     read(state, move |view| Ok(view.events(&query)?)).await
 }
 
-async fn why(State(state): Shared, params: QueryParams<WhyParams>) -> Answer<Response> {
+async fn why(State(state): Shared, params: QueryParams<WhyParams>) -> ApiResult<Response> {
     let WhyParams { task, at, explain } = checked(params)?;
     let answer = blocking(move || why::why(&state, task, at, explain.unwrap_or(true))).await?;
     Ok(Json(answer).into_response())
 }
 
-async fn monitors(State(state): Shared, params: QueryParams<MonitorsParams>) -> Answer<Response> {
+async fn monitors(State(state): Shared, params: QueryParams<MonitorsParams>) -> ApiResult<Response> {
     let MonitorsParams { at, task } = checked(params)?;
     let answer = blocking(move || why::monitors(&state, at, task)).await?;
     Ok(Json(answer).into_response())
 }
 
-async fn program(State(state): Shared) -> Answer<Response> {
+async fn program(State(state): Shared) -> ApiResult<Response> {
     let program = state.program();
     read(state, move |view| Ok(view.program(program.as_ref().map(|program| &*program.0))?)).await
 }
 
-async fn program_text(State(state): Shared, params: QueryParams<ProgramTextParams>) -> Answer<Response> {
+async fn program_text(State(state): Shared, params: QueryParams<ProgramTextParams>) -> ApiResult<Response> {
     let name = checked(params)?.name;
     read(state, move |view| {
         view.program_text(&name)?.ok_or_else(|| {
@@ -120,42 +120,42 @@ async fn program_text(State(state): Shared, params: QueryParams<ProgramTextParam
     .await
 }
 
-async fn command_log(State(state): Shared, params: QueryParams<AtParams>) -> Answer<Response> {
+async fn command_log(State(state): Shared, params: QueryParams<AtParams>) -> ApiResult<Response> {
     let at = checked(params)?.at;
     read(state, move |view| Ok(view.operator_commands(at)?)).await
 }
 
-async fn targets(State(state): Shared, params: QueryParams<AtParams>) -> Answer<Response> {
+async fn targets(State(state): Shared, params: QueryParams<AtParams>) -> ApiResult<Response> {
     let at = checked(params)?.at;
     read(state, move |view| Ok(view.targets(at)?)).await
 }
 
-async fn surroundings(State(state): Shared) -> Answer<Response> {
+async fn surroundings(State(state): Shared) -> ApiResult<Response> {
     read(state, |view| Ok(view.surroundings()?)).await
 }
 
-async fn plan(State(state): Shared, params: QueryParams<AtParams>) -> Answer<Response> {
+async fn plan(State(state): Shared, params: QueryParams<AtParams>) -> ApiResult<Response> {
     let at = checked(params)?.at;
     read(state, move |view| Ok(view.plan(at)?)).await
 }
 
-async fn troubles(State(state): Shared, params: QueryParams<AtParams>) -> Answer<Response> {
+async fn troubles(State(state): Shared, params: QueryParams<AtParams>) -> ApiResult<Response> {
     let at = checked(params)?.at;
     read(state, move |view| Ok(view.troubles(at)?)).await
 }
 
-async fn report(State(state): Shared, params: QueryParams<AtParams>) -> Answer<Response> {
+async fn report(State(state): Shared, params: QueryParams<AtParams>) -> ApiResult<Response> {
     let at = checked(params)?.at;
     read(state, move |view| Ok(view.report(at)?)).await
 }
 
-async fn signals(State(state): Shared, params: QueryParams<AtParams>) -> Answer<Response> {
+async fn signals(State(state): Shared, params: QueryParams<AtParams>) -> ApiResult<Response> {
     let at = checked(params)?.at;
     let program = state.program();
     read(state, move |view| Ok(view.signals(at, program.as_ref())?)).await
 }
 
-async fn samples(State(state): Shared, params: QueryParams<SamplesParams>) -> Answer<Response> {
+async fn samples(State(state): Shared, params: QueryParams<SamplesParams>) -> ApiResult<Response> {
     let query = checked(params)?.into();
     let program = state.program();
     read(state, move |view| match view.signal_windows(&query, program.as_ref()) {
@@ -167,10 +167,10 @@ async fn samples(State(state): Shared, params: QueryParams<SamplesParams>) -> An
     .await
 }
 
-async fn source(State(state): Shared, params: QueryParams<SourceParams>) -> Answer<Response> {
+async fn source(State(state): Shared, params: QueryParams<SourceParams>) -> ApiResult<Response> {
     let place = checked(params)?.place;
     let line = SourceLine::parse(&place)
-        .ok_or_else(|| ApiError::bad_request(format!("`{place}` is no place"), "a place is `file:line:column`"))?;
+        .ok_or_else(|| ApiError::bad_request(format!("`{place}` is not a place"), "a place is `file:line:column`"))?;
     read(state, move |view| {
         view.source(&line)?.ok_or_else(|| {
             ApiError::not_found(
@@ -206,10 +206,10 @@ async fn other_method() -> ApiError {
 }
 
 /// Runs a query off the network threads and sends its answer as JSON.
-async fn read<T, Q>(state: Arc<AppState>, query: Q) -> Answer<Response>
+async fn read<T, Q>(state: Arc<AppState>, query: Q) -> ApiResult<Response>
 where
     T: Serialize + Send + 'static,
-    Q: FnOnce(&mut RecordView) -> Answer<T> + Send + 'static,
+    Q: FnOnce(&mut RecordView) -> ApiResult<T> + Send + 'static,
 {
     let answer = blocking(move || state.read(query)).await?;
     Ok(Json(answer).into_response())

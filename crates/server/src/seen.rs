@@ -1,6 +1,6 @@
 //! `/api/footprints` and `/api/plans`: the ground that the sensors have seen, and all plans, as known at an instant.
 
-use crate::answer::Answer;
+use crate::answer::ApiResult;
 use crate::params::{AtParams, WindowParams};
 use crate::state::{AppState, QueryParams, Shared, blocking, checked, no_record};
 use apex_mission::recorded::mission_of;
@@ -25,7 +25,7 @@ pub(crate) fn routes() -> Router<Arc<AppState>> {
         .route("/api/holdings", get(holdings))
 }
 
-async fn footprints(State(state): Shared, params: QueryParams<WindowParams>) -> Answer<Response> {
+async fn footprints(State(state): Shared, params: QueryParams<WindowParams>) -> ApiResult<Response> {
     let WindowParams { from, to, at } = checked(params)?;
     let to_ns = to.unwrap_or(i64::MAX).min(at.unwrap_or(i64::MAX));
     let seen = blocking(move || {
@@ -36,13 +36,13 @@ async fn footprints(State(state): Shared, params: QueryParams<WindowParams>) -> 
     Ok(Json(seen).into_response())
 }
 
-async fn plans(State(state): Shared, params: QueryParams<AtParams>) -> Answer<Response> {
+async fn plans(State(state): Shared, params: QueryParams<AtParams>) -> ApiResult<Response> {
     let at = checked(params)?.at;
     let plans = blocking(move || state.read(|view| Ok(view.plans(at)?))).await?;
     Ok(Json(plans).into_response())
 }
 
-async fn holdings(State(state): Shared, params: QueryParams<WindowParams>) -> Answer<Response> {
+async fn holdings(State(state): Shared, params: QueryParams<WindowParams>) -> ApiResult<Response> {
     let WindowParams { from, to, at } = checked(params)?;
     let holdings = blocking(move || state.read(|view| Ok(view.holdings((from, to), at)?))).await?;
     Ok(Json(holdings).into_response())
@@ -82,7 +82,7 @@ fn windows_of(target: &Target) -> Vec<WantedWindow> {
 }
 
 /// Facts of the record's mission; `null` if the record is not of a mission.
-async fn facts(State(state): Shared) -> Answer<Response> {
+async fn facts(State(state): Shared) -> ApiResult<Response> {
     let facts = blocking(move || {
         let path = state.record.as_ref().ok_or_else(no_record)?;
         let mission = mission_of(&RecordReader::open(path)?)?;

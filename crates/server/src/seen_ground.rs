@@ -1,6 +1,6 @@
 //! The ground that the sensors of a record have seen, folded from its steps.
 
-use crate::answer::{Answer, ApiError};
+use crate::answer::{ApiError, ApiResult};
 use apex_mission::recorded::mission_of;
 use apex_mission::score::{FlownScore, Footprints};
 use apex_model::time::Time;
@@ -20,7 +20,7 @@ struct Fold {
 
 impl SeenGround {
     /// The footprints in a window. One caller at a time folds; the others wait for what it finds.
-    pub(crate) fn between(&self, path: &Path, from_ns: i64, to_ns: i64) -> Answer<Footprints> {
+    pub(crate) fn between(&self, path: &Path, from_ns: i64, to_ns: i64) -> ApiResult<Footprints> {
         let mut slot = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let reader = RecordReader::open(path)?.of_agent(0)?;
         let fold = match slot.take() {
@@ -34,7 +34,7 @@ impl SeenGround {
     }
 }
 
-fn flown_of(reader: &RecordReader) -> Answer<Option<FlownScore>> {
+fn flown_of(reader: &RecordReader) -> ApiResult<Option<FlownScore>> {
     let Some(mission) = mission_of(reader)? else { return Ok(None) };
     let flown = FlownScore::new(&mission)
         .map_err(|reason| ApiError::bad_request(reason, "check the targets of the record's mission"))?;
@@ -43,7 +43,7 @@ fn flown_of(reader: &RecordReader) -> Answer<Option<FlownScore>> {
 
 impl Fold {
     /// Takes the steps that were recorded since the last time.
-    fn advance(&mut self, reader: &RecordReader) -> Answer<()> {
+    fn advance(&mut self, reader: &RecordReader) -> ApiResult<()> {
         let Some(flown) = &mut self.flown else { return Ok(()) };
         for step in reader.steps_between(self.last.1, Time::END)?.without_effects() {
             let step = step?;

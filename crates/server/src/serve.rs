@@ -32,7 +32,7 @@ const LIVE_PLACES: usize = 64;
 /// Tokens, names and encryption of a server.
 #[derive(Default)]
 pub struct AccessOptions {
-    /// Tokens of persons and programs. An address that other machines reach needs at least one; on a loopback address without any,
+    /// Tokens of operators and programs. An address that other machines reach needs at least one; on a loopback address without any,
     /// every caller is this machine.
     pub tokens: Vec<AccessToken>,
     /// Names of this server in addition to its addresses: requests under other names are refused.
@@ -102,7 +102,7 @@ pub enum ServeError {
     #[error(transparent)]
     Tls(#[from] TlsError),
     /// The network or the threads failed while serving.
-    #[error("the server stopped: {0}; start it again, and if it stops again look at the system's limits (`ulimit -a`)")]
+    #[error("the server stopped: {0}; start it again, and if it stops again check the system's limits (`ulimit -a`)")]
     Stopped(io::Error),
 }
 

@@ -1,7 +1,7 @@
 //! `/api/records` lists the records that the page can show; `/api/records/ID/..` answers about one of them as `/api/..` answers
 //! about the first.
 
-use crate::answer::{Answer, ApiError};
+use crate::answer::{ApiError, ApiResult};
 use crate::seen_ground::SeenGround;
 use crate::shelf::{Shelf, rows};
 use crate::state::{AppState, Shared, Views, blocking, no_record};
@@ -20,7 +20,7 @@ pub(crate) fn routes() -> Router<Arc<AppState>> {
     Router::new().route("/api/records", get(list)).route("/api/records/{id}/{*what}", get(of_one))
 }
 
-async fn list(State(state): Shared) -> Answer<Response> {
+async fn list(State(state): Shared) -> ApiResult<Response> {
     let answer = blocking(move || {
         let path = state.record.as_ref().ok_or_else(no_record)?;
         let first = rows(path)?.into_iter().nth(state.agent);
@@ -35,7 +35,7 @@ async fn of_one(
     State(state): Shared,
     path: Result<UrlPath<(usize, String)>, PathRejection>,
     mut request: Request,
-) -> Answer<Response> {
+) -> ApiResult<Response> {
     let UrlPath((id, what)) = path.map_err(|rejection| {
         ApiError::bad_request(rejection.body_text(), "records have whole numbers; `/api/records` lists them")
     })?;
@@ -50,7 +50,7 @@ async fn of_one(
 }
 
 /// The routes of one entry, made at the first question about it.
-fn routes_of(state: &Arc<AppState>, id: usize) -> Answer<Router> {
+fn routes_of(state: &Arc<AppState>, id: usize) -> ApiResult<Router> {
     if id == 0 {
         return Ok((state.routes)(Arc::clone(state)));
     }

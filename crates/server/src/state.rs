@@ -1,7 +1,7 @@
 //! State that request handlers share: connections to the record, flights, and checks of parameters and of blocking work.
 
 use crate::access::Sessions;
-use crate::answer::{Answer, ApiError};
+use crate::answer::{ApiError, ApiResult};
 use crate::flights::Tower;
 use crate::operation::FlightDoor;
 use crate::seen_ground::SeenGround;
@@ -9,7 +9,7 @@ use crate::shelf::Shelf;
 use crate::what_if::WhatIf;
 use apex_model::source::SourceFile;
 use apex_runtime::RecordError;
-use apex_runtime::record::Program;
+use apex_runtime::record::RestoredProgram;
 use apex_runtime::record::view::{Growth, RecordStatus, RecordView};
 use axum::Router;
 use axum::extract::rejection::QueryRejection;
@@ -23,7 +23,7 @@ use tokio::sync::Semaphore;
 const CONNECTIONS: usize = 8;
 
 /// Checks the PDL sources of a record again, so that an instant can be restored; the server knows no syntax.
-pub type LoadSources = Arc<dyn Fn(&[SourceFile]) -> Result<Program, String> + Send + Sync>;
+pub type LoadSources = Arc<dyn Fn(&[SourceFile]) -> Result<RestoredProgram, String> + Send + Sync>;
 
 /// State shared by all request handlers.
 pub(crate) struct AppState {
@@ -36,7 +36,7 @@ pub(crate) struct AppState {
     /// Connections to the record, if there is one.
     pub(crate) views: Option<Views>,
     /// The record's checked program, loaded at its first use; none if it cannot be loaded.
-    pub(crate) program: OnceLock<Option<Program>>,
+    pub(crate) program: OnceLock<Option<RestoredProgram>>,
     /// The way to the run that writes the record, if it is under way in this program.
     pub(crate) door: Option<FlightDoor>,
     /// The ground that the record's sensors have seen, as far as it was asked for.
@@ -61,7 +61,7 @@ pub(crate) struct AppState {
 
 impl AppState {
     /// Reads with one of the connections; blocks while all are in use.
-    pub(crate) fn read<T>(&self, query: impl FnOnce(&mut RecordView) -> Answer<T>) -> Answer<T> {
+    pub(crate) fn read<T>(&self, query: impl FnOnce(&mut RecordView) -> ApiResult<T>) -> ApiResult<T> {
         self.views.as_ref().ok_or_else(no_record)?.read(query)
     }
 
@@ -75,7 +75,7 @@ impl AppState {
     }
 
     /// The record's checked program; none without a loader, and if its sources cannot be loaded.
-    pub(crate) fn program(&self) -> Option<Program> {
+    pub(crate) fn program(&self) -> Option<RestoredProgram> {
         let load = self.load.as_deref()?;
         let loaded = || self.read(|view| Ok(view.reader().load(load)?)).ok();
         self.program.get_or_init(loaded).clone()
@@ -85,7 +85,7 @@ impl AppState {
     ///
     /// # Errors
     /// The server was started without them.
-    pub(crate) fn what_if(&self) -> Answer<&WhatIf> {
+    pub(crate) fn what_if(&self) -> ApiResult<&WhatIf> {
         self.what_if.as_ref().ok_or_else(|| {
             ApiError::not_found(
                 "this record cannot be continued from here",
@@ -98,7 +98,7 @@ impl AppState {
     ///
     /// # Errors
     /// It was started without a folder of missions.
-    pub(crate) fn tower(&self) -> Answer<&Tower> {
+    pub(crate) fn tower(&self) -> ApiResult<&Tower> {
         self.tower.as_deref().ok_or_else(|| {
             ApiError::not_found(
                 "this server flies no missions",
@@ -128,7 +128,7 @@ impl Views {
         Ok(Views { free: Mutex::new(views), returned: Condvar::new() })
     }
 
-    fn read<T>(&self, query: impl FnOnce(&mut RecordView) -> Answer<T>) -> Answer<T> {
+    fn read<T>(&self, query: impl FnOnce(&mut RecordView) -> ApiResult<T>) -> ApiResult<T> {
         let free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
         let mut free = self.returned.wait_while(free, |free| free.is_empty()).unwrap_or_else(PoisonError::into_inner);
         let Some(view) = free.pop() else { return Err(no_record()) };
@@ -164,7 +164,7 @@ pub(crate) type Shared = State<Arc<AppState>>;
 pub(crate) type QueryParams<T> = Result<Query<T>, QueryRejection>;
 
 /// The parameters of a request, or what is wrong with them.
-pub(crate) fn checked<T>(params: QueryParams<T>) -> Answer<T> {
+pub(crate) fn checked<T>(params: QueryParams<T>) -> ApiResult<T> {
     params.map(|Query(query)| query).map_err(|rejection| {
         ApiError::bad_request(
             rejection.body_text(),
@@ -174,11 +174,11 @@ pub(crate) fn checked<T>(params: QueryParams<T>) -> Answer<T> {
 }
 
 /// Does blocking work off the network threads.
-pub(crate) async fn blocking<T: Send + 'static>(work: impl FnOnce() -> Answer<T> + Send + 'static) -> Answer<T> {
+pub(crate) async fn blocking<T: Send + 'static>(work: impl FnOnce() -> ApiResult<T> + Send + 'static) -> ApiResult<T> {
     tokio::task::spawn_blocking(work).await.unwrap_or_else(|error| {
         Err(ApiError {
             status: StatusCode::INTERNAL_SERVER_ERROR,
-            error: format!("the query broke off: {error}"),
+            error: format!("the query was interrupted: {error}"),
             help: "this is a fault of Apex; please report it with the record".into(),
         })
     })

@@ -1,6 +1,6 @@
 //! `/api/why`: a task at an instant and its explanation.
 
-use crate::answer::{Answer, ApiError};
+use crate::answer::{ApiError, ApiResult};
 use crate::state::{AppState, no_record};
 use apex_model::source::SourceFile;
 use apex_model::task::TaskId;
@@ -11,7 +11,7 @@ use apex_runtime::record::view::TaskLookup;
 
 /// Explains task `id` at mission time `at_ns`. `restore` asks for what only the restored agent knows; if it cannot be
 /// restored, the answer says why and holds what the record's decisions alone tell.
-pub(crate) fn why(state: &AppState, id: u64, at_ns: i64, restore: bool) -> Answer<TaskExplanation> {
+pub(crate) fn why(state: &AppState, id: u64, at_ns: i64, restore: bool) -> ApiResult<TaskExplanation> {
     let (task, children) = match state.read(|view| Ok(view.task(id, at_ns)?))? {
         TaskLookup::Found { task, children } => (task, children),
         TaskLookup::NotYet { created_ns } => {
@@ -48,7 +48,7 @@ pub(crate) fn why(state: &AppState, id: u64, at_ns: i64, restore: bool) -> Answe
 }
 
 /// The conditions that living tasks of an instant watch; of task `id` alone, with its variables, if one is given.
-pub(crate) fn monitors(state: &AppState, at_ns: Option<i64>, id: Option<u64>) -> Answer<Monitors> {
+pub(crate) fn monitors(state: &AppState, at_ns: Option<i64>, id: Option<u64>) -> ApiResult<Monitors> {
     let reader = RecordReader::open(state.record.as_ref().ok_or_else(no_record)?)?.of_agent(state.agent)?;
     let program = state.program().ok_or_else(|| {
         ApiError::bad_request(

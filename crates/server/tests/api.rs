@@ -5,7 +5,7 @@
 mod flight;
 
 use apex_model::source::SourceFile;
-use apex_runtime::record::Program;
+use apex_runtime::record::RestoredProgram;
 use apex_server::{AccessOptions, ServeError, ServeOptions, serve};
 use flight::Writer;
 use flight::story::Story;
@@ -16,7 +16,7 @@ use std::path::Path;
 use std::sync::{Arc, mpsc};
 
 /// Represents a command that cannot load the recorded sources.
-fn unloadable(_: &[SourceFile]) -> Result<Program, String> {
+fn unloadable(_: &[SourceFile]) -> Result<RestoredProgram, String> {
     Err("the sources are not PDL".into())
 }
 
@@ -313,7 +313,7 @@ fn a_port_in_use_and_files_that_are_no_records_are_named() {
     assert!(error.to_string().contains("--port"), "{error}");
 
     let missing = serve(options(&folder.path().join("none.apex"))).unwrap_err().to_string();
-    assert!(missing.contains("There is no flight record at"), "{missing}");
+    assert!(missing.contains("there is no flight record at"), "{missing}");
 
     let text = folder.path().join("notes.apex");
     std::fs::write(&text, "these are notes, and more than a header of a hundred bytes long ".repeat(20)).unwrap();

@@ -1,4 +1,4 @@
-//! Authority over a flight, over real HTTP: sessions take it, offer it, refuse it and release it, and the record says so.
+//! Authority over a flight, over real HTTP: sessions take it, offer it, refuse it and release it, and the record names each holder.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 

@@ -122,7 +122,7 @@ fn trace(record: &Path) -> String {
 fn a_flight_is_recorded_reported_and_equal_to_one_of_the_command() {
     let folder = tempfile::tempdir().unwrap();
     let server = start(Some(missions()), folder.path(), Ipv4Addr::LOCALHOST);
-    std::fs::write(folder.path().join("structure-watch-1.apex"), "somebody's").unwrap();
+    std::fs::write(folder.path().join("structure-watch-1.apex"), "a record of another run").unwrap();
     let (status, flight) = fly(server, &json!({"mission": "structure-watch", "seed": 7, "until_s": 200}));
     assert_eq!(status, 201, "{flight}");
     assert_eq!((&flight["id"], &flight["state"], &flight["seed"]), (&json!(2), &json!("flying"), &json!(7)));
@@ -135,7 +135,10 @@ fn a_flight_is_recorded_reported_and_equal_to_one_of_the_command() {
     assert_eq!((status, &report["sections"]), (200, &flight["sections"]));
     assert_eq!(report["sections"][0]["body"]["mission"], "Structure Watch");
     assert_eq!(get(server, "/api/flights").1["flights"], json!([flight]));
-    assert_eq!(std::fs::read_to_string(folder.path().join("structure-watch-1.apex")).unwrap(), "somebody's");
+    assert_eq!(
+        std::fs::read_to_string(folder.path().join("structure-watch-1.apex")).unwrap(),
+        "a record of another run"
+    );
 
     let reader = RecordReader::open(&record).unwrap();
     assert_eq!(reader.warning().unwrap(), None);

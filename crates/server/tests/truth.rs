@@ -17,6 +17,8 @@ use apex_runtime::record::view::{
     EventsQuery, RecordView, SIGNALS_MAX, SignalKind, SignalQuery, TasksQuery, TimelineQuery, TrackQuery,
 };
 use apex_runtime::record::{RecordReader, seal_rows};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -36,11 +38,8 @@ fn flown(folder: &Path, name: &str, hours: f64) -> PathBuf {
 /// `count` instants of the record by a fixed sequence, both ends among them.
 fn instants(reader: &RecordReader, count: u64) -> Vec<i64> {
     let (first, last) = reader.span().unwrap().unwrap();
-    let mut number = 42_u64;
-    let mut random = || {
-        number = number.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        i64::try_from(number >> 11).unwrap().rem_euclid(last.0 - first.0 + 1) + first.0
-    };
+    let mut generator = ChaCha8Rng::seed_from_u64(42);
+    let mut random = || i64::try_from(generator.next_u64() >> 11).unwrap().rem_euclid(last.0 - first.0 + 1) + first.0;
     let mut instants: Vec<i64> = (0..count).map(|_| random()).chain([first.0, last.0]).collect();
     instants.sort_unstable();
     instants

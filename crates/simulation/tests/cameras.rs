@@ -27,7 +27,7 @@ fn feature(properties: &str, geometry: &str, coordinates: &str) -> String {
     )
 }
 
-/// A point, a line of two pieces and a field; with an oblique look at a second point for a vehicle that hovers.
+/// A point, a line of two pieces and a field; with an oblique view of a second point for a vehicle that hovers.
 fn targets(hovers: bool, pixel_m: f64, scale: f64) -> Vec<String> {
     let wanted = |id: &str| format!(r#""id": "{id}", "kind": "inspection", "value": 100, "resolution_m": {pixel_m}"#);
     let at = |east: f64, north: f64| place(scale * east, scale * north);

@@ -235,7 +235,7 @@ fn impossible_figures_are_refused_by_name() {
     };
     let cases = [
         (":station", "", "expected keys, each with a value"),
-        (":station nowhere", "", "`nowhere` is no place of the mission"),
+        (":station nowhere", "", "`nowhere` is not a place of the mission"),
         (":station home :full-level -5m", "", "`:full-level -5m` is not a length in metres above 0"),
         (":station home :full-level 0m", "", "is not a length in metres above 0"),
         (":station home :full-level 3s", "", "is not a length"),
@@ -272,7 +272,7 @@ fn impossible_figures_are_refused_by_name() {
         (":station home", ":lost-link (:weak-for -3s)", "is not a duration in seconds above 0"),
         (":station home", ":lost-link (:default stay)", "is not resume or go-home"),
         (":station home", ":lost-link (:losses-max 1.5)", "is not a whole number"),
-        (":station home", ":lost-link (:contingency nowhere)", "`nowhere` is no place"),
+        (":station home", ":lost-link (:contingency nowhere)", "`nowhere` is not a place"),
         (":station home", ":lost-link (:patience 3s)", "unknown key `:patience`"),
     ];
     for (modem, options, wanted) in cases {

@@ -46,7 +46,7 @@ fn every_update_and_the_wind_lead_to_a_new_plan_and_every_look_to_a_picture() {
     let flown = fly(Mission::load(&shipped()).unwrap());
     let updates = [
         ("new target: camp", "replanning wanted: camp"),
-        ("no target any more: cabin-east", "replanning wanted: cabin-east"),
+        ("no longer a target: cabin-east", "replanning wanted: cabin-east"),
         ("winery is worth 300", "replanning wanted: winery"),
         ("sawmill: 0.8 events an hour", "replanning wanted: sawmill"),
         ("new forecast: winds-actual.csv", "replanning wanted: \"winds-actual.csv\""),

@@ -8,7 +8,7 @@ use crate::sample;
 use apex_executive::load;
 use apex_runtime::foreign::{Cues, SimulatorLink, run as run_foreign};
 use apex_runtime::mission_loop::FlyOptions;
-use apex_runtime::record::Program;
+use apex_runtime::record::RestoredProgram;
 use apex_spec::outside::{PagePlanner, PlannerManner};
 use serde_json::Value as Json;
 use std::io::BufReader;
@@ -16,7 +16,7 @@ use std::sync::{Arc, LazyLock};
 
 const BYTES_MAX: usize = 65_536;
 
-static PROGRAM: LazyLock<Program> = LazyLock::new(|| {
+static PROGRAM: LazyLock<RestoredProgram> = LazyLock::new(|| {
     apex_spec::scenario::program(sample::PROGRAM).unwrap_or_else(|error| panic!("the program does not check: {error}"))
 });
 

@@ -138,7 +138,7 @@ fn of_instants(part: &Condition, span: Span, view: View<'_>) -> Ways {
         if there || against.doubt {
             begin = None;
             found.doubt = !there;
-            found.unknown = against.unknown.or(Some("nobody knows whether it holds".into())).filter(|_| !there);
+            found.unknown = against.unknown.or(Some("unknown whether it holds".into())).filter(|_| !there);
             continue;
         }
         let ends = against.all.iter().filter_map(|way| match (way.hull, way.lasts) {
@@ -182,7 +182,7 @@ fn quiet_spans(part: &Condition, span: Span, view: View<'_>) -> Quiet {
         return Quiet { found: Ways::default(), decided: false };
     }
     if against.doubt {
-        let unknown = against.unknown.or_else(|| Some("nobody knows whether it goes on".into()));
+        let unknown = against.unknown.or_else(|| Some("unknown whether it continues".into()));
         return Quiet { found: Ways { all: Vec::new(), unknown, doubt: true }, decided: false };
     }
     // A span begins with the creation, its instant included; after the end of evidence, its instant excluded; or at the

@@ -30,7 +30,7 @@ pub(crate) fn ways(episode: &Episode, view: View<'_>) -> Ways {
         let decided = |run: &Run<'_>| !run.closed && aggregate::contradicted(episode, run, view);
         let newest = runs.last().filter(|run| run.next.is_none() && (!run.begins || run.closed) && !decided(run));
         if let Some(run) = newest {
-            let why = if run.closed { "no sample for too long" } else { "nobody knows how long already" };
+            let why = if run.closed { "no sample for too long" } else { "unknown for how long" };
             found.unknown = Some(why.into());
         }
         // One that is what is asked for, and continues, leaves nothing to know; two samples of one say nothing of others.

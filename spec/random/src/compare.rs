@@ -64,7 +64,7 @@ fn judge_cut(agent: &mut Agent, case: &Case, theirs: &Run, cut: Cut) -> Verdict 
         let ours = executive::run(agent, &case.inputs, last - 1, false);
         let before = theirs.lines.iter().filter(|line| line.at < last);
         let same = ours.cut.is_none() && before.eq(&ours.lines);
-        let difference = || format!("before {last} ns, where the reference gives up\n{}", told_last(theirs));
+        let difference = || format!("before {last} ns, where the reference stops\n{}", told_last(theirs));
         return if same { Verdict::Cut(cut) } else { Verdict::Different(difference()) };
     }
     let ours = executive::run(agent, &case.inputs, last, false);
@@ -107,7 +107,7 @@ fn difference(theirs: &Run, ours: &Run) -> Option<String> {
     }
     if theirs.cut != Some(Cut::Long) && theirs.cut != ours.cut {
         return Some(format!(
-            "who gives up\n  reference: {:?}\n{}  executive: {:?}\n{}",
+            "which side stops\n  reference: {:?}\n{}  executive: {:?}\n{}",
             theirs.cut,
             told_last(theirs),
             ours.cut,

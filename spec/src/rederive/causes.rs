@@ -61,7 +61,7 @@ fn of_command(world: &World<'_>, task: TaskId, because: &Because) -> Checked {
                 .sources
                 .get(place.file as usize)
                 .and_then(|source| source.text.lines().nth(place.line as usize - 1));
-            require(line.is_some_and(|line| line.contains('(')), "no form stands at its place")?;
+            require(line.is_some_and(|line| line.contains('(')), "no form is at its place")?;
             let text =
                 world.library.sources.iter().any(|source| source.text.contains(&**clause) || clause == "on-start");
             require(text, "no such clause is written")?;
@@ -134,7 +134,7 @@ impl Scene<'_> {
             Cause::HandlesFailure { of } => {
                 same(of)?;
                 let failed = self.earlier(*of).any(|decision| matches!(decision.kind, DecisionKind::Trouble { .. }));
-                require(failed, "the parent had no trouble now")
+                require(failed, "the parent had no error now")
             }
             Cause::Responding { answered } => {
                 let known = world.task(*answered)?;
@@ -232,7 +232,7 @@ impl Scene<'_> {
             Cause::FailureHandled { by } => self.handled_by(*by),
             Cause::AncestorResumed { ancestor } => {
                 require(from == TaskState::Interrupted, "it was not interrupted")?;
-                require(*ancestor != self.id && self.world.is_above(*ancestor, self.id), "that is no ancestor")
+                require(*ancestor != self.id && self.world.is_above(*ancestor, self.id), "that is not an ancestor")
             }
             Cause::ConditionSatisfied { .. } | Cause::Activity { .. } if from == TaskState::Interrupted => {
                 self.clause_or_activity(self.own()?, &["until", "resume-when"], &["resume"])
@@ -262,7 +262,7 @@ impl Scene<'_> {
     fn interrupted(&self, own: &Known) -> Checked {
         match &self.because.cause {
             Cause::Outranked { by, resource, rule, winner, loser } => {
-                require(*by != self.id, "nobody outranks itself")?;
+                require(*by != self.id, "no task outranks itself")?;
                 self.strengths(*rule, *winner, *loser)?;
                 let gets = self.step.effects.iter().any(|effect| matches!(effect, Effect::Decided(decision)
                     if decision.task == Some(*by) && matches!(&decision.because.cause, Cause::ResourcesGranted { resources }
@@ -271,7 +271,7 @@ impl Scene<'_> {
                 require(gets || resumed, "the winner does not get the resource now")
             }
             Cause::AncestorSuspended { ancestor } => {
-                require(*ancestor != self.id && self.world.is_above(*ancestor, self.id), "that is no ancestor")
+                require(*ancestor != self.id && self.world.is_above(*ancestor, self.id), "that is not an ancestor")
             }
             _ => self.clause_or_activity(own, &["suspend-when"], &["suspend"]),
         }
@@ -331,7 +331,7 @@ impl Scene<'_> {
             return Err(format!("{} satisfies no clause", self.because.cause.kind()));
         };
         require(stated == clause, "it names another clause")?;
-        require(interval.0 <= interval.1 && interval.1 <= self.world.now, "its interval is no past one")?;
+        require(interval.0 <= interval.1 && interval.1 <= self.world.now, "its interval is not a past one")?;
         require(!self.because.evidence.is_empty(), "it rests on nothing")
     }
 
@@ -342,7 +342,7 @@ impl Scene<'_> {
         require(!variable.is_empty(), "it names no variable")?;
         match &**clause {
             "waitfor" => require(!self.because.evidence.is_empty(), "it rests on nothing"),
-            "=>" => require(self.because.evidence.len() == 1, &format!("nobody yielded {value}")),
+            "=>" => require(self.because.evidence.len() == 1, &format!("no task yielded {value}")),
             "select" | "setq" => require(self.because.place.is_some(), "it names no place"),
             other => Err(format!("no clause is called {other}")),
         }

@@ -49,7 +49,7 @@ fn of_expression_or_limit(world: &World<'_>, because: &Because, cause: &Cause) -
             let lowered = declared.any(|(name, lowered)| name == word && lowered == value.to_string());
             require(lowered || stated == Some(value.to_string()), "no such limit, or it has another value")
         }
-        other => Err(format!("{} is no trouble", other.kind())),
+        other => Err(format!("{} is not a condition fault", other.kind())),
     }
 }
 
@@ -109,7 +109,7 @@ pub(super) fn ended(scene: &Scene<'_>, own: &Known, from: TaskState, outcome: Op
     let primitive = |what: &str| {
         works()?;
         let template = world.primitive(own);
-        require(matches!(own.method, Some(Method::Primitive(_))), "it is no primitive")?;
+        require(matches!(own.method, Some(Method::Primitive(_))), "it is not a primitive")?;
         require(
             template.is_none_or(|template| format!("{template:?}").contains(what)),
             "its primitive says nothing of it",
@@ -181,7 +181,7 @@ fn ended_from_outside(scene: &Scene<'_>, own: &Known, outcome: &Outcome) -> Chec
             world.task(*by)?;
             require(
                 scene.step.effects.iter().any(|effect| matches!(effect, Effect::EndApplication { .. })),
-                "it goes on",
+                "it continues",
             )
         }
         Cause::Stopped { reason } => require(!reason.is_empty(), "it says nothing"),
@@ -348,7 +348,7 @@ fn steps_ended(world: &World<'_>, id: TaskId, last: Option<TaskId>) -> Checked {
 
 /// The plan came in with this step.
 pub(super) fn plan_arrived(step: &Step, cause: &Cause) -> Checked {
-    let Cause::PlanArrived { request, solver } = cause else { return Err("it is no plan".into()) };
+    let Cause::PlanArrived { request, solver } = cause else { return Err("it is not a plan".into()) };
     let came = step.batch.events.iter().any(|event| {
         matches!(&event.kind, EventKind::SolverReported(id, SolverReport::Plan(plan)) if id == request && plan.solver == *solver)
     });

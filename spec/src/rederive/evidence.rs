@@ -93,13 +93,13 @@ pub(super) fn one(
         }
         Evidence::Function { what, value, at } => {
             require(!what.is_empty() && value.is_true(), "it is not true")?;
-            require(*at == world.now, "it is told of another instant")
+            require(*at == world.now, "it is evidence of another instant")
         }
         Evidence::Absence { what, at } => {
             require(!what.is_empty(), "nothing is named")?;
             in_time(world, *at)?;
             // A window without something stays; that something has not happened is said of the present.
-            require(*at == world.now || !is_outside(world, "(:absent "), "it is told of another instant")
+            require(*at == world.now || !is_outside(world, "(:absent "), "it is evidence of another instant")
         }
         Evidence::Estimate(estimate) => numbers::estimate(world, estimate),
         Evidence::Aggregate(aggregate) => numbers::aggregate(world, aggregate),
@@ -112,7 +112,7 @@ fn is_outside(world: &World<'_>, word: &str) -> bool {
 }
 
 pub(super) fn in_time(world: &World<'_>, at: Time) -> Result<(), String> {
-    require(at <= world.now, "it is told of the future")
+    require(at <= world.now, "it is evidence of the future")
 }
 
 /// Returns true if the task ends in this step, after the present effect.

@@ -93,7 +93,7 @@ fn shifted(because: &Because) -> Option<Because> {
         Cause::ResourceExhausted { needed, left, .. } => std::mem::swap(needed, left),
         Cause::BuiltInDone { activity } | Cause::BuiltIn { activity } => activity.to_mut().push('x'),
         Cause::ConditionSatisfied { clause } | Cause::Binding { clause } => clause.to_mut().push('x'),
-        Cause::ResultArrived { variable } => *variable = apex_model::symbol::Symbol::new("nobody-binds-this"),
+        Cause::ResultArrived { variable } => *variable = apex_model::symbol::Symbol::new("no-form-binds-this"),
         _ => return None,
     }
     Some(wrong)

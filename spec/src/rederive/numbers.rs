@@ -55,7 +55,9 @@ pub(super) fn estimate(world: &World<'_>, estimate: &Estimate) -> Result<(), Str
     let Some(known) = known(world, &estimate.variable)? else { return Ok(()) };
     require(known.iter().any(|(when, _)| when == start), "no sample where its extent begins")?;
     match estimate.estimator {
-        Estimator::Persistence => require(at >= start && at < end, "it is told of an instant at which it is not valid"),
+        Estimator::Persistence => {
+            require(at >= start && at < end, "it is evidence of an instant at which it is not valid")
+        }
         Estimator::LinearRegression => {
             let last = *end - Duration(1);
             require(known.iter().any(|(when, _)| *when == last), "no sample at the end of the fit")?;

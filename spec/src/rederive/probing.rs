@@ -28,7 +28,7 @@ pub(super) fn probes(
 ) -> Checked {
     let known = scene.world.task(waiting)?;
     require(parent == known.parent || parent == Some(waiting), "it has a strange parent")?;
-    require(known.state != TaskState::Terminated, "nobody waits")?;
+    require(known.state != TaskState::Terminated, "no task waits")?;
     require(limit.is_none_or(|limit| number <= limit), "there are too many")?;
     let place = scene.because.place.ok_or("it names no condition")?;
     let source = scene.world.library.sources.get(place.file as usize);
@@ -81,6 +81,6 @@ pub(super) fn limit(scene: &Scene<'_>, waiting: TaskId, probes: u64, reason: Pro
                 "the last lives, or ended before",
             )
         }
-        ProbingEnd::Satisfied | ProbingEnd::NotAwaited => Err("that is no limit".into()),
+        ProbingEnd::Satisfied | ProbingEnd::NotAwaited => Err("that is not a limit".into()),
     }
 }

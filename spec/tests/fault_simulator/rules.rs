@@ -62,7 +62,7 @@ fn loss_reported(story: &Story) -> Option<String> {
     (!reported).then(|| format!("at {lost_s:.0} s it was lost, and no task reported it before: {:?}", story.faults))
 }
 
-/// A vehicle is lost by what can lose it.
+/// Every loss of a vehicle has a known cause.
 fn loss_explained(story: &Story) -> Option<String> {
     let lost_s = story.lost_s?;
     // Without engine or energy a landing may fail; with wrong readings, or without acknowledgements, a flight may meet the ground.

@@ -19,7 +19,7 @@ it('asks the newest of the questions that came while one was under way', async (
   expect(answers).toEqual([10, 40]);
 });
 
-it('goes on after an error', async () => {
+it('continues after an error', async () => {
   const errors: unknown[] = [];
   const answers: number[] = [];
   const latest = new LatestOnly<number, number>(

@@ -14,7 +14,7 @@ export interface OpenQuestion {
   by_ns: number | null;
 }
 
-/** A person or program that speaks to the flight. */
+/** An operator or program that speaks to the flight. */
 export interface Actor {
   name: string;
   role: string;

@@ -19,7 +19,7 @@ describe('mission time', () => {
 });
 
 describe('spans', () => {
-  it('take the unit that people would take', () => {
+  it('take the unit that a reader expects', () => {
     expect(span(7500 * S)).toBe('2 h 05 min');
     expect(span(200 * S)).toBe('3 min 20 s');
     expect(span(4.2 * S)).toBe('4.2 s');

@@ -1,7 +1,7 @@
 //! Clouds and convective cells: what is in the air at a place, and whether the ground can be seen through it.
 //!
 //! A field consists of cells, each with a number drawn by seed; a cell hides the ground from above if its number is below
-//! `1 - (1 - n)^(1 + 0.5 tan o)`, for cover n and a look at the angle o off the vertical (assumption, `docs/reference/world.md`). So two
+//! `1 - (1 - n)^(1 + 0.5 tan o)`, for cover n and a line of sight at the angle o off the vertical (assumption, `docs/reference/world.md`). So two
 //! looks shortly after each other see the same clouds. Bound: O(fields).
 
 use super::{CloudField, StormCell};

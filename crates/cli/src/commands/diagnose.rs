@@ -3,14 +3,14 @@
 use crate::error::CliResult;
 use crate::options::DiagnoseOptions;
 use crate::output;
-use apex_mission::diagnosis::{Wanted, answer};
+use apex_mission::diagnosis::{ModelQuery, answer};
 
 /// Prints what is asked of the model; its testability by default.
 pub fn run(options: &DiagnoseOptions) -> CliResult {
     let wanted = match (&options.results, options.pdl) {
-        (Some(results), _) => Wanted::Results(results),
-        (None, true) => Wanted::Pdl,
-        (None, false) => Wanted::Report,
+        (Some(results), _) => ModelQuery::Results(results),
+        (None, true) => ModelQuery::Pdl,
+        (None, false) => ModelQuery::Report,
     };
     output::print(answer(&options.model, wanted, options.json)?)
 }

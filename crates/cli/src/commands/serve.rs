@@ -17,7 +17,7 @@ pub fn run(options: &ServeOptions, planners: &Arc<Registry>) -> CliResult {
             .help("write `apex serve RECORD`, or `apex serve --missions FOLDER`"));
     }
     let address: IpAddr = options.address.parse().map_err(|error| {
-        CliError::user(format!("`--address {}` is no address", options.address))
+        CliError::user(format!("`--address {}` is not an address", options.address))
             .because(error)
             .help("write an IP address of this machine, for example 127.0.0.1")
     })?;

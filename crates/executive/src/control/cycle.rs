@@ -13,7 +13,7 @@ use crate::monitoring::stimulus::Stimulus;
 use crate::state::agent::Agent;
 use crate::state::clause::{Clause, Level, MonitorId};
 use crate::state::index::LibraryIndex;
-use crate::state::monitor_set::Found;
+use crate::state::monitor_set::MonitorIds;
 use crate::state::monitors::monitor::Satisfaction;
 use crate::state::probing::ProbingId;
 use crate::state::resource_id::ResourceId;
@@ -65,7 +65,7 @@ pub(crate) struct Work {
     /// Notice: what was recorded.
     pub(crate) stimuli: SmallVec<[Stimulus; 1]>,
     /// Notice: monitors to be judged.
-    pub(crate) touched: Found,
+    pub(crate) touched: MonitorIds,
     /// Enable: clauses that came true.
     pub(crate) firings: SmallVec<[Firing; 1]>,
     /// Enable: evidence for tasks about to be enabled.

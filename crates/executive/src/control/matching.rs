@@ -12,7 +12,7 @@ use crate::expression::EvaluationError;
 use crate::monitoring::pattern_matching::match_pattern;
 use crate::state::bindings::Bindings;
 use crate::state::clause::Level;
-use crate::state::index::Candidate;
+use crate::state::index::IndexCandidate;
 use crate::state::task::ProcedureRef;
 use apex_model::pattern::Pattern;
 use apex_model::procedure::{Primitive, Procedure};
@@ -59,23 +59,23 @@ impl IndexPattern<'_> {
 }
 
 /// The index of a candidate and where it stands.
-pub(crate) fn index_of<'a>(cycle: &Cycle<'a>, candidate: Candidate) -> Option<(IndexPattern<'a>, Place)> {
+pub(crate) fn index_of<'a>(cycle: &Cycle<'a>, candidate: IndexCandidate) -> Option<(IndexPattern<'a>, Place)> {
     let library = cycle.library;
     match candidate {
-        Candidate::Procedure(index) => {
+        IndexCandidate::Procedure(index) => {
             let procedure = library.procedures.get(index as usize)?;
             Some((IndexPattern::Stored(procedure), procedure.place))
         }
-        Candidate::Generated(number) => {
+        IndexCandidate::Generated(number) => {
             let procedure = cycle.agent.procedure(ProcedureRef::Generated(number))?.clone();
             let place = procedure.place;
             Some((IndexPattern::Generated(procedure), place))
         }
-        Candidate::Primitive(index) => {
+        IndexCandidate::Primitive(index) => {
             let primitive = library.primitives.get(index as usize)?;
             Some((IndexPattern::Primitive(primitive), primitive.place))
         }
-        Candidate::Solver(index) => {
+        IndexCandidate::Solver(index) => {
             let solver = library.solvers.get(index as usize)?;
             Some((IndexPattern::Solver(&solver.index), solver.place))
         }

@@ -8,7 +8,7 @@ use crate::control::tasks::{procedure, termination};
 use crate::state::agent::Generated;
 use crate::state::bindings::Bindings;
 use crate::state::controller::{Controller, MethodBinding};
-use crate::state::index::{Candidate, ProcedureIndex};
+use crate::state::index::{IndexCandidate, ProcedureIndex};
 use crate::state::task::ProcedureRef;
 use apex_model::because::{Because, Cause};
 use apex_model::effect::{DecisionKind, Effect, Method, SolveRequestId};
@@ -112,7 +112,7 @@ fn add(cycle: &mut Cycle<'_>, goal: &Value, plan: &PlannedProcedure) -> Procedur
     let file = u32::try_from(cycle.library.sources.len() as u64 + number).unwrap_or(u32::MAX);
     let procedure = Arc::new(translate(goal, plan, file));
     let index = Arc::new(ProcedureIndex::new(&procedure));
-    cycle.agent.generated_heads.insert(&procedure.index, Candidate::Generated(number));
+    cycle.agent.generated_heads.insert(&procedure.index, IndexCandidate::Generated(number));
     let (source, repeat) = (plan.source.clone(), plan.repeat);
     cycle.agent.generated.insert(number, Generated { procedure, index, source, repeat, current: true, users: 0 });
     ProcedureRef::Generated(number)
@@ -122,7 +122,7 @@ fn retire(cycle: &mut Cycle<'_>, goal: &Value) {
     let index = Pattern::Literal(goal.clone());
     let older = cycle.agent.generated.iter().find(|(_, each)| each.current && each.procedure.index == index);
     let Some(number) = older.map(|(number, _)| number) else { return };
-    cycle.agent.generated_heads.remove(&index, Candidate::Generated(number));
+    cycle.agent.generated_heads.remove(&index, IndexCandidate::Generated(number));
     if let Some(generated) = cycle.agent.generated.get_mut(number) {
         generated.current = false;
         if generated.users == 0 {

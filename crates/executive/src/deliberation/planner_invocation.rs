@@ -97,7 +97,7 @@ fn declared_budget(
     let failed = |message, place| Because::new(Cause::ExpressionFailed { message }, Some(place));
     match evaluate(expr, &cycle.view(id, Level::Step)).map_err(|error| failed(error.message, error.place))? {
         Value::Duration(budget) => Ok(Some(budget)),
-        other => Err(failed(format!("{other} is no budget; write a duration such as 5s"), expr.place)),
+        other => Err(failed(format!("{other} is not a budget; write a duration such as 5s"), expr.place)),
     }
 }
 

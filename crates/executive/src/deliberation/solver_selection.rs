@@ -8,16 +8,16 @@ use crate::control::cycle::Cycle;
 use crate::control::matching::{index_of, match_index};
 use crate::monitoring::specificity::specificity;
 use crate::state::bindings::Bindings;
-use crate::state::index::Candidate;
+use crate::state::index::IndexCandidate;
 use apex_model::task::TaskId;
 use apex_model::value::Value;
 
 /// The index of the most specific solver declaration that serves `goal`; the first of equals.
 pub(crate) fn select(cycle: &mut Cycle<'_>, id: TaskId, goal: &Value) -> Option<u32> {
-    let candidates: Vec<Candidate> = cycle.agent.index.solvers.candidates(goal.head()).collect();
+    let candidates: Vec<IndexCandidate> = cycle.agent.index.solvers.candidates(goal.head()).collect();
     let mut best = None;
     for candidate in candidates {
-        let Candidate::Solver(number) = candidate else { continue };
+        let IndexCandidate::Solver(number) = candidate else { continue };
         let Some((pattern, place)) = index_of(cycle, candidate) else { continue };
         match match_index(cycle, id, &pattern, goal, &mut Bindings::new(), place) {
             Ok(true) => {

@@ -7,7 +7,7 @@ use crate::monitoring::specificity::{Specificity, specificity, why_before};
 use crate::state::agent::Agent;
 use crate::state::bindings::Bindings;
 use crate::state::clause::Level;
-use crate::state::index::Candidate;
+use crate::state::index::IndexCandidate;
 use crate::state::task::ProcedureRef;
 use apex_model::effect::Method;
 use apex_model::pattern::Pattern;
@@ -36,10 +36,10 @@ pub struct MethodOption {
 /// Solvers come last, because they are asked only when nothing else matches.
 pub fn options(agent: &Agent, goal: &Value) -> Vec<MethodOption> {
     let stored = agent.index.methods.candidates(goal.head());
-    let mut ways: Vec<Candidate> = stored.chain(agent.generated_heads.candidates(goal.head())).collect();
+    let mut ways: Vec<IndexCandidate> = stored.chain(agent.generated_heads.candidates(goal.head())).collect();
     ways.sort_by_cached_key(|each| (Reverse(index(agent, *each).map(|(pattern, _)| specificity(pattern))), *each));
     let mut options = judged(agent, goal, &ways);
-    let solvers: Vec<Candidate> = agent.index.solvers.candidates(goal.head()).collect();
+    let solvers: Vec<IndexCandidate> = agent.index.solvers.candidates(goal.head()).collect();
     let served = options.iter().any(|option| option.matches);
     for mut solver in judged(agent, goal, &solvers) {
         if solver.matches && served {
@@ -51,8 +51,8 @@ pub fn options(agent: &Agent, goal: &Value) -> Vec<MethodOption> {
     options
 }
 
-fn judged(agent: &Agent, goal: &Value, candidates: &[Candidate]) -> Vec<MethodOption> {
-    let mut best: Option<(Specificity, Candidate)> = None;
+fn judged(agent: &Agent, goal: &Value, candidates: &[IndexCandidate]) -> Vec<MethodOption> {
+    let mut best: Option<(Specificity, IndexCandidate)> = None;
     let mut options: Vec<MethodOption> = Vec::new();
     for candidate in candidates {
         let Some((pattern, place)) = index(agent, *candidate) else { continue };
@@ -82,12 +82,14 @@ fn judged(agent: &Agent, goal: &Value, candidates: &[Candidate]) -> Vec<MethodOp
 }
 
 /// Returns the reason for which `other`, which is as specific, comes after `first`.
-fn as_specific(first: Candidate, other: Candidate) -> &'static str {
+fn as_specific(first: IndexCandidate, other: IndexCandidate) -> &'static str {
     match (first, other) {
-        (Candidate::Generated(_), Candidate::Procedure(_) | Candidate::Primitive(_)) => {
+        (IndexCandidate::Generated(_), IndexCandidate::Procedure(_) | IndexCandidate::Primitive(_)) => {
             "it is as specific, and a plan made in flight goes before what is stored"
         }
-        (Candidate::Procedure(_), Candidate::Primitive(_)) => "it is as specific, and procedures go before primitives",
+        (IndexCandidate::Procedure(_), IndexCandidate::Primitive(_)) => {
+            "it is as specific, and procedures go before primitives"
+        }
         _ => "it is as specific, and comes later in the library",
     }
 }
@@ -109,15 +111,15 @@ fn why_not(agent: &Agent, pattern: &Pattern, goal: &Value, place: Place) -> Opti
     }
 }
 
-fn index(agent: &Agent, candidate: Candidate) -> Option<(&Pattern, Place)> {
+fn index(agent: &Agent, candidate: IndexCandidate) -> Option<(&Pattern, Place)> {
     Some(match candidate {
-        Candidate::Procedure(number) => of_procedure(agent, ProcedureRef::Stored(number))?,
-        Candidate::Generated(number) => of_procedure(agent, ProcedureRef::Generated(number))?,
-        Candidate::Primitive(number) => {
+        IndexCandidate::Procedure(number) => of_procedure(agent, ProcedureRef::Stored(number))?,
+        IndexCandidate::Generated(number) => of_procedure(agent, ProcedureRef::Generated(number))?,
+        IndexCandidate::Primitive(number) => {
             let primitive = agent.library.primitives.get(number as usize)?;
             (&primitive.index, primitive.place)
         }
-        Candidate::Solver(number) => {
+        IndexCandidate::Solver(number) => {
             let solver = agent.library.solvers.get(number as usize)?;
             (&solver.index, solver.place)
         }
@@ -128,11 +130,11 @@ fn of_procedure(agent: &Agent, reference: ProcedureRef) -> Option<(&Pattern, Pla
     agent.procedure(reference).map(|procedure| (&procedure.index, procedure.place))
 }
 
-fn method(agent: &Agent, candidate: Candidate) -> Option<Method> {
+fn method(agent: &Agent, candidate: IndexCandidate) -> Option<Method> {
     let (_, place) = index(agent, candidate)?;
     Some(match candidate {
-        Candidate::Procedure(_) | Candidate::Generated(_) => Method::Procedure(place),
-        Candidate::Primitive(_) => Method::Primitive(place),
-        Candidate::Solver(number) => Method::Solver(agent.library.solvers.get(number as usize)?.name.clone()),
+        IndexCandidate::Procedure(_) | IndexCandidate::Generated(_) => Method::Procedure(place),
+        IndexCandidate::Primitive(_) => Method::Primitive(place),
+        IndexCandidate::Solver(number) => Method::Solver(agent.library.solvers.get(number as usize)?.name.clone()),
     })
 }

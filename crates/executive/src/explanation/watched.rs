@@ -33,7 +33,7 @@ pub fn watched(agent: &Agent, task: Option<TaskId>) -> Vec<WatchedClause> {
 fn clauses(agent: &Agent, task: &Task) -> Vec<WatchedClause> {
     let watches = task.monitors.iter().filter_map(|id| Some((*id, agent.watches.get(id.0)?)));
     let clause = |(id, watch)| {
-        let watch: &crate::state::clause::Watch = watch;
+        let watch: &crate::state::clause::ClauseMonitor = watch;
         let view = View { agent, task: task.id, level: watch.level, now: agent.now };
         let condition = monitors::condition_tree(&episode_index_tasks::as_told(agent, id, watch), &view);
         WatchedClause { task: task.id, clause: watch.clause.word(), condition }

@@ -279,7 +279,9 @@ fn in_unit(value: &Value, unit: &Value) -> FunctionResult {
     }
     match number(value)? {
         (number, dimension) if dimension == unit.dimension => Ok(Value::Real(number / unit.factor)),
-        _ => Err(format!("{} cannot be told in {}, which measures {}", described(value), unit.name, unit.dimension)),
+        _ => {
+            Err(format!("{} cannot be expressed in {}, which measures {}", described(value), unit.name, unit.dimension))
+        }
     }
 }
 

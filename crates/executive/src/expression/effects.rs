@@ -40,7 +40,10 @@ pub(super) fn call(evaluator: &mut Evaluator<'_>, name: &str, arguments: &[Value
 /// Notes `action`; its value is nil, or what was completed, printed or published.
 pub(super) fn act(evaluator: &mut Evaluator<'_>, name: &str, action: Action, place: Place) -> EvalResult {
     let Some(hook) = &mut evaluator.hook else {
-        return Err(error(place, format!("({name} ..) acts and can stand in hooks only, not in conditions or values")));
+        return Err(error(
+            place,
+            format!("({name} ..) acts and is allowed in hooks only, not in conditions or values"),
+        ));
     };
     let value = match &action {
         Action::Complete(value) | Action::Publish { value, .. } => value.clone(),

@@ -221,7 +221,7 @@ impl<'a> Evaluator<'a> {
     fn assign(&mut self, name: &Symbol, of_task: bool, value: Value, place: Place) -> EvalResult {
         if of_task {
             let Some(hook) = &mut self.hook else {
-                return Err(error(place, format!("(setq ?{name} ..) changes the task and can stand in hooks only")));
+                return Err(error(place, format!("(setq ?{name} ..) changes the task and is allowed in hooks only")));
             };
             hook.assigned.set(name.clone(), value.clone());
             hook.actions.push(Action::SetTaskVariable(name.clone(), value.clone()));

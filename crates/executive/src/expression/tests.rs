@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::state::histories::history::Sample;
-use crate::test_support::View;
+use crate::test_support::TestView;
 use apex_model::event::StateVariable;
 use apex_model::expression::{ExprKind, Parameters};
 use apex_model::library::{Function, HostDeclaration};
@@ -65,7 +65,7 @@ fn lambda(parameters: &[&str], body: Expr) -> Expr {
 }
 
 fn shown(expr: Expr) -> String {
-    match evaluate(&expr, &View::default()) {
+    match evaluate(&expr, &TestView::default()) {
         Ok(value) => value.to_string(),
         Err(error) => format!("error: {}", error.message),
     }
@@ -198,7 +198,7 @@ fn functions_are_values() {
 #[test]
 fn sorting_is_stable() {
     let pairs = (0..20).map(|index| list(vec![int(index % 3), int(index)])).collect();
-    let sorted = evaluate(&call("sort", vec![list(pairs), name("<"), name("first")]), &View::default()).unwrap();
+    let sorted = evaluate(&call("sort", vec![list(pairs), name("<"), name("first")]), &TestView::default()).unwrap();
     let mut expected: Vec<(i64, i64)> = (0..20).map(|index| (index % 3, index)).collect();
     expected.sort_by_key(|(key, _)| *key);
     let expected = Value::list(expected.iter().map(|(a, b)| Value::list([Value::Integer(*a), Value::Integer(*b)])));
@@ -209,7 +209,7 @@ fn sorting_is_stable() {
 fn format_knows_its_directives() {
     let format = |control: &str, mut arguments: Vec<Expr>| {
         arguments.insert(0, text(control));
-        evaluate(&call("format", arguments), &View::default())
+        evaluate(&call("format", arguments), &TestView::default())
             .map(|value| display(&value))
             .map_err(|error| error.message)
     };
@@ -233,7 +233,7 @@ fn text_counts_characters_not_bytes() {
 
 #[test]
 fn recursion_and_loops_end_with_a_reason() {
-    let mut view = View::default();
+    let mut view = TestView::default();
     let endless = Function {
         parameters: Parameters::fixed([Symbol::new("n")]),
         body: vec![call("endless", vec![call("1+", vec![local("n")])])],
@@ -251,13 +251,13 @@ fn recursion_and_loops_end_with_a_reason() {
         "reduce",
         vec![lambda(&["x", "i"], list(vec![local("x"), local("x")])), call("range", vec![int(0), int(60)]), int(1)],
     );
-    let value = evaluate(&doubling, &View::default()).unwrap();
+    let value = evaluate(&doubling, &TestView::default()).unwrap();
     assert!(display(&value).ends_with(".."));
 }
 
 #[test]
 fn indexicals_follow_time_and_definitions() {
-    let mut view = View { now: Time::from_seconds(7.0), ..View::default() };
+    let mut view = TestView { now: Time::from_seconds(7.0), ..TestView::default() };
     view.library.indexicals.insert(Symbol::new("limit"), call("*", vec![int(2), int(21)]));
     let circular = expr(ExprKind::Indexical(Symbol::new("loop")));
     view.library.indexicals.insert(Symbol::new("loop"), circular.clone());
@@ -275,7 +275,7 @@ fn indexicals_follow_time_and_definitions() {
 
 #[test]
 fn histories_answer_strictly_or_inclusively_and_never_wrongly() {
-    let mut view = View { now: Time::from_seconds(30.0), ..View::default() };
+    let mut view = TestView { now: Time::from_seconds(30.0), ..TestView::default() };
     let roll = StateVariable::new(Symbol::new("roll"), Value::symbol("uav"));
     view.histories.require_lookback(&Symbol::new("roll"), Duration::from_seconds(15.0));
     for at in [0, 10, 20, 30] {
@@ -304,7 +304,7 @@ fn histories_answer_strictly_or_inclusively_and_never_wrongly() {
 
 #[test]
 fn hooks_collect_actions_and_conditions_may_not_act() {
-    let mut view = View::default();
+    let mut view = TestView::default();
     let declaration = HostDeclaration { parameters: vec![], pure: false, command: true, place: Place::default() };
     view.library.host_functions.insert(Symbol::new("fly-to"), declaration);
     view.host.register(
@@ -354,16 +354,16 @@ fn hooks_collect_actions_and_conditions_may_not_act() {
             Action::Complete(Value::symbol("done")),
         ]
     );
-    assert!(evaluate(&forms[3], &view).unwrap_err().message.contains("can stand in hooks only"));
+    assert!(evaluate(&forms[3], &view).unwrap_err().message.contains("is allowed in hooks only"));
     let assign = expr(ExprKind::Assign { name: Symbol::new("x"), of_task: true, value: Box::new(int(1)) });
-    assert!(evaluate(&assign, &view).unwrap_err().message.contains("can stand in hooks only"));
+    assert!(evaluate(&assign, &view).unwrap_err().message.contains("is allowed in hooks only"));
     assert!(evaluate(&call("triple", vec![]), &view).unwrap_err().message.contains("triple takes an integer"));
 }
 
 #[test]
 fn every_built_in_function_is_evaluated_here() {
     // A wrong argument may be refused, but never as a function that does not exist.
-    let mut view = View::default();
+    let mut view = TestView::default();
     view.tasks.insert(TaskId(1), Default::default());
     for built_in in apex_model::builtins::BUILT_INS {
         let most = built_in.arguments_max.unwrap_or(built_in.arguments_min + 1);
@@ -381,7 +381,7 @@ fn every_built_in_function_is_evaluated_here() {
 
 #[test]
 fn templates_fill_their_holes_or_show_them() {
-    let mut view = View::default();
+    let mut view = TestView::default();
     view.variables.set(Symbol::new("loc"), Value::list([Value::Integer(1), Value::Integer(2)]));
     let hole = |name: &str| expr(ExprKind::Variable { name: Symbol::new(name), must_be_bound: false });
     let template = Template::List(vec![
@@ -397,7 +397,7 @@ fn templates_fill_their_holes_or_show_them() {
 
 #[test]
 fn a_host_function_that_panics_has_failed() {
-    let mut view = View::default();
+    let mut view = TestView::default();
     view.host.register("lookup", Arc::new(|arguments: &[Value]| Ok(arguments[7].clone())));
     let error = evaluate(&call("lookup", vec![int(1)]), &view).unwrap_err();
     assert!(error.message.contains("panicked: index out of bounds"), "{}", error.message);

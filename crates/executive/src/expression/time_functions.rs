@@ -48,7 +48,7 @@ fn task_state(value: &Value, context: &dyn EvalContext) -> FunctionResult {
 }
 
 fn unknown(task: TaskId) -> String {
-    format!("{task} is not a task of this agent any more")
+    format!("{task} is no longer a task of this agent")
 }
 
 fn not_timed(value: &Value) -> String {

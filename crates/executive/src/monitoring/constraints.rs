@@ -25,7 +25,7 @@ use std::cmp::Ordering;
 
 /// Interpretation of the right side of a comparison.
 #[derive(Clone, Copy)]
-pub(crate) enum Reading {
+pub(crate) enum RightSide {
     /// As it is; a bare number is in this unit.
     Value(Option<&'static Unit>),
     /// As an instant.
@@ -45,7 +45,7 @@ pub(crate) fn prepare(
     unit: Option<&'static Unit>,
     context: &dyn EvalContext,
 ) -> Result<Tests, EvaluationError> {
-    prepare_as(constraints, Reading::Value(unit), context)
+    prepare_as(constraints, RightSide::Value(unit), context)
 }
 
 /// The same, where right sides are read as `reading` says.
@@ -54,7 +54,7 @@ pub(crate) fn prepare(
 /// When a right side that never changes cannot be evaluated.
 pub(crate) fn prepare_as(
     constraints: &[Constraint],
-    reading: Reading,
+    reading: RightSide,
     context: &dyn EvalContext,
 ) -> Result<Tests, EvaluationError> {
     constraints
@@ -103,7 +103,7 @@ pub(crate) fn satisfies_all(
     context: &dyn EvalContext,
     place: Place,
 ) -> Result<bool, EvaluationError> {
-    let reading = || Reading::Value(unit_of(attribute, context.library()));
+    let reading = || RightSide::Value(unit_of(attribute, context.library()));
     satisfies_all_as(tests, constraints, value, reading, bindings, context, place)
 }
 
@@ -115,7 +115,7 @@ pub(crate) fn satisfies_all_as(
     tests: &[Test],
     constraints: &[Constraint],
     value: &Value,
-    reading: impl Fn() -> Reading,
+    reading: impl Fn() -> RightSide,
     bindings: &mut Bindings,
     context: &dyn EvalContext,
     place: Place,
@@ -157,7 +157,7 @@ pub(crate) fn satisfies_fixed(tests: &[Test], value: &Value) -> Option<bool> {
 pub(crate) fn all(
     constraints: &[Constraint],
     value: &Value,
-    reading: Reading,
+    reading: RightSide,
     bindings: &mut Bindings,
     context: &dyn EvalContext,
     place: Place,
@@ -173,7 +173,7 @@ pub(crate) fn all(
 fn satisfies(
     constraint: &Constraint,
     value: &Value,
-    reading: Reading,
+    reading: RightSide,
     bindings: &mut Bindings,
     context: &dyn EvalContext,
     place: Place,
@@ -225,18 +225,18 @@ fn satisfies(
 }
 
 /// `right` in the sense of `reading`.
-pub(crate) fn read(right: Value, reading: Reading, place: Place) -> Result<Value, EvaluationError> {
+pub(crate) fn read(right: Value, reading: RightSide, place: Place) -> Result<Value, EvaluationError> {
     let error = |message| EvaluationError { message, place };
     match (reading, right.as_number()) {
-        (Reading::Value(Some(unit)), Some((number, Dimension::NONE))) if number.is_finite() => {
+        (RightSide::Value(Some(unit)), Some((number, Dimension::NONE))) if number.is_finite() => {
             Ok(with_unit(number, unit))
         }
-        (Reading::Scaled(factor, dimension), Some((number, Dimension::NONE))) if number.is_finite() => {
+        (RightSide::Scaled(factor, dimension), Some((number, Dimension::NONE))) if number.is_finite() => {
             Ok(Value::measured(number * factor, dimension))
         }
-        (Reading::Value(_) | Reading::Scaled(..), _) => Ok(right),
-        (Reading::Instant, _) => instant(&right).map(Value::Time).map_err(error),
-        (Reading::Span, _) => duration(&right).map(Value::Duration).map_err(error),
+        (RightSide::Value(_) | RightSide::Scaled(..), _) => Ok(right),
+        (RightSide::Instant, _) => instant(&right).map(Value::Time).map_err(error),
+        (RightSide::Span, _) => duration(&right).map(Value::Duration).map_err(error),
     }
 }
 

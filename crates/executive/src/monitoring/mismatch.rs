@@ -86,7 +86,7 @@ fn of_list(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_support::View;
+    use crate::test_support::TestView;
     use apex_model::symbol::Symbol;
 
     fn word(name: &str) -> Pattern {
@@ -100,7 +100,7 @@ mod tests {
     #[test]
     fn the_first_part_that_differs_is_named() {
         let pattern = Pattern::List(vec![word("ready"), word("camera-1")]);
-        let told = |value: &Value| first_mismatch(&pattern, value, &View::default()).unwrap_or_default();
+        let told = |value: &Value| first_mismatch(&pattern, value, &TestView::default()).unwrap_or_default();
         assert_eq!(told(&form(&["ready", "camera-2"])), "it has camera-2 where camera-1 is wanted");
         assert_eq!(told(&form(&["ready", "camera-1", "now"])), "it has 3 parts where 2 are wanted");
         assert_eq!(told(&Value::Integer(3)), "it is 3 where (ready camera-1) is wanted");
@@ -111,7 +111,7 @@ mod tests {
     fn a_repeated_variable_wants_the_same_again() {
         let variable = || Pattern::Variable(Symbol::new("x"));
         let pattern = Pattern::List(vec![variable(), variable()]);
-        let told = first_mismatch(&pattern, &form(&["a", "b"]), &View::default());
+        let told = first_mismatch(&pattern, &form(&["a", "b"]), &TestView::default());
         assert_eq!(told.as_deref(), Some("it has b where ?x = a is wanted"));
     }
 }

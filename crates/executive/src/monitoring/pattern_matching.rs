@@ -67,7 +67,7 @@ struct GoalStack<'a> {
 type Goals<'a> = Option<Rc<GoalStack<'a>>>;
 
 /// Alternative to try if the present one fails.
-struct Choice<'a> {
+struct ChoicePoint<'a> {
     goal: Goal<'a>,
     next: Goals<'a>,
     bound: usize,
@@ -126,7 +126,7 @@ impl Matcher<'_> {
 
     fn solve<'p>(&mut self, goal: Goal<'p>) -> Result<bool, EvaluationError> {
         let mut goals: Goals<'p> = Some(Rc::new(GoalStack { goal, next: None }));
-        let mut choices: Vec<Choice<'p>> = Vec::new();
+        let mut choices: Vec<ChoicePoint<'p>> = Vec::new();
         loop {
             let Some(node) = goals else { return Ok(true) };
             // Without a choice the way is straight, and as long as the pattern only.
@@ -151,7 +151,7 @@ impl Matcher<'_> {
         goal: Goal<'p>,
         next: &Goals<'p>,
         attempt: usize,
-        choices: &mut Vec<Choice<'p>>,
+        choices: &mut Vec<ChoicePoint<'p>>,
     ) -> Result<MatchStep<'p>, EvaluationError> {
         match goal {
             Goal::One(pattern, value) => self.one(pattern, value, next, attempt, choices),
@@ -165,7 +165,7 @@ impl Matcher<'_> {
         value: &'p Value,
         next: &Goals<'p>,
         attempt: usize,
-        choices: &mut Vec<Choice<'p>>,
+        choices: &mut Vec<ChoicePoint<'p>>,
     ) -> Result<MatchStep<'p>, EvaluationError> {
         let holds = match pattern {
             Pattern::Not(inner) => {
@@ -187,7 +187,12 @@ impl Matcher<'_> {
             Pattern::Or(patterns) => {
                 let Some(chosen) = patterns.get(attempt) else { return Ok(MatchStep::Fail) };
                 let goal = Goal::One(pattern, value);
-                choices.push(Choice { goal, next: next.clone(), bound: self.bindings.len(), attempt: attempt + 1 });
+                choices.push(ChoicePoint {
+                    goal,
+                    next: next.clone(),
+                    bound: self.bindings.len(),
+                    attempt: attempt + 1,
+                });
                 return Ok(push(Goal::One(chosen, value), next.clone()));
             }
             _ => self.simple(pattern, value)?.unwrap_or(false),
@@ -201,7 +206,7 @@ impl Matcher<'_> {
         values: &'p [Value],
         next: &Goals<'p>,
         attempt: usize,
-        choices: &mut Vec<Choice<'p>>,
+        choices: &mut Vec<ChoicePoint<'p>>,
     ) -> Result<MatchStep<'p>, EvaluationError> {
         let Some((first, rest)) = patterns.split_first() else {
             return Ok(if values.is_empty() { MatchStep::Continue(next.clone()) } else { MatchStep::Fail });
@@ -217,7 +222,7 @@ impl Matcher<'_> {
                     return Ok(MatchStep::Fail);
                 };
                 let goal = Goal::Sequence(patterns, values);
-                choices.push(Choice { goal, next: next.clone(), bound: self.bindings.len(), attempt: least + 1 });
+                choices.push(ChoicePoint { goal, next: next.clone(), bound: self.bindings.len(), attempt: least + 1 });
                 if let Some(variable) = variable
                     && !self.bind(variable, &Value::list(taken.iter().cloned()))
                 {

@@ -7,7 +7,7 @@
 //! PDL: `(ATTR OBJ)`.
 //! Paper: section III, histories.
 
-use super::constraints::{Reading, all};
+use super::constraints::{RightSide, all};
 use super::pattern_matching::match_pattern;
 use crate::expression::{EvalContext, EvaluationError, evaluate};
 use crate::monitoring::part::PartContext;
@@ -104,7 +104,7 @@ pub(crate) fn object_holds(
     if !known && !match_pattern(&pattern.object, &variable.object, bindings, context, site.place)? {
         return Ok(false);
     }
-    all(constraints, &variable.object, Reading::Value(None), bindings, context, site.place)
+    all(constraints, &variable.object, RightSide::Value(None), bindings, context, site.place)
 }
 
 /// A remembered sample, known when its instant was: one that replaced another has its place.

@@ -34,7 +34,7 @@ fn task_argument(value: &Value, expr: &Expr) -> Result<TaskId, Because> {
     match value {
         Value::Task(task) => Ok(*task),
         other => {
-            let message = format!("{other} is no task; name a step by its tag, such as ?s1");
+            let message = format!("{other} is not a task; name a step by its tag, such as ?s1");
             Err(Because::new(Cause::ExpressionFailed { message }, Some(expr.place)))
         }
     }
@@ -185,9 +185,9 @@ pub(crate) fn terminate(cycle: &mut Cycle<'_>, id: TaskId) {
     }
 }
 
-type Target = Option<(TaskId, Outcome, bool)>;
+type TaskToEnd = Option<(TaskId, Outcome, bool)>;
 
-fn terminate_target(cycle: &Cycle<'_>, id: TaskId) -> Result<Target, Because> {
+fn terminate_target(cycle: &Cycle<'_>, id: TaskId) -> Result<TaskToEnd, Because> {
     let Some(handle) = cycle.step_of(id) else { return Ok(None) };
     let origin = cycle.task(id).map(|task| task.origin);
     let Some(Activity::Terminate { task, outcome, value }) = handle.get().map(|step| activity_of(origin, step)) else {

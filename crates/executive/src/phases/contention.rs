@@ -3,7 +3,7 @@
 //! Runs: contend and commit phases.  Reads: claims, ResourceTable.  Writes: ResourceTable, Task state, Decision, wakes.
 //! Bound: O(claims) plus arbitration of the resources that changed.  PDL: section 9.  Paper: section III.
 
-use crate::control::conflicts::arbitration::{Arbitration, Loss, Refusal, Rival};
+use crate::control::conflicts::arbitration::{Arbitration, Defeat, Refusal, Rival};
 use crate::control::conflicts::crossing;
 use crate::control::conflicts::crossing::Defender;
 use crate::control::conflicts::curve::Curve;
@@ -179,7 +179,7 @@ pub(crate) fn commit(cycle: &mut Cycle<'_>, arbitration: Arbitration) {
 
 /// Tasks whose profile says `:refuse-if-busy` fail rather than wait to begin.
 fn give_up(cycle: &mut Cycle<'_>, refused: &[Refusal]) {
-    let mut losses: Vec<&Loss> = refused.iter().map(|refusal| &refusal.loss).collect();
+    let mut losses: Vec<&Defeat> = refused.iter().map(|refusal| &refusal.loss).collect();
     losses.sort_by_key(|loss| loss.loser);
     for loss in losses {
         let Some(task) = cycle.task(loss.loser) else { continue };
@@ -238,7 +238,7 @@ fn share(cycle: &Cycle<'_>, need: &Need) -> Share {
     Share { resource: resource.name.clone(), amount: part.then(|| amount(need.amount, resource.dimension)) }
 }
 
-fn outranked(cycle: &Cycle<'_>, loss: &Loss) -> Cause {
+fn outranked(cycle: &Cycle<'_>, loss: &Defeat) -> Cause {
     Cause::Outranked {
         by: loss.winner,
         resource: resource_name(cycle, loss.resource),
@@ -271,7 +271,7 @@ fn grant(cycle: &mut Cycle<'_>, id: TaskId) {
 
 /// Says once for each claim that the task stays as it is, and the task to which it lost first: later holders are seen
 /// from the resource, and a hundred thousand waiting tasks must not each repeat it whenever it changes hands.
-fn refuse(cycle: &mut Cycle<'_>, loss: &Loss) {
+fn refuse(cycle: &mut Cycle<'_>, loss: &Defeat) {
     let Some(extras) = cycle.agent.task_mut(loss.loser).map(|task| task.extras_mut()) else { return };
     let is_new = extras.refused.replace((loss.resource, loss.winner)) != Some((loss.resource, loss.winner));
     let is_told = extras.refusal_told;

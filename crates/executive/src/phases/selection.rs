@@ -18,7 +18,7 @@ use crate::monitoring::specificity::specificity;
 use crate::state::bindings::Bindings;
 use crate::state::clause::Level;
 use crate::state::controller::{MethodBinding, Selection};
-use crate::state::index::Candidate;
+use crate::state::index::IndexCandidate;
 use crate::state::resource::Need;
 use crate::state::step_clauses::StepClauses;
 use crate::state::task::{Origin, ProcedureRef};
@@ -34,7 +34,7 @@ use apex_model::value::Value;
 use smallvec::SmallVec;
 
 /// The chosen method, with the text of the decision.
-struct Choice {
+struct MethodChoice {
     goal: Value,
     way: MethodBinding,
     method: Method,
@@ -90,7 +90,7 @@ fn choose_for(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), Because> {
     Ok(())
 }
 
-fn choice(cycle: &mut Cycle<'_>, id: TaskId) -> Result<Choice, Because> {
+fn choice(cycle: &mut Cycle<'_>, id: TaskId) -> Result<MethodChoice, Because> {
     let origin = cycle.task(id).map(|task| task.origin);
     let handle = cycle.step_of(id);
     let step = handle.as_ref().and_then(|handle| handle.get());
@@ -127,7 +127,7 @@ fn choice(cycle: &mut Cycle<'_>, id: TaskId) -> Result<Choice, Because> {
                 _ => (MethodBinding::Terminate, "terminate"),
             };
             let cause = Cause::BuiltIn { activity: word.into() };
-            Ok(Choice { goal, way, method: Method::BuiltIn, alternatives: Vec::new(), cause })
+            Ok(MethodChoice { goal, way, method: Method::BuiltIn, alternatives: Vec::new(), cause })
         }
     }
 }
@@ -141,7 +141,7 @@ fn activity_goal(cycle: &Cycle<'_>, id: TaskId, activity: &Activity) -> Result<R
     }
 }
 
-fn items(cycle: &Cycle<'_>, id: TaskId, list: &Expr) -> Result<Choice, Because> {
+fn items(cycle: &Cycle<'_>, id: TaskId, list: &Expr) -> Result<MethodChoice, Because> {
     let value = evaluate(list, &cycle.view(id, Level::Step)).map_err(failed)?;
     let Some(items) = value.as_list() else {
         let message = format!("forall needs a list, and got {value}");
@@ -151,7 +151,7 @@ fn items(cycle: &Cycle<'_>, id: TaskId, list: &Expr) -> Result<Choice, Because> 
         let cause = cycle.agent.limits.reached(Limit::ForallItems);
         return Err(Because::new(cause, Some(list.place)));
     }
-    Ok(Choice {
+    Ok(MethodChoice {
         goal: goal::goal_as_known(cycle, id),
         way: MethodBinding::Items(items.to_vec()),
         method: Method::BuiltIn,
@@ -161,7 +161,7 @@ fn items(cycle: &Cycle<'_>, id: TaskId, list: &Expr) -> Result<Choice, Because> 
 }
 
 /// The best method for a goal: the most specific match, else a solver.
-fn method_for(cycle: &mut Cycle<'_>, id: TaskId, goal: Value) -> Result<Choice, Because> {
+fn method_for(cycle: &mut Cycle<'_>, id: TaskId, goal: Value) -> Result<MethodChoice, Because> {
     let mut matches = matches(cycle, id, &goal);
     if matches.is_empty() {
         let Some(solver) = solver_selection::select(cycle, id, &goal) else {
@@ -170,51 +170,53 @@ fn method_for(cycle: &mut Cycle<'_>, id: TaskId, goal: Value) -> Result<Choice, 
         let name = cycle.library.solvers.get(solver as usize).map(|solver| solver.name.clone());
         let method = Method::Solver(name.unwrap_or_else(|| Symbol::new("auto")));
         let (way, cause) = (MethodBinding::Solver(solver), Cause::NoProcedureMatched);
-        return Ok(Choice { goal, way, method, alternatives: Vec::new(), cause });
+        return Ok(MethodChoice { goal, way, method, alternatives: Vec::new(), cause });
     }
     let cause = why_first(cycle, &matches);
     let (candidate, bindings) = matches.remove(0);
     let alternatives = matches.iter().filter_map(|(candidate, _)| method_of(cycle, *candidate)).collect();
     let way = match candidate {
-        Candidate::Procedure(index) => MethodBinding::Procedure(ProcedureRef::Stored(index), bindings),
-        Candidate::Generated(number) => MethodBinding::Procedure(ProcedureRef::Generated(number), bindings),
-        Candidate::Primitive(index) | Candidate::Solver(index) => MethodBinding::Primitive(index, bindings),
+        IndexCandidate::Procedure(index) => MethodBinding::Procedure(ProcedureRef::Stored(index), bindings),
+        IndexCandidate::Generated(number) => MethodBinding::Procedure(ProcedureRef::Generated(number), bindings),
+        IndexCandidate::Primitive(index) | IndexCandidate::Solver(index) => MethodBinding::Primitive(index, bindings),
     };
     let method = method_of(cycle, candidate).unwrap_or(Method::BuiltIn);
-    Ok(Choice { goal, way, method, alternatives, cause })
+    Ok(MethodChoice { goal, way, method, alternatives, cause })
 }
 
-fn method_of(cycle: &Cycle<'_>, candidate: Candidate) -> Option<Method> {
+fn method_of(cycle: &Cycle<'_>, candidate: IndexCandidate) -> Option<Method> {
     match candidate {
-        Candidate::Procedure(index) => {
+        IndexCandidate::Procedure(index) => {
             cycle.library.procedures.get(index as usize).map(|procedure| Method::Procedure(procedure.place))
         }
-        Candidate::Generated(number) => {
+        IndexCandidate::Generated(number) => {
             cycle.agent.generated.get(number).map(|generated| Method::Procedure(generated.procedure.place))
         }
-        Candidate::Primitive(index) => {
+        IndexCandidate::Primitive(index) => {
             cycle.library.primitives.get(index as usize).map(|primitive| Method::Primitive(primitive.place))
         }
-        Candidate::Solver(index) => {
+        IndexCandidate::Solver(index) => {
             cycle.library.solvers.get(index as usize).map(|solver| Method::Solver(solver.name.clone()))
         }
     }
 }
 
 /// Methods that serve a goal, with the bindings of their indexes.
-type Matches = SmallVec<[(Candidate, Bindings); 1]>;
+type Matches = SmallVec<[(IndexCandidate, Bindings); 1]>;
 
 /// Returns the reason for the first of the matches: the others are less specific, or equally specific and later in the order.
 fn why_first(cycle: &Cycle<'_>, matches: &Matches) -> Cause {
     let candidates = matches.len() as u64;
-    let specific = |candidate: Candidate| index_of(cycle, candidate).map(|(pattern, _)| specificity(pattern.get()));
+    let specific =
+        |candidate: IndexCandidate| index_of(cycle, candidate).map(|(pattern, _)| specificity(pattern.get()));
     let own = matches.first().filter(|_| matches.len() > 1).map(|(first, _)| specific(*first));
     let others = matches.iter().skip(1).map(|(other, _)| *other);
-    let equals: SmallVec<[Candidate; 2]> = others.take_while(|other| own.as_ref() == Some(&specific(*other))).collect();
+    let equals: SmallVec<[IndexCandidate; 2]> =
+        others.take_while(|other| own.as_ref() == Some(&specific(*other))).collect();
     let rule = match (matches.first(), equals.first()) {
         (_, None) => return Cause::MostSpecific { candidates },
-        (Some((Candidate::Generated(_), _)), _) => EqualsRule::MadeInFlight,
-        (Some((Candidate::Procedure(_), _)), Some(Candidate::Primitive(_))) => EqualsRule::Procedure,
+        (Some((IndexCandidate::Generated(_), _)), _) => EqualsRule::MadeInFlight,
+        (Some((IndexCandidate::Procedure(_), _)), Some(IndexCandidate::Primitive(_))) => EqualsRule::Procedure,
         _ => EqualsRule::FirstInLibrary,
     };
     Cause::FirstOfEquals { candidates, equals: equals.len() as u64 + 1, rule }
@@ -238,7 +240,8 @@ fn matches(cycle: &mut Cycle<'_>, id: TaskId, goal: &Value) -> Matches {
         cycle.trouble(Some(id), error.message, Some(error.place));
     }
     if found.len() > 1 {
-        let pattern = |candidate: Candidate| index_of(cycle, candidate).map(|(pattern, _)| specificity(pattern.get()));
+        let pattern =
+            |candidate: IndexCandidate| index_of(cycle, candidate).map(|(pattern, _)| specificity(pattern.get()));
         found.sort_by_cached_key(|(candidate, _)| (std::cmp::Reverse(pattern(*candidate)), *candidate));
     }
     found
@@ -304,9 +307,9 @@ fn refuses(profile: &[ResourceNeed]) -> bool {
 /// The procedure or primitive that was selected; none for everything else.
 fn chosen<'a>(cycle: &Cycle<'a>, id: TaskId) -> Option<IndexPattern<'a>> {
     let candidate = match &cycle.task(id)?.selection.as_ref()?.way {
-        MethodBinding::Procedure(ProcedureRef::Stored(index), _) => Candidate::Procedure(*index),
-        MethodBinding::Procedure(ProcedureRef::Generated(number), _) => Candidate::Generated(*number),
-        MethodBinding::Primitive(index, _) => Candidate::Primitive(*index),
+        MethodBinding::Procedure(ProcedureRef::Stored(index), _) => IndexCandidate::Procedure(*index),
+        MethodBinding::Procedure(ProcedureRef::Generated(number), _) => IndexCandidate::Generated(*number),
+        MethodBinding::Primitive(index, _) => IndexCandidate::Primitive(*index),
         MethodBinding::Items(_) | MethodBinding::BuiltIn(_) | MethodBinding::Terminate | MethodBinding::Solver(_) => {
             return None;
         }
@@ -337,7 +340,7 @@ fn expected(cycle: &Cycle<'_>, id: TaskId, expr: Option<&Expr>) -> Result<Option
     match evaluate(expr, &cycle.view(id, Level::Procedure)).map_err(failed)? {
         Value::Duration(span) => Ok(Some(span)),
         other => {
-            let message = format!("{other} is no span of time; write a duration such as 10s");
+            let message = format!("{other} is not a span of time; write a duration such as 10s");
             Err(Because::new(Cause::ExpressionFailed { message }, Some(expr.place)))
         }
     }

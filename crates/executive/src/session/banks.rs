@@ -2,7 +2,7 @@
 //! that tell nothing pass by.
 
 use super::scene::SessionState;
-use super::watched::Watched;
+use super::watched::WatchedCondition;
 use super::{MonitorResult, MonitorSession, ResultEvent, SessionError};
 use crate::expression::arithmetic::with_unit;
 use crate::expression::declared_unit::unit_of;
@@ -12,7 +12,7 @@ use crate::monitoring::stimulus::Stimulus;
 use crate::state::clause::MonitorId;
 use crate::state::episode_index::{IndexedRun, LeafId, Taken, What};
 use crate::state::histories::history::Sample;
-use crate::state::monitor_set::Found;
+use crate::state::monitor_set::MonitorIds;
 use crate::state::monitors::monitor::Monitor;
 use crate::state::wake::WakeKey;
 use apex_model::agent_limits::Limit;
@@ -47,7 +47,7 @@ impl MonitorSession {
 
     /// Shows the stimulus to the bank of its variable. Monitors that must receive it in the general way join `found`; so do
     /// all when its variable is `repeated` at its instant, since the next sample may take back what it says.
-    pub(super) fn show_bank(&mut self, stimulus: &Stimulus, repeated: &[StateVariable], found: &mut Found) {
+    pub(super) fn show_bank(&mut self, stimulus: &Stimulus, repeated: &[StateVariable], found: &mut MonitorIds) {
         let Stimulus::Sample { variable, value, at, newest, .. } = stimulus else { return };
         let Some(bank) = self.interests.episodes_mut(variable) else { return };
         // A sample from before the present may take back what time alone has decided since.
@@ -109,7 +109,12 @@ impl MonitorSession {
     }
 
     /// Gives a combination its leaves back: those that are `taken` already, and all others from their banks.
-    fn take_out_combination(&mut self, id: MonitorId, watched: &mut Watched, taken: &[(LeafId, Option<IndexedRun>)]) {
+    fn take_out_combination(
+        &mut self,
+        id: MonitorId,
+        watched: &mut WatchedCondition,
+        taken: &[(LeafId, Option<IndexedRun>)],
+    ) {
         let Some(mut leaves) = watched.leaves.take() else { return };
         let mut seen = Vec::new();
         for (leaf, variable) in (0..).zip(leaves.variables()) {
@@ -133,7 +138,7 @@ impl MonitorSession {
         for told in heard.drain(..) {
             let id = told.leaf.monitor;
             let Some(watched) = self.watches.get_mut(id.0) else { continue };
-            let Watched { monitor: Some(monitor), leaves, .. } = watched else { continue };
+            let WatchedCondition { monitor: Some(monitor), leaves, .. } = watched else { continue };
             if let Some(leaves) = leaves {
                 if threshold_formula::told(monitor, leaves, told.leaf.leaf, &told, &self.world) {
                     self.touched.push(id);
@@ -156,8 +161,8 @@ impl MonitorSession {
 
     /// Gives the condition's monitor what banks have seen of it. True when they continue to watch meanwhile: a combination
     /// is harvested while its leaves stay where they are.
-    pub(super) fn look_into_banks(&mut self, id: MonitorId, watched: &mut Watched) -> bool {
-        let Watched { monitor: Some(monitor), leaves: Some(leaves), .. } = watched else {
+    pub(super) fn look_into_banks(&mut self, id: MonitorId, watched: &mut WatchedCondition) -> bool {
+        let WatchedCondition { monitor: Some(monitor), leaves: Some(leaves), .. } = watched else {
             self.take_out_of_bank(id, watched);
             return false;
         };
@@ -172,7 +177,7 @@ impl MonitorSession {
     }
 
     /// Takes the condition's monitor out of the banks that it is in.
-    pub(super) fn take_out_of_bank(&mut self, id: MonitorId, watched: &mut Watched) {
+    pub(super) fn take_out_of_bank(&mut self, id: MonitorId, watched: &mut WatchedCondition) {
         if watched.leaves.is_some() {
             self.take_out_combination(id, watched, &[]);
             watched.file(&mut self.interests, id);
@@ -188,7 +193,7 @@ impl MonitorSession {
     }
 
     /// Lets a bank watch the condition, all of which was reported. False when none can.
-    pub(super) fn put_into_bank(&mut self, id: MonitorId, watched: &mut Watched) -> bool {
+    pub(super) fn put_into_bank(&mut self, id: MonitorId, watched: &mut WatchedCondition) -> bool {
         // What was reported must be remembered as long as late samples can make it known again.
         if watched.lateness > Duration::ZERO || self.without_banks {
             return false;
@@ -210,7 +215,7 @@ impl MonitorSession {
         true
     }
 
-    fn put_combination_into_banks(&mut self, id: MonitorId, watched: &mut Watched) -> bool {
+    fn put_combination_into_banks(&mut self, id: MonitorId, watched: &mut WatchedCondition) -> bool {
         let Some(monitor) = &mut watched.monitor else { return false };
         let Some((leaves, bankables)) = threshold_formula::bankable(monitor, &self.world) else { return false };
         let each = (0..).zip(leaves.variables().zip(&bankables));
@@ -251,7 +256,7 @@ impl MonitorSession {
     }
 
     /// The condition as if no bank stood between it and its samples.
-    pub(super) fn as_told(&self, id: MonitorId, watched: &Watched) -> Option<Monitor> {
+    pub(super) fn as_told(&self, id: MonitorId, watched: &WatchedCondition) -> Option<Monitor> {
         let mut monitor = watched.monitor.clone()?;
         if let Some(mut leaves) = watched.leaves.clone() {
             let seen = self.seen_by_banks(id, &leaves);
@@ -285,7 +290,7 @@ impl MonitorSession {
             self.wakes.remove(&wake_of(wake.at, leaf));
         }
         let wake = self.wakes.first().map_or(Time::END, |(at, ..)| *at);
-        let (mut found, mut count, mut overflowed) = (Found::new(), 0, None);
+        let (mut found, mut count, mut overflowed) = (MonitorIds::new(), 0, None);
         for (pair, number) in instants.windows(2).zip(values) {
             let [at, next] = pair else { break };
             let alone = *at > *now && next > at && *at < wake && !number.is_nan();

@@ -24,7 +24,7 @@ use crate::state::episode_index;
 use crate::state::episode_index::LeafId;
 use crate::state::histories::history::Histories;
 use crate::state::interests::Interests;
-use crate::state::monitor_set::Found;
+use crate::state::monitor_set::MonitorIds;
 use crate::state::monitors::monitor::Satisfaction;
 use crate::state::recorded::Recorded;
 use crate::state::table::Table;
@@ -44,7 +44,7 @@ pub use results::{Judgement, MonitorResult, ResultEvent, SessionError};
 use scene::{KnownTask, SessionState};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
-use watched::Watched;
+use watched::WatchedCondition;
 
 /// Watches conditions over a stream of samples, messages and changes of tasks' states (`conditions.md`).
 ///
@@ -77,7 +77,7 @@ use watched::Watched;
 pub struct MonitorSession {
     world: SessionState,
     interests: Interests,
-    watches: Table<Watched>,
+    watches: Table<WatchedCondition>,
     next_watch: u64,
     arrivals: u64,
     /// Greatest delay of samples.
@@ -174,7 +174,7 @@ impl MonitorSession {
         let SessionState { histories, library, .. } = &mut self.world;
         retention::prepare_condition(histories, library, &condition);
         let id = MonitorId(self.next_watch);
-        let watched = Watched::new(condition, created_at, self.lateness, &self.world).map_err(|error| {
+        let watched = WatchedCondition::new(condition, created_at, self.lateness, &self.world).map_err(|error| {
             SessionError { watch: None, at: self.world.now, message: error.message, place: Some(error.place) }
         })?;
         self.next_watch += 1;
@@ -205,8 +205,8 @@ impl MonitorSession {
         self.touch_all();
     }
 
-    /// A measurement, in the declared unit where it is a bare number. Returns its recording; `None` if it was refused, and a
-    /// trouble says why.
+    /// A measurement, in the declared unit where it is a bare number. Returns its recording; `None` if it was refused; a
+    /// condition fault holds the reason.
     pub fn sample(&mut self, variable: &StateVariable, value: Value, at: Time) -> Option<Recorded> {
         self.come_to(at);
         let sequence = self.arrival();
@@ -318,7 +318,7 @@ impl MonitorSession {
         if self.stimuli.is_empty() && self.wakes.first().is_none_or(|(due, ..)| *due > now) {
             return;
         }
-        let mut found = Found::new();
+        let mut found = MonitorIds::new();
         let stimuli = std::mem::take(&mut self.stimuli);
         let repeated = banks::repeated(&stimuli);
         for stimulus in &stimuli {

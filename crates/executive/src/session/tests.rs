@@ -403,7 +403,7 @@ proptest! {
         let sorted = told.iter().filter(recognised).is_sorted_by_key(|result| result.result.recognised_at);
         prop_assert!(sorted, "out of order: {:?}", told);
         for (index, result) in told.iter().enumerate() {
-            prop_assert!(!told[index + 1..].contains(result), "told twice: {:?}", result);
+            prop_assert!(!told[index + 1..].contains(result), "reported twice: {:?}", result);
         }
     }
 

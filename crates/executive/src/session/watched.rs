@@ -20,7 +20,7 @@ use std::sync::Arc;
 
 /// A condition and what is known about it.
 #[derive(Clone, Debug)]
-pub(super) struct Watched {
+pub(super) struct WatchedCondition {
     pub(super) condition: Arc<Condition>,
     pub(super) created_at: Time,
     /// None until `created_at` has arrived.
@@ -40,15 +40,15 @@ pub(super) struct Watched {
     pub(super) lateness: Duration,
 }
 
-impl Watched {
+impl WatchedCondition {
     /// A condition that begins at `created_at`. Its monitor is made at once for a try, so that errors come at once.
     pub(super) fn new(
         condition: Condition,
         created_at: Time,
         lateness: Duration,
         world: &SessionState,
-    ) -> Result<Watched, EvaluationError> {
-        let mut watched = Watched {
+    ) -> Result<WatchedCondition, EvaluationError> {
+        let mut watched = WatchedCondition {
             condition: Arc::new(condition),
             created_at,
             monitor: None,
@@ -103,7 +103,7 @@ impl Watched {
 
     /// The combination was harvested while banks continued to watch; it has reported `any` result.
     pub(super) fn lie_down_again(&mut self, any: bool) {
-        if let Watched { monitor: Some(monitor), leaves: Some(leaves), .. } = self {
+        if let WatchedCondition { monitor: Some(monitor), leaves: Some(leaves), .. } = self {
             threshold_formula::harvested(monitor, leaves, any);
             threshold_formula::lie_down(monitor);
         }
@@ -176,7 +176,7 @@ fn lateness_of(interests: &[Interest], world: &SessionState) -> Option<Duration>
 }
 
 /// Returns the status of a condition that has not begun.
-pub(super) fn not_begun(watched: &Watched) -> Unmet {
+pub(super) fn not_begun(watched: &WatchedCondition) -> Unmet {
     Unmet {
         what: "the condition".to_string(),
         now: format!("it is watched from {} on", watched.created_at),

@@ -1,10 +1,10 @@
 //! The agent: all state that can influence behaviour, in one value that can be cloned, compared and stored.
 
-use crate::state::clause::{MonitorId, Watch};
+use crate::state::clause::{ClauseMonitor, MonitorId};
 use crate::state::controller::OpenCommand;
 use crate::state::guards::Guards;
 use crate::state::histories::history::Histories;
-use crate::state::index::{Candidate, Heads, LibraryIndex, ProcedureIndex};
+use crate::state::index::{Heads, IndexCandidate, LibraryIndex, ProcedureIndex};
 use crate::state::interests::Interests;
 use crate::state::listening::Listening;
 use crate::state::memory_count::MemoryCount;
@@ -64,7 +64,7 @@ pub struct Agent {
     /// Tasks that live or that a clause may still refer to.
     pub tasks: Table<Task>,
     /// Monitors of living tasks.
-    pub watches: Table<Watch>,
+    pub watches: Table<ClauseMonitor>,
     /// Monitors by the stimuli that they must receive.
     pub interests: Interests,
     /// Histories of measurements and messages.
@@ -202,7 +202,7 @@ impl Agent {
             if let Some(generated) = self.generated.get_mut(number) {
                 generated.index = Arc::new(ProcedureIndex::new(&generated.procedure));
                 if generated.current {
-                    heads.insert(&generated.procedure.index, Candidate::Generated(number));
+                    heads.insert(&generated.procedure.index, IndexCandidate::Generated(number));
                 }
             }
         }

@@ -58,7 +58,7 @@ pub enum Level {
 
 /// A monitor with its place in a task. Small, because a hundred thousand may wait.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Watch {
+pub struct ClauseMonitor {
     /// The task.
     pub task: TaskId,
     /// The clause.

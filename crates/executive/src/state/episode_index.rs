@@ -8,7 +8,7 @@
 use crate::state::bindings::Bindings;
 use crate::state::monitors::monitor::{ObjectRun, Run, RunSample};
 pub use crate::state::threshold_episode::{
-    Band, EpisodeUpdate, IndexedRun, LeafId, OpenResult, Taken, ThresholdEpisode, What,
+    EpisodeUpdate, IndexedRun, LeafId, OpenResult, Taken, ThresholdBounds, ThresholdEpisode, What,
 };
 use crate::state::wake::WakeKey;
 use apex_model::quantity::Dimension;
@@ -26,7 +26,7 @@ pub struct EpisodeIndex {
     dimension: Dimension,
     rows: BTreeMap<LeafId, usize>,
     leaves: Vec<LeafId>,
-    bands: Vec<Band>,
+    bands: Vec<ThresholdBounds>,
     holds: Vec<bool>,
     /// Instants at which runs are long enough; the end of time without a run.
     deadlines: Vec<Time>,

@@ -20,7 +20,7 @@ use std::sync::Arc;
 /// Something with an index that may serve a goal. Of equally specific ones the first in this order is taken: a plan that was
 /// made in flight goes before what is stored for the same goal, since it was requested for use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Candidate {
+pub enum IndexCandidate {
     /// A generated procedure.
     Generated(u64),
     /// A stored procedure.
@@ -34,13 +34,13 @@ pub enum Candidate {
 /// Candidates by the first word of their index.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Heads {
-    by_head: HashMap<Symbol, Vec<Candidate>, FxBuildHasher>,
-    general: Vec<Candidate>,
+    by_head: HashMap<Symbol, Vec<IndexCandidate>, FxBuildHasher>,
+    general: Vec<IndexCandidate>,
 }
 
 impl Heads {
     /// Files `candidate` under the first word of `pattern`.
-    pub fn insert(&mut self, pattern: &Pattern, candidate: Candidate) {
+    pub fn insert(&mut self, pattern: &Pattern, candidate: IndexCandidate) {
         match head(pattern) {
             Some(head) => self.by_head.entry(head).or_default().push(candidate),
             None => self.general.push(candidate),
@@ -48,7 +48,7 @@ impl Heads {
     }
 
     /// Takes `candidate` out again.
-    pub fn remove(&mut self, pattern: &Pattern, candidate: Candidate) {
+    pub fn remove(&mut self, pattern: &Pattern, candidate: IndexCandidate) {
         let list = match head(pattern) {
             Some(head) => self.by_head.get_mut(&head),
             None => Some(&mut self.general),
@@ -59,7 +59,7 @@ impl Heads {
     }
 
     /// Candidates for a goal that begins with `head`, in order of filing.
-    pub fn candidates(&self, head: Option<&Symbol>) -> impl Iterator<Item = Candidate> {
+    pub fn candidates(&self, head: Option<&Symbol>) -> impl Iterator<Item = IndexCandidate> {
         let filed = head.and_then(|head| self.by_head.get(head));
         filed.into_iter().flatten().chain(&self.general).copied()
     }
@@ -108,7 +108,7 @@ pub struct ProcedureIndex {
     pub tags: HashMap<Symbol, u32, FxBuildHasher>,
     /// Its steps.
     pub steps: Vec<StepIndex>,
-    /// Written order gives each step another rank.
+    /// Written order gives each step a distinct rank.
     pub ranked_by_order: bool,
     /// Variables that get another value while it runs, or may: results of steps, and what its forms assign.
     pub changing: BTreeSet<Symbol>,
@@ -138,17 +138,17 @@ impl LibraryIndex {
         let mut index = LibraryIndex { names_command_states, ..LibraryIndex::default() };
         for (procedure, number) in library.procedures.iter().zip(0..) {
             if uses(&procedure.bundle) {
-                index.methods.insert(&procedure.index, Candidate::Procedure(number));
+                index.methods.insert(&procedure.index, IndexCandidate::Procedure(number));
             }
             index.procedures.push(Arc::new(ProcedureIndex::new(procedure)));
         }
         for (primitive, number) in library.primitives.iter().zip(0..) {
             if uses(&primitive.bundle) {
-                index.methods.insert(&primitive.index, Candidate::Primitive(number));
+                index.methods.insert(&primitive.index, IndexCandidate::Primitive(number));
             }
         }
         for (solver, number) in library.solvers.iter().zip(0..) {
-            index.solvers.insert(&solver.index, Candidate::Solver(number));
+            index.solvers.insert(&solver.index, IndexCandidate::Solver(number));
         }
         index
     }

@@ -3,7 +3,7 @@
 use crate::state::clause::MonitorId;
 use crate::state::episode_index::{EpisodeIndex, LeafId, ThresholdEpisode};
 use crate::state::histories::variable_map::VariableMap;
-use crate::state::monitor_set::{Found, MonitorSet};
+use crate::state::monitor_set::{MonitorIds, MonitorSet};
 use crate::state::monitors::monitor::{Interest, ObjectRun};
 use crate::state::thresholds::{Threshold, Thresholds};
 use apex_model::event::StateVariable;
@@ -166,7 +166,7 @@ impl Interests {
 
     /// Finds the monitors that must receive a sample of `variable`. One that is not the newest of its variable, or takes the place of
     /// another one, can undo what its forerunner did: all who watch the variable must see it.
-    pub fn of_sample(&self, variable: &StateVariable, value: &Value, newest: bool, found: &mut Found) {
+    pub fn of_sample(&self, variable: &StateVariable, value: &Value, newest: bool, found: &mut MonitorIds) {
         if let Some(watchers) = self.variables.get(variable) {
             watchers.every.collect_into(found);
             match &watchers.thresholds {
@@ -183,7 +183,7 @@ impl Interests {
     }
 
     /// Finds the monitors that must receive a message.
-    pub fn of_event(&self, form: &Value, found: &mut Found) {
+    pub fn of_event(&self, form: &Value, found: &mut MonitorIds) {
         self.any_event.collect_into(found);
         let head = match form {
             Value::Symbol(symbol) => Some(symbol),
@@ -207,7 +207,7 @@ impl Interests {
     }
 
     /// Finds the monitors that must receive a transition of `task`.
-    pub fn of_task(&self, task: TaskId, found: &mut Found) {
+    pub fn of_task(&self, task: TaskId, found: &mut MonitorIds) {
         if let Some(set) = self.tasks.get(&task) {
             set.collect_into(found);
         }
@@ -278,7 +278,7 @@ impl Interests {
     }
 
     /// Finds the monitors that are judged at every instant at which anything happens.
-    pub fn of_every_step(&self, found: &mut Found) {
+    pub fn of_every_step(&self, found: &mut MonitorIds) {
         self.every_step.collect_into(found);
     }
 

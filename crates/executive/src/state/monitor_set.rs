@@ -6,7 +6,7 @@ use smallvec::SmallVec;
 use std::collections::BTreeSet;
 
 /// Monitors that must receive a stimulus: mostly a few.
-pub type Found = SmallVec<[MonitorId; 8]>;
+pub type MonitorIds = SmallVec<[MonitorId; 8]>;
 
 /// A set of monitors.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -60,7 +60,7 @@ impl MonitorSet {
     }
 
     /// Adds all members to `found`.
-    pub fn collect_into(&self, found: &mut Found) {
+    pub fn collect_into(&self, found: &mut MonitorIds) {
         match self {
             MonitorSet::Empty => {}
             MonitorSet::One(present) => found.push(*present),

@@ -24,7 +24,7 @@ impl LeafId {
 
 /// Values between two bounds, both included; infinite where there is no bound.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Band {
+pub struct ThresholdBounds {
     /// The least value, in SI.
     pub least: f64,
     /// The greatest value, in SI.
@@ -35,7 +35,7 @@ pub struct Band {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThresholdEpisode {
     /// Values that satisfy it.
-    pub band: Band,
+    pub band: ThresholdBounds,
     /// Their dimension.
     pub dimension: Dimension,
     /// The greatest gap between samples; the greatest duration is none.

@@ -3,7 +3,7 @@
 
 use crate::planted::{self, Bug};
 use crate::state::clause::MonitorId;
-use crate::state::monitor_set::Found;
+use crate::state::monitor_set::MonitorIds;
 use apex_model::condition::Relation;
 use apex_model::quantity::Dimension;
 use apex_model::value::Value;
@@ -118,7 +118,7 @@ impl Thresholds {
     }
 
     /// Monitors whose comparison with `value` may be true, or an error.
-    pub fn of_value(&self, value: &Value, found: &mut Found) {
+    pub fn of_value(&self, value: &Value, found: &mut MonitorIds) {
         let number = value.as_number().filter(|(number, _)| !number.is_nan());
         for group in &self.0 {
             match number {
@@ -135,13 +135,13 @@ impl Thresholds {
     }
 
     /// All monitors.
-    pub fn all(&self, found: &mut Found) {
+    pub fn all(&self, found: &mut MonitorIds) {
         self.0.iter().for_each(|group| group.all(found));
     }
 }
 
 impl OfDimension {
-    fn all(&self, found: &mut Found) {
+    fn all(&self, found: &mut MonitorIds) {
         for side in [&self.above, &self.below, &self.at] {
             found.extend(side.iter().map(|(_, monitor)| *monitor));
         }
@@ -154,7 +154,7 @@ mod tests {
     use apex_model::time::Duration;
 
     fn of(thresholds: &Thresholds, value: Value) -> Vec<u64> {
-        let mut found = Found::new();
+        let mut found = MonitorIds::new();
         thresholds.of_value(&value, &mut found);
         found.sort_unstable();
         found.iter().map(|monitor| monitor.0).collect()

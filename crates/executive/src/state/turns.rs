@@ -7,13 +7,13 @@ use std::iter::Peekable;
 
 /// Claimants in the order of their turns.
 pub struct InTurn<'a, F> {
-    lines: Vec<Line<'a>>,
+    lines: Vec<QueuePrefix<'a>>,
     risen_to: F,
     now: Time,
 }
 
 /// A queue, as far as it was gone through.
-pub(super) struct Line<'a> {
+pub(super) struct QueuePrefix<'a> {
     next: Option<QueueKey>,
     rest: Rest<'a>,
 }
@@ -32,7 +32,7 @@ pub(super) enum Rest<'a> {
 
 impl<'a, F: Fn(f64, Time) -> f64> InTurn<'a, F> {
     pub(super) fn new(lines: Vec<Rest<'a>>, risen_to: F, now: Time) -> InTurn<'a, F> {
-        let lines: Vec<Line<'a>> = lines.into_iter().map(|rest| Line { next: None, rest }).collect();
+        let lines: Vec<QueuePrefix<'a>> = lines.into_iter().map(|rest| QueuePrefix { next: None, rest }).collect();
         let mut result = InTurn { lines, risen_to, now };
         for index in 0..result.lines.len() {
             result.advance(index);

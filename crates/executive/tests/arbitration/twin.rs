@@ -41,7 +41,7 @@ struct Competition {
     totals: [f64; 4],
 }
 
-/// All that the rules look at.
+/// The state that the rules read.
 pub struct Twin {
     nodes: Vec<Node>,
     pub states: Vec<State>,
@@ -181,7 +181,7 @@ impl Twin {
         }
     }
 
-    /// A task ends, with what is below it; what it had reserved is used up if it ended by itself.
+    /// A task ends, with what is below it; what it had reserved is used up if it ended on its own.
     fn end(&mut self, task: usize, used: bool) {
         self.failed[task] = false;
         if self.states[task] == State::Absent {
@@ -202,7 +202,7 @@ impl Twin {
         }
     }
 
-    /// Contention after contention, until nothing changes. The passing of time alone gives nobody anything.
+    /// Contention after contention, until nothing changes. The passing of time alone grants nothing.
     fn settle(&mut self) {
         for _ in 0..100 {
             let competition = Competition {
@@ -245,7 +245,7 @@ impl Twin {
         }
         self.handle_failures();
         for task in impossible {
-            // What handles its failure does not begin below a task that stops working: it is looked at again when that goes on.
+            // What handles its failure does not begin below a task that stops working: it is considered again when that task continues.
             if self.parent_works(task) {
                 self.end_below(task);
                 self.states[task] = State::Absent;
@@ -285,7 +285,7 @@ impl Twin {
         self.nodes[task].parent.is_none_or(|parent| self.states[parent] == State::Ongoing)
     }
 
-    /// No step of a task that stops working begins: of such steps, those are out whose task stops for somebody who does begin;
+    /// No step of a task that stops working begins: of such steps, those are excluded whose task stops for a task that begins;
     /// if there is none of these, the last.
     fn barred(&self, outcome: &Outcome) -> Vec<usize> {
         let parent_stops_for = |task: usize| {

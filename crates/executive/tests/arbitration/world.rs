@@ -103,7 +103,7 @@ pub fn worlds_of(count: Range<usize>, ranked_share: f64, expected_share: f64) ->
             2 => (0..count).prop_map(Moment::Free),
         ];
         (nodes, prop::collection::vec(moment, 4..24)).prop_map(|(mut nodes, moments)| {
-            // A leaf has nobody below it; an empty group would end at once.
+            // A leaf has no children; an empty group would end at once.
             for index in 0..nodes.len() {
                 let above = nodes[index].parent.filter(|parent| nodes[*parent].is_group);
                 nodes[index].parent = above;

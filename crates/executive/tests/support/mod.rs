@@ -130,7 +130,7 @@ pub fn story(effects: &[(Time, Effect)]) -> Vec<String> {
                 };
                 Some(format!("{} {to}{outcome}", name(&decision.task?)))
             }
-            DecisionKind::Trouble { message } => Some(format!("trouble {message}")),
+            DecisionKind::Trouble { message } => Some(format!("trouble {message}")), // english: allow
             _ => None,
         },
         Effect::Print { text, .. } => Some(format!("print {text}")),

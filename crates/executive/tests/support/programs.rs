@@ -18,7 +18,7 @@ pub const RESOURCES: &str = "
   (step late (late (30 kg)) (waitfor (end ?urgent)) (on-failure (print \"no fuel\")))
   (step early (hog) (waitfor (alarm)))
   (step eager (hog) (waitfor (urgent done)) (priority 4))
-  (step anew (reset ?early) (waitfor (end ?late)))
+  (step again (reset ?early) (waitfor (end ?late)))
   (step idle (idle)) (step asleep (suspend ?idle) (waitfor (alarm)))
   (step stop (terminate >> done) (waitfor (goodbye))))
 (primitive (index (hog)) (profile tool) (duration 100s))

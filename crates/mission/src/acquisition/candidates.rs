@@ -32,7 +32,7 @@ const FOOTPRINT_SHARE: f64 = 0.8;
 
 /// A manoeuvre with the sensor that records it.
 #[derive(Clone, Debug)]
-pub(super) struct Candidate {
+pub(super) struct ManoeuvreCandidate {
     pub(super) manoeuvre: Manoeuvre,
     /// Name of the sensor in PDL.
     pub(super) sensor: String,
@@ -128,7 +128,7 @@ pub(super) fn at_height(
     (sensor, instrument): (&str, &Instrument),
     height_m: f64,
     (here, at_s): (Position, f64),
-) -> Vec<Candidate> {
+) -> Vec<ManoeuvreCandidate> {
     let hovers = mission.model.airframe == Airframe::Rotorcraft;
     let field_wind = wind::at(&mission.forecast, goal.position, goal.target.elevation_m + height_m, at_s);
     let wind_mps = libm::hypot(field_wind.east_mps, field_wind.north_mps);
@@ -186,7 +186,7 @@ impl Setting<'_> {
         }
     }
 
-    fn put(&self, made: &mut Vec<Candidate>, path: FlightPath, (speed_mps, slant_m): (f64, f64)) {
+    fn put(&self, made: &mut Vec<ManoeuvreCandidate>, path: FlightPath, (speed_mps, slant_m): (f64, f64)) {
         let every_m = libm::round(10.0 * self.base_m(slant_m)) / 10.0;
         let payload = match self.instrument {
             Instrument::Scanner(_) => PayloadUse::LineScan,
@@ -199,7 +199,7 @@ impl Setting<'_> {
         let attitude = if is_aimed && self.hovers { AttitudeMode::Pointing } else { AttitudeMode::Coordinated };
         let speed_mps = (libm::round(10.0 * speed_mps) / 10.0).max(0.5);
         let speed = if self.hovers { SpeedProfile::GroundSpeed(speed_mps) } else { SpeedProfile::Airspeed(speed_mps) };
-        made.push(Candidate {
+        made.push(ManoeuvreCandidate {
             manoeuvre: Manoeuvre { path, attitude, speed, payload, data: DataHandling::Store },
             sensor: self.sensor.to_string(),
             instrument: self.instrument.clone(),
@@ -217,7 +217,7 @@ impl Setting<'_> {
     }
 
     /// Lines: over the target, aside of it, and sweeps of what is wider than a footprint.
-    fn lines(&self, made: &mut Vec<Candidate>) {
+    fn lines(&self, made: &mut Vec<ManoeuvreCandidate>) {
         let (height_m, speed_mps) = (self.height_m, self.speed_mps(self.height_m));
         let across_m = self.instrument.swath_m(height_m, self.goal.resolution_m);
         let margin_m = if matches!(self.instrument, Instrument::Camera(_)) { self.base_m(height_m) } else { 0.0 };
@@ -245,7 +245,7 @@ impl Setting<'_> {
         }
     }
 
-    fn sweep(&self, made: &mut Vec<Candidate>, (across_m, margin_m, speed_mps): (f64, f64, f64)) {
+    fn sweep(&self, made: &mut Vec<ManoeuvreCandidate>, (across_m, margin_m, speed_mps): (f64, f64, f64)) {
         let scene = Scene::still(self.goal.position, self.goal.target.elevation_m);
         let corners: Vec<(f64, f64)> = match &self.goal.target.area {
             TargetArea::Polygons(polygons) | TargetArea::Perimeter { polygons, .. } => {
@@ -273,7 +273,7 @@ impl Setting<'_> {
     }
 
     /// Orbits, spirals and arcs.
-    fn around(&self, camera: &CameraSetting, made: &mut Vec<Candidate>) {
+    fn around(&self, camera: &CameraSetting, made: &mut Vec<ManoeuvreCandidate>) {
         let height_m = self.height_m;
         let aims = self.hovers || camera.mount.pan_deg.1 > 0.0;
         for angle_deg in self.angles_deg().filter(|angle| *angle >= 15.0 && aims) {
@@ -311,7 +311,7 @@ impl Setting<'_> {
     }
 
     /// Places to look from.
-    fn hovering(&self, made: &mut Vec<Candidate>) {
+    fn hovering(&self, made: &mut Vec<ManoeuvreCandidate>) {
         for angle_deg in self.angles_deg().filter(|_| self.hovers) {
             let slant_m = self.height_m / libm::cos(angle_deg * RAD_PER_DEG);
             let sides: &[f64] = if angle_deg < 1.0 { &[0.0] } else { &[0.0, 90.0, 180.0, 270.0] };

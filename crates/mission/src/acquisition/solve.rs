@@ -3,7 +3,7 @@
 //!
 //! Bound: `CANDIDATES_MAX` forecasts and O(n^2) comparisons.
 
-use super::candidates::{CANDIDATES_MAX, Candidate, at_height, heights_m, lowest_m, sensors};
+use super::candidates::{CANDIDATES_MAX, ManoeuvreCandidate, at_height, heights_m, lowest_m, sensors};
 use super::goal::AcquisitionGoal;
 use super::predicted::forecast_of;
 use super::vehicle::{craft_of, scene_of};
@@ -37,7 +37,7 @@ pub(crate) struct Start {
 /// A candidate with what it is predicted to give.
 #[derive(Clone, Debug)]
 pub(crate) struct Predicted {
-    pub(super) candidate: Candidate,
+    pub(super) candidate: ManoeuvreCandidate,
     pub(super) scene: Scene,
     pub(super) forecast: Forecast,
     /// Time to get there.
@@ -127,7 +127,7 @@ fn height_miss(
 }
 
 /// Evenly fewer where there are too many.
-fn thin(candidates: &mut Vec<Candidate>) {
+fn thin(candidates: &mut Vec<ManoeuvreCandidate>) {
     let count = candidates.len();
     if count <= CANDIDATES_MAX {
         return;
@@ -176,7 +176,12 @@ fn light(mission: &Mission, goal: &AcquisitionGoal, sensors: &[(String, Instrume
 }
 
 /// Predicts a candidate and holds it against the goal.
-fn judged(mission: &Mission, goal: &AcquisitionGoal, candidate: Candidate, start: Start) -> Result<Predicted, Miss> {
+fn judged(
+    mission: &Mission,
+    goal: &AcquisitionGoal,
+    candidate: ManoeuvreCandidate,
+    start: Start,
+) -> Result<Predicted, Miss> {
     let name = candidate.manoeuvre.path.name();
     let at = format!("`{name}` from {:.0} m above the target", candidate.height_m);
     let place = (goal.position, goal.target.elevation_m);

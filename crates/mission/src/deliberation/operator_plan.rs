@@ -24,7 +24,7 @@ pub(super) fn means(
     if solver != Some(HUMAN) || means.planners.find(HUMAN).is_some() {
         return Ok(means);
     }
-    let plan = plan.ok_or("nobody has said what to visit, by the event (planned-by-people ([repeat] TARGET ..))")?;
+    let plan = plan.ok_or("no event (planned-by-people ([repeat] TARGET ..)) has named the targets")?;
     let mut planners = means.planners.as_ref().clone();
     planners.add(Arc::new(Human { visits: plan.visits.clone(), repeat: plan.repeat }))?;
     means.planners = Arc::new(planners);

@@ -7,7 +7,7 @@ use apex_model::time::{Duration, Time};
 use apex_planning::Registry;
 use apex_planning::solver::units_in;
 use apex_portfolio::{ProfileTable, Selection};
-use apex_runtime::invocation::{Invocations, Limits};
+use apex_runtime::invocation::{Invocations, SolverLimits};
 use apex_runtime::limits::{SOLVER_MEMORY_BYTES, SOLVER_TIMEOUT};
 use apex_runtime::ports::CancelToken;
 use apex_vehicle::EnergyModel;
@@ -99,7 +99,7 @@ pub fn solve(
     }
     validate(&problem).map_err(NoPlan::Fault)?;
     let problem = Arc::new(problem);
-    let limits = Limits { units, timeout: wish.means.timeout, memory_bytes: wish.means.memory_bytes };
+    let limits = SolverLimits { units, timeout: wish.means.timeout, memory_bytes: wish.means.memory_bytes };
     let answer = invocations.solve(solver, &problem, wish.previous, wish.seed, limits, cancel);
     // Who misbehaves and has no plan does not say that nothing is left.
     let violation = answer.violation;

@@ -26,7 +26,7 @@ const EARLY_S: f64 = 900.0;
 const TIMING_TOLERANCE: f64 = 1e-3;
 
 /// A step before it has a line in the procedure's text.
-type Step = (Symbol, PlannedActivity);
+type NamedActivity = (Symbol, PlannedActivity);
 
 /// The plan as a procedure for `goal`.
 pub fn translate(solved: &Deliberation, goal: &Value, number: u32, mission: &Mission) -> PlannedProcedure {
@@ -59,7 +59,7 @@ pub(super) fn nothing_more(goal: &Value, number: u32, reason: &str) -> PlannedPr
 }
 
 /// The steps with their text, of which `head` is the beginning.
-fn procedure(goal: &Value, number: u32, head: &str, steps: Vec<Step>, repeat: bool) -> PlannedProcedure {
+fn procedure(goal: &Value, number: u32, head: &str, steps: Vec<NamedActivity>, repeat: bool) -> PlannedProcedure {
     let goals: Vec<(Symbol, Value)> = steps.iter().map(|(tag, activity)| (tag.clone(), activity.goal())).collect();
     let PrintedPlan { text, step_lines } = apex_pdl::print_plan(goal, &goals, repeat);
     let before = u32::try_from(head.lines().count()).unwrap_or(0);
@@ -75,7 +75,7 @@ fn procedure(goal: &Value, number: u32, head: &str, steps: Vec<Step>, repeat: bo
     }
 }
 
-fn single_visit_steps(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> Vec<Step> {
+fn single_visit_steps(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> Vec<NamedActivity> {
     let mut steps = Vec::new();
     let mut altitude_m = problem.vehicle.cruise_altitude_m;
     let mut ready_s = problem.start_s;
@@ -97,7 +97,7 @@ fn single_visit_steps(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> V
 }
 
 /// The step that observes the target of a visit: with the scanner, or with a camera.
-fn observation(visit: &PlannedVisit, manoeuvre: &Manoeuvre) -> Step {
+fn observation(visit: &PlannedVisit, manoeuvre: &Manoeuvre) -> NamedActivity {
     let target = visit.target.clone();
     let due = Duration::from_seconds(visit.end_s.round());
     let lines = observed_lines(manoeuvre);
@@ -133,7 +133,7 @@ fn waits(
 }
 
 /// A circle where a route ends until the observation may begin; over at once where it is later already.
-fn wait(steps: &mut Vec<Step>, route: &[Position], altitude_m: f64, begin_s: f64) {
+fn wait(steps: &mut Vec<NamedActivity>, route: &[Position], altitude_m: f64, begin_s: f64) {
     let Some(there) = route.last() else { return };
     let tag = Symbol::new(&format!("wait-{}", steps.len() + 1));
     let until = Duration::from_seconds(libm::ceil(begin_s));
@@ -141,7 +141,7 @@ fn wait(steps: &mut Vec<Step>, route: &[Position], altitude_m: f64, begin_s: f64
 }
 
 /// Staying where a route begins until it is open; nothing for less than a second.
-fn hold(steps: &mut Vec<Step>, route: &[Position], altitude_m: f64, seconds: f64) {
+fn hold(steps: &mut Vec<NamedActivity>, route: &[Position], altitude_m: f64, seconds: f64) {
     let Some(here) = route.first().filter(|_| seconds >= 1.0) else { return };
     let tag = Symbol::new(&format!("hold-{}", steps.len() + 1));
     let time = Duration::from_seconds(seconds.round());
@@ -149,7 +149,7 @@ fn hold(steps: &mut Vec<Step>, route: &[Position], altitude_m: f64, seconds: f64
 }
 
 /// Way points strictly between the ends of a route: the bends around airspace.
-fn detour(steps: &mut Vec<Step>, route: &[Position], altitude_m: f64) {
+fn detour(steps: &mut Vec<NamedActivity>, route: &[Position], altitude_m: f64) {
     let bends = route.len().saturating_sub(2);
     for bend in route.iter().skip(1).take(bends) {
         let tag = Symbol::new(&format!("around-{}", steps.len() + 1));
@@ -157,7 +157,11 @@ fn detour(steps: &mut Vec<Step>, route: &[Position], altitude_m: f64) {
     }
 }
 
-fn surveillance_steps(plan: &SurveillancePlan, mission: &Mission, from: Option<(Position, Time)>) -> (Vec<Step>, bool) {
+fn surveillance_steps(
+    plan: &SurveillancePlan,
+    mission: &Mission,
+    from: Option<(Position, Time)>,
+) -> (Vec<NamedActivity>, bool) {
     let repeat = !plan.cycle.is_empty();
     let order: Vec<&String> =
         if repeat { plan.cycle.iter().collect() } else { plan.visits.iter().map(|visit| &visit.target).collect() };

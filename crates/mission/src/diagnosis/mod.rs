@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 /// Query to a model on the ground.
 #[derive(Clone, Copy, Debug)]
-pub enum Wanted<'a> {
+pub enum ModelQuery<'a> {
     /// Its testability.
     Report,
     /// The diagnosis of the outcomes in this file.
@@ -27,16 +27,16 @@ pub enum Wanted<'a> {
 ///
 /// # Errors
 /// A model or results file that cannot be read or used.
-pub fn answer(path: &Path, wanted: Wanted<'_>, json: bool) -> MissionResult<String> {
+pub fn answer(path: &Path, wanted: ModelQuery<'_>, json: bool) -> MissionResult<String> {
     let model = parse(&path.display().to_string(), &read_text(path)?)?;
     let shown = |value: serde_json::Value| format!("{value:#}\n");
     Ok(match wanted {
-        Wanted::Pdl => model.pdl(),
-        Wanted::Report => {
+        ModelQuery::Pdl => model.pdl(),
+        ModelQuery::Report => {
             let report = testability(&model);
             if json { shown(report.json(&model)) } else { report.text(&model) }
         }
-        Wanted::Results(results) => {
+        ModelQuery::Results(results) => {
             let results =
                 Results::parse(&results.display().to_string(), &read_text(results)?, &model).map_err(invalid)?;
             let mut diagnoser = Diagnoser::new(model);

@@ -25,7 +25,7 @@ pub struct DiagnosisService {
     outcomes: Vec<Outcome>,
     published: Option<Published>,
     #[serde(skip)]
-    kept: Kept,
+    kept: DiagnoserCache,
 }
 
 /// Last published values.
@@ -40,11 +40,11 @@ struct Published {
 
 /// The diagnoser of these outcomes, made again after a snapshot.
 #[derive(Clone, Debug, Default)]
-struct Kept(Option<Diagnoser>);
+struct DiagnoserCache(Option<Diagnoser>);
 
-impl PartialEq for Kept {
+impl PartialEq for DiagnoserCache {
     /// A function of the outcomes, without state.
-    fn eq(&self, _: &Kept) -> bool {
+    fn eq(&self, _: &DiagnoserCache) -> bool {
         true
     }
 }

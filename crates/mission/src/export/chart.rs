@@ -3,7 +3,7 @@
 //! Planners know names, times and, where they fly through air, routes. A chart adds where each thing is; formats are written
 //! from it alone.
 
-use super::watch::Watch;
+use super::watch::VisitFollower;
 use crate::vehicle::Airframe;
 use crate::{Mission, TargetKind};
 use apex_metrics::eci;
@@ -25,7 +25,7 @@ pub struct ChartPoint {
 
 /// One observation, with the way to it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Visit {
+pub struct ChartVisit {
     /// The target's name.
     pub target: String,
     /// Way points from the place before to where the observation begins, both included.
@@ -53,7 +53,7 @@ pub struct Circle {
 
 /// A target, visited or not.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Target {
+pub struct ChartTarget {
     /// Its name.
     pub name: String,
     /// Position.
@@ -84,7 +84,7 @@ pub struct Chart {
     /// Required end of the flight, if any.
     pub base: Option<ChartPoint>,
     /// The observations in order.
-    pub visits: Vec<Visit>,
+    pub visits: Vec<ChartVisit>,
     /// Number of visits that make one round, if the plan repeats a round.
     pub round: Option<usize>,
     /// Way points from the last observation to the base, both included.
@@ -92,7 +92,7 @@ pub struct Chart {
     /// End of the flight.
     pub end_s: f64,
     /// All targets in the problem's order.
-    pub targets: Vec<Target>,
+    pub targets: Vec<ChartTarget>,
     /// Airspace.
     pub zones: Vec<AirspaceZone>,
 }
@@ -134,7 +134,8 @@ pub fn chart(
             return Err("the plan is of another kind than its problem".into());
         }
     };
-    let same = |other: &Target| Some(other.place.position) == chart.targets.first().map(|first| first.place.position);
+    let same =
+        |other: &ChartTarget| Some(other.place.position) == chart.targets.first().map(|first| first.place.position);
     if chart.targets.iter().all(same)
         && (chart.targets.len() > 1 || chart.targets.iter().all(|target| target.place.position == Position::default()))
     {
@@ -166,13 +167,13 @@ fn of_single_visit(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> Char
     let flown = problem.travel.is_none();
     let high = |altitude_m: f64| flown.then_some(altitude_m);
     let start = ChartPoint { position: problem.start, altitude_m: high(problem.start_altitude_m) };
-    let mut targets: Vec<Target> = Vec::with_capacity(problem.targets.len());
+    let mut targets: Vec<ChartTarget> = Vec::with_capacity(problem.targets.len());
     for target in &problem.targets {
         let place = ChartPoint { position: target.position, altitude_m: None };
         let facts = facts([("value", json!(target.value))]);
-        targets.push(Target { name: target.name.clone(), place, facts, left_out: None });
+        targets.push(ChartTarget { name: target.name.clone(), place, facts, left_out: None });
     }
-    let mut visits: Vec<Visit> = Vec::with_capacity(plan.visits.len());
+    let mut visits: Vec<ChartVisit> = Vec::with_capacity(plan.visits.len());
     let (mut before, mut altitude_m) = (start, problem.vehicle.cruise_altitude_m);
     for visit in &plan.visits {
         let index = problem.targets.iter().position(|target| target.name == visit.target);
@@ -192,7 +193,7 @@ fn of_single_visit(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> Char
         shown.facts.extend(factors(manoeuvre, visit));
         shown.place.altitude_m = high(manoeuvre.altitude_m);
         let (arrive_s, begin_s, end_s) = (visit.arrive_s, visit.begin_s, visit.end_s);
-        visits.push(Visit { target: visit.target.clone(), way, lines, circle: None, arrive_s, begin_s, end_s });
+        visits.push(ChartVisit { target: visit.target.clone(), way, lines, circle: None, arrive_s, begin_s, end_s });
     }
     let base = problem.base.map(|position| ChartPoint { position, altitude_m: high(problem.start_altitude_m) });
     let mut return_way = Vec::new();
@@ -271,9 +272,9 @@ fn of_surveillance(
         let site = mission.targets.iter().find(|target| target.id == name)?;
         matches!(site.kind, TargetKind::Site(_)).then(|| crate::problem::visit_altitude_m(mission, site))
     };
-    let mut targets: Vec<Target> = Vec::with_capacity(problem.targets.len());
+    let mut targets: Vec<ChartTarget> = Vec::with_capacity(problem.targets.len());
     for (target, cost) in problem.targets.iter().zip(&costs.targets) {
-        targets.push(Target {
+        targets.push(ChartTarget {
             name: target.name.clone(),
             place: ChartPoint { position: target.position, altitude_m: altitude_m(&target.name) },
             facts: facts([
@@ -288,8 +289,8 @@ fn of_surveillance(
     let start = start.or(mission.map(|mission| mission.start));
     let start =
         start.map(|position| ChartPoint { position, altitude_m: mission.map(|mission| mission.start_altitude_m) });
-    let mut watch = Watch::new(mission.and_then(|mission| flown_ways(mission, problem)), start);
-    let mut visits: Vec<Visit> = Vec::with_capacity(plan.visits.len());
+    let mut watch = VisitFollower::new(mission.and_then(|mission| flown_ways(mission, problem)), start);
+    let mut visits: Vec<ChartVisit> = Vec::with_capacity(plan.visits.len());
     for visit in &plan.visits {
         let Some(to) = targets.iter().position(|target| target.name == visit.target) else { continue };
         let Some(here) = targets.get(to).map(|target| target.place) else { continue };

@@ -1,6 +1,6 @@
 //! A plan as GeoJSON (RFC 7946): the path as a line, targets as points, airspace as polygons.
 
-use super::chart::{Chart, ChartPoint, Target, digits, milliseconds};
+use super::chart::{Chart, ChartPoint, ChartTarget, digits, milliseconds};
 use super::civil::utc;
 use apex_model::problem::{AirspaceZone, FOREVER_S, Position, ZoneKind};
 use serde_json::{Map, Value, json};
@@ -80,7 +80,7 @@ fn place(kind: &str, name: &str, place: ChartPoint) -> Value {
 }
 
 /// A target with its observations: those of the first are plain members, so that a map's table shows them.
-fn target(chart: &Chart, target: &Target) -> Value {
+fn target(chart: &Chart, target: &ChartTarget) -> Value {
     let mut facts = target.facts.clone();
     let visits = chart.visits.iter().enumerate().filter(|(_, visit)| visit.target == target.name);
     let visits: Vec<_> = visits.map(|(index, visit)| (index + 1, visit)).collect();
@@ -94,7 +94,7 @@ fn target(chart: &Chart, target: &Target) -> Value {
         }
     }
     if visits.len() > 1 {
-        let each = |of: fn(&super::chart::Visit) -> f64| {
+        let each = |of: fn(&super::chart::ChartVisit) -> f64| {
             visits.iter().map(|(_, visit)| milliseconds(of(visit))).collect::<Vec<_>>()
         };
         facts.insert("begins_s".into(), json!(each(|visit| visit.begin_s)));

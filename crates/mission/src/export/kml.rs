@@ -1,7 +1,7 @@
 //! A plan as KML 2.2, for globes: the path in the air, targets with times, airspace with its upper face.
 //! `quick-xml` writes and escapes; elements that belong together share a line.
 
-use super::chart::{Chart, ChartPoint, Target};
+use super::chart::{Chart, ChartPoint, ChartTarget};
 use super::civil::utc;
 use apex_model::problem::{AirspaceZone, FOREVER_S, Position, ZoneKind};
 use apex_model::time::Time;
@@ -185,7 +185,7 @@ fn data<'a>(xml: &mut Xml, facts: impl Iterator<Item = (&'a String, &'a Value)>)
     line(xml)
 }
 
-fn target(xml: &mut Xml, chart: &Chart, target: &Target) -> io::Result<()> {
+fn target(xml: &mut Xml, chart: &Chart, target: &ChartTarget) -> io::Result<()> {
     let visits: Vec<_> = chart.visits.iter().filter(|visit| visit.target == target.name).collect();
     let clock = |seconds: f64| Time::from_seconds(seconds.round()).to_string();
     let spans: Vec<String> =

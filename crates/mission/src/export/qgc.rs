@@ -3,7 +3,7 @@
 //! An autopilot knows neither conditions nor procedures: what the file holds is the plan as made, without watching, replanning
 //! or flying anything again.
 
-use super::chart::{Chart, ChartPoint, Visit, digits};
+use super::chart::{Chart, ChartPoint, ChartVisit, digits};
 use crate::vehicle::Airframe;
 use apex_model::problem::{AirspaceZone, ZoneKind};
 use serde_json::{Value, json};
@@ -129,7 +129,7 @@ impl Items {
         self.items.push(item);
     }
 
-    fn visit(&mut self, visit: &Visit) {
+    fn visit(&mut self, visit: &ChartVisit) {
         if let Some(circle) = &visit.circle {
             circle.bends.iter().for_each(|bend| self.at(WAYPOINT, 0.0, *bend));
             return self.at(LOITER_TIME, (visit.end_s - visit.begin_s).round(), circle.centre);

@@ -1,12 +1,12 @@
 //! Path of a surveillance plan: from place to place, or from circle to circle.
 
-use super::chart::{ChartPoint, Circle, Visit, bends};
+use super::chart::{ChartPoint, ChartVisit, Circle, bends};
 use apex_geo::travel::Circling;
 use apex_model::problem::{Position, SurveillanceVisit};
 use apex_planning::surveillance::travel::SurveillanceTravel;
 
 /// A plan of surveillance followed visit by visit.
-pub(super) struct Watch {
+pub(super) struct VisitFollower {
     ways: Option<SurveillanceTravel>,
     /// Last position of the vehicle, with its target.
     before: Option<ChartPoint>,
@@ -16,17 +16,17 @@ pub(super) struct Watch {
     depart_s: f64,
 }
 
-impl Watch {
+impl VisitFollower {
     /// At the start, with the ways where they are known.
-    pub(super) fn new(ways: Option<SurveillanceTravel>, start: Option<ChartPoint>) -> Watch {
-        Watch { ways, before: start, from: None, on: None, depart_s: 0.0 }
+    pub(super) fn new(ways: Option<SurveillanceTravel>, start: Option<ChartPoint>) -> VisitFollower {
+        VisitFollower { ways, before: start, from: None, on: None, depart_s: 0.0 }
     }
 
     /// The next visit, to the target of number `to`.
-    pub(super) fn visit(&mut self, (to, here): (usize, ChartPoint), visit: &SurveillanceVisit) -> Visit {
+    pub(super) fn visit(&mut self, (to, here): (usize, ChartPoint), visit: &SurveillanceVisit) -> ChartVisit {
         let route = self.ways.as_mut().map_or_else(Vec::new, |ways| ways.route(self.from, to, self.depart_s));
         let between: Vec<ChartPoint> = bends(&route, here.altitude_m).collect();
-        let mut drawn = Visit {
+        let mut drawn = ChartVisit {
             target: visit.target.clone(),
             way: Vec::new(),
             lines: Vec::new(),

@@ -70,6 +70,8 @@ fn edges(ring: &[Position]) -> Vec<RingEdge> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::{Rng, SeedableRng};
 
     fn ring(corners: &[(f64, f64)]) -> Vec<Position> {
         corners.iter().map(|(longitude, latitude)| Position::new(*latitude, *longitude)).collect()
@@ -93,11 +95,8 @@ mod tests {
 
     #[test]
     fn random_rings_are_judged_as_by_comparing_all_edges() {
-        let mut state = 7_u64;
-        let mut next = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 40) as f64 / f64::from(1 << 24)
-        };
+        let mut generator = ChaCha8Rng::seed_from_u64(7);
+        let mut next = || (generator.next_u64() >> 40) as f64 / f64::from(1 << 24);
         let mut crossed = 0;
         for number in 0..3000_u32 {
             let corners = 3 + number as usize % 9;

@@ -3,7 +3,7 @@
 //! Bound: O(cells + targets x losses); at most [`ZONES_MAX`] zones for each link.
 
 use super::belief::{Belief, Beliefs};
-use super::learned::{BAND_M, Cell, Learned};
+use super::learned::{BAND_M, Learned, LinkCell};
 use crate::vehicle::turn_radius_m;
 use crate::visit_altitude::visit_altitude_m;
 use crate::{Mission, Target, TargetKind};
@@ -108,7 +108,7 @@ pub(super) fn weak_areas(mission: &Mission, learned: Lookup<'_>) -> Vec<Airspace
 
 /// Areas where the link is weak, except around these places.
 fn areas(mission: &Mission, beliefs: &Beliefs<'_>, places: &[Position]) -> Vec<AirspaceZone> {
-    let mut weak: BTreeSet<Cell> = BTreeSet::new();
+    let mut weak: BTreeSet<LinkCell> = BTreeSet::new();
     let cells = beliefs.cells;
     for cell in beliefs.learned.iter().flat_map(|learned| learned.cells().keys()) {
         let (middle, altitude_m) = cells.middle(*cell);
@@ -153,7 +153,7 @@ fn areas(mission: &Mission, beliefs: &Beliefs<'_>, places: &[Position]) -> Vec<A
 }
 
 /// Cells in which the stated shadows make the link weak, on a grid over the mission's targets.
-fn stated(mission: &Mission, beliefs: &Beliefs<'_>) -> BTreeSet<Cell> {
+fn stated(mission: &Mission, beliefs: &Beliefs<'_>) -> BTreeSet<LinkCell> {
     let mut weak = BTreeSet::new();
     if beliefs.stated.is_none_or(|model| model.shadows.is_empty()) {
         return weak;
@@ -162,7 +162,7 @@ fn stated(mission: &Mission, beliefs: &Beliefs<'_>) -> BTreeSet<Cell> {
     let flown_m = observable().map(|target| altitude_m(mission, target)).fold(f64::NEG_INFINITY, f64::max);
     let found =
         observable().map(|target| target.position).chain([mission.start]).map(|place| beliefs.cells.of(place, flown_m));
-    let Some((low, high)) = found.fold(None, |span: Option<(Cell, Cell)>, cell| {
+    let Some((low, high)) = found.fold(None, |span: Option<(LinkCell, LinkCell)>, cell| {
         let (low, high) = span.unwrap_or((cell, cell));
         Some(((low.0.min(cell.0), low.1.min(cell.1), cell.2), (high.0.max(cell.0), high.1.max(cell.1), cell.2)))
     }) else {
@@ -186,9 +186,9 @@ fn stated(mission: &Mission, beliefs: &Beliefs<'_>) -> BTreeSet<Cell> {
 }
 
 /// Cells as rectangles, the largest first.
-fn blocks(cells: &BTreeSet<Cell>) -> Vec<Block> {
+fn blocks(cells: &BTreeSet<LinkCell>) -> Vec<Block> {
     let mut runs: Vec<Block> = Vec::new();
-    let mut ordered: Vec<Cell> = cells.iter().copied().collect();
+    let mut ordered: Vec<LinkCell> = cells.iter().copied().collect();
     ordered.sort_by_key(|(north, east, band)| (*band, *north, *east));
     for (north, east, band) in ordered {
         match runs.last_mut() {
@@ -224,7 +224,7 @@ mod tests {
     #[test]
     fn cells_become_few_rectangles() {
         let square = (0..3).flat_map(|north| (0..4).map(move |east| (north, east, 0)));
-        let cells: BTreeSet<Cell> = square.chain([(9, 9, 0), (0, 0, 1)]).collect();
+        let cells: BTreeSet<LinkCell> = square.chain([(9, 9, 0), (0, 0, 1)]).collect();
         assert_eq!(blocks(&cells), [(0, 2, 0, 3, 0), (0, 0, 0, 0, 1), (9, 9, 9, 9, 0)]);
     }
 }

@@ -3,7 +3,7 @@
 //!
 //! Bound: O(cells x losses) once for each plan, O(log cells + shadows) per place.
 
-use super::learned::{Cell, Cells, Learned, Loss, Measured};
+use super::learned::{Cells, Learned, LinkCell, Loss, Measured};
 use crate::Mission;
 use crate::link_map::StatedLink;
 use crate::lost_link::LostLink;
@@ -150,7 +150,7 @@ impl<'a> Beliefs<'a> {
     }
 
     /// The columns in shadows that only measurements know.
-    pub(crate) fn shaded(&self) -> impl Iterator<Item = Cell> {
+    pub(crate) fn shaded(&self) -> impl Iterator<Item = LinkCell> {
         self.shadow.iter().map(|((north, east), shade)| (*north, *east, shade.top))
     }
 

@@ -31,7 +31,7 @@ const TRAIL_MAX: usize = 32;
 const DEGREE_M: f64 = 111_195.0;
 
 /// A cell: steps north and east of the mission's start, and upwards from sea level.
-pub(crate) type Cell = (i32, i32, i32);
+pub(crate) type LinkCell = (i32, i32, i32);
 
 /// Size and origin of cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,14 +58,14 @@ impl Cells {
     }
 
     /// The cell of a place.
-    pub(crate) fn of(&self, position: Position, altitude_m: f64) -> Cell {
+    pub(crate) fn of(&self, position: Position, altitude_m: f64) -> LinkCell {
         let (north, east) = self.steps(position);
         let step = |steps: f64| libm::floor(steps) as i32;
         (step(north), step(east), step(altitude_m / BAND_M))
     }
 
     /// The middle of a cell, with its altitude.
-    pub(crate) fn middle(&self, (north, east, band): Cell) -> (Position, f64) {
+    pub(crate) fn middle(&self, (north, east, band): LinkCell) -> (Position, f64) {
         let (low, high) = (self.corner(north, east), self.corner(north + 1, east + 1));
         let position = Position {
             latitude_deg: 0.5 * (low.latitude_deg + high.latitude_deg),
@@ -121,7 +121,7 @@ pub(crate) struct Loss {
 /// Memory of one link.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Learned {
-    cells: BTreeMap<Cell, Measured>,
+    cells: BTreeMap<LinkCell, Measured>,
     pub(crate) losses: Vec<Loss>,
     /// Number of losses, also of those that are forgotten.
     pub(crate) losses_count: u32,
@@ -138,7 +138,7 @@ pub(crate) struct Learned {
 
 /// The cells that were visited longest ago, the oldest last, as they were when this was filled: a cache, and so no part of what is known.
 #[derive(Clone, Debug, Default)]
-struct Oldest(Vec<(f64, Cell)>);
+struct Oldest(Vec<(f64, LinkCell)>);
 
 impl PartialEq for Oldest {
     fn eq(&self, _: &Oldest) -> bool {
@@ -148,7 +148,7 @@ impl PartialEq for Oldest {
 
 impl Oldest {
     /// The cell that was visited longest ago. Bound: O(1), and O(cells log cells) after [`OLDEST_KEPT`] of them.
-    fn take(&mut self, cells: &BTreeMap<Cell, Measured>) -> Option<Cell> {
+    fn take(&mut self, cells: &BTreeMap<LinkCell, Measured>) -> Option<LinkCell> {
         loop {
             while let Some((last_s, cell)) = self.0.pop() {
                 if cells.get(&cell).is_some_and(|measured| measured.last_s == last_s) {
@@ -194,7 +194,7 @@ impl Learned {
         self.trail.drain(..surplus);
     }
 
-    fn remember(&mut self, cell: Cell, at_s: f64, level: f64) {
+    fn remember(&mut self, cell: LinkCell, at_s: f64, level: f64) {
         if self.cells.len() >= CELLS_MAX && !self.cells.contains_key(&cell) {
             let oldest = self.oldest.take(&self.cells);
             oldest.and_then(|oldest| self.cells.remove(&oldest));
@@ -226,7 +226,7 @@ impl Learned {
     }
 
     /// Cells with their levels.
-    pub(crate) fn cells(&self) -> &BTreeMap<Cell, Measured> {
+    pub(crate) fn cells(&self) -> &BTreeMap<LinkCell, Measured> {
         &self.cells
     }
 }

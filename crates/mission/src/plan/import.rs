@@ -22,7 +22,7 @@ pub fn import(file: &Path, retime: bool, input: &PlanInput) -> MissionResult<Del
     let place = file.display().to_string();
     let plan = read(file, &place)?;
     let not_for = |reason: String| {
-        MissionError::planning(format!("the plan in {place} is no plan for {}", input.name))
+        MissionError::planning(format!("the plan in {place} is not a plan for {}", input.name))
             .because(reason)
             .help("name the problem that it was made for; `apex plan PROBLEM --problem` prints its targets")
     };
@@ -34,7 +34,7 @@ pub fn import(file: &Path, retime: bool, input: &PlanInput) -> MissionResult<Del
     let (plan, times) = if retime {
         let mut environment =
             Environment { seed: input.seed, budget: &mut budget, report: &mut |_| {}, previous: None };
-        (brought::retimed(&input.problem, &plan, &mut environment), "made anew")
+        (brought::retimed(&input.problem, &plan, &mut environment), "computed again")
     } else {
         (brought::scored(&input.problem, &plan), "as they are")
     };
@@ -43,7 +43,7 @@ pub fn import(file: &Path, retime: bool, input: &PlanInput) -> MissionResult<Del
     if !broken.is_empty() {
         return Err(breaks(&place, &broken));
     }
-    let reason = format!("somebody brought it in {place}, its times {times}");
+    let reason = format!("read from {place}, its times {times}");
     Ok(Deliberation {
         problem: input.problem.clone(),
         plan,
@@ -64,12 +64,12 @@ fn breaks(place: &str, broken: &[String]) -> MissionError {
     }
     MissionError::planning(format!("the plan in {place} breaks {count} {rules}"))
         .because(named.join("\n  "))
-        .help("mend the times of these visits, or add `--retime` to keep their order and have the times made anew")
+        .help("correct the times of these visits, or add `--retime` to keep their order and compute the times again")
 }
 
 /// The plan in the output of `apex plan --json`; other members are ignored.
 #[derive(Deserialize)]
-struct Answer {
+struct PlanFile {
     plan: Plan,
 }
 
@@ -78,11 +78,11 @@ fn read(file: &Path, place: &str) -> MissionResult<Plan> {
     let text = read_text(file)?;
     let is_answer = serde_json::from_str::<serde_json::Value>(&text).is_ok_and(|value| value.get("plan").is_some());
     let plan = match is_answer {
-        true => serde_json::from_str::<Answer>(&text).map(|answer| answer.plan),
+        true => serde_json::from_str::<PlanFile>(&text).map(|answer| answer.plan),
         false => serde_json::from_str::<Plan>(&text),
     };
     plan.map_err(|error| {
-        MissionError::planning("this is no plan").at(format!("{place}:{}:{}", error.line(), error.column()))
+        MissionError::planning("this is not a plan").at(format!("{place}:{}:{}", error.line(), error.column()))
             .because(error)
             .help("write what `apex plan PROBLEM --json` prints, or its member `plan`; docs/reference/schema/plan.schema.json says what they hold")
     })

@@ -160,12 +160,12 @@ impl PlanInput {
     pub fn of_json(text: &str, place: &str) -> MissionResult<PlanInput> {
         let problem = problem_file::read(text).map_err(|error| {
             let place = format!("{place}:{}:{}", error.line(), error.column());
-            MissionError::planning("this is no planning problem").at(place)
+            MissionError::planning("this is not a planning problem").at(place)
                 .because(error)
                 .help("docs/reference/planning-problems.md says what a problem holds; `apex plan small-fixed-fixed-4-uniform --problem` prints one")
         })?;
         validate(&problem).map_err(|reason| {
-            MissionError::planning("the problem makes no sense")
+            MissionError::planning("the problem is invalid")
                 .at(place)
                 .because(reason)
                 .help("docs/reference/schema/planning-problem.schema.json says what each member may hold")
@@ -189,7 +189,7 @@ fn of_cell(text: &str) -> MissionResult<PlanInput> {
     let (cell, number) = text.split_once('@').unwrap_or((text, "0"));
     let cell: Cell = cell.parse().map_err(|why: String| no_such_name(text, cell, &why))?;
     let number: u64 = number.parse().map_err(|_| {
-        MissionError::planning(format!("{number} is no number of a test mission"))
+        MissionError::planning(format!("{number} is not a number of a test mission"))
             .help(format!("write for example `{cell}@7`"))
     })?;
     let problem = Problem::Surveillance(cell.mission(number));

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 
 /// Order of a flight command.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) enum Order {
+pub(super) enum FlightOrder {
     /// Climb from the ground.
     TakeOff,
     /// By these points, the last is the goal.
@@ -31,7 +31,7 @@ pub(super) enum Order {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Commanded {
     /// The flight command that is open.
-    pub(super) order: Option<Order>,
+    pub(super) order: Option<FlightOrder>,
     command: Option<CommandId>,
     /// Altitude that was commanded last, for the end of the route.
     altitude_m: Option<f64>,
@@ -75,7 +75,7 @@ impl Commanded {
     /// Leaves out the points of the way that are passed: those behind the end of their leg, and those closely behind the vehicle
     /// when the command begins.
     pub(super) fn pass(&mut self, here: Position, track_deg: f64) {
-        let Some(points) = self.order.as_mut().and_then(Order::points_mut) else { return };
+        let Some(points) = self.order.as_mut().and_then(FlightOrder::points_mut) else { return };
         let track_rad = track_deg.to_radians();
         let track = (libm::sin(track_rad), libm::cos(track_rad));
         while let (1.., Some(first)) = (self.via.0, points.first().copied()) {
@@ -102,7 +102,7 @@ impl Commanded {
     }
 
     /// The order that is flown at `now_s`: none while the vehicle holds.
-    pub(super) fn order_at(&self, now_s: f64) -> Option<&Order> {
+    pub(super) fn order_at(&self, now_s: f64) -> Option<&FlightOrder> {
         self.order.as_ref().filter(|_| self.hold_until_s.is_none_or(|until_s| now_s >= until_s))
     }
 
@@ -120,13 +120,13 @@ impl Commanded {
         let via_count = points.len();
         points.extend(ends.iter().map(|(position, _)| *position));
         let order = match name.folded() {
-            "take-off" => Order::TakeOff,
-            "fly-to" => Order::FlyBy(points),
+            "take-off" => FlightOrder::TakeOff,
+            "fly-to" => FlightOrder::FlyBy(points),
             // A joined line is flown on along.
-            "fly-line" | "join-line" => Order::Line(points),
-            "loiter" => Order::Circle(points),
-            "hover" => Order::Stay(points),
-            "land" => Order::Land(points),
+            "fly-line" | "join-line" => FlightOrder::Line(points),
+            "loiter" => FlightOrder::Circle(points),
+            "hover" => FlightOrder::Stay(points),
+            "land" => FlightOrder::Land(points),
             "set-altitude" => {
                 self.altitude_m = items.first().and_then(|value| number(value, Dimension::LENGTH)).or(self.altitude_m);
                 return;
@@ -138,7 +138,7 @@ impl Commanded {
             }
             _ => return,
         };
-        let lands = matches!(order, Order::Land(_));
+        let lands = matches!(order, FlightOrder::Land(_));
         let stated = keyword(items, ":altitude").and_then(|value| number(value, Dimension::LENGTH));
         let with_location = items.iter().find_map(with_altitude).filter(|_| !lands);
         let taken_off = (name.is("take-off")).then(|| items.first().and_then(|value| number(value, Dimension::LENGTH)));
@@ -160,16 +160,16 @@ fn via(items: &[Value]) -> (Vec<Position>, Option<f64>) {
     (positions, points.first().and_then(with_altitude))
 }
 
-impl Order {
+impl FlightOrder {
     /// The points ahead.
     fn points_mut(&mut self) -> Option<&mut Vec<Position>> {
         match self {
-            Order::TakeOff => None,
-            Order::FlyBy(points)
-            | Order::Line(points)
-            | Order::Circle(points)
-            | Order::Stay(points)
-            | Order::Land(points) => Some(points),
+            FlightOrder::TakeOff => None,
+            FlightOrder::FlyBy(points)
+            | FlightOrder::Line(points)
+            | FlightOrder::Circle(points)
+            | FlightOrder::Stay(points)
+            | FlightOrder::Land(points) => Some(points),
         }
     }
 }
@@ -311,11 +311,11 @@ mod tests {
         let mut commanded = Commanded::default();
         let at = |lat: f64, lon: f64| Position::new(lat, lon);
         let points = vec![at(33.0, -118.0), at(33.0, -117.0), at(34.0, -117.0)];
-        commanded.order = Some(Order::FlyBy(points.clone()));
+        commanded.order = Some(FlightOrder::FlyBy(points.clone()));
         commanded.via = (2, Some(5000.0));
         commanded.altitude_m = Some(7000.0);
         let ahead = |commanded: &Commanded| match &commanded.order {
-            Some(Order::FlyBy(left)) => left.len(),
+            Some(FlightOrder::FlyBy(left)) => left.len(),
             other => panic!("{other:?}"),
         };
         commanded.pass(at(33.0, -119.0), 90.0);
@@ -328,7 +328,7 @@ mod tests {
         commanded.pass(at(34.5, -117.0), 0.0);
         assert_eq!(ahead(&commanded), 1);
         // A point closely behind when the command begins is passed already.
-        commanded.order = Some(Order::FlyBy(points));
+        commanded.order = Some(FlightOrder::FlyBy(points));
         (commanded.via, commanded.leg_from) = ((2, None), None);
         commanded.pass(at(33.0, -117.99), 90.0);
         assert_eq!(ahead(&commanded), 2);
@@ -346,13 +346,13 @@ mod tests {
         let place = |value: &Value| Location::from_value(value).map(|found| (found.position, found.altitude_m));
         commanded.take(0.0, &command(1, "(fly-to (34 -118 7000) :speed 80m/s :via ((33 -117) (33.5 -117.5)))"), place);
         let by = [(33.0, -117.0), (33.5, -117.5), (34.0, -118.0)].map(|(lat, lon)| Position::new(lat, lon));
-        assert_eq!(commanded.order, Some(Order::FlyBy(by.to_vec())));
+        assert_eq!(commanded.order, Some(FlightOrder::FlyBy(by.to_vec())));
         assert_eq!((commanded.altitude_m(), commanded.true_airspeed_mps), (Some(7000.0), Some(80.0)));
         commanded.hear(&EventKind::CommandAcknowledged(CommandId(7), Ok(Value::nil())));
         assert!(commanded.order.is_some(), "another command's answer");
         commanded.take(0.0, &command(2, "(land (34 -118))"), place);
         commanded.hear(&EventKind::CommandAcknowledged(CommandId(1), Err("superseded".into())));
-        assert_eq!(commanded.order, Some(Order::Land(vec![Position::new(34.0, -118.0)])));
+        assert_eq!(commanded.order, Some(FlightOrder::Land(vec![Position::new(34.0, -118.0)])));
         commanded.take(0.0, &command(3, "(set-altitude 8000m)"), place);
         assert_eq!(commanded.altitude_m(), Some(8000.0), "a setpoint leaves the order");
         commanded.hear(&EventKind::CommandAcknowledged(CommandId(2), Ok(Value::nil())));

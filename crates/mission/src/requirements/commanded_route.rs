@@ -1,6 +1,6 @@
 //! The route that an order leads along, from where the vehicle is.
 
-use super::commanded::Order;
+use super::commanded::FlightOrder;
 use apex_geo::geodesy::{self, Position};
 use apex_geo::plane::{Plane, Point};
 use apex_requirements::Route;
@@ -11,7 +11,13 @@ const DEGREE_M: f64 = 110_500.0;
 /// The route of an order. Without an order the vehicle circles or hovers where it is.
 ///
 /// The first leg begins with a turn from the present track; where legs meet, corners are cut as planned, and are left sharp here.
-pub(super) fn along(begin: Route, order: Option<&Order>, plane: &Plane, circle_m: f64, look_ahead_s: f64) -> Route {
+pub(super) fn along(
+    begin: Route,
+    order: Option<&FlightOrder>,
+    plane: &Plane,
+    circle_m: f64,
+    look_ahead_s: f64,
+) -> Route {
     let points = |positions: &[Position]| -> Vec<Point> {
         positions.iter().filter_map(|position| plane.project(*position)).collect()
     };
@@ -29,8 +35,8 @@ pub(super) fn along(begin: Route, order: Option<&Order>, plane: &Plane, circle_m
             hold(begin, centre)
         }
         // It climbs on a circle near the field.
-        Some(Order::TakeOff) => begin.stop(look_ahead_s),
-        Some(Order::Line(positions)) => {
+        Some(FlightOrder::TakeOff) => begin.stop(look_ahead_s),
+        Some(FlightOrder::Line(positions)) => {
             let points = points(positions);
             let left = match points.as_slice() {
                 [from, to] if is_on_line(begin.end(), *from, *to) => points.get(1..).unwrap_or_default(),
@@ -38,9 +44,9 @@ pub(super) fn along(begin: Route, order: Option<&Order>, plane: &Plane, circle_m
             };
             by(begin, left)
         }
-        Some(Order::FlyBy(positions) | Order::Land(positions)) => by(begin, &points(positions)),
-        Some(Order::Stay(positions)) => by(begin, &points(positions)).stop(look_ahead_s),
-        Some(Order::Circle(positions)) => {
+        Some(FlightOrder::FlyBy(positions) | FlightOrder::Land(positions)) => by(begin, &points(positions)),
+        Some(FlightOrder::Stay(positions)) => by(begin, &points(positions)).stop(look_ahead_s),
+        Some(FlightOrder::Circle(positions)) => {
             let points = points(positions);
             match points.split_last() {
                 None => begin,

@@ -44,12 +44,12 @@ pub struct Watch {
     /// The number of changes of the command that was read last.
     read_changes: u32,
     is_near: bool,
-    requirements: BTreeMap<String, Watched>,
+    requirements: BTreeMap<String, RequirementState>,
 }
 
 /// State of one requirement.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Watched {
+struct RequirementState {
     alarm: Alarm,
     reported_s: Option<f64>,
     said_s: Option<f64>,
@@ -172,7 +172,7 @@ fn raise(scene: &Scene<'_>, reading: &Reading, is_escalated: bool, now: Time, fi
     );
 }
 
-impl Watched {
+impl RequirementState {
     /// Reports the samples of a requirement, if they are due.
     fn report(&mut self, reading: &Reading, now: Time, is_wanted: bool, findings: &mut Findings) {
         let due = self.reported_s.is_none_or(|reported_s| now.seconds() - reported_s >= REPORT_S);

@@ -24,21 +24,21 @@ fn updates(said: &[(&str, &str, Option<f64>)]) -> MissionUpdates {
 fn site<'m>(mission: &'m Mission, id: &str) -> &'m Site {
     match &mission.targets.iter().find(|target| target.id == id).unwrap().kind {
         TargetKind::Site(site) => site,
-        _ => panic!("{id} is no site"),
+        _ => panic!("{id} is not a site"),
     }
 }
 
 fn site_of<'m>(mission: &'m mut Mission, id: &str) -> &'m mut Site {
     match &mut mission.targets.iter_mut().find(|target| target.id == id).unwrap().kind {
         TargetKind::Site(site) => site,
-        _ => panic!("{id} is no site"),
+        _ => panic!("{id} is not a site"),
     }
 }
 
 fn fire<'m>(mission: &'m Mission, id: &str) -> Option<&'m Fire> {
     mission.targets.iter().find(|target| target.id == id).map(|target| match &target.kind {
         TargetKind::Fire(fire) => fire,
-        _ => panic!("{id} is no fire"),
+        _ => panic!("{id} is not a fire"),
     })
 }
 

@@ -268,10 +268,10 @@ impl Situation {
             MissionEvent::LowFuel => self.note(at, "fuel is low".to_string()),
             MissionEvent::Update(update) => {
                 if let MissionUpdate::TargetGone { target, printed } = &update {
-                    let (note, printed) = (format!("no target any more: {target}"), printed.clone());
+                    let (note, printed) = (format!("no longer a target: {target}"), printed.clone());
                     self.updates.apply(update);
                     self.note(at, note);
-                    self.change(printed, at, TargetState::Skipped, "no target any more".to_string());
+                    self.change(printed, at, TargetState::Skipped, "no longer a target".to_string());
                 } else {
                     let note = self.updates.apply(update);
                     self.note(at, note);
@@ -309,7 +309,7 @@ impl Situation {
                     self.take_choice(now, goal, *place);
                 }
                 DecisionKind::ProcedureAdded { request, summary, .. } => self.take_plan(now, *request, summary),
-                DecisionKind::Trouble { message } => self.note(now, format!("trouble: {message}")),
+                DecisionKind::Trouble { message } => self.note(now, format!("trouble: {message}")), // english: allow
                 _ => {}
             },
             _ => {}

@@ -122,7 +122,7 @@ impl MissionUpdates {
                 note
             }
             MissionUpdate::TargetGone { target, .. } => {
-                let note = format!("no target any more: {target}");
+                let note = format!("no longer a target: {target}");
                 self.gone.insert(target);
                 note
             }
@@ -184,10 +184,10 @@ impl MissionUpdates {
         let find = |id: &String| mission.targets.iter().find(|target| target.goes_by(id));
         let named = self.announced.iter().chain(&self.gone).chain(self.values.keys()).chain(self.rates_per_h.keys());
         let strange: BTreeSet<&String> = named.filter(|id| find(id).is_none()).collect();
-        let targets = strange.into_iter().map(|id| format!("{id} is no target of this mission"));
+        let targets = strange.into_iter().map(|id| format!("{id} is not a target of this mission"));
         let calm = |id: &&String| find(id).is_some_and(|target| !matches!(target.kind, TargetKind::Site(_)));
         let likely = self.rates_per_h.keys().filter(calm);
-        let likely = likely.map(|id| format!("{id} is no structure, and has no likelihood"));
+        let likely = likely.map(|id| format!("{id} is not a structure, and has no likelihood"));
         let file = |name: &&String| !mission.forecasts.iter().any(|(known, _)| known == *name);
         let forecasts = self.forecasts.iter().filter(file).map(|name| {
             let known: Vec<&str> = mission.forecasts.iter().map(|(known, _)| known.as_str()).collect();

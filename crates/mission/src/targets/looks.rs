@@ -229,7 +229,7 @@ const ELEMENTS_DAYS_MAX: f64 = 14.0;
 /// The satellite that `tle` or `omm` describes.
 fn satellite(feature: &NamedFeature, part: &NamedFeature) -> MissionResult<Satellite> {
     let no_orbit = |key: &str, reason: String, help: &str| {
-        feature.trouble(format!("`{key}` of `overpass` is no orbit")).because(reason).help(help)
+        feature.trouble(format!("`{key}` of `overpass` is not an orbit")).because(reason).help(help)
     };
     match (part.has("tle"), part.json("omm")) {
         (true, Some(_)) => Err(feature.trouble("`overpass` has both `tle` and `omm`").help("leave one of them out")),

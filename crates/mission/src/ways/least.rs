@@ -1,6 +1,6 @@
 //! Least violation of requirements, if no path keeps all of them.
 //!
-//! The order is persons on the ground, loss of the aircraft, airspace, mission. So the reach of landing places is abandoned
+//! The order is third parties on the ground, loss of the aircraft, airspace, mission. So the reach of landing places is abandoned
 //! last. Of airspace, that is broken which takes the least time: an end that lies where it is forbidden to be is left, or
 //! reached, by the shortest leg; zones that enclose everything are passed through one by one.
 

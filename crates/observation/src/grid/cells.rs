@@ -142,7 +142,7 @@ impl TargetGrid {
             (low_y, high_y) = (low_y.min(corner.y), high_y.max(corner.y));
             (low_x, high_x) = (low_x.min(corner.x), high_x.max(corner.x));
         }
-        // Most strips of a join lie next to the target.
+        // Most strips of a join lie outside the target.
         if high_x < self.low.x || low_x > self.high.x {
             return;
         }

@@ -2,7 +2,7 @@
 //! ended, values that come later than their use.
 
 use super::bound::{Bound, by_all, by_pattern};
-use super::{Program, Report, walk};
+use super::{FindingCollector, Program, walk};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::lookup::Lookup;
@@ -15,12 +15,12 @@ use apex_model::symbol::Symbol;
 use apex_model::variables;
 use std::collections::{BTreeMap, BTreeSet};
 
-pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
+pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     for procedure in &program.library.procedures {
         if is_simple(procedure) {
             continue;
         }
-        let known = Known::new(procedure);
+        let known = VariableFacts::new(procedure);
         for (number, step) in procedure.steps.iter().enumerate() {
             known.step(number, step, report);
             nothing_new(step, report);
@@ -43,7 +43,7 @@ fn is_simple(procedure: &Procedure) -> bool {
 }
 
 /// Known facts about the variables of a procedure.
-struct Known<'l> {
+struct VariableFacts<'l> {
     procedure: &'l Procedure,
     index: Bound<'l>,
     /// Tags, and what some form assigns: when is not followed.
@@ -63,8 +63,8 @@ enum Moment {
     End,
 }
 
-impl<'l> Known<'l> {
-    fn new(procedure: &'l Procedure) -> Known<'l> {
+impl<'l> VariableFacts<'l> {
+    fn new(procedure: &'l Procedure) -> VariableFacts<'l> {
         let mut given: Lookup<&Symbol, ()> = procedure.steps.iter().map(|step| (&step.tag, ())).collect();
         walk::procedure(procedure, &mut |expr| {
             if let ExprKind::Assign { name, of_task: true, .. } = &expr.kind {
@@ -78,14 +78,14 @@ impl<'l> Known<'l> {
                 results.entry(name).or_default().push(number);
             });
         }
-        Known { procedure, index: by_pattern(&procedure.index), given, results }
+        VariableFacts { procedure, index: by_pattern(&procedure.index), given, results }
     }
 
     fn is_given(&self, name: &Symbol) -> bool {
         self.index.surely.contains(name) || self.given.contains(&name)
     }
 
-    fn step(&self, number: usize, step: &'l Step, report: &mut Report<'_>) {
+    fn step(&self, number: usize, step: &'l Step, report: &mut FindingCollector<'_>) {
         let waitfor = by_all(&step.waitfor);
         let mut told: BTreeSet<Symbol> = BTreeSet::new();
         // Uses of what the step does not surely know.
@@ -164,7 +164,7 @@ impl<'l> Known<'l> {
         step: &'l Step,
         waitfor: &Bound<'l>,
         told: &mut BTreeSet<Symbol>,
-        report: &mut Report<'_>,
+        report: &mut FindingCollector<'_>,
     ) {
         for (order, (_, value)) in step.select.iter().enumerate() {
             let later: BTreeSet<&Symbol> = step.select.iter().skip(order).map(|(name, _)| name).collect();
@@ -205,7 +205,7 @@ impl<'l> Known<'l> {
     }
 
     /// Clauses of the procedure itself.
-    fn clauses(&self, report: &mut Report<'_>) {
+    fn clauses(&self, report: &mut FindingCollector<'_>) {
         let procedure = self.procedure;
         let amounts = procedure.profile.iter().filter_map(|need| need.amount.as_ref());
         let before = procedure.hooks.on_start.iter().chain(amounts);
@@ -246,7 +246,7 @@ impl<'l> Known<'l> {
         }
     }
 
-    fn report_selected(&self, step: &Step, name: &Symbol, report: &mut Report<'_>) {
+    fn report_selected(&self, step: &Step, name: &Symbol, report: &mut FindingCollector<'_>) {
         let clause = if step.forall.as_ref().is_some_and(|forall| forall.0 == *name) { "forall" } else { "select" };
         let span = step.waitfor.iter().find_map(|each| use_in_condition(each, name));
         let span = report.locator.variable(span.unwrap_or(step.place), name);
@@ -257,7 +257,7 @@ impl<'l> Known<'l> {
         report.add(diagnostic);
     }
 
-    fn report_early(&self, step: &Step, name: &Symbol, producers: &[usize], report: &mut Report<'_>) {
+    fn report_early(&self, step: &Step, name: &Symbol, producers: &[usize], report: &mut FindingCollector<'_>) {
         let producer = producers.first().and_then(|producer| self.procedure.steps.get(*producer));
         let Some(producer) = producer else { return };
         let span = report.locator.variable(step.place, name);
@@ -267,7 +267,7 @@ impl<'l> Known<'l> {
                 report.locator.span(producer.place),
                 "its value is the result of this step, which need not have ended",
             )
-            .reason("a step waits by itself only for results in its waitfor, activity, select and forall")
+            .reason("a step waits implicitly only for results in its waitfor, activity, select and forall")
             .help(format!("add `(waitfor (end ?{}))`", producer.tag));
         let fix = report.locator.add_wait(step.place, &producer.tag);
         report.add(diagnostic.fixes(fix));
@@ -303,7 +303,7 @@ fn waits_for_end(condition: &Condition, tag: &Symbol) -> bool {
     }
 }
 
-fn report_own_result(step: &Step, name: &Symbol, report: &mut Report<'_>) {
+fn report_own_result(step: &Step, name: &Symbol, report: &mut FindingCollector<'_>) {
     let span = report.locator.variable(step.place, name);
     let message = format!("`?{name}` has no value before the step has ended");
     let diagnostic = Diagnostic::error(codes::UNBOUND_VARIABLE, span, message)
@@ -313,7 +313,13 @@ fn report_own_result(step: &Step, name: &Symbol, report: &mut Report<'_>) {
 }
 
 /// A variable that one way to match binds and another does not, or that occurs below a negation only.
-fn report_branch(place: Place, name: &Symbol, waitfor: &Bound<'_>, index: &Bound<'_>, report: &mut Report<'_>) {
+fn report_branch(
+    place: Place,
+    name: &Symbol,
+    waitfor: &Bound<'_>,
+    index: &Bound<'_>,
+    report: &mut FindingCollector<'_>,
+) {
     let branch = waitfor.perhaps.get(name).or_else(|| index.perhaps.get(name));
     let negated = waitfor.never.get(name).or_else(|| index.never.get(name));
     let diagnostic = match (branch, negated) {
@@ -345,7 +351,7 @@ fn report_branch(place: Place, name: &Symbol, waitfor: &Bound<'_>, index: &Bound
 }
 
 /// Variables of `:for-new` that the waitfor does not bind.
-fn nothing_new(step: &Step, report: &mut Report<'_>) {
+fn nothing_new(step: &Step, report: &mut FindingCollector<'_>) {
     let (name, clause) = match (&step.responding, &step.repeating) {
         (Some(clause), _) => ("responding", clause),
         (None, Some(clause)) => ("repeating", clause),

@@ -4,7 +4,7 @@
 //! task at a time takes all; what is taken together is taken at once, and makes no order.
 
 use super::methods::Method;
-use super::{Program, Report};
+use super::{FindingCollector, Program};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
 use apex_model::condition::{Condition, ConditionKind};
@@ -26,20 +26,20 @@ type Taken<'l> = (&'l Symbol, Place);
 
 /// `needed` is asked for while `held` is held.
 #[derive(Clone)]
-struct Order<'l> {
+struct AcquisitionOrder<'l> {
     held: Taken<'l>,
     needed: Taken<'l>,
     /// Everything held then.
     all: Vec<&'l Symbol>,
 }
 
-pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
+pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     let mut told = BTreeSet::new();
     for (number, procedure) in program.library.procedures.iter().enumerate() {
         if procedure.kind == ProcedureKind::Sequential || procedure.steps.len() < 2 {
             continue;
         }
-        let orders: Vec<Vec<Order<'_>>> =
+        let orders: Vec<Vec<AcquisitionOrder<'_>>> =
             (0..procedure.steps.len()).map(|step| of_step(program, number, step)).collect();
         for start in 0..orders.len() {
             for first in orders.get(start).into_iter().flatten() {
@@ -53,14 +53,14 @@ pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
 }
 
 /// The resources of a circle, in a fixed order: each circle is reported once.
-fn key(circle: &[(usize, &Order<'_>)]) -> Vec<String> {
+fn key(circle: &[(usize, &AcquisitionOrder<'_>)]) -> Vec<String> {
     let mut names: Vec<String> = circle.iter().map(|(_, order)| order.held.0.folded().to_string()).collect();
     names.sort();
     names
 }
 
 /// The orders that arise below a step, before any resource is held.
-fn of_step<'l>(program: &Program<'l>, procedure: usize, step: usize) -> Vec<Order<'l>> {
+fn of_step<'l>(program: &Program<'l>, procedure: usize, step: usize) -> Vec<AcquisitionOrder<'l>> {
     let mut orders = Vec::new();
     if let Some(found) = program.library.procedures.get(procedure).and_then(|each| each.steps.get(step)) {
         pursue(program, (procedure, step), found, &mut Vec::new(), &mut orders, 0);
@@ -73,7 +73,7 @@ fn pursue<'l>(
     (procedure, number): (usize, usize),
     step: &'l Step,
     held: &mut Vec<Taken<'l>>,
-    orders: &mut Vec<Order<'l>>,
+    orders: &mut Vec<AcquisitionOrder<'l>>,
     depth: usize,
 ) {
     if depth > DEPTH_MAX || orders.len() >= ORDERS_MAX {
@@ -106,7 +106,7 @@ fn within<'l>(
     number: usize,
     procedure: &'l Procedure,
     held: &mut Vec<Taken<'l>>,
-    orders: &mut Vec<Order<'l>>,
+    orders: &mut Vec<AcquisitionOrder<'l>>,
     depth: usize,
 ) {
     for (index, step) in procedure.steps.iter().enumerate() {
@@ -129,7 +129,11 @@ fn within<'l>(
     }
 }
 
-fn take<'l>(needs: impl Iterator<Item = &'l ResourceNeed>, held: &mut Vec<Taken<'l>>, orders: &mut Vec<Order<'l>>) {
+fn take<'l>(
+    needs: impl Iterator<Item = &'l ResourceNeed>,
+    held: &mut Vec<Taken<'l>>,
+    orders: &mut Vec<AcquisitionOrder<'l>>,
+) {
     let whole = needs.filter(|need| need.amount.is_none());
     let taken = whole.filter_map(|need| match &need.resource {
         Template::Constant(value) => Some((value.as_symbol()?, need.place)),
@@ -138,12 +142,12 @@ fn take<'l>(needs: impl Iterator<Item = &'l ResourceNeed>, held: &mut Vec<Taken<
     add(taken.collect(), held, orders);
 }
 
-fn add<'l>(taken: Vec<Taken<'l>>, held: &mut Vec<Taken<'l>>, orders: &mut Vec<Order<'l>>) {
+fn add<'l>(taken: Vec<Taken<'l>>, held: &mut Vec<Taken<'l>>, orders: &mut Vec<AcquisitionOrder<'l>>) {
     let new: Vec<Taken<'l>> = taken.into_iter().filter(|(name, _)| held.iter().all(|(has, _)| has != name)).collect();
     let all: Vec<&Symbol> = held.iter().map(|(name, _)| *name).collect();
     for needed in &new {
         for holding in held.iter().take(ORDERS_MAX.saturating_sub(orders.len())) {
-            orders.push(Order { held: *holding, needed: *needed, all: all.clone() });
+            orders.push(AcquisitionOrder { held: *holding, needed: *needed, all: all.clone() });
         }
     }
     held.extend(new);
@@ -152,8 +156,8 @@ fn add<'l>(taken: Vec<Taken<'l>>, held: &mut Vec<Taken<'l>>, orders: &mut Vec<Or
 /// Extends the chain until its last task needs what the first one holds.
 fn close<'a, 'l>(
     procedure: &Procedure,
-    orders: &'a [Vec<Order<'l>>],
-    circle: &mut Vec<(usize, &'a Order<'l>)>,
+    orders: &'a [Vec<AcquisitionOrder<'l>>],
+    circle: &mut Vec<(usize, &'a AcquisitionOrder<'l>)>,
 ) -> bool {
     let (Some((_, first)), Some((_, last))) = (circle.first().copied(), circle.last().copied()) else { return false };
     if circle.len() > 1 && last.needed.0 == first.held.0 {
@@ -200,10 +204,10 @@ fn waits_for_steps(step: &Step) -> bool {
     found
 }
 
-fn warn(procedure: &Procedure, circle: &[(usize, &Order<'_>)], report: &mut Report<'_>) {
+fn warn(procedure: &Procedure, circle: &[(usize, &AcquisitionOrder<'_>)], report: &mut FindingCollector<'_>) {
     let Some((_, first)) = circle.first() else { return };
     let tag = |step: usize| procedure.steps.get(step).map(|step| step.tag.to_string()).unwrap_or_default();
-    let one = |(step, order): &(usize, &Order<'_>)| {
+    let one = |(step, order): &(usize, &AcquisitionOrder<'_>)| {
         format!("`{}` holds `{}` and needs `{}`", tag(*step), order.held.0, order.needed.0)
     };
     let sentences: Vec<String> = circle.iter().map(one).collect();

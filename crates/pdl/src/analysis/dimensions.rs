@@ -3,7 +3,7 @@
 
 use super::kinds::{Kind, Kinds, is_zero};
 use super::methods::Method;
-use super::{Program, Report, walk};
+use super::{FindingCollector, Program, walk};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::print::pattern_text;
@@ -17,7 +17,7 @@ use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 use std::collections::BTreeMap;
 
-pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
+pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     walk::library(program.library, &mut |expr| sums(program, expr, report));
     for procedure in &program.library.procedures {
         walk::conditions_of(procedure, &mut |condition| {
@@ -38,7 +38,7 @@ pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
 /// Functions whose numbers must be of one dimension.
 const ONE_DIMENSION: &[&str] = &["+", "-", "/=", "<", "<=", "=", ">", ">=", "max", "min", "mod", "rem"];
 
-fn sums(program: &Program<'_>, expr: &Expr, report: &mut Report<'_>) {
+fn sums(program: &Program<'_>, expr: &Expr, report: &mut FindingCollector<'_>) {
     let ExprKind::Call { function, arguments } = &expr.kind else { return };
     if arguments.len() < 2 || !ONE_DIMENSION.contains(&function.folded()) {
         return;
@@ -63,7 +63,7 @@ fn sums(program: &Program<'_>, expr: &Expr, report: &mut Report<'_>) {
 }
 
 /// Right sides of comparisons with declared state variables.
-fn comparisons(program: &Program<'_>, condition: &Condition, report: &mut Report<'_>) {
+fn comparisons(program: &Program<'_>, condition: &Condition, report: &mut FindingCollector<'_>) {
     let (attribute, lists) = match &condition.kind {
         ConditionKind::Measurement(measurement) => (&measurement.variable.attribute, vec![&measurement.value]),
         ConditionKind::Episode(episode) => {
@@ -98,7 +98,7 @@ fn sides(constraint: &Constraint) -> Vec<&Expr> {
 
 impl Diagnostic {
     /// Shows where an indexical is defined.
-    fn help_where(self, expr: &Expr, program: &Program<'_>, report: &mut Report<'_>) -> Diagnostic {
+    fn help_where(self, expr: &Expr, program: &Program<'_>, report: &mut FindingCollector<'_>) -> Diagnostic {
         let definition = match &expr.kind {
             ExprKind::Indexical(name) => program.library.indexicals.get(name),
             _ => None,
@@ -141,7 +141,7 @@ fn spans_of_primitive<'c>(primitive: &'c Primitive, visit: &mut dyn FnMut(&'c Ex
     primitive.update.iter().flat_map(|(interval, _)| interval).for_each(visit);
 }
 
-fn needs_span(program: &Program<'_>, expr: &Expr, report: &mut Report<'_>) {
+fn needs_span(program: &Program<'_>, expr: &Expr, report: &mut FindingCollector<'_>) {
     let kind = Kinds::of(program.library, expr);
     if kind == Kind::Unknown || kind == Kind::Number(Dimension::TIME) || is_zero(expr) {
         return;
@@ -158,7 +158,7 @@ fn plain_numbers(step: &Step) -> impl Iterator<Item = &Expr> {
     walk::priorities(&step.priority).chain(step.rank.as_deref()).chain(step.interrupt_cost.as_deref())
 }
 
-fn needs_plain_number(program: &Program<'_>, expr: &Expr, report: &mut Report<'_>) {
+fn needs_plain_number(program: &Program<'_>, expr: &Expr, report: &mut FindingCollector<'_>) {
     let kind = Kinds::of(program.library, expr);
     if kind == Kind::Unknown || kind == Kind::Number(Dimension::NONE) {
         return;
@@ -183,7 +183,7 @@ struct Requirement {
 type Requirements<'l> = BTreeMap<&'l Symbol, Requirement>;
 
 /// Goals whose words are of another dimension than what serves them needs.
-fn words(program: &Program<'_>, report: &mut Report<'_>) {
+fn words(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     let mut of_procedures: Vec<Requirements<'_>> =
         program.library.procedures.iter().map(|procedure| of_procedure(program, procedure)).collect();
     let of_primitives: Vec<Requirements<'_>> =
@@ -320,7 +320,7 @@ fn each_word<'l>(
     }
 }
 
-fn report_word(step: &Step, kind: Kind, requirement: Requirement, served: &Pattern, report: &mut Report<'_>) {
+fn report_word(step: &Step, kind: Kind, requirement: Requirement, served: &Pattern, report: &mut FindingCollector<'_>) {
     let wanted = Kind::Number(requirement.dimension).words();
     let code = if requirement.dimension == Dimension::TIME { codes::DURATION_EXPECTED } else { codes::DIMENSION };
     let index = pattern_text(served);

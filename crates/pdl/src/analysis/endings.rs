@@ -2,7 +2,7 @@
 //!
 //! "Can end" errs on the side of yes, "takes no time" on the side of no: what is concluded from either is proven.
 
-use super::horn::{Horn, Node, Solution};
+use super::horn::{Horn, HornAtom, Solution};
 use super::methods::{Method, Methods};
 use super::walk;
 use crate::lower::Names;
@@ -17,14 +17,14 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Nodes of one procedure and its steps.
 struct ProcedureNodes {
-    whole: Node,
+    whole: HornAtom,
     /// The activity of each step.
-    activities: Vec<Node>,
+    activities: Vec<HornAtom>,
 }
 
 struct Nodes {
     procedures: Vec<ProcedureNodes>,
-    primitives: Vec<Node>,
+    primitives: Vec<HornAtom>,
 }
 
 /// Known endings of one library.
@@ -130,7 +130,7 @@ fn ends_strangers(procedure: &Procedure) -> bool {
 }
 
 /// The node of a goal: served by any of its methods; a fact if that is undecided.
-fn goal_node(horn: &mut Horn, methods: Option<&[Method]>, nodes: &Nodes, of_all: bool) -> Node {
+fn goal_node(horn: &mut Horn, methods: Option<&[Method]>, nodes: &Nodes, of_all: bool) -> HornAtom {
     let Some(methods) = methods.filter(|methods| !methods.is_empty()) else {
         return if of_all { horn.any() } else { horn.fact() };
     };
@@ -139,7 +139,7 @@ fn goal_node(horn: &mut Horn, methods: Option<&[Method]>, nodes: &Nodes, of_all:
         Method::Primitive(number) => nodes.primitives.get(*number).copied(),
         Method::Solver(_) => None,
     };
-    let served: Vec<Option<Node>> = methods.iter().map(known).collect();
+    let served: Vec<Option<HornAtom>> = methods.iter().map(known).collect();
     if served.contains(&None) {
         return if of_all { horn.any() } else { horn.fact() };
     }

@@ -3,7 +3,7 @@
 use super::endings::{ends_procedure, goes_on, never_completing};
 use super::methods::Method;
 use super::starts::{Blocked, Premise, Waits, tags};
-use super::{Program, Report};
+use super::{FindingCollector, Program};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity, Span};
 use crate::fix::Fix;
@@ -13,7 +13,7 @@ use apex_model::source::Place;
 use std::collections::BTreeSet;
 
 /// `caught`: procedures of which another message says that they pursue themselves without end.
-pub(super) fn check(program: &Program<'_>, caught: &BTreeSet<usize>, report: &mut Report<'_>) {
+pub(super) fn check(program: &Program<'_>, caught: &BTreeSet<usize>, report: &mut FindingCollector<'_>) {
     unreached_completions(program, report);
     if program.endings.is_wild {
         // A task that any activity may end makes every wait possible.
@@ -62,7 +62,7 @@ fn target(premise: &Premise) -> usize {
 }
 
 /// Returns the position at which a step states its wait.
-fn place_of(procedure: &Procedure, step: usize, premise: &Premise, report: &mut Report<'_>) -> Span {
+fn place_of(procedure: &Procedure, step: usize, premise: &Premise, report: &mut FindingCollector<'_>) -> Span {
     let own = procedure.steps.get(step).map_or(procedure.place, |step| step.place);
     match premise {
         Premise::End { place, .. } | Premise::Begin { place, .. } | Premise::OwnState { place } => {
@@ -86,7 +86,7 @@ fn wait_in_words(procedure: &Procedure, step: usize, premise: &Premise) -> Strin
     }
 }
 
-fn report_circle(procedure: &Procedure, circle: &[(usize, Premise)], report: &mut Report<'_>) {
+fn report_circle(procedure: &Procedure, circle: &[(usize, Premise)], report: &mut FindingCollector<'_>) {
     // The circle begins where a wait is written: the order of a sequence is not a mistake.
     let written = |(_, premise): &(usize, Premise)| !matches!(premise, Premise::Sequence { .. });
     let first = circle.iter().position(written).unwrap_or(0);
@@ -118,7 +118,7 @@ fn report_circle(procedure: &Procedure, circle: &[(usize, Premise)], report: &mu
 }
 
 /// A step that waits for itself more likely waits for the one before it.
-fn step_before(procedure: &Procedure, step: usize, place: Place, report: &mut Report<'_>) -> Option<Fix> {
+fn step_before(procedure: &Procedure, step: usize, place: Place, report: &mut FindingCollector<'_>) -> Option<Fix> {
     let before = &procedure.steps.get(step.checked_sub(1)?)?.tag;
     let condition = report.locator.datum(place)?;
     let task = condition.tail().first().unwrap_or(&condition);
@@ -143,7 +143,7 @@ fn report_endless(
     waits: &Waits<'_>,
     step: usize,
     premise: &Premise,
-    report: &mut Report<'_>,
+    report: &mut FindingCollector<'_>,
 ) {
     let Some(procedure) = program.library.procedures.get(number) else { return };
     let Some(blocker) = procedure.steps.get(target(premise)) else { return };
@@ -179,17 +179,21 @@ fn report_endless(
             .help("add `:while TEST` or `:until TEST`, or make the procedure concurrent and let the step wait for an event");
     } else {
         let (place, why) = why_endless(program, &blocker.activity, report)
-            .unwrap_or_else(|| (report.locator.activity(blocker.place), format!("{other} does not end by itself")));
+            .unwrap_or_else(|| (report.locator.activity(blocker.place), format!("{other} does not end on its own")));
         diagnostic = diagnostic
             .label(place, why)
-            .reason(format!("{waits_in_words}, which does not end by itself"))
+            .reason(format!("{waits_in_words}, which does not end on its own"))
             .help(format!("give {other} an `end-when`, or let what it does come to an end"));
     }
     report.add(diagnostic);
 }
 
 /// Returns the method that serves the goal and does not end.
-fn why_endless(program: &Program<'_>, activity: &Activity, report: &mut Report<'_>) -> Option<(Span, String)> {
+fn why_endless(
+    program: &Program<'_>,
+    activity: &Activity,
+    report: &mut FindingCollector<'_>,
+) -> Option<(Span, String)> {
     let Activity::Goal(goal) = activity else { return None };
     let methods = program.methods.serving(goal)?;
     let method = methods.into_iter().find(|method| !program.endings.ends(*method))?;
@@ -197,7 +201,7 @@ fn why_endless(program: &Program<'_>, activity: &Activity, report: &mut Report<'
         Method::Procedure(number) => {
             let procedure = program.library.procedures.get(number)?;
             let text = pattern_text(&procedure.index);
-            Some((report.locator.index(procedure.place), format!("`{text}` goes on without end")))
+            Some((report.locator.index(procedure.place), format!("`{text}` never ends")))
         }
         Method::Primitive(number) => {
             let primitive = program.library.primitives.get(number)?;
@@ -209,7 +213,7 @@ fn why_endless(program: &Program<'_>, activity: &Activity, report: &mut Report<'
 }
 
 /// Clauses for the completion of primitives that never complete.
-fn unreached_completions(program: &Program<'_>, report: &mut Report<'_>) {
+fn unreached_completions(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     for number in never_completing(program.library, program.names) {
         let Some(primitive) = program.library.primitives.get(number) else { continue };
         let clause = match (&primitive.returns, primitive.on_completion.is_empty()) {

@@ -2,7 +2,7 @@
 
 /// A node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Node(u32);
+pub(crate) struct HornAtom(u32);
 
 /// Nodes with the premises that they still need, and which premise serves which node.
 #[derive(Default)]
@@ -13,27 +13,27 @@ pub(crate) struct Horn {
 
 impl Horn {
     /// A node that is true from the start.
-    pub(crate) fn fact(&mut self) -> Node {
+    pub(crate) fn fact(&mut self) -> HornAtom {
         self.node(0)
     }
 
     /// A node that is true when one of its premises is; without any it never is.
-    pub(crate) fn any(&mut self) -> Node {
+    pub(crate) fn any(&mut self) -> HornAtom {
         self.node(1)
     }
 
     /// A node that is true when `count` premises are.
-    pub(crate) fn all(&mut self, count: usize) -> Node {
+    pub(crate) fn all(&mut self, count: usize) -> HornAtom {
         self.node(u32::try_from(count).unwrap_or(u32::MAX))
     }
 
-    fn node(&mut self, needs: u32) -> Node {
+    fn node(&mut self, needs: u32) -> HornAtom {
         self.needs.push(needs);
-        Node(u32::try_from(self.needs.len() - 1).unwrap_or(u32::MAX))
+        HornAtom(u32::try_from(self.needs.len() - 1).unwrap_or(u32::MAX))
     }
 
     /// `premise` serves `conclusion`.
-    pub(crate) fn rule(&mut self, premise: Node, conclusion: Node) {
+    pub(crate) fn rule(&mut self, premise: HornAtom, conclusion: HornAtom) {
         self.rules.push((premise.0, conclusion.0));
     }
 
@@ -96,7 +96,7 @@ pub(crate) struct Solution(Vec<bool>);
 
 impl Solution {
     /// Returns true if `node` is true.
-    pub(crate) fn holds(&self, node: Node) -> bool {
+    pub(crate) fn holds(&self, node: HornAtom) -> bool {
         self.0.get(index(node.0)).copied().unwrap_or(false)
     }
 }

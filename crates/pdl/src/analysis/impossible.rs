@@ -36,7 +36,7 @@ pub(crate) fn impossible(condition: &Condition, library: &Library) -> Option<Imp
             let (from, to) = (number(least, library)?, number(most, library)?);
             (from > to).then(|| Impossible {
                 place: condition.place,
-                reason: "it asks for a delay of at least so much and at most less".to_string(),
+                reason: "its least delay is longer than its greatest delay".to_string(),
             })
         }
         ConditionKind::Function(test) if known_truth(Some(test)) == Some(false) => {
@@ -71,7 +71,7 @@ fn trend(groups: &[(Symbol, Vec<Constraint>)], place: Place, library: &Library) 
     groups.iter().find_map(|(name, constraints)| match (name.folded(), constraints.as_slice()) {
         ("significance", [Constraint::Compare { right, .. }]) => {
             let level = number(right, library).filter(|level| !(*level > 0.0 && *level < 1.0))?;
-            let reason = format!("a significance of {level} is no probability between 0 and 1");
+            let reason = format!("a significance of {level} is not a probability between 0 and 1");
             Some(Impossible { place, reason })
         }
         ("frequency", _) => never(name, constraints, Some(0.0), place, library),

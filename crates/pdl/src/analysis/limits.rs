@@ -1,12 +1,12 @@
 //! Messages about conditions that can never hold.
 
 use super::impossible::impossible;
-use super::{Program, Report, walk};
+use super::{FindingCollector, Program, walk};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
 use apex_model::condition::{Condition, ConditionKind};
 
-pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
+pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     for procedure in &program.library.procedures {
         for step in &procedure.steps {
             for each in &step.waitfor {
@@ -19,7 +19,7 @@ pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
 }
 
 /// `decides`: if the part never holds, neither does what it is part of, and a step never begins.
-fn look(program: &Program<'_>, condition: &Condition, decides: bool, report: &mut Report<'_>) {
+fn look(program: &Program<'_>, condition: &Condition, decides: bool, report: &mut FindingCollector<'_>) {
     if let Some(found) = impossible(condition, program.library) {
         let span = report.locator.span(found.place);
         let severity = if decides { Severity::Error } else { Severity::Warning };

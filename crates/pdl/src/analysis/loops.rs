@@ -2,9 +2,9 @@
 //! pursue themselves again and again.
 
 use super::endings::{ends_procedure, is_end_of, is_endless, is_plain, is_plain_step, known_truth};
-use super::horn::{Horn, Node};
+use super::horn::{Horn, HornAtom};
 use super::methods::Method;
-use super::{Program, Report};
+use super::{FindingCollector, Program};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::fix::Fix;
@@ -22,10 +22,10 @@ use apex_model::variables;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Yields the procedures that surely lead into a recursion without end.
-pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) -> BTreeSet<usize> {
-    let mut told = BTreeSet::new();
-    let mut caught = recursion(program, true, &mut told, report);
-    caught.extend(recursion(program, false, &mut told, report));
+pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) -> BTreeSet<usize> {
+    let mut reported = BTreeSet::new();
+    let mut caught = recursion(program, true, &mut reported, report);
+    caught.extend(recursion(program, false, &mut reported, report));
     for (number, procedure) in program.library.procedures.iter().enumerate() {
         repetitions(program, number, procedure, report);
         answers(program, number, procedure, report);
@@ -34,7 +34,7 @@ pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) -> BTreeSet<
 }
 
 /// Repetitions whose whole work takes no time.
-fn repetitions(program: &Program<'_>, number: usize, procedure: &Procedure, report: &mut Report<'_>) {
+fn repetitions(program: &Program<'_>, number: usize, procedure: &Procedure, report: &mut FindingCollector<'_>) {
     for (index, step) in procedure.steps.iter().enumerate() {
         let Some(clause) = step.repeating.as_deref().filter(|clause| is_endless(clause)) else { continue };
         let at_once = is_plain_step(step) && step.waitfor.is_empty() && !has_interval(clause);
@@ -64,19 +64,19 @@ fn has_interval(clause: &Repetition) -> bool {
     })
 }
 
-/// Procedures that surely pursue themselves, or lead to one that does. `at_once`: without any time passing. `told` are
+/// Procedures that surely pursue themselves, or lead to one that does. `at_once`: without any time passing. `reported` receives
 /// those that a message was about.
 fn recursion(
     program: &Program<'_>,
     at_once: bool,
-    told: &mut BTreeSet<usize>,
-    report: &mut Report<'_>,
+    reported: &mut BTreeSet<usize>,
+    report: &mut FindingCollector<'_>,
 ) -> BTreeSet<usize> {
     let mut horn = Horn::default();
     let procedures = &program.library.procedures;
     let sure: Vec<Vec<usize>> =
         procedures.iter().enumerate().map(|(number, each)| sure_goals(program, number, each, at_once)).collect();
-    let escapes: Vec<Node> = sure.iter().map(|steps| horn.all(steps.len())).collect();
+    let escapes: Vec<HornAtom> = sure.iter().map(|steps| horn.all(steps.len())).collect();
     let serving = |procedure: usize, step: usize| -> Option<Vec<usize>> {
         let Activity::Goal(goal) = &procedures.get(procedure)?.steps.get(step)?.activity else { return None };
         let methods = program.methods.serving_step(procedure, step)?;
@@ -123,8 +123,8 @@ fn recursion(
             && let Some(first) = path.iter().position(|(each, _)| *each == number)
         {
             let circle = path.split_off(first);
-            if circle.iter().all(|(each, _)| !told.contains(each)) {
-                told.extend(circle.iter().map(|(each, _)| *each));
+            if circle.iter().all(|(each, _)| !reported.contains(each)) {
+                reported.extend(circle.iter().map(|(each, _)| *each));
                 report_recursion(program, &circle, at_once, report);
             }
         }
@@ -183,7 +183,12 @@ fn mentions(step: &Step, names: &BTreeSet<Symbol>) -> bool {
     found
 }
 
-fn report_recursion(program: &Program<'_>, circle: &[(usize, usize)], at_once: bool, report: &mut Report<'_>) {
+fn report_recursion(
+    program: &Program<'_>,
+    circle: &[(usize, usize)],
+    at_once: bool,
+    report: &mut FindingCollector<'_>,
+) {
     let procedures = &program.library.procedures;
     let Some((first, step)) = circle.first().and_then(|(number, step)| {
         let procedure = procedures.get(*number)?;
@@ -217,7 +222,7 @@ fn report_recursion(program: &Program<'_>, circle: &[(usize, usize)], at_once: b
 }
 
 /// Steps that answer what their answers say.
-fn answers(program: &Program<'_>, number: usize, procedure: &Procedure, report: &mut Report<'_>) {
+fn answers(program: &Program<'_>, number: usize, procedure: &Procedure, report: &mut FindingCollector<'_>) {
     let mut given = BTreeSet::new();
     variables::of_pattern(&procedure.index, &mut |name| {
         given.insert(name.clone());
@@ -275,7 +280,7 @@ fn report_answers(
     procedure: &Procedure,
     reactive: &[(usize, &Pattern, Vec<Template>)],
     circle: &[usize],
-    report: &mut Report<'_>,
+    report: &mut FindingCollector<'_>,
 ) {
     let steps: Vec<&Step> = circle.iter().filter_map(|at| procedure.steps.get(reactive.get(*at)?.0)).collect();
     let Some((first, others)) = steps.split_first() else { return };

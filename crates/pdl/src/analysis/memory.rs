@@ -3,7 +3,7 @@
 
 use super::endings::{goes_on, is_endless, is_stopped, terminated_tags};
 use super::walk::QUERIES;
-use super::{Program, Report, walk};
+use super::{FindingCollector, Program, walk};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity, Span};
 use apex_model::condition::{Condition, ConditionKind, Constraint, Relation};
@@ -15,7 +15,7 @@ use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 use std::collections::BTreeSet;
 
-pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
+pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     for (number, procedure) in program.library.procedures.iter().enumerate() {
         walk::conditions_of(procedure, &mut |condition| looking_back(condition, report));
         logs(procedure, report);
@@ -31,7 +31,7 @@ pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
     walk::library(program.library, &mut |expr| published(expr, report));
 }
 
-fn warn(span: Span, message: String, reason: String, help: &str, report: &mut Report<'_>) {
+fn warn(span: Span, message: String, reason: String, help: &str, report: &mut FindingCollector<'_>) {
     let diagnostic = Diagnostic::new(Severity::Warning, codes::UNBOUNDED_MEMORY, span, message);
     report.add(diagnostic.reason(reason).help(help));
 }
@@ -41,7 +41,7 @@ fn kept(what: &str) -> String {
 }
 
 /// Conditions about the past without an earliest time.
-fn looking_back(condition: &Condition, report: &mut Report<'_>) {
+fn looking_back(condition: &Condition, report: &mut FindingCollector<'_>) {
     let (limits, what) = match &condition.kind {
         ConditionKind::Measurement(measurement) => (vec![&measurement.timestamp], "every sample is kept"),
         ConditionKind::Episode(episode) => (vec![&episode.timing.start, &episode.timing.end], "every sample is kept"),
@@ -73,7 +73,7 @@ fn is_earliest(limit: &Constraint) -> bool {
     }
 }
 
-fn logs(procedure: &Procedure, report: &mut Report<'_>) {
+fn logs(procedure: &Procedure, report: &mut FindingCollector<'_>) {
     for policy in procedure.log.iter().filter(|policy| policy.time_limit.is_none() && policy.count_limit.is_none()) {
         let head = crate::matching::View::Template(&policy.subject).head().cloned();
         let messages = head.as_ref().is_some_and(|head| head.is(":events"));
@@ -101,7 +101,7 @@ fn logs(procedure: &Procedure, report: &mut Report<'_>) {
 }
 
 /// Responses that never end.
-fn piling_up(step: &Step, ends: bool, report: &mut Report<'_>) {
+fn piling_up(step: &Step, ends: bool, report: &mut FindingCollector<'_>) {
     if ends || !step.responding.as_deref().is_some_and(is_endless) || step.on_failure.is_some() || step.forall.is_some()
     {
         return;
@@ -109,14 +109,14 @@ fn piling_up(step: &Step, ends: bool, report: &mut Report<'_>) {
     warn(
         report.locator.clause(step.place, "responding"),
         format!("tasks of `{}` pile up", step.tag),
-        "each response begins a new task, and what the step does never ends by itself".to_string(),
+        "each response begins a new task, and what the step does never ends on its own".to_string(),
         "give the step an `end-when`, or use `repeating`, which has one task at a time",
         report,
     );
 }
 
 /// `:for-new` over values that are never the same again.
-fn new_for_ever(procedure: &Procedure, step: &Step, report: &mut Report<'_>) {
+fn new_for_ever(procedure: &Procedure, step: &Step, report: &mut FindingCollector<'_>) {
     let clause = match (&step.responding, &step.repeating) {
         (Some(clause), _) => ("responding", clause),
         (None, Some(clause)) => ("repeating", clause),
@@ -154,7 +154,7 @@ fn new_for_ever(procedure: &Procedure, step: &Step, report: &mut Report<'_>) {
 }
 
 /// Lists that a hook of an endless step makes longer each time.
-fn growing(procedure: &Procedure, step: &Step, report: &mut Report<'_>) {
+fn growing(procedure: &Procedure, step: &Step, report: &mut FindingCollector<'_>) {
     if !goes_on(procedure, step) && !step.responding.as_deref().is_some_and(is_endless) {
         return;
     }
@@ -184,7 +184,7 @@ fn growing(procedure: &Procedure, step: &Step, report: &mut Report<'_>) {
 }
 
 /// Queries of a history whose instant lies any time ago.
-fn queries(procedure: &Procedure, report: &mut Report<'_>) {
+fn queries(procedure: &Procedure, report: &mut FindingCollector<'_>) {
     let mut tags: BTreeSet<&Symbol> = BTreeSet::new();
     walk::conditions_of(procedure, &mut |condition| tags.extend(&condition.tag));
     let mut found: Vec<(Place, &'static str)> = Vec::new();
@@ -215,7 +215,7 @@ fn is_beginning(expr: &Expr) -> bool {
 }
 
 /// State variables whose object is computed: each value makes one more.
-fn published(expr: &Expr, report: &mut Report<'_>) {
+fn published(expr: &Expr, report: &mut FindingCollector<'_>) {
     let ExprKind::Call { function, arguments } = &expr.kind else { return };
     if !function.is("publish") {
         return;
@@ -234,7 +234,7 @@ fn published(expr: &Expr, report: &mut Report<'_>) {
     if parts.iter().skip(1).any(computed) {
         warn(
             report.locator.span(expr.place),
-            "each of these is a state variable of its own".to_string(),
+            "each of these is a separate state variable".to_string(),
             "its object is computed, and the history of every object is kept".to_string(),
             "publish one variable with the computed part in its value",
             report,

@@ -27,7 +27,7 @@ pub(crate) enum Method {
 const CANDIDATES_MAX: usize = 64;
 
 #[derive(Default)]
-struct Group {
+struct MethodGroup {
     by_second: BTreeMap<Second, Vec<Method>>,
     open: Vec<Method>,
 }
@@ -35,7 +35,7 @@ struct Group {
 /// All methods of a library.
 pub(crate) struct Methods<'l> {
     library: &'l Library,
-    by_head: BTreeMap<&'l Symbol, Group>,
+    by_head: BTreeMap<&'l Symbol, MethodGroup>,
     open: Vec<Method>,
     /// Methods that may serve the goals of steps, by procedure and step: every check needs them.
     of_steps: Vec<Vec<Option<Vec<Method>>>>,

@@ -56,12 +56,12 @@ pub(crate) struct Program<'l> {
 }
 
 /// Collects messages and finds their places.
-struct Report<'l> {
+struct FindingCollector<'l> {
     locator: Locator<'l>,
     diagnostics: Vec<Diagnostic>,
 }
 
-impl Report<'_> {
+impl FindingCollector<'_> {
     fn add(&mut self, diagnostic: Diagnostic) {
         if self.diagnostics.len() < MESSAGES_MAX {
             self.diagnostics.push(diagnostic);
@@ -74,7 +74,7 @@ pub(crate) fn analyse(library: &Library, names: &Names, fragment: bool, foreign:
     let methods = Methods::new(library);
     let endings = Endings::new(library, names, &methods);
     let program = Program { library, names, fragment, foreign, methods, endings };
-    let mut report = Report { locator: Locator::new(&library.sources), diagnostics: Vec::new() };
+    let mut report = FindingCollector { locator: Locator::new(&library.sources), diagnostics: Vec::new() };
     let caught = loops::check(&program, &mut report);
     flow::check(&program, &caught, &mut report);
     limits::check(&program, &mut report);
@@ -101,7 +101,7 @@ pub(crate) fn analyse_conditions(library: &Library, conditions: &[Condition], na
     let endings = Endings::new(&whole, names, &methods);
     let foreign = BTreeSet::new();
     let program = Program { library: &whole, names, fragment: false, foreign: &foreign, methods, endings };
-    let mut report = Report { locator: Locator::new(&whole.sources), diagnostics: Vec::new() };
+    let mut report = FindingCollector { locator: Locator::new(&whole.sources), diagnostics: Vec::new() };
     limits::check(&program, &mut report);
     probes::check(&program, &mut report);
     probes::without_effect(conditions, &mut report);

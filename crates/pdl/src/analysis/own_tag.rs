@@ -1,6 +1,6 @@
 //! Messages that wait for the step's own task: a variable of the pattern has the name of the step.
 
-use super::{Program, Report, walk};
+use super::{FindingCollector, Program, walk};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
 use apex_model::condition::ConditionKind;
@@ -8,7 +8,7 @@ use apex_model::pattern::Pattern;
 use apex_model::procedure::Step;
 use apex_model::symbol::Symbol;
 
-pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
+pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     for step in program.library.procedures.iter().flat_map(|procedure| &procedure.steps) {
         if step.waitfor.iter().any(|condition| waits_for(condition, &step.tag)) {
             about(step, report);
@@ -16,7 +16,7 @@ pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
     }
 }
 
-fn about(step: &Step, report: &mut Report<'_>) {
+fn about(step: &Step, report: &mut FindingCollector<'_>) {
     let tag = &step.tag;
     let span = report.locator.variable_in_clause(step.place, "waitfor", tag);
     let message = format!("`?{tag}` is the task of this step, not what the message says");

@@ -2,7 +2,7 @@
 
 use super::bound::{Bound, by_all, by_pattern};
 use super::impossible::number;
-use super::{Program, Report, walk};
+use super::{FindingCollector, Program, walk};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
 use apex_model::condition::{Condition, ConditionKind};
@@ -14,7 +14,7 @@ use apex_model::value::Value;
 use apex_model::variables;
 use std::collections::BTreeSet;
 
-pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
+pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     for procedure in &program.library.procedures {
         walk::conditions_of(procedure, &mut |condition| amounts(program, condition, report));
         for step in &procedure.steps {
@@ -24,7 +24,7 @@ pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
 }
 
 /// An interval or a limit that is known beforehand, and with which there is nothing to pursue.
-fn amounts(program: &Program<'_>, condition: &Condition, report: &mut Report<'_>) {
+fn amounts(program: &Program<'_>, condition: &Condition, report: &mut FindingCollector<'_>) {
     let ConditionKind::Probing { interval, time_limit, count_limit, .. } = &condition.kind else { return };
     let library = program.library;
     let spans = [(Some(interval), "interval"), (time_limit.as_ref(), "time limit")];
@@ -49,18 +49,18 @@ fn amounts(program: &Program<'_>, condition: &Condition, report: &mut Report<'_>
     }
 }
 
-fn report_amount(amount: &Expr, message: String, reason: &str, help: &str, report: &mut Report<'_>) {
+fn report_amount(amount: &Expr, message: String, reason: &str, help: &str, report: &mut FindingCollector<'_>) {
     let span = report.locator.span(amount.place);
     report.add(Diagnostic::error(codes::NOTHING_TO_PROBE, span, message).reason(reason).help(help));
 }
 
 /// Outside of an agent there are no tasks, so nothing is pursued.
-pub(super) fn without_effect(conditions: &[Condition], report: &mut Report<'_>) {
+pub(super) fn without_effect(conditions: &[Condition], report: &mut FindingCollector<'_>) {
     for condition in conditions {
         walk::conditions(condition, &mut |part| {
             if let ConditionKind::Probing { .. } = part.kind {
                 let span = report.locator.probe(part.place);
-                let message = "`:probing` has no effect here: nobody pursues its goal";
+                let message = "`:probing` has no effect here: no task pursues its goal";
                 let diagnostic = Diagnostic::new(Severity::Warning, codes::WITHOUT_EFFECT, span, message)
                     .reason("a condition that is watched alone has no task; the samples that come are all there is")
                     .help("remove the option, or let an agent wait for the condition: `(waitfor ..)` in a procedure");
@@ -71,7 +71,7 @@ pub(super) fn without_effect(conditions: &[Condition], report: &mut Report<'_>) 
 }
 
 /// Goals whose variables only the waitfor that they probe for gives a value. A `select` is checked elsewhere.
-fn needs_itself(procedure: &Procedure, step: &Step, report: &mut Report<'_>) {
+fn needs_itself(procedure: &Procedure, step: &Step, report: &mut FindingCollector<'_>) {
     let mut goals: Vec<(Place, &Template)> = Vec::new();
     for condition in &step.waitfor {
         walk::conditions(condition, &mut |part| {

@@ -2,7 +2,7 @@
 
 use super::endings::{ends_procedure, terminated_tags};
 use super::methods::Method;
-use super::{Program, Report};
+use super::{FindingCollector, Program};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::fix::Fix;
@@ -14,7 +14,7 @@ use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
-pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
+pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     let mut told = BTreeSet::new();
     for procedure in &program.library.procedures {
         shortage(program, &[&procedure.profile], &mut told, report);
@@ -76,7 +76,7 @@ fn shortage(
     program: &Program<'_>,
     profiles: &[&[ResourceNeed]],
     told: &mut BTreeSet<apex_model::source::Place>,
-    report: &mut Report<'_>,
+    report: &mut FindingCollector<'_>,
 ) {
     let mut sums: BTreeMap<&Symbol, (f64, Vec<&ResourceNeed>)> = BTreeMap::new();
     for need in profiles.iter().copied().flatten() {
@@ -149,7 +149,7 @@ fn profile_of_served<'l>(program: &Program<'l>, (number, index): (usize, usize),
 }
 
 /// `release-resource` where the procedure holds nothing.
-fn useless_release(step: &Step, holds: bool, report: &mut Report<'_>) {
+fn useless_release(step: &Step, holds: bool, report: &mut FindingCollector<'_>) {
     if !holds && matches!(step.activity, Activity::BuiltIn(BuiltInActivity::ReleaseResource, _)) {
         let span = report.locator.activity(step.place);
         let diagnostic = Diagnostic::new(Severity::Warning, codes::WITHOUT_EFFECT, span, "there is nothing to release")
@@ -161,7 +161,7 @@ fn useless_release(step: &Step, holds: bool, report: &mut Report<'_>) {
 }
 
 /// Steps of a concurrent procedure that need what an earlier one takes and never gives back.
-fn starved(program: &Program<'_>, number: usize, procedure: &Procedure, report: &mut Report<'_>) {
+fn starved(program: &Program<'_>, number: usize, procedure: &Procedure, report: &mut FindingCollector<'_>) {
     if program.endings.is_wild || procedure.kind == ProcedureKind::Sequential {
         return;
     }
@@ -191,7 +191,7 @@ fn starved(program: &Program<'_>, number: usize, procedure: &Procedure, report: 
         let span = report.locator.activity(step.place);
         let message = format!("`{}` never gets `{resource}`", step.tag);
         let diagnostic = Diagnostic::new(Severity::Warning, codes::STARVED, span, message)
-            .label(report.locator.activity(keeper.place), "this holds it and does not end by itself")
+            .label(report.locator.activity(keeper.place), "this holds it and does not end on its own")
             .reason("among equals the one that has a resource keeps it")
             .help("give the step a `(priority N)`, or let the other one end");
         report.add(diagnostic);

@@ -1,7 +1,7 @@
 //! Names that nothing needs to define, and that look like a misspelling of another one: messages, state variables,
 //! resources. Anything may come from outside, so a name is suspected only where a near one is known and it is not.
 
-use super::{Program, Report, walk};
+use super::{FindingCollector, Program, walk};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::matching::{View, pattern_head};
@@ -20,7 +20,7 @@ type Uses<'l> = BTreeMap<&'l Symbol, Vec<Place>>;
 /// Maximum number of suspects in one program.
 const SUSPECTS_MAX: usize = 500;
 
-pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
+pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     messages(program, report);
     state_variables(program, report);
     resources(program, report);
@@ -37,7 +37,7 @@ fn meant<'n>(name: &Symbol, known: impl IntoIterator<Item = &'n str>) -> Option<
 }
 
 /// Messages that steps wait for and none sends, next to messages that are sent and awaited by none.
-fn messages(program: &Program<'_>, report: &mut Report<'_>) {
+fn messages(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     let mut waited: Uses<'_> = BTreeMap::new();
     for procedure in &program.library.procedures {
         walk::conditions_of(procedure, &mut |condition| {
@@ -59,23 +59,23 @@ fn messages(program: &Program<'_>, report: &mut Report<'_>) {
         let span = report.locator.word(*place, name);
         let message = format!("nothing here says `({name} ..)`, but something says `({known} ..)`");
         let mut diagnostic = Diagnostic::new(Severity::Warning, codes::RESEMBLES, span, message)
-            .reason("a message that never comes from outside either is waited for in vain")
+            .reason("if no source outside the program sends it either, the wait never ends")
             .fixes(renames(span, name.printed(), [known]));
         if let Some(place) = said.get(&Symbol::new(known)).and_then(|places| places.first()) {
-            diagnostic = diagnostic.label(report.locator.span(*place), "said here, and nobody waits for it");
+            diagnostic = diagnostic.label(report.locator.span(*place), "sent here, and no clause waits for it");
         }
         report.add(diagnostic);
     }
 }
 
 /// Messages said once, awaited by no step, next to others that are sent elsewhere, too, and awaited.
-fn misspelt_said(said: &Uses<'_>, waited: &Uses<'_>, report: &mut Report<'_>) {
+fn misspelt_said(said: &Uses<'_>, waited: &Uses<'_>, report: &mut FindingCollector<'_>) {
     let heard = || said.keys().filter(|name| waited.contains_key(*name)).map(|name| name.printed());
     let suspects = said.iter().filter(|(name, places)| places.len() == 1 && !waited.contains_key(*name));
     for (name, places) in suspects.take(SUSPECTS_MAX) {
         let (Some(known), Some(place)) = (meant(name, heard()), places.first()) else { continue };
         let span = report.locator.word(*place, name);
-        let message = format!("nobody waits for `({name} ..)`, but somebody waits for `({known} ..)`");
+        let message = format!("no clause waits for `({name} ..)`, but one waits for `({known} ..)`");
         let diagnostic = Diagnostic::new(Severity::Warning, codes::RESEMBLES, span, message).fixes(renames(
             span,
             name.printed(),
@@ -117,7 +117,7 @@ fn said_in<'l>(program: &Program<'l>) -> Uses<'l> {
 }
 
 /// State variables that nothing declares, next to declared ones.
-fn state_variables(program: &Program<'_>, report: &mut Report<'_>) {
+fn state_variables(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     let declared = &program.library.state_variables;
     if declared.is_empty() {
         return;
@@ -178,7 +178,7 @@ fn state_variables(program: &Program<'_>, report: &mut Report<'_>) {
 }
 
 /// Resources named once and declared nowhere, next to others.
-fn resources(program: &Program<'_>, report: &mut Report<'_>) {
+fn resources(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     let library = program.library;
     let mut used: Uses<'_> = BTreeMap::new();
     let note = |needs: &[ResourceNeed]| -> Vec<(Symbol, Place)> {
@@ -206,7 +206,7 @@ fn resources(program: &Program<'_>, report: &mut Report<'_>) {
         let span = report.locator.word(*place, name).to(span);
         let message = format!("resource `{name}` is needed nowhere else, but `{known}` is");
         let diagnostic = Diagnostic::new(Severity::Warning, codes::RESEMBLES, span, message)
-            .reason("a resource that nothing else needs is no conflict with anything")
+            .reason("a resource that nothing else needs is not a conflict with anything")
             .fixes(renames(span, name.printed(), [known]));
         report.add(diagnostic);
     }
@@ -215,7 +215,7 @@ fn resources(program: &Program<'_>, report: &mut Report<'_>) {
 /// Outcomes of `terminate` that mean something; every other word is a success.
 const OUTCOMES: &[&str] = &["success", "failure", "fail", "failed", "cut", "abort", "aborted"];
 
-fn outcomes(program: &Program<'_>, report: &mut Report<'_>) {
+fn outcomes(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     for step in program.library.procedures.iter().flat_map(|procedure| &procedure.steps) {
         for activity in walk::activities(step) {
             let Activity::Terminate { outcome: Some(outcome), .. } = activity else { continue };
@@ -225,7 +225,7 @@ fn outcomes(program: &Program<'_>, report: &mut Report<'_>) {
                 continue;
             };
             let span = report.locator.span(outcome.place);
-            let message = format!("`{word}` is no outcome, so it counts as success");
+            let message = format!("`{word}` is not an outcome, so it counts as success");
             let diagnostic = Diagnostic::new(Severity::Warning, codes::RESEMBLES, span, message)
                 .fixes(renames(span, word.printed(), [known]))
                 .help("outcomes are success, failure and cut");

@@ -2,7 +2,7 @@
 //! activity asks of solvers.
 
 use super::methods::Method;
-use super::{Program, Report, walk};
+use super::{FindingCollector, Program, walk};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity, Span};
 use crate::matching::{View, may_match};
@@ -14,7 +14,7 @@ use apex_model::procedure::{Activity, BuiltInActivity};
 use apex_model::symbol::Symbol;
 use std::collections::BTreeSet;
 
-pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
+pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     if program.fragment {
         return;
     }
@@ -26,7 +26,7 @@ pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
 }
 
 /// Goals of `plan` that no solver plans for.
-fn plans(program: &Program<'_>, report: &mut Report<'_>) {
+fn plans(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     for step in program.library.procedures.iter().flat_map(|procedure| &procedure.steps) {
         for activity in walk::activities(step) {
             let Activity::BuiltIn(BuiltInActivity::Plan, arguments) = activity else { continue };
@@ -47,7 +47,7 @@ fn plans(program: &Program<'_>, report: &mut Report<'_>) {
             let severity = if step.on_failure.is_some() { Severity::Warning } else { Severity::Error };
             let span = report.locator.span(goal.place);
             let diagnostic = Diagnostic::new(severity, codes::UNSERVED_GOAL, span, message)
-                .reason("`plan` asks a solver, whoever else serves the goal")
+                .reason("`plan` asks a solver, even if a procedure serves the goal")
                 .help(format!("declare one: `(solver auto (index {text}))`"));
             report.add(diagnostic);
         }
@@ -59,7 +59,7 @@ fn unknown_to(
     program: &Program<'_>,
     agent: &AgentDeclaration,
     told: &mut BTreeSet<(u32, u32)>,
-    report: &mut Report<'_>,
+    report: &mut FindingCollector<'_>,
 ) {
     let library = program.library;
     let mut seen: BTreeSet<Method> = BTreeSet::new();
@@ -116,7 +116,7 @@ fn report_unknown(
     goal: &Template,
     methods: &[Method],
     span: Span,
-    report: &mut Report<'_>,
+    report: &mut FindingCollector<'_>,
 ) {
     let Some(bundle) = methods.first().and_then(|method| bundle(program, *method)) else { return };
     let message = format!("nothing that agent `{}` uses serves `{}`", agent.name, template_text(goal));

@@ -2,7 +2,7 @@
 //! all of their goals.
 
 use super::methods::Method;
-use super::{Program, Report, walk};
+use super::{FindingCollector, Program, walk};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::lower::shape;
@@ -19,15 +19,15 @@ use std::collections::BTreeMap;
 /// Methods with one first word that are compared pair by pair.
 const COMPARED_MAX: usize = 100;
 
-struct Entry<'l> {
+struct IndexEntry<'l> {
     method: Method,
     index: &'l Pattern,
     bundle: Option<&'l Symbol>,
     place: Place,
 }
 
-pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
-    let mut groups: BTreeMap<&Symbol, Vec<Entry<'_>>> = BTreeMap::new();
+pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
+    let mut groups: BTreeMap<&Symbol, Vec<IndexEntry<'_>>> = BTreeMap::new();
     for entry in entries(program) {
         if let Some(head) = pattern_head(entry.index) {
             groups.entry(head).or_default().push(entry);
@@ -42,21 +42,21 @@ pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
     }
 }
 
-fn entries<'l>(program: &Program<'l>) -> impl Iterator<Item = Entry<'l>> {
+fn entries<'l>(program: &Program<'l>) -> impl Iterator<Item = IndexEntry<'l>> {
     let library = program.library;
-    let procedures = library.procedures.iter().enumerate().map(|(number, each)| Entry {
+    let procedures = library.procedures.iter().enumerate().map(|(number, each)| IndexEntry {
         method: Method::Procedure(number),
         index: &each.index,
         bundle: each.bundle.as_ref(),
         place: each.place,
     });
-    let primitives = library.primitives.iter().enumerate().map(|(number, each)| Entry {
+    let primitives = library.primitives.iter().enumerate().map(|(number, each)| IndexEntry {
         method: Method::Primitive(number),
         index: &each.index,
         bundle: each.bundle.as_ref(),
         place: each.place,
     });
-    let solvers = library.solvers.iter().enumerate().map(|(number, each)| Entry {
+    let solvers = library.solvers.iter().enumerate().map(|(number, each)| IndexEntry {
         method: Method::Solver(number),
         index: &each.index,
         bundle: None,
@@ -66,7 +66,7 @@ fn entries<'l>(program: &Program<'l>) -> impl Iterator<Item = Entry<'l>> {
 }
 
 /// Returns true if `other` is always chosen where `entry` could be.
-fn hides(program: &Program<'_>, other: &Entry<'_>, entry: &Entry<'_>) -> bool {
+fn hides(program: &Program<'_>, other: &IndexEntry<'_>, entry: &IndexEntry<'_>) -> bool {
     if other.method == entry.method || matches!(other.method, Method::Solver(_)) {
         return false;
     }
@@ -100,7 +100,12 @@ fn is_planned(program: &Program<'_>, index: &Pattern) -> bool {
     })
 }
 
-fn report_hidden(program: &Program<'_>, entry: &Entry<'_>, other: &Entry<'_>, report: &mut Report<'_>) {
+fn report_hidden(
+    program: &Program<'_>,
+    entry: &IndexEntry<'_>,
+    other: &IndexEntry<'_>,
+    report: &mut FindingCollector<'_>,
+) {
     if program.foreign.contains(&entry.place.file) && program.foreign.contains(&other.place.file) {
         return;
     }

@@ -4,7 +4,7 @@
 //! uses are there. What does not follow from these rules never begins; the reason is searched for afterwards.
 
 use super::endings::{Endings, ends_procedure, goes_on, is_stopped, terminated_tags};
-use super::horn::{Horn, Node, Solution};
+use super::horn::{Horn, HornAtom, Solution};
 use super::impossible::impossible;
 use super::walk;
 use crate::lookup::Lookup;
@@ -62,9 +62,9 @@ pub(crate) struct Waits<'l> {
     number: usize,
     endings: &'l Endings,
     needs: Vec<Need>,
-    begins: Vec<Node>,
-    ends: Vec<Node>,
-    done: Vec<Node>,
+    begins: Vec<HornAtom>,
+    ends: Vec<HornAtom>,
+    done: Vec<HornAtom>,
     solution: Solution,
 }
 
@@ -86,9 +86,9 @@ impl<'l> Waits<'l> {
             return None;
         }
         let mut horn = Horn::default();
-        let begins: Vec<Node> = needs.iter().map(|_| horn.any()).collect();
-        let ends: Vec<Node> = needs.iter().map(|_| horn.any()).collect();
-        let done: Vec<Node> = needs.iter().map(|_| horn.any()).collect();
+        let begins: Vec<HornAtom> = needs.iter().map(|_| horn.any()).collect();
+        let ends: Vec<HornAtom> = needs.iter().map(|_| horn.any()).collect();
+        let done: Vec<HornAtom> = needs.iter().map(|_| horn.any()).collect();
         for (step, need) in needs.iter().enumerate() {
             let Some(template) = procedure.steps.get(step) else { continue };
             let nodes = (begins.get(step), ends.get(step), done.get(step));
@@ -179,7 +179,7 @@ impl<'l> Waits<'l> {
     }
 
     fn is_met(&self, premise: &Premise) -> bool {
-        let holds = |nodes: &[Node], step: usize| nodes.get(step).is_none_or(|node| self.solution.holds(*node));
+        let holds = |nodes: &[HornAtom], step: usize| nodes.get(step).is_none_or(|node| self.solution.holds(*node));
         match premise {
             Premise::End { step, .. } => holds(&self.ends, *step),
             Premise::Sequence { step } => holds(&self.done, *step),
@@ -231,8 +231,8 @@ fn can_end(step: &Step, procedure: usize, number: usize, endings: &Endings) -> b
     handled || !ends_procedure(&step.activity) && endings.activity_ends(procedure, number)
 }
 
-fn node_of(horn: &mut Horn, need: &Need, begins: &[Node], ends: &[Node], done: &[Node]) -> Node {
-    let known = |nodes: &[Node], step: usize| nodes.get(step).copied();
+fn node_of(horn: &mut Horn, need: &Need, begins: &[HornAtom], ends: &[HornAtom], done: &[HornAtom]) -> HornAtom {
+    let known = |nodes: &[HornAtom], step: usize| nodes.get(step).copied();
     match need {
         Need::Free => horn.fact(),
         Need::Leaf(Premise::End { step, .. }) => known(ends, *step).unwrap_or_else(|| horn.fact()),

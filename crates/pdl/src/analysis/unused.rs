@@ -2,7 +2,7 @@
 
 use super::bound::by_pattern;
 use super::methods::Method;
-use super::{Program, Report, walk};
+use super::{FindingCollector, Program, walk};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity, Span};
 use crate::fix::Fix;
@@ -20,7 +20,7 @@ use apex_model::value::Value;
 use apex_model::variables;
 use std::collections::{BTreeMap, BTreeSet};
 
-pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
+pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     let is_own = |place: Place| !program.foreign.contains(&place.file);
     for procedure in program.library.procedures.iter().filter(|each| is_own(each.place)) {
         variables_of(procedure, report);
@@ -36,7 +36,7 @@ pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
 }
 
 /// Selected variables and results that no clause uses.
-fn variables_of(procedure: &Procedure, report: &mut Report<'_>) {
+fn variables_of(procedure: &Procedure, report: &mut FindingCollector<'_>) {
     let gives = |step: &apex_model::procedure::Step| !step.select.is_empty() || step.binds.is_some();
     if procedure.steps.iter().any(gives) {
         let mut used: BTreeSet<Symbol> = BTreeSet::new();
@@ -77,7 +77,7 @@ fn variables_of(procedure: &Procedure, report: &mut Report<'_>) {
 }
 
 /// A variable that stands once in the procedure and is certainly a misspelling of `name`.
-fn misspelt_use(procedure: &Procedure, name: &Symbol, report: &mut Report<'_>) -> Option<(Span, Symbol)> {
+fn misspelt_use(procedure: &Procedure, name: &Symbol, report: &mut FindingCollector<'_>) -> Option<(Span, Symbol)> {
     let datum = report.locator.datum(procedure.place)?;
     let mut found: BTreeMap<Symbol, (usize, Span)> = BTreeMap::new();
     each(&datum, &mut |part| {
@@ -114,7 +114,7 @@ fn uses_of(procedure: &Procedure, note: &mut dyn FnMut(&Symbol)) {
     }
 }
 
-fn unused_let(expr: &Expr, report: &mut Report<'_>) {
+fn unused_let(expr: &Expr, report: &mut FindingCollector<'_>) {
     let ExprKind::Let { bindings, body, .. } = &expr.kind else { return };
     for (order, (name, _)) in bindings.iter().enumerate() {
         let later = bindings.iter().skip(order + 1).map(|(_, value)| value);
@@ -136,10 +136,10 @@ fn unused_let(expr: &Expr, report: &mut Report<'_>) {
 }
 
 /// Procedures, primitives, functions, indexicals and resources of the program itself that nothing in it needs.
-fn definitions(program: &Program<'_>, report: &mut Report<'_>) {
+fn definitions(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     let library = program.library;
     let is_own = |place: Place| !program.foreign.contains(&place.file);
-    let add = |place: Place, report: &mut Report<'_>, what: String, reason: &str| {
+    let add = |place: Place, report: &mut FindingCollector<'_>, what: String, reason: &str| {
         let span = report.locator.head_line(place);
         let diagnostic = Diagnostic::new(Severity::Warning, codes::UNUSED_DEFINITION, span, what);
         report.add(diagnostic.reason(reason).help("remove it, or check the spelling where it should be used"));

@@ -13,7 +13,7 @@ pub(super) struct Entry {
 
 /// Kind of an entry.
 pub(super) enum Piece {
-    Datum(Node),
+    Datum(DatumNode),
     /// A `;` comment: the line ends after it.
     LineComment(String),
     /// A `#| |#` comment.
@@ -21,10 +21,10 @@ pub(super) enum Piece {
 }
 
 /// A datum.
-pub(super) enum Node {
+pub(super) enum DatumNode {
     Atom(String),
     /// A prefix and its datum.
-    Prefixed(String, Box<Node>),
+    Prefixed(String, Box<DatumNode>),
     /// A list with its width on one line, if it fits on one.
     List(Vec<Entry>, Option<usize>),
 }
@@ -39,7 +39,7 @@ impl Entry {
         }
     }
 
-    pub(super) fn node(&self) -> Option<&Node> {
+    pub(super) fn node(&self) -> Option<&DatumNode> {
         match &self.piece {
             Piece::Datum(node) => Some(node),
             _ => None,
@@ -47,19 +47,19 @@ impl Entry {
     }
 }
 
-impl Node {
+impl DatumNode {
     pub(super) fn flat_width(&self) -> Option<usize> {
         match self {
-            Node::Atom(text) => one_line_width(text),
-            Node::Prefixed(prefix, inner) => inner.flat_width().map(|width| width + prefix.len()),
-            Node::List(_, width) => *width,
+            DatumNode::Atom(text) => one_line_width(text),
+            DatumNode::Prefixed(prefix, inner) => inner.flat_width().map(|width| width + prefix.len()),
+            DatumNode::List(_, width) => *width,
         }
     }
 
     /// The text of an atom.
     pub(super) fn atom(&self) -> Option<&str> {
         match self {
-            Node::Atom(text) => Some(text),
+            DatumNode::Atom(text) => Some(text),
             _ => None,
         }
     }
@@ -67,7 +67,7 @@ impl Node {
     /// The folded name that a list begins with.
     pub(super) fn head(&self) -> Option<String> {
         match self {
-            Node::List(entries, _) => entries.first()?.node()?.atom().map(str::to_lowercase),
+            DatumNode::List(entries, _) => entries.first()?.node()?.atom().map(str::to_lowercase),
             _ => None,
         }
     }
@@ -94,7 +94,7 @@ pub(super) fn entries(node: &SyntaxNode) -> Vec<Entry> {
                 }
                 SyntaxKind::LineComment => Piece::LineComment(token.text().trim_end().to_string()),
                 SyntaxKind::BlockComment => Piece::BlockComment(token.text().to_string()),
-                SyntaxKind::Atom | SyntaxKind::Text => Piece::Datum(Node::Atom(token.text().to_string())),
+                SyntaxKind::Atom | SyntaxKind::Text => Piece::Datum(DatumNode::Atom(token.text().to_string())),
                 _ => continue,
             },
             SyntaxElement::Node(inner) if inner.kind() == SyntaxKind::List => Piece::Datum(list(inner)),
@@ -110,19 +110,19 @@ pub(super) fn entries(node: &SyntaxNode) -> Vec<Entry> {
     collected
 }
 
-fn list(node: &SyntaxNode) -> Node {
+fn list(node: &SyntaxNode) -> DatumNode {
     let entries = entries(node);
     let widths: Option<Vec<usize>> = entries.iter().map(Entry::flat_width).collect();
     let width = widths.map(|widths| 2 + widths.iter().sum::<usize>() + widths.len().saturating_sub(1));
-    Node::List(entries, width)
+    DatumNode::List(entries, width)
 }
 
 /// A prefix with its datum. Comments between the two move before the prefix, into `outer`.
-fn prefixed(node: &SyntaxNode, outer: &mut Vec<Entry>, lines: &mut usize) -> Option<Node> {
+fn prefixed(node: &SyntaxNode, outer: &mut Vec<Entry>, lines: &mut usize) -> Option<DatumNode> {
     let prefix = node.first_token().map(|token| token.text().to_string())?;
     for mut entry in entries(node) {
         match entry.piece {
-            Piece::Datum(inner) => return Some(Node::Prefixed(prefix, Box::new(inner))),
+            Piece::Datum(inner) => return Some(DatumNode::Prefixed(prefix, Box::new(inner))),
             _ => {
                 entry.own_line |= *lines > 0;
                 *lines = 1;

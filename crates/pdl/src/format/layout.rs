@@ -1,7 +1,7 @@
 //! Line breaks: a form stays on one line if it fits, else its parts go below each other.
 
 use super::LINE_CHARACTERS_MAX;
-use super::items::{Entry, Node, Piece};
+use super::items::{DatumNode, Entry, Piece};
 
 /// The laid-out text of top-level entries, and the line of each step in it, from 1.
 pub(super) fn lay_out(entries: &[Entry]) -> (String, Vec<u32>) {
@@ -71,14 +71,14 @@ impl Page {
     }
 
     /// Writes a datum; `trailing` characters will follow on its last line.
-    fn node(&mut self, node: &Node, trailing: usize) {
+    fn node(&mut self, node: &DatumNode, trailing: usize) {
         match node {
-            Node::Atom(text) => self.put(text),
-            Node::Prefixed(prefix, inner) => {
+            DatumNode::Atom(text) => self.put(text),
+            DatumNode::Prefixed(prefix, inner) => {
                 self.put(prefix);
                 self.node(inner, trailing);
             }
-            Node::List(entries, width) => {
+            DatumNode::List(entries, width) => {
                 if node.head().is_some_and(|head| head == "step") {
                     self.steps.push(self.line);
                 }
@@ -98,8 +98,8 @@ impl Page {
                 self.put(" ");
             }
             match &entry.piece {
-                Piece::Datum(Node::List(inner, _)) => self.flat(inner),
-                Piece::Datum(Node::Prefixed(prefix, inner)) => {
+                Piece::Datum(DatumNode::List(inner, _)) => self.flat(inner),
+                Piece::Datum(DatumNode::Prefixed(prefix, inner)) => {
                     self.put(prefix);
                     self.flat_node(inner);
                 }
@@ -109,14 +109,14 @@ impl Page {
         self.put(")");
     }
 
-    fn flat_node(&mut self, node: &Node) {
+    fn flat_node(&mut self, node: &DatumNode) {
         match node {
-            Node::List(entries, _) => self.flat(entries),
-            Node::Prefixed(prefix, inner) => {
+            DatumNode::List(entries, _) => self.flat(entries),
+            DatumNode::Prefixed(prefix, inner) => {
                 self.put(prefix);
                 self.flat_node(inner);
             }
-            Node::Atom(text) => self.put(text),
+            DatumNode::Atom(text) => self.put(text),
         }
     }
 
@@ -215,20 +215,21 @@ enum BreakKind {
 }
 
 /// Atoms that belong to what follows them.
-fn leads(node: &Node) -> bool {
+fn leads(node: &DatumNode) -> bool {
     node.is_keyword() || matches!(node.atom(), Some("=>" | ">>"))
 }
 
 /// Options whose value may be a keyword.
 fn takes_keyword(entry: &Entry) -> bool {
-    let name = entry.node().and_then(Node::atom).map(str::to_lowercase);
+    let name = entry.node().and_then(DatumNode::atom).map(str::to_lowercase);
     matches!(name.as_deref(), Some(":quality" | ":estimation" | ":type" | ":use-bundles"))
 }
 
 /// Forms that are easier to read on several lines even if they fit on one.
-fn always_broken(node: &Node, entries: &[Entry]) -> bool {
-    let lists =
-        |name: &str| entries.iter().any(|entry| entry.node().and_then(Node::head).is_some_and(|head| head == name));
+fn always_broken(node: &DatumNode, entries: &[Entry]) -> bool {
+    let lists = |name: &str| {
+        entries.iter().any(|entry| entry.node().and_then(DatumNode::head).is_some_and(|head| head == name))
+    };
     match node.head().as_deref() {
         Some("procedure") => lists("step"),
         Some("primitive") => entries.len() > 2,
@@ -246,10 +247,10 @@ fn header_count(entries: &[Entry], head: &str) -> usize {
     let atoms = 1 + entries.iter().skip(1).take_while(|entry| is_plain_atom(entry)).count();
     match head {
         "procedure" => {
-            1 + entries.iter().skip(1).take_while(|entry| entry.node().is_some_and(Node::is_keyword)).count()
+            1 + entries.iter().skip(1).take_while(|entry| entry.node().is_some_and(DatumNode::is_keyword)).count()
         }
         head if TAGGED.contains(&head) => {
-            let result = entries.get(atoms + 1).and_then(Entry::node).and_then(Node::atom) == Some("=>");
+            let result = entries.get(atoms + 1).and_then(Entry::node).and_then(DatumNode::atom) == Some("=>");
             atoms + if result { 3 } else { 1 }
         }
         "defun" => 3,

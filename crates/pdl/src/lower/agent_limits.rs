@@ -1,7 +1,7 @@
 //! The limits that an agent lowers for itself: `:limits (:tasks 200 :event-history 50)` (decision 0033).
 
 use super::Lowering;
-use super::clauses::{Group, groups};
+use super::clauses::{KeywordGroup, groups};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::read::Datum;
@@ -14,7 +14,7 @@ impl Lowering {
     /// `(:NAME NUMBER ..)`
     pub(crate) fn agent_limits(&mut self, datum: &Datum) -> Option<Limits> {
         let Some((before, options)) = datum.as_list().map(groups) else {
-            return self.missing_part(datum.span, "these are no limits", SHAPE);
+            return self.missing_part(datum.span, "these are not limits", SHAPE);
         };
         if let Some(first) = before.first() {
             return self.missing_part(first.span, "here the name of a limit is expected", SHAPE);
@@ -32,7 +32,7 @@ impl Lowering {
         fine.then_some(limits)
     }
 
-    fn lowered_limit(&mut self, group: &Group<'_>) -> Option<(Limit, u64)> {
+    fn lowered_limit(&mut self, group: &KeywordGroup<'_>) -> Option<(Limit, u64)> {
         let limit = Limit::ALL.into_iter().find(|limit| limit.word() == group.name)?;
         let datum = self.only(&format!(":{}", group.name), group.values, group.span)?;
         let (least, most) = (limit.least(), limit.most());

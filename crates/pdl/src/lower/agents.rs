@@ -122,7 +122,7 @@ impl Lowering {
                     continue;
                 }
                 _ => {
-                    let diagnostic = Diagnostic::error(codes::MALFORMED, value.span, "this is no name of a bundle");
+                    let diagnostic = Diagnostic::error(codes::MALFORMED, value.span, "this is not a name of a bundle");
                     self.report(diagnostic.help("for example `:use-bundles (:default :camera)`"));
                     continue;
                 }
@@ -160,7 +160,7 @@ impl Lowering {
             }
             let shape = "NAME or (NAME [:publish (TOPIC..)] [:subscribe (TOPIC..)])";
             let Some(router) = item.head().cloned() else {
-                return lowering.missing_part(item.span, "this is no use of a router", shape);
+                return lowering.missing_part(item.span, "this is not a use of a router", shape);
             };
             let (before, options) = groups(item.tail());
             if !before.is_empty() || options.is_empty() {
@@ -205,7 +205,7 @@ impl Lowering {
         let Some(items) = datum.as_list() else {
             return self.missing_part(
                 datum.span,
-                "these are no topics",
+                "these are not topics",
                 "`all` or (TOPIC..), a topic as `(altitude ?)`",
             );
         };

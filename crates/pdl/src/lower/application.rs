@@ -1,7 +1,7 @@
 //! Applications (`pdl.md`, Applications).
 
 use super::Lowering;
-use super::clauses::{Group, groups};
+use super::clauses::{KeywordGroup, groups};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::read::{Datum, DatumKind};
@@ -107,11 +107,11 @@ impl Lowering {
     }
 
     /// Checks that options for an outside simulator are given only with one. A text as `:start` is a mission's civil time.
-    fn check_cues(&mut self, options: &[Group<'_>], kind: &Symbol) -> Option<()> {
+    fn check_cues(&mut self, options: &[KeywordGroup<'_>], kind: &Symbol) -> Option<()> {
         if kind.is("foreign-sim") {
             return Some(());
         }
-        let is_text = |group: &Group<'_>| matches!(group.values, [Datum { kind: DatumKind::Text(_), .. }]);
+        let is_text = |group: &KeywordGroup<'_>| matches!(group.values, [Datum { kind: DatumKind::Text(_), .. }]);
         let stray =
             options.iter().find(|group| CUES.contains(&group.name) && !(group.name == "start" && is_text(group)));
         let Some(group) = stray else { return Some(()) };
@@ -123,7 +123,7 @@ impl Lowering {
     }
 
     /// Is the option none that is misspelt or lacks its value? Options that the checker does not know are for the host program.
-    fn is_application_option(&mut self, group: &super::clauses::Group<'_>) -> bool {
+    fn is_application_option(&mut self, group: &super::clauses::KeywordGroup<'_>) -> bool {
         let mark = |name: &str| format!(":{name}");
         let known = OPTIONS.contains(&group.name);
         let found = near(group.name, OPTIONS.iter().copied());
@@ -152,7 +152,8 @@ impl Lowering {
         match datum.as_symbol().map(|name| name.folded().trim_start_matches(':')) {
             Some(name) if KINDS.contains(&name) => Some(Symbol::new(name)),
             other => {
-                let diagnostic = Diagnostic::error(codes::UNKNOWN_OPTION, datum.span, "this is no type of application");
+                let diagnostic =
+                    Diagnostic::error(codes::UNKNOWN_OPTION, datum.span, "this is not a type of application");
                 let fixes = renames(datum.span, other.unwrap_or_default(), KINDS.iter().copied());
                 self.refuse(diagnostic.fixes_or_help(fixes, || format!("types are {}", KINDS.join(" "))))
             }
@@ -168,7 +169,7 @@ impl Lowering {
             };
             for form in forms {
                 if form.head_name() != "router" {
-                    return self.missing_part(form.span, "this is no router", "(router NAME [:carries (TOPIC..)])");
+                    return self.missing_part(form.span, "this is not a router", "(router NAME [:carries (TOPIC..)])");
                 }
                 self.router(form, library)?;
             }
@@ -185,7 +186,11 @@ impl Lowering {
             };
             for form in forms {
                 if form.head_name() != "agent" {
-                    return self.missing_part(form.span, "this is no agent", "(agent NAME [:initial-task GOAL] ..)");
+                    return self.missing_part(
+                        form.span,
+                        "this is not an agent",
+                        "(agent NAME [:initial-task GOAL] ..)",
+                    );
                 }
                 let agent = self.agent(form, library)?;
                 library.agents.push(agent);

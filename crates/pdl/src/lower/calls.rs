@@ -116,9 +116,9 @@ impl Lowering {
             self.had_effect = true;
             if let Some(place) = self.pure_in {
                 let mut diagnostic =
-                    Diagnostic::error(codes::IMPURE, at, format!("`{name}` has effects and may not stand in {place}"))
-                        .reason("it would act each time the value is looked at")
-                        .help("call it in a hook (on-start, on-end, ..) or make it a step of its own");
+                    Diagnostic::error(codes::IMPURE, at, format!("`{name}` has effects and is not allowed in {place}"))
+                        .reason("it would act each time the value is evaluated")
+                        .help("call it in a hook (on-start, on-end, ..) or make it a separate step");
                 if let Some(definition) = callable.place {
                     diagnostic = diagnostic.label(definition, "defined here");
                 }

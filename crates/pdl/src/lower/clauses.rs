@@ -9,7 +9,7 @@ use crate::suggest::renames_marked;
 
 /// `:name value..`: a keyword with the data up to the next keyword.
 #[derive(Clone, Copy)]
-pub(crate) struct Group<'d> {
+pub(crate) struct KeywordGroup<'d> {
     /// The keyword, folded, without its colon.
     pub(crate) name: &'d str,
     pub(crate) span: Span,
@@ -20,7 +20,7 @@ pub(crate) struct Group<'d> {
 const KEYWORD_VALUED: &[&str] = &["quality", "estimation", "type", "use-bundles", "join"];
 
 /// Splits `items` into keyword groups; the first part is what stands before the first keyword.
-pub(crate) fn groups(items: &[Datum]) -> (&[Datum], Vec<Group<'_>>) {
+pub(crate) fn groups(items: &[Datum]) -> (&[Datum], Vec<KeywordGroup<'_>>) {
     let first = items.iter().position(|item| item.keyword().is_some()).unwrap_or(items.len());
     let (before, mut rest) = items.split_at_checked(first).unwrap_or((items, &[]));
     let mut groups = Vec::new();
@@ -33,7 +33,7 @@ pub(crate) fn groups(items: &[Datum]) -> (&[Datum], Vec<Group<'_>>) {
             .position(|(index, item)| index >= least && item.keyword().is_some())
             .unwrap_or(after.len());
         let (values, next) = after.split_at_checked(count).unwrap_or((after, &[]));
-        groups.push(Group { name, span: head.span, values });
+        groups.push(KeywordGroup { name, span: head.span, values });
         rest = next;
     }
     (before, groups)
@@ -41,7 +41,7 @@ pub(crate) fn groups(items: &[Datum]) -> (&[Datum], Vec<Group<'_>>) {
 
 impl Lowering {
     /// Refuses options that do not exist here or are given twice.
-    pub(crate) fn check_groups(&mut self, groups: &[Group<'_>], known: &[&str], of: &str) -> Option<()> {
+    pub(crate) fn check_groups(&mut self, groups: &[KeywordGroup<'_>], known: &[&str], of: &str) -> Option<()> {
         let mut fine = true;
         for (index, group) in groups.iter().enumerate() {
             let earlier = groups.iter().take(index).find(|earlier| earlier.name == group.name);
@@ -109,7 +109,7 @@ impl Lowering {
     /// `Some(None)` when there is no such group, `Some(Some(..))` when its value could be lowered.
     pub(crate) fn optional<T>(
         &mut self,
-        groups: &[Group<'_>],
+        groups: &[KeywordGroup<'_>],
         name: &str,
         lower: impl FnOnce(&mut Lowering, &Datum) -> Option<T>,
     ) -> Option<Option<T>> {
@@ -120,6 +120,6 @@ impl Lowering {
 }
 
 /// The values of the group called `name`, or nothing.
-pub(crate) fn values_of<'d>(groups: &[Group<'d>], name: &str) -> &'d [Datum] {
+pub(crate) fn values_of<'d>(groups: &[KeywordGroup<'d>], name: &str) -> &'d [Datum] {
     groups.iter().find(|group| group.name == name).map_or(&[], |group| group.values)
 }

@@ -144,11 +144,11 @@ impl Lowering {
     }
 
     fn no_condition<T>(&mut self, datum: &Datum) -> Option<T> {
-        let mut diagnostic = Diagnostic::error(codes::MALFORMED_CONDITION, datum.span, "this is no condition");
+        let mut diagnostic = Diagnostic::error(codes::MALFORMED_CONDITION, datum.span, "this is not a condition");
         if let DatumKind::Unquote(_) = &datum.kind {
             let comma = Span { end: datum.span.start.saturating_add(1), ..datum.span };
             let fix = Fix::safe("remove the comma").replace(comma, "");
-            return self.refuse(diagnostic.reason("conditions stand beside each other, without commas").fix(fix));
+            return self.refuse(diagnostic.reason("conditions follow each other without commas").fix(fix));
         }
         diagnostic = match datum.as_symbol() {
             Some(name) if self.scope.tags.contains(name) => {

@@ -67,8 +67,8 @@ impl Lowering {
         if let Some(found) = indexical_in(value).filter(|(name, _)| !self.names.computed_or_literal(name)) {
             let (name, span) = found;
             let diagnostic =
-                Diagnostic::error(codes::MALFORMED, span, format!("`+{name}+` may not stand in a constant"))
-                    .reason("a constant has one value; an indexical is evaluated anew at each use")
+                Diagnostic::error(codes::MALFORMED, span, format!("`+{name}+` is not allowed in a constant"))
+                    .reason("a constant has one value; an indexical is evaluated at each use")
                     .help("use `defindexical` for a value that changes");
             return self.refuse(diagnostic);
         }

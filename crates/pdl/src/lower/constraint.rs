@@ -61,7 +61,7 @@ impl Lowering {
     }
 
     fn malformed_constraint<T>(&mut self, datum: &Datum) -> Option<T> {
-        let diagnostic = Diagnostic::error(codes::MALFORMED_CONSTRAINT, datum.span, "this is no constraint").help(
+        let diagnostic = Diagnostic::error(codes::MALFORMED_CONSTRAINT, datum.span, "this is not a constraint").help(
             "a constraint is `(> EXPR)`, `(= EXPR +/- TOLERANCE)`, `(:range A B)`, `(:min A)`, `(:max B)` or `(predicate)`",
         );
         self.refuse(diagnostic)

@@ -36,7 +36,7 @@ impl Lowering {
                     }
                 };
                 if apex_model::builtins::INDEXICALS.contains(&name.folded()) {
-                    let message = format!("`+{name}+` has a meaning of its own everywhere");
+                    let message = format!("`+{name}+` has a built-in meaning everywhere");
                     let diagnostic = Diagnostic::error(codes::DUPLICATE_DEFINITION, form.span, message);
                     return self.refuse(diagnostic.help("choose another name"));
                 }
@@ -185,7 +185,7 @@ impl Lowering {
             DatumKind::List(items) if items.is_empty() => return Some(None),
             DatumKind::Symbol(name) => name.printed(),
             DatumKind::Text(name) => name,
-            _ => return self.refuse(Diagnostic::error(codes::UNKNOWN_UNIT, datum.span, "this is no unit")),
+            _ => return self.refuse(Diagnostic::error(codes::UNKNOWN_UNIT, datum.span, "this is not a unit")),
         };
         if let Some(unit) = unit_named(name) {
             return Some(Some(Symbol::new(unit.name)));
@@ -199,7 +199,7 @@ impl Lowering {
         match datum.as_symbol().or_else(|| super::pattern::function_name(datum)) {
             Some(name) if VALUE_TYPES.contains(&name.folded()) => Some(name.clone()),
             _ => {
-                let diagnostic = Diagnostic::error(codes::MALFORMED, datum.span, "this is no type of values");
+                let diagnostic = Diagnostic::error(codes::MALFORMED, datum.span, "this is not a type of values");
                 let name = datum.as_symbol().map_or("", Symbol::printed);
                 let fixes = renames(datum.span, name, VALUE_TYPES.iter().copied());
                 self.refuse(diagnostic.fixes_or_help(fixes, || format!("types are {}", VALUE_TYPES.join(" "))))

@@ -166,7 +166,7 @@ impl Lowering {
 
     fn input(&mut self, variable: &Datum, reads: Reading, span: Span, inputs: &mut Inputs) -> Option<Datum> {
         let Some([Datum { kind: DatumKind::Symbol(attribute), .. }, object]) = variable.as_list() else {
-            let message = "a state variable stands here as `(ATTRIBUTE OBJECT)`";
+            let message = "a state variable is written as `(ATTRIBUTE OBJECT)`";
             let help = format!("for example `(altitude ?{})`", inputs.object);
             return self.refuse(Diagnostic::error(codes::DERIVATION, variable.span, message).help(help));
         };

@@ -1,7 +1,7 @@
 //! Episodes: quality, statistics, trends; atomic episodes (`conditions.md`).
 
 use super::Lowering;
-use super::clauses::{Group, groups, values_of};
+use super::clauses::{KeywordGroup, groups, values_of};
 use super::expected::{Expected, ExpectedKind};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
@@ -96,7 +96,12 @@ impl Lowering {
         (any, items.iter().filter(|item| !item.is(":any")).cloned().collect())
     }
 
-    fn episode_quality(&mut self, datum: &Datum, options: &[Group<'_>], outer: Option<&Datum>) -> Option<Quality> {
+    fn episode_quality(
+        &mut self,
+        datum: &Datum,
+        options: &[KeywordGroup<'_>],
+        outer: Option<&Datum>,
+    ) -> Option<Quality> {
         let inner = options.iter().find(|group| group.name == "quality");
         match (inner, outer) {
             (Some(inner), Some(outer)) => {
@@ -136,7 +141,7 @@ impl Lowering {
             }
             _ => {
                 let diagnostic =
-                    Diagnostic::error(codes::MALFORMED_CONDITION, datum.span, "this is no sampling quality");
+                    Diagnostic::error(codes::MALFORMED_CONDITION, datum.span, "this is not a sampling quality");
                 let fixes = quality_renamed(datum);
                 self.refuse(
                     diagnostic.fixes_or_help(fixes, || "write `:no-constraints` or `(:max-gap DURATION)`".to_string()),
@@ -210,7 +215,7 @@ impl Lowering {
         {
             return Some((found, item.tail()));
         }
-        let diagnostic = Diagnostic::error(codes::MALFORMED_CONDITION, item.span, format!("this is no {what}"));
+        let diagnostic = Diagnostic::error(codes::MALFORMED_CONDITION, item.span, format!("this is not a {what}"));
         let span = item.head_span();
         let mark = |name: &str| format!(":{name}");
         let fixes = renames_marked(span, name.unwrap_or_default(), known.iter().copied(), mark);

@@ -90,7 +90,7 @@ impl Lowering {
         let severity = crate::diagnostic::Severity::Warning;
         let mark = |unit: &str| format!("{number}{unit}");
         let diagnostic = Diagnostic::new(severity, codes::SYMBOL_LIKE_QUANTITY, span, message)
-            .reason("what follows the number is no known unit")
+            .reason("what follows the number is not a known unit")
             .fixes(crate::suggest::unit_renames(span, &suffix, mark));
         self.report(diagnostic);
     }

@@ -1,7 +1,7 @@
 //! Measurement conditions, estimation, active sensing (`conditions.md`).
 
 use super::Lowering;
-use super::clauses::{Group, groups, values_of};
+use super::clauses::{KeywordGroup, groups, values_of};
 use super::constraint::relation_named;
 use super::expected::{Expected, ExpectedKind};
 use crate::codes;
@@ -157,7 +157,7 @@ impl Lowering {
         }
     }
 
-    fn regression(&mut self, options: &[Group<'_>], span: Span, expected: &Expected) -> Option<Estimation> {
+    fn regression(&mut self, options: &[KeywordGroup<'_>], span: Span, expected: &Expected) -> Option<Estimation> {
         const KNOWN: &[&str] =
             &["minimum-points", "maximum-error", "maximum-difference", "minimum-frequency", "start", "end"];
         self.check_groups(options, KNOWN, "`:linear-regression`")?;
@@ -183,7 +183,7 @@ impl Lowering {
     }
 
     /// Wraps a condition that has a `:probing (GOAL INTERVAL [:time-limit D] [:count-limit n])` option.
-    pub(crate) fn probing(&mut self, condition: Condition, options: &[Group<'_>]) -> Option<Condition> {
+    pub(crate) fn probing(&mut self, condition: Condition, options: &[KeywordGroup<'_>]) -> Option<Condition> {
         let Some(group) = options.iter().find(|group| group.name == "probing") else { return Some(condition) };
         let datum = self.only(":probing", group.values, group.span)?;
         let (before, limits) = groups(datum.as_list().unwrap_or_default());

@@ -40,7 +40,7 @@ impl Lowering {
             DatumKind::Quasi(inner) => self.pattern(inner),
             DatumKind::List(items) => self.list_pattern(datum, items),
             DatumKind::Splice(_) | DatumKind::Function(_) => {
-                let diagnostic = Diagnostic::error(codes::MALFORMED, span, "this cannot stand in a pattern");
+                let diagnostic = Diagnostic::error(codes::MALFORMED, span, "this is not allowed in a pattern");
                 self.refuse(diagnostic)
             }
             _ => Some(Pattern::Literal(datum.to_value())),

@@ -51,7 +51,7 @@ impl Lowering {
         let diagnostic =
             Diagnostic::error(codes::UNKNOWN_CLAUSE, nested.span, "this step stands inside of another one")
                 .label(step.head_span(), "this one, which ends only after it")
-                .reason("the steps of a procedure stand beside each other")
+                .reason("the steps of a procedure are siblings")
                 .fix(
                     Fix::safe("close the other step before it")
                         .insert_after(before.span, ")")

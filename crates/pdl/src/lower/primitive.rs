@@ -80,8 +80,9 @@ impl Lowering {
         {
             return Some((name, self.pure_expression(value, "a locals clause")?));
         }
-        let diagnostic = Diagnostic::error(codes::MALFORMED, item.span, "this is no variable with its initial value")
-            .help("its shape is `(locals (NAME VALUE) ..)`");
+        let diagnostic =
+            Diagnostic::error(codes::MALFORMED, item.span, "this is not a variable with its initial value")
+                .help("its shape is `(locals (NAME VALUE) ..)`");
         self.refuse(diagnostic)
     }
 

@@ -49,7 +49,7 @@ impl Lowering {
                 clause.span,
                 format!("`{name}` says again when this task changes state"),
             )
-            .reason("the same clause stands here already in another spelling")
+            .reason("the same clause is here already in another spelling")
             .help("keep one of them, or join the conditions with `(:or ..)`");
             return self.refuse(diagnostic);
         }
@@ -123,7 +123,7 @@ impl Lowering {
                     }
                     _ => lowering.missing_part(item.span, "a resource has the wrong parts", "NAME or (NAME AMOUNT)"),
                 },
-                _ => lowering.missing_part(item.span, "this is no resource", "NAME or (NAME AMOUNT)"),
+                _ => lowering.missing_part(item.span, "this is not a resource", "NAME or (NAME AMOUNT)"),
             }
         })
     }

@@ -156,8 +156,9 @@ impl Lowering {
                 local_name(name).map(|name| (name, value))
             }
             _ => {
-                let diagnostic = Diagnostic::error(codes::MALFORMED, item.span, "this is no variable with its value")
-                    .help("its shape is `(NAME VALUE)`");
+                let diagnostic =
+                    Diagnostic::error(codes::MALFORMED, item.span, "this is not a variable with its value")
+                        .help("its shape is `(NAME VALUE)`");
                 self.refuse(diagnostic)
             }
         }
@@ -198,7 +199,7 @@ impl Lowering {
         if let Some(where_) = self.pure_in {
             let message = format!("`?{name}` may not be assigned in {where_}");
             let diagnostic = Diagnostic::error(codes::IMPURE, datum.span, message)
-                .reason("it would change each time the value is looked at")
+                .reason("it would change each time the value is evaluated")
                 .help("assign it in a hook (on-start, on-end, ..), or bind it with select or `=>`");
             return self.refuse(diagnostic);
         }

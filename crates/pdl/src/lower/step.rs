@@ -218,7 +218,7 @@ impl Lowering {
         let Some(name) = clause.head() else {
             let shown = if clause.as_list().is_some() { "this list" } else { "this" };
             let diagnostic =
-                Diagnostic::error(codes::UNKNOWN_CLAUSE, clause.span, format!("{shown} is no clause of {of}"))
+                Diagnostic::error(codes::UNKNOWN_CLAUSE, clause.span, format!("{shown} is not a clause of {of}"))
                     .help("a clause is a list that begins with its name, for example `(waitfor ..)`");
             return self.report(diagnostic);
         };

@@ -27,7 +27,9 @@ impl Lowering {
         let before = self.scope.tag_order.iter().enumerate().rev().filter(|(number, _)| *number < own);
         let free = before.map(|(_, tag)| tag).filter(|tag| !self.scope.times_named.contains(tag));
         free.take(OFFERED_MAX)
-            .map(|tag| Fix::look(format!("wait for `?{tag}`, for which nobody waits")).replace(span, format!("?{tag}")))
+            .map(|tag| {
+                Fix::look(format!("wait for `?{tag}`, for which no step waits")).replace(span, format!("?{tag}"))
+            })
             .collect()
     }
 

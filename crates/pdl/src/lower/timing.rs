@@ -91,7 +91,7 @@ impl Lowering {
             }
             _ => {
                 let diagnostic =
-                    Diagnostic::error(codes::MALFORMED_CONDITION, item.span, "this is no timing constraint");
+                    Diagnostic::error(codes::MALFORMED_CONDITION, item.span, "this is not a timing constraint");
                 let span = item.head_span();
                 let mark = |name: &str| format!(":{name}");
                 let fixes = renames_marked(span, word.unwrap_or_default(), WORDS.iter().copied(), mark);

@@ -150,13 +150,13 @@ fn spelt_right<'t>(form: &[Piece<'t>]) -> Option<Vec<Piece<'t>>> {
 }
 
 fn least_doubtful(form: &[Piece<'_>], lacking: Balance) -> Option<(Repair, bool)> {
-    let mut found: Option<(usize, bool, Candidate)> = None;
-    let candidates: Vec<Candidate> = match lacking {
-        Balance::LacksClose => (0..form.len()).map(Candidate::CloseAfter).collect(),
+    let mut found: Option<(usize, bool, BracketCandidate)> = None;
+    let candidates: Vec<BracketCandidate> = match lacking {
+        Balance::LacksClose => (0..form.len()).map(BracketCandidate::CloseAfter).collect(),
         Balance::LacksOpen => {
-            let removed = (0..form.len()).filter(|at| is_last_of_run(form, *at)).map(Candidate::Remove);
+            let removed = (0..form.len()).filter(|at| is_last_of_run(form, *at)).map(BracketCandidate::Remove);
             let opened = (0..form.len()).filter(|at| form.get(*at).is_some_and(|piece| piece.kind == PieceKind::Other));
-            opened.map(Candidate::OpenBefore).chain(removed).collect()
+            opened.map(BracketCandidate::OpenBefore).chain(removed).collect()
         }
         Balance::Even | Balance::Hopeless => return None,
     };
@@ -180,16 +180,16 @@ fn is_last_of_run(form: &[Piece<'_>], at: usize) -> bool {
 }
 
 #[derive(Clone, Copy)]
-enum Candidate {
+enum BracketCandidate {
     CloseAfter(usize),
     Remove(usize),
     OpenBefore(usize),
 }
 
-impl Candidate {
+impl BracketCandidate {
     fn at(self) -> usize {
         match self {
-            Candidate::CloseAfter(at) | Candidate::Remove(at) | Candidate::OpenBefore(at) => at,
+            BracketCandidate::CloseAfter(at) | BracketCandidate::Remove(at) | BracketCandidate::OpenBefore(at) => at,
         }
     }
 
@@ -205,9 +205,9 @@ impl Candidate {
             let inside = Piece { first_column: None, ..*piece };
             let (one, two) = match self {
                 _ if self.at() != number => (Some(*piece), None),
-                Candidate::CloseAfter(_) => (Some(*piece), Some(close)),
-                Candidate::Remove(_) => (None, None),
-                Candidate::OpenBefore(_) => (Some(open), Some(inside)),
+                BracketCandidate::CloseAfter(_) => (Some(*piece), Some(close)),
+                BracketCandidate::Remove(_) => (None, None),
+                BracketCandidate::OpenBefore(_) => (Some(open), Some(inside)),
             };
             one.into_iter().chain(two)
         })
@@ -216,9 +216,9 @@ impl Candidate {
     fn repair(self, form: &[Piece<'_>]) -> Option<Repair> {
         let piece = form.get(self.at())?;
         Some(match self {
-            Candidate::Remove(_) => Repair::Remove { at: piece.start },
-            Candidate::OpenBefore(_) => Repair::Open { at: piece.start },
-            Candidate::CloseAfter(at) => {
+            BracketCandidate::Remove(_) => Repair::Remove { at: piece.start },
+            BracketCandidate::OpenBefore(_) => Repair::Open { at: piece.start },
+            BracketCandidate::CloseAfter(at) => {
                 Repair::Close { at: piece.start + piece.length, opened: innermost(form.get(..=at)?)? }
             }
         })

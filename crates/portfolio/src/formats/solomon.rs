@@ -74,7 +74,7 @@ fn customer(line: &[TextToken<'_>], number: usize) -> Result<(Vertex, usize), Fo
         return Err(last.unwrap_or_else(|| ends_early("", "a customer is missing", FORM)));
     };
     if id.count("the number of the customer", 100_000)? != number {
-        let reason = format!("customers stand in order, and {number} is next");
+        let reason = format!("customers are listed in order, and {number} is next");
         return Err(id.trouble(format!("customer {} is out of order", id.text), reason, "sort the lines"));
     }
     let vertex = Vertex {

@@ -41,7 +41,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<Instance, FormatError> {
     };
     first.number("k, the kind of problem")?;
     let vehicles = vehicles.count("v, the number of paths", VEHICLES_MAX)?;
-    let wanted = count.count("N, the number of vertices besides the depot", usize::MAX >> 12)?;
+    let wanted = count.count("N, the number of vertices other than the depot", usize::MAX >> 12)?;
     pose::check_count(wanted, count)?;
     if lines.next().is_none() {
         return Err(ends_early(text, "the second line is missing", "it is `D Q` (two numbers of no meaning here)"));
@@ -51,7 +51,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<Instance, FormatError> {
     for number in 0..=wanted {
         let missing = || {
             let message = format!("there are {number} vertices, and {} are announced", wanted + 1);
-            ends_early(text, message, "N counts the vertices besides the depot")
+            ends_early(text, message, "N counts the vertices other than the depot")
         };
         let line = lines.next().ok_or_else(missing)?;
         let (vertex, decimals) = vertex(&line, number)?;
@@ -103,7 +103,7 @@ fn vertex(line: &[TextToken<'_>], number: usize) -> Result<(Vertex, (usize, usiz
         return Err(line.last().map_or_else(|| ends_early("", "a vertex is missing", ""), short));
     };
     if id.count("i, the number of the vertex", VEHICLES_MAX)? != number {
-        let reason = format!("vertices stand in order, and {number} is next");
+        let reason = format!("vertices are listed in order, and {number} is next");
         return Err(id.trouble(format!("vertex {} is out of order", id.text), reason, "sort the lines"));
     }
     // Depots have no list, and some files none at all: opening and closing are the last two numbers.

@@ -125,7 +125,7 @@ impl Agreement {
         }
         let _ = writeln!(
             text,
-            "agreed in {} of {} cells; in {} the figure's best is a person, which we do not measure.\n\
+            "agreed in {} of {} cells; in {} the figure's best is a human planner, which we do not measure.\n\
              Where both name a planner ({} cells) it is the same in {}.\n",
             self.agreed(),
             self.comparable(),

@@ -22,7 +22,7 @@ pub(super) struct Chain<'a> {
     goals: &'a dyn Fn(TaskId) -> String,
 }
 
-type Found = Result<Vec<Row>, RecordError>;
+type RowsResult = Result<Vec<Row>, RecordError>;
 
 impl<'a> Chain<'a> {
     /// A chain through the decisions of `log`; `goals` names tasks.
@@ -88,7 +88,7 @@ impl<'a> Chain<'a> {
                 DecisionKind::Selected { .. } => format!("{name} is pursued by {}", selected_text(row)),
                 DecisionKind::Refused { resource, .. } => format!("{name} was refused {resource}"),
                 DecisionKind::ProcedureAdded { summary, .. } => format!("{name} got a plan: {summary}"),
-                DecisionKind::Trouble { .. } => format!("{name} had trouble"),
+                DecisionKind::Trouble { .. } => format!("{name} had an error"),
             },
             Some(Effect::Command { command, form, .. }) => format!("{name} sent command {} {form}", command.0),
             Some(Effect::Inform { form, .. }) => format!("{name} said {form}"),
@@ -99,7 +99,7 @@ impl<'a> Chain<'a> {
     }
 
     /// Adds the evidence: leaves of the chain, and the decisions that are evidence themselves.
-    fn evidence(&self, link: &mut Link, row: &Row, because: &Because) -> Found {
+    fn evidence(&self, link: &mut Link, row: &Row, because: &Because) -> RowsResult {
         let mut rows = Vec::new();
         let here = |at: Time| (row.id, at);
         for evidence in because.evidence.iter() {
@@ -131,7 +131,7 @@ impl<'a> Chain<'a> {
                     None
                 }
                 Evidence::Instant { at, .. } => {
-                    link.causes.push(Link::seen(*at, format!("time went on: {}", evidence.text())));
+                    link.causes.push(Link::seen(*at, format!("time passed: {}", evidence.text())));
                     None
                 }
                 Evidence::Function { at, .. } | Evidence::Absence { at, .. } => {
@@ -153,7 +153,7 @@ impl<'a> Chain<'a> {
     }
 
     /// The decisions that a cause names, or that stand behind it without being named.
-    fn behind(&self, row: &Row, cause: &Cause) -> Found {
+    fn behind(&self, row: &Row, cause: &Cause) -> RowsResult {
         let (log, here, own) = (self.log.decisions, (row.id, row.at), row.task.unwrap_or(TaskId(u64::MAX)));
         let found = match cause {
             Cause::ParentStarted { parent } | Cause::ItemOf { parent } | Cause::Meanwhile { parent } => {
@@ -242,7 +242,7 @@ impl<'a> Chain<'a> {
     }
 
     /// A result is in the context of the parent.
-    fn result(&self, own: TaskId, variable: &str, row: &Row) -> Found {
+    fn result(&self, own: TaskId, variable: &str, row: &Row) -> RowsResult {
         let Some(created) = self.log.decisions.before(own, "created", row.id)? else { return Ok(Vec::new()) };
         let parent = match created.effect {
             Some(Effect::Decided(decision)) => match decision.kind {
@@ -259,7 +259,7 @@ impl<'a> Chain<'a> {
     }
 
     /// Explains the instant of a grant: the blocking task left, and the task had been enabled.
-    fn granted(&self, own: TaskId, row: &Row) -> Found {
+    fn granted(&self, own: TaskId, row: &Row) -> RowsResult {
         let mut rows = Vec::new();
         let enabled = self.log.decisions.transition_before(own, "enabled", row.id)?;
         let waited = self.log.decisions.before(own, "refused", row.id)?;
@@ -289,7 +289,7 @@ fn moved(from: TaskState, to: TaskState, outcome: Option<&apex_model::task::Outc
     use apex_model::task::Outcome;
     match (from, to, outcome) {
         (_, TaskState::Enabled, _) => "was enabled",
-        (TaskState::Interrupted, TaskState::Ongoing, _) => "went on",
+        (TaskState::Interrupted, TaskState::Ongoing, _) => "continued",
         (_, TaskState::Ongoing, _) => "started",
         (_, TaskState::Interrupted, _) => "was interrupted",
         (TaskState::Terminated, TaskState::Pending, _) => "is pending again",

@@ -73,8 +73,8 @@ impl History {
             "satisfied" => (format!("{} satisfied", row.subject), row.text.clone()),
             "bound" | "procedure-added" => (row.subject.clone(), row.text.clone()),
             // The message of a failure that is handled is its cause, reported already.
-            "trouble" if row.subject.starts_with(&row.text) => (format!("trouble: {}", row.text), String::new()),
-            "trouble" => (format!("trouble: {}", row.subject), row.text.clone()),
+            "trouble" if row.subject.starts_with(&row.text) => (format!("trouble: {}", row.text), String::new()), // english: allow
+            "trouble" => (format!("trouble: {}", row.subject), row.text.clone()), // english: allow
             "print" => (format!("prints {}", row.text), String::new()),
             "solve" | "ask" => (format!("{}s: {} ({})", row.kind, row.subject, row.text), String::new()),
             other => (format!("{other} {}", row.subject), String::new()),

@@ -119,7 +119,7 @@ impl fmt::Display for ResourceAnswer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let at = Time::from_seconds(self.about.t);
         match self.holders.as_slice() {
-            [] => writeln!(f, "{} ({} of it) belongs to nobody at {at}.", self.resource, self.total)?,
+            [] => writeln!(f, "{} ({} of it) belongs to no task at {at}.", self.resource, self.total)?,
             [one] => writeln!(f, "{} belongs to {} {} at {at}.", self.resource, one.task, one.goal)?,
             some => {
                 let names: Vec<String> = some.iter().map(|each| format!("{} {}", each.task, each.goal)).collect();
@@ -158,7 +158,7 @@ impl fmt::Display for WhyNot {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", self.answer)?;
         if !self.target.is_empty() {
-            writeln!(f, "\nWhat became of it:")?;
+            writeln!(f, "\nOutcome:")?;
             for moment in &self.target {
                 let line =
                     format!("  {:>12}  {} {}", Time::from_seconds(moment.t).to_string(), moment.state, moment.rest());

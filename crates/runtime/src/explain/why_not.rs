@@ -94,7 +94,7 @@ fn sentence(task: &Why) -> String {
     match task.state.as_str() {
         "pending" => format!("{name} has not been enabled by {t}: it is pending since {since}."),
         "enabled" => format!("{name} has not started by {t}: it is enabled since {since}."),
-        "interrupted" => format!("{name} has not gone on by {t}: it is interrupted since {since}."),
+        "interrupted" => format!("{name} has not continued by {t}: it is interrupted since {since}."),
         "ongoing" => format!("{name} has started: it is ongoing since {since}. It has not ended by {t}."),
         _ => {
             let outcome = task.outcome.as_deref().map(|word| format!(" ({word})")).unwrap_or_default();
@@ -203,9 +203,9 @@ fn of_resource(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Result
         names.join(" and ")
     };
     let text = match (found.holders.as_slice(), found.waiting.as_slice()) {
-        ([], []) => format!("{} is free at {}, and nobody waits for it.", found.resource, snapshot.at),
+        ([], []) => format!("{} is free at {}, and no task waits for it.", found.resource, snapshot.at),
         (some, []) => {
-            format!("{} belongs to {} at {}, and nobody waits for it.", found.resource, names(some), snapshot.at)
+            format!("{} belongs to {} at {}, and no task waits for it.", found.resource, names(some), snapshot.at)
         }
         ([], some) => format!(
             "{} is free at {}, and {} waits for it and for something else.",

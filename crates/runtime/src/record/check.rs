@@ -3,15 +3,15 @@
 //! Bound: each row is read once. Rows come by the tables' own trees, whose keys must rise, so damaged pages cannot make it
 //! endless.
 
-use super::seal::{Link, Seal, Sealer, counts_of};
+use super::seal::{ChainPosition, Seal, Sealer, counts_of};
 use super::tables::{ALL, SCHEMA, TABLES, Table};
 use apex_model::time::Time;
 use rusqlite::{CachedStatement, Connection, Row, Rows};
 
 /// Progress of the check of a record: everything up to here is as it was written.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Position {
-    pub(super) link: Link,
+pub(super) struct CheckProgress {
+    pub(super) link: ChainPosition,
     /// Last key of each table.
     keys: Keys,
     /// Instant and number of the last batch.
@@ -105,7 +105,7 @@ pub(super) fn check_indexes(connection: &Connection) -> Result<(), String> {
 /// Checks all groups after `position`, which moves on to the last that fits. All reads see one state of the record.
 pub(super) fn check_groups(
     connection: &Connection,
-    position: &mut Position,
+    position: &mut CheckProgress,
     visitor: &mut dyn Visitor,
 ) -> Result<(), Damage> {
     let own_transaction = connection.is_autocommit() && connection.execute_batch("BEGIN").is_ok();
@@ -121,7 +121,7 @@ pub(super) fn check_groups(
     })
 }
 
-fn walk(connection: &Connection, position: &mut Position, visitor: &mut dyn Visitor) -> Result<(), String> {
+fn walk(connection: &Connection, position: &mut CheckProgress, visitor: &mut dyn Visitor) -> Result<(), String> {
     let unreadable = |error: rusqlite::Error| format!("it cannot be read ({error})");
     let mut statements: Vec<CachedStatement<'_>> = Vec::with_capacity(TABLES);
     for table in ALL {
@@ -151,7 +151,7 @@ fn walk(connection: &Connection, position: &mut Position, visitor: &mut dyn Visi
             return Err("its rows do not fit its seal".into());
         }
         visitor.sealed(&seal).map_err(unreadable)?;
-        *position = Position { link: seal.link(), keys, now: Time(seal.t_ns), batch: seal.batch };
+        *position = CheckProgress { link: seal.link(), keys, now: Time(seal.t_ns), batch: seal.batch };
     }
     for (table, rows) in ALL.into_iter().zip(&mut tables) {
         if rows.next().map_err(unreadable)?.is_some() {

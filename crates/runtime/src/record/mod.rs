@@ -35,7 +35,7 @@ pub use open::{Integrity, check_integrity};
 pub use problems::{ProblemRow, SituationRow};
 pub use reader::{RecordGap, RecordReader, Sample, StoredSource, TaskRow};
 pub use recover::{Recovered, recover};
-pub use restore::{LoadProgram, Program};
+pub use restore::{LoadProgram, RestoredProgram};
 pub use rows::TargetRow;
 pub use schema::{APPLICATION_ID, SCHEMA_VERSION, agents, look_at_agent};
 pub use signature::{SignatureState, SigningKey, check_signature, signature_path};

@@ -4,9 +4,9 @@
 //! whose folder cannot be written, and one that was cut off, is read where it stands or from a copy in the folder for
 //! temporary files. Bound: the file is read once.
 
-use super::check::{self, Damage, NoVisitor, Position};
+use super::check::{self, CheckProgress, Damage, NoVisitor};
 use super::file_seal::{self, FileSeal};
-use super::schema::{self, BUSY_PATIENCE, Found, SCHEMA_VERSION, read_error, sibling};
+use super::schema::{self, BUSY_PATIENCE, FileState, SCHEMA_VERSION, read_error, sibling};
 use crate::error::RecordError;
 use rusqlite::config::DbConfig;
 use rusqlite::{Connection, ErrorCode, OpenFlags};
@@ -22,7 +22,7 @@ pub(super) enum Trust {
     /// The file is as it was sealed, with this length and time of its last change.
     File(Stamp),
     /// The groups up to here fit their seals; the seal of the file is missing or broken.
-    Groups(Position, FileSeal),
+    Groups(CheckProgress, FileSeal),
 }
 
 /// Length and time of the last change of a file.
@@ -44,7 +44,7 @@ pub(super) fn open(path: &Path) -> Result<Opened, RecordError> {
     let trust = match seal {
         FileSeal::Intact => Trust::File(stamp(path)),
         FileSeal::None | FileSeal::Broken => {
-            let mut position = Position::default();
+            let mut position = CheckProgress::default();
             check::check_groups(&connection, &mut position, &mut NoVisitor)
                 .map_err(|damage| damaged(damage.to_string()))?;
             check::check_indexes(&connection).map_err(damaged)?;
@@ -73,7 +73,7 @@ pub(super) fn open_again(path: &Path, before: (&Trust, Option<&Arc<Copied>>)) ->
 }
 
 /// Checks the groups that were added after `position` to a record that grows.
-pub(super) fn follow(connection: &Connection, position: &mut Position) -> Result<(), Damage> {
+pub(super) fn follow(connection: &Connection, position: &mut CheckProgress) -> Result<(), Damage> {
     let last = connection.prepare_cached("SELECT max(id) FROM main.seal");
     let last = last.and_then(|mut statement| statement.query_row([], |row| row.get::<_, Option<i64>>(0)));
     if last.is_ok_and(|last| last.unwrap_or(0) == position.link.id) {
@@ -85,9 +85,9 @@ pub(super) fn follow(connection: &Connection, position: &mut Position) -> Result
 /// Connects to the record at `path`, or to a copy of it, without a check: for checks and recovery.
 pub(super) fn connect(path: &Path) -> Result<(Connection, FileSeal, Option<Arc<Copied>>), RecordError> {
     match schema::look(path)? {
-        Found::Nothing => return Err(RecordError::Missing { path: path.to_path_buf() }),
-        Found::Record => {}
-        Found::Other(found) => return Err(RecordError::NotARecord { path: path.to_path_buf(), found }),
+        FileState::Nothing => return Err(RecordError::Missing { path: path.to_path_buf() }),
+        FileState::Record => {}
+        FileState::Other(found) => return Err(RecordError::NotARecord { path: path.to_path_buf(), found }),
     }
     let is_there = |suffix| fs::metadata(sibling(path, suffix)).is_ok_and(|found| found.len() > 0);
     let (log, journal) = (is_there("-wal"), is_there("-journal"));
@@ -248,7 +248,7 @@ impl Integrity {
 pub fn check_integrity(path: &Path) -> Result<Integrity, RecordError> {
     let (connection, file, _copy) = connect(path)?;
     let mut fault = check::check_schema(&connection).err();
-    let mut position = Position::default();
+    let mut position = CheckProgress::default();
     let mut damage = None;
     if fault.is_none() {
         damage = check::check_groups(&connection, &mut position, &mut NoVisitor).err();

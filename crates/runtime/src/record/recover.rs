@@ -3,7 +3,7 @@
 //! What SQLite can finish (a write-ahead log, a half-written transaction) it finishes on a copy. Then the groups are checked in
 //! order, and those that fit their seals are written into the new file, which is sealed. The old file stays as it is.
 
-use super::check::{Damage, Position, Visitor, check_groups, check_schema};
+use super::check::{CheckProgress, Damage, Visitor, check_groups, check_schema};
 use super::closing;
 use super::open::connect;
 use super::schema::{self, write_error};
@@ -45,7 +45,7 @@ pub fn recover(from: &Path, to: &Path) -> Result<Recovered, RecordError> {
     let fail = |error| write_error(to, "recovering", error);
     let mut copier = Copier { target: &target, inserts: ALL.map(Table::insert), failure: None };
     target.execute_batch("BEGIN").map_err(fail)?;
-    let mut position = Position::default();
+    let mut position = CheckProgress::default();
     let damage = check_groups(&source, &mut position, &mut copier).err();
     let failure = copier.failure.take();
     if !target.is_autocommit() {

@@ -11,17 +11,17 @@ use apex_model::time::Time;
 use std::sync::Arc;
 
 /// Checked form of the PDL sources in a record: library, the agent to run, and host functions.
-pub type Program = (Arc<Library>, AgentDeclaration, HostFunctions);
+pub type RestoredProgram = (Arc<Library>, AgentDeclaration, HostFunctions);
 
 /// Checks the recorded PDL sources again; passed in, because this crate knows no syntax.
-pub type LoadProgram<'a> = &'a dyn Fn(&[SourceFile]) -> Result<Program, String>;
+pub type LoadProgram<'a> = &'a dyn Fn(&[SourceFile]) -> Result<RestoredProgram, String>;
 
 impl RecordReader {
     /// Loads the recorded mission.
     ///
     /// # Errors
     /// [`RecordError::Damaged`] or [`RecordError::Load`] with the loader's message.
-    pub fn load(&self, load: LoadProgram<'_>) -> Result<Program, RecordError> {
+    pub fn load(&self, load: LoadProgram<'_>) -> Result<RestoredProgram, RecordError> {
         load(&self.pdl_sources()?).map_err(|message| RecordError::Load { path: self.path.clone(), message })
     }
 
@@ -39,7 +39,7 @@ impl RecordReader {
     ///
     /// # Errors
     /// [`RecordError`] when the record cannot be read or its mission not loaded.
-    pub fn restore_with(&self, at: Time, program: &Program) -> Result<Agent, RecordError> {
+    pub fn restore_with(&self, at: Time, program: &RestoredProgram) -> Result<Agent, RecordError> {
         // Another version's snapshot may decode into nonsense. Nothing is lost: everything can be had from the inputs.
         let ours = self.meta("apex_version")?.as_deref() == Some(env!("CARGO_PKG_VERSION"));
         let stored = if ours { self.snapshot_before(at)? } else { None };
@@ -66,12 +66,12 @@ impl RecordReader {
     }
 
     /// The agent before its first step.
-    pub(crate) fn fresh_agent(&self, program: &Program) -> Result<Agent, RecordError> {
+    pub(crate) fn fresh_agent(&self, program: &RestoredProgram) -> Result<Agent, RecordError> {
         self.fresh_agent_number(program, self.agent)
     }
 
     /// Agent `agent` before its first step.
-    pub(crate) fn fresh_agent_number(&self, program: &Program, agent: usize) -> Result<Agent, RecordError> {
+    pub(crate) fn fresh_agent_number(&self, program: &RestoredProgram, agent: usize) -> Result<Agent, RecordError> {
         let (library, declaration, host) = program;
         let declaration = if self.has_several_agents() { library.agents.get(agent) } else { Some(declaration) };
         let missing = || RecordError::Load {

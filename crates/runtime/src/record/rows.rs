@@ -1,6 +1,6 @@
 //! Rows that a mission adds to its record: targets, their states, sections of the final report, sources, facts.
 
-use super::store::{Cell, text};
+use super::store::{SqlValue, text};
 use super::tables::Table;
 use super::writer::Recorder;
 use crate::error::RecordError;
@@ -41,7 +41,7 @@ impl Recorder {
         self.store.insert(
             "storing a source file",
             Table::Source,
-            &[text(Some(name)), text(Some(role)), Cell::Blob(body)],
+            &[text(Some(name)), text(Some(role)), SqlValue::Blob(body)],
         )
     }
 
@@ -51,7 +51,7 @@ impl Recorder {
     /// [`RecordError`] when the file cannot be written.
     pub fn target(&mut self, target: &TargetRow) -> Result<(), RecordError> {
         let TargetRow { id, name, latitude_deg, longitude_deg, value, geometry } = target;
-        let [latitude, longitude, value] = [*latitude_deg, *longitude_deg, *value].map(Cell::Real);
+        let [latitude, longitude, value] = [*latitude_deg, *longitude_deg, *value].map(SqlValue::Real);
         let row = [text(Some(id)), text(Some(name)), latitude, longitude, value, text(Some(geometry))];
         self.store.insert("storing a target", Table::Target, &row)
     }
@@ -62,7 +62,7 @@ impl Recorder {
     /// [`RecordError`] when the file cannot be written.
     pub(super) fn target_changes(&mut self, changes: &[TargetChange]) -> Result<(), RecordError> {
         for TargetChange { target, at, state, detail } in changes.iter().skip(self.stored_changes) {
-            let row = [text(Some(target)), Cell::Integer(at.0), text(Some(state.word())), text(Some(detail))];
+            let row = [text(Some(target)), SqlValue::Integer(at.0), text(Some(state.word())), text(Some(detail))];
             self.store.insert("storing a target's state", Table::TargetState, &row)?;
         }
         self.stored_changes = changes.len();

@@ -44,9 +44,9 @@ pub(super) fn create(path: &Path) -> Result<Connection, RecordError> {
 /// Removes an older record; refuses to touch anything else.
 fn make_room(path: &Path) -> Result<(), RecordError> {
     match look(path)? {
-        Found::Nothing => return Ok(()),
-        Found::Record => {}
-        Found::Other(found) => return Err(RecordError::NotARecord { path: path.to_path_buf(), found }),
+        FileState::Nothing => return Ok(()),
+        FileState::Record => {}
+        FileState::Other(found) => return Err(RecordError::NotARecord { path: path.to_path_buf(), found }),
     }
     refuse_when_written(path)?;
     for suffix in ["", "-wal", "-shm", "-journal", ".sig"] {
@@ -82,36 +82,36 @@ fn refuse_when_written(path: &Path) -> Result<(), RecordError> {
 }
 
 /// Kind of file at a path.
-pub(super) enum Found {
+pub(super) enum FileState {
     Nothing,
     Record,
     Other(String),
 }
 
 /// Reads the header of the file at `path`.
-pub(super) fn look(path: &Path) -> Result<Found, RecordError> {
+pub(super) fn look(path: &Path) -> Result<FileState, RecordError> {
     let unreadable = |error: std::io::Error| RecordError::Unwritable {
         path: path.to_path_buf(),
-        doing: "looking at what stands there".into(),
+        doing: "inspecting the existing file".into(),
         reason: error.to_string(),
     };
     let mut file = match fs::File::open(path) {
         Ok(file) => file,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Found::Nothing),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(FileState::Nothing),
         Err(error) => return Err(unreadable(error)),
     };
     if file.metadata().map_err(unreadable)?.is_dir() {
-        return Ok(Found::Other("it is a folder".into()));
+        return Ok(FileState::Other("it is a folder".into()));
     }
     let mut header = Vec::with_capacity(100);
     file.by_ref().take(100).read_to_end(&mut header).map_err(unreadable)?;
     let mark = header.get(APPLICATION_ID_OFFSET..APPLICATION_ID_OFFSET + 4);
     let id = mark.and_then(|bytes| <[u8; 4]>::try_from(bytes).ok()).map(|bytes| i64::from(u32::from_be_bytes(bytes)));
     Ok(match header.starts_with(SQLITE_MARK) {
-        true if id == Some(APPLICATION_ID) => Found::Record,
-        true => Found::Other("it is a database of something else".into()),
-        false if header.is_empty() => Found::Record,
-        false => Found::Other("it does not begin like one".into()),
+        true if id == Some(APPLICATION_ID) => FileState::Record,
+        true => FileState::Other("it is a database of something else".into()),
+        false if header.is_empty() => FileState::Record,
+        false => FileState::Other("it does not begin like one".into()),
     })
 }
 

@@ -16,7 +16,7 @@ const MARK: &[u8] = b"apex record seal 1\0";
 
 /// Position in a chain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Link {
+pub(super) struct ChainPosition {
     /// Number of the last seal; 0 before the first.
     pub(super) id: i64,
     pub(super) chain: Hash,
@@ -65,7 +65,7 @@ impl Sealer {
     }
 
     /// The seal of the rows, after the seal `before`; the sealer is empty again.
-    pub(super) fn seal(&mut self, before: Link, t_ns: i64, batch: i64) -> Seal {
+    pub(super) fn seal(&mut self, before: ChainPosition, t_ns: i64, batch: i64) -> Seal {
         let id = before.id + 1;
         let mut chain = Sha256::new();
         chain.update(MARK);
@@ -112,8 +112,8 @@ fn put_cell(bytes: &mut Vec<u8>, cell: ValueRef<'_>) {
 
 impl Seal {
     /// Returns the position in the chain after it.
-    pub(super) fn link(&self) -> Link {
-        Link { id: self.id, chain: self.chain }
+    pub(super) fn link(&self) -> ChainPosition {
+        ChainPosition { id: self.id, chain: self.chain }
     }
 
     /// The counts as they are stored: index of the table and number of rows, for each table that has any.
@@ -174,7 +174,7 @@ mod tests {
         let seal = |rows: &[(usize, &[ValueRef<'_>])]| {
             let mut sealer = Sealer::default();
             rows.iter().for_each(|(table, cells)| sealer.row(*table, cells.iter().copied()));
-            sealer.seal(Link::default(), 0, 0).chain
+            sealer.seal(ChainPosition::default(), 0, 0).chain
         };
         let (one, text) = (ValueRef::Integer(1), ValueRef::Text(b"1"));
         let chains = [

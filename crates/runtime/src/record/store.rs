@@ -7,7 +7,7 @@ use super::closing;
 use super::difference::RowDifference;
 use super::kept_rows::KeptRows;
 use super::schema::{self, write_error};
-use super::seal::{Link, Sealer};
+use super::seal::{ChainPosition, Sealer};
 use super::signature::{self, SigningKey};
 use super::tables::{TABLES, Table};
 use crate::error::RecordError;
@@ -22,27 +22,27 @@ use std::time::Instant;
 const PAGE_BYTES: u64 = 4096;
 
 /// A cell of a row, as SQLite stores it.
-pub(super) type Cell<'c> = ValueRef<'c>;
+pub(super) type SqlValue<'c> = ValueRef<'c>;
 
 /// A text, or nothing.
-pub(super) fn text(text: Option<&str>) -> Cell<'_> {
+pub(super) fn text(text: Option<&str>) -> SqlValue<'_> {
     text.map_or(ValueRef::Null, |text| ValueRef::Text(text.as_bytes()))
 }
 
 /// A whole number, or nothing.
-pub(super) fn whole<'c>(number: Option<i64>) -> Cell<'c> {
+pub(super) fn whole<'c>(number: Option<i64>) -> SqlValue<'c> {
     number.map_or(ValueRef::Null, ValueRef::Integer)
 }
 
 /// A real number, or nothing.
-pub(super) fn real<'c>(number: Option<f64>) -> Cell<'c> {
+pub(super) fn real<'c>(number: Option<f64>) -> SqlValue<'c> {
     number.map_or(ValueRef::Null, ValueRef::Real)
 }
 
 /// Destination of the recorder's rows: they are stored, or compared with stored ones.
 pub(super) trait RowStore: Send {
     /// Appends a row. Tables whose rows are numbered get their first column here. `doing` is for the message if it fails.
-    fn insert(&mut self, doing: &str, table: Table, cells: &[Cell<'_>]) -> Result<(), RecordError>;
+    fn insert(&mut self, doing: &str, table: Table, cells: &[SqlValue<'_>]) -> Result<(), RecordError>;
 
     /// The instant that is being stored, for messages and seals.
     fn set_now(&mut self, now: Time);
@@ -128,9 +128,9 @@ pub(super) struct Store {
     connection: Option<Connection>,
     /// Copies what is committed into the main file from time to time.
     checkpoints: Option<Checkpoints>,
-    group: Option<Group>,
+    group: Option<OpenTransaction>,
     sealer: Sealer,
-    link: Link,
+    link: ChainPosition,
     counts: [u64; TABLES],
     inserts: [String; TABLES],
     /// A write failed; nothing is written after it.
@@ -153,7 +153,7 @@ struct RecordingLoss {
 }
 
 /// An open transaction.
-struct Group {
+struct OpenTransaction {
     began: Instant,
     batches: u32,
 }
@@ -177,7 +177,7 @@ impl Store {
             checkpoints: Checkpoints::begin(path),
             group: None,
             sealer: Sealer::default(),
-            link: Link::default(),
+            link: ChainPosition::default(),
             counts: [0; TABLES],
             inserts: super::tables::ALL.map(Table::insert),
             broken: false,
@@ -194,13 +194,13 @@ impl Store {
         if self.group.is_none() {
             let connection = self.connection.as_ref().ok_or(rusqlite::Error::InvalidQuery)?;
             connection.prepare_cached("BEGIN IMMEDIATE")?.execute([])?;
-            self.group = Some(Group { began: Instant::now(), batches: 0 });
+            self.group = Some(OpenTransaction { began: Instant::now(), batches: 0 });
         }
         Ok(())
     }
 
     /// Writes a row into the open group.
-    fn store<'c>(&mut self, table: Table, row: impl Iterator<Item = Cell<'c>> + Clone) -> rusqlite::Result<()> {
+    fn store<'c>(&mut self, table: Table, row: impl Iterator<Item = SqlValue<'c>> + Clone) -> rusqlite::Result<()> {
         self.open_group()?;
         let index = table.index();
         let (Some(connection), Some(sql)) = (&self.connection, self.inserts.get(index)) else {
@@ -275,7 +275,7 @@ impl Store {
         self.store(Table::Meta, row)
     }
 
-    fn next_position<'c>(&mut self, table: Table) -> Option<Cell<'c>> {
+    fn next_position<'c>(&mut self, table: Table) -> Option<SqlValue<'c>> {
         let count = self.counts.get_mut(table.index())?;
         *count += 1;
         table.is_numbered().then_some(ValueRef::Integer(count.cast_signed()))
@@ -295,7 +295,7 @@ impl Store {
 }
 
 impl RowStore for Store {
-    fn insert(&mut self, doing: &str, table: Table, cells: &[Cell<'_>]) -> Result<(), RecordError> {
+    fn insert(&mut self, doing: &str, table: Table, cells: &[SqlValue<'_>]) -> Result<(), RecordError> {
         if self.broken {
             return Err(self.unwritable(doing, "an earlier write failed".into()));
         }

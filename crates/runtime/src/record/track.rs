@@ -29,15 +29,15 @@ pub(super) struct TrackRow {
 
 /// Watches the measurements of one vehicle.
 #[derive(Clone, Debug)]
-pub(super) struct Track {
+pub(super) struct TrackWatcher {
     vehicle: Symbol,
     latest: TrackRow,
     written: Option<TrackRow>,
 }
 
-impl Track {
+impl TrackWatcher {
     /// Follows the vehicle of that name, `aircraft-1`.
-    pub(super) fn new(vehicle: &str) -> Track {
+    pub(super) fn new(vehicle: &str) -> TrackWatcher {
         let nowhere = TrackRow {
             at: Time::BEGINNING,
             latitude_deg: f64::NAN,
@@ -48,7 +48,7 @@ impl Track {
             ground_speed_mps: None,
             fuel_kg: None,
         };
-        Track { vehicle: Symbol::new(vehicle), latest: nowhere, written: None }
+        TrackWatcher { vehicle: Symbol::new(vehicle), latest: nowhere, written: None }
     }
 
     /// Takes in a batch; answers with a row when one is worth drawing.
@@ -143,11 +143,11 @@ mod tests {
 
     #[test]
     fn straight_flight_is_thinned_and_turns_are_kept() {
-        let mut track = Track::new("Aircraft-1");
+        let mut track = TrackWatcher::new("Aircraft-1");
         let first = track.hear(&batch(0.0, 359.0)).unwrap();
         assert_eq!((first.latitude_deg, first.altitude_m), (34.5, Some(7000.0)));
         assert!((first.heading_deg.unwrap() - 359.0).abs() < 1e-9);
-        assert_eq!(track.hear(&batch(5.0, 1.0)), None, "two degrees across north are no turn");
+        assert_eq!(track.hear(&batch(5.0, 1.0)), None, "two degrees across north are not a turn");
         assert!(track.hear(&batch(6.0, 20.0)).is_some());
         assert_eq!(track.hear(&batch(6.5, 60.0)), None, "not more often than once a second");
         assert!(track.hear(&batch(16.0, 20.0)).is_some());

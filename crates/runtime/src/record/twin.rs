@@ -5,7 +5,7 @@
 
 use super::difference::RowDifference;
 use super::reader::RecordReader;
-use super::store::{Cell, RowStore};
+use super::store::{RowStore, SqlValue};
 use super::tables::{ALL, TABLES, Table};
 use super::writer::{Recorder, TRACK_OF};
 use crate::error::RecordError;
@@ -107,7 +107,7 @@ impl Twin {
 }
 
 impl RowStore for Twin {
-    fn insert(&mut self, _: &str, table: Table, cells: &[Cell<'_>]) -> Result<(), RecordError> {
+    fn insert(&mut self, _: &str, table: Table, cells: &[SqlValue<'_>]) -> Result<(), RecordError> {
         if !self.derivable.has(table) || self.difference.is_some() {
             return Ok(());
         }
@@ -172,7 +172,7 @@ impl RowStore for Twin {
 }
 
 /// A cell as SQLite gives it back.
-fn as_stored(cell: Cell<'_>) -> Value {
+fn as_stored(cell: SqlValue<'_>) -> Value {
     match Value::try_from(cell) {
         Ok(Value::Real(real)) if real.is_nan() => Value::Null,
         Ok(Value::Real(0.0)) => Value::Real(0.0),

@@ -4,9 +4,9 @@
 use super::codec::{self, Variables};
 use super::difference::RowDifference;
 use super::signature::SigningKey;
-use super::store::{Cell, DiskNews, Durability, Resumption, RowStore, Store, real, text, whole};
+use super::store::{DiskNews, Durability, Resumption, RowStore, SqlValue, Store, real, text, whole};
 use super::tables::Table;
-use super::track::{Track, TrackRow};
+use super::track::{TrackRow, TrackWatcher};
 use crate::effect_describer::{EffectDescriber, EffectRow};
 use crate::error::RecordError;
 use crate::limits::{RECORDING_KEPT_BYTES_MAX, SNAPSHOT_BATCHES_MAX, SNAPSHOT_BATCHES_MIN, SNAPSHOT_BYTES_MAX};
@@ -51,7 +51,7 @@ pub struct Recorder {
     /// Agent whose steps are stored.
     turn: usize,
     variables: Variables,
-    track: Option<Track>,
+    track: Option<TrackWatcher>,
     bytes: Vec<u8>,
     /// Number of the last batch; the batch that is being executed when `begun`.
     batch: i64,
@@ -118,7 +118,7 @@ impl Recorder {
             agents: Vec::new(),
             turn: 0,
             variables: Variables::default(),
-            track: vehicle.map(Track::new),
+            track: vehicle.map(TrackWatcher::new),
             bytes: Vec::new(),
             batch: 0,
             effect: 0,
@@ -130,10 +130,18 @@ impl Recorder {
             recorder
                 .agents
                 .push(RecordedAgent { describer: EffectDescriber::new(library), snapshots: Snapshots::default() });
-            let row = [Cell::Integer(number), text(Some(agent.name.printed()))];
+            let row = [SqlValue::Integer(number), text(Some(agent.name.printed()))];
             recorder.store.insert("storing the agents", Table::Agent, &row)?;
         }
         Ok(recorder)
+    }
+
+    /// Writes everything that waits to the file.
+    ///
+    /// # Errors
+    /// [`RecordError`] when the file cannot be written.
+    pub fn commit(&mut self) -> Result<(), RecordError> {
+        self.store.commit()
     }
 
     /// Stores the PDL sources of `library` in load order, as [`Recorder::source`] with role `pdl`.
@@ -199,10 +207,10 @@ impl Recorder {
             self.store_variable(number as u64 + 1)?;
         }
         let row = [
-            Cell::Integer(self.batch),
-            Cell::Integer(batch.now.0),
-            Cell::Blob(&bytes),
-            Cell::Integer(self.turn as i64),
+            SqlValue::Integer(self.batch),
+            SqlValue::Integer(batch.now.0),
+            SqlValue::Blob(&bytes),
+            SqlValue::Integer(self.turn as i64),
         ];
         self.store.insert("storing the inputs", Table::Batch, &row)?;
         if let Some(agent) = self.agents.get_mut(self.turn) {
@@ -222,7 +230,7 @@ impl Recorder {
         let name = variable.variable.to_string();
         let encoded = postcard::to_stdvec(variable);
         let body = encoded.map_err(|error| self.store.unstorable(&name, error.to_string()))?;
-        let row = [Cell::Integer(number as i64), text(Some(&name)), Cell::Blob(&body)];
+        let row = [SqlValue::Integer(number as i64), text(Some(&name)), SqlValue::Blob(&body)];
         self.store.insert("storing a state variable", Table::Variable, &row)
     }
 
@@ -230,9 +238,9 @@ impl Recorder {
         let TrackRow { at, latitude_deg, longitude_deg, altitude_m, heading_deg, roll_deg, ground_speed_mps, fuel_kg } =
             *row;
         let row = [
-            Cell::Integer(at.0),
-            Cell::Real(latitude_deg),
-            Cell::Real(longitude_deg),
+            SqlValue::Integer(at.0),
+            SqlValue::Real(latitude_deg),
+            SqlValue::Real(longitude_deg),
             real(altitude_m),
             real(heading_deg),
             real(roll_deg),
@@ -255,9 +263,9 @@ impl Recorder {
         let body = encoded.map_err(|error| self.store.unstorable(told.kind, error.to_string()))?;
         self.effect += 1;
         let row = [
-            Cell::Integer(self.effect),
-            Cell::Integer(self.batch),
-            Cell::Integer(now.0),
+            SqlValue::Integer(self.effect),
+            SqlValue::Integer(self.batch),
+            SqlValue::Integer(now.0),
             text(Some(told.kind)),
             whole(told.task.map(|task| task.0 as i64)),
             text(told.from.map(TaskState::word)),
@@ -266,8 +274,8 @@ impl Recorder {
             text(Some(&told.subject)),
             text(Some(&told.text)),
             text(told.place.as_deref()),
-            Cell::Blob(&body),
-            Cell::Integer(self.turn as i64),
+            SqlValue::Blob(&body),
+            SqlValue::Integer(self.turn as i64),
             text(method.as_deref()),
         ];
         self.store.insert("storing the effects", Table::Effect, &row)?;
@@ -281,13 +289,13 @@ impl Recorder {
     fn store_task(&mut self, now: Time, decision: &Decision, told: &EffectRow) -> Result<(), RecordError> {
         let (Some(task), DecisionKind::Created { parent, .. }) = (decision.task, &decision.kind) else { return Ok(()) };
         let row = [
-            Cell::Integer(task.0 as i64),
+            SqlValue::Integer(task.0 as i64),
             whole(parent.map(|parent| parent.0 as i64)),
             text(told.tag.as_deref()),
             text(Some(&told.subject)),
-            Cell::Integer(now.0),
+            SqlValue::Integer(now.0),
             text(told.place.as_deref()),
-            Cell::Integer(self.turn as i64),
+            SqlValue::Integer(self.turn as i64),
         ];
         self.store.insert("storing the tasks", Table::Task, &row)
     }
@@ -309,11 +317,11 @@ impl Recorder {
             let is_wanted = std::mem::take(&mut recorded.snapshots.is_wanted);
             recorded.snapshots.impossible = body.len() > SNAPSHOT_BYTES_MAX;
             if is_wanted || !recorded.snapshots.impossible {
-                let (batch, now) = (Cell::Integer(self.batch), Cell::Integer(now.0));
-                let row = [batch, now, Cell::Blob(&body), Cell::Integer(self.turn as i64)];
+                let (batch, now) = (SqlValue::Integer(self.batch), SqlValue::Integer(now.0));
+                let row = [batch, now, SqlValue::Blob(&body), SqlValue::Integer(self.turn as i64)];
                 self.store.insert("storing a snapshot", Table::Snapshot, &row)?;
                 if let Some(body) = deliberator.snapshot() {
-                    self.store.insert("storing a snapshot", Table::Situation, &[batch, now, Cell::Blob(&body)])?;
+                    self.store.insert("storing a snapshot", Table::Situation, &[batch, now, SqlValue::Blob(&body)])?;
                 }
             }
         }
@@ -324,9 +332,9 @@ impl Recorder {
         let SolveRequest { request, goal, solver, .. } = request;
         let goal = goal.to_string();
         let row = [
-            Cell::Integer(request.0 as i64),
-            Cell::Integer(self.batch),
-            Cell::Integer(at.0),
+            SqlValue::Integer(request.0 as i64),
+            SqlValue::Integer(self.batch),
+            SqlValue::Integer(at.0),
             text(Some(&goal)),
             text(Some(solver.printed())),
             text(Some(problem)),
@@ -345,13 +353,13 @@ impl Recorder {
         };
         let encoded = postcard::to_stdvec(&report);
         let report = encoded.map_err(|error| self.store.unstorable("a solver's answer", error.to_string()))?;
-        let (request, due) = (Cell::Integer(request.0 as i64), Cell::Integer(due.0));
-        let row = [request, due, text(Some(detail)), text(plan.as_deref()), Cell::Blob(&report)];
+        let (request, due) = (SqlValue::Integer(request.0 as i64), SqlValue::Integer(due.0));
+        let row = [request, due, text(Some(detail)), text(plan.as_deref()), SqlValue::Blob(&report)];
         self.store.insert("storing a solver's answer", Table::Answer, &row)
     }
 
     fn store_note(&mut self, at: Time, note: &str) -> Result<(), RecordError> {
-        let row = [Cell::Integer(self.batch), Cell::Integer(at.0), text(Some(note))];
+        let row = [SqlValue::Integer(self.batch), SqlValue::Integer(at.0), text(Some(note))];
         self.store.insert("storing a note", Table::Note, &row)
     }
 }

@@ -1,21 +1,21 @@
 //! Programs that misbehave in every way that a process can, and one that does its work.
 
 use super::*;
-use crate::invocation::{Answer, Invocation, Limits};
+use crate::invocation::{Answer, Invocation, SolverLimits};
 use crate::ports::CancelToken;
 use apex_model::problem::{SingleVisitProblem, SurveillancePlan};
 use std::time::Duration;
 
 /// Asks a shell script for a plan of single visits.
-fn ask(script: &str, limits: Limits) -> Answer {
+fn ask(script: &str, limits: SolverLimits) -> Answer {
     let command = ["sh", "-c", script].map(OsString::from).to_vec();
     let problem = Arc::new(Problem::SingleVisit(SingleVisitProblem::default()));
     let solver = Arc::new(SolverProgram::new("mine", command));
     Invocation::begin(solver, problem, None, 7, limits).unwrap().finish(&CancelToken::new())
 }
 
-fn usual() -> Limits {
-    Limits { units: 1_000, timeout: Duration::from_secs(60), memory_bytes: 256 << 20 }
+fn usual() -> SolverLimits {
+    SolverLimits { units: 1_000, timeout: Duration::from_secs(60), memory_bytes: 256 << 20 }
 }
 
 /// A plan without visits, as JSON.
@@ -95,7 +95,7 @@ fn a_program_that_hangs_is_killed_with_what_it_started() {
     let file = folder.path().join("alive");
     // The grandchild would write the file later.
     let script = format!("(sleep 3; touch '{}') & trap '' TERM; while true; do sleep 0.05; done", file.display());
-    let limits = Limits { timeout: Duration::from_millis(300), ..usual() };
+    let limits = SolverLimits { timeout: Duration::from_millis(300), ..usual() };
     let violation = ask(&script, limits).violation.unwrap();
     assert!(violation.contains("gave no answer within 0.3 s"), "{violation}");
     std::thread::sleep(Duration::from_millis(3_500));
@@ -114,7 +114,7 @@ fn work_beyond_the_budget_and_memory_end_a_program() {
     let overran = ask("while true; do echo '{\"charge\": 100000}'; done", usual()).violation.unwrap();
     assert!(overran.contains("after its 1000 units of work"), "{overran}");
     let hoards = "x=xxxxxxxxxxxxxxxx; while true; do x=$x$x; done";
-    let limits = Limits { memory_bytes: 32 << 20, ..usual() };
+    let limits = SolverLimits { memory_bytes: 32 << 20, ..usual() };
     let violation = ask(hoards, limits).violation.unwrap();
     assert!(
         violation.contains("memory") || violation.contains("SIG") || violation.contains("exit code"),

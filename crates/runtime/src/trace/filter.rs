@@ -1,6 +1,6 @@
 //! Selection of lines of a trace.
 
-use super::line::Line;
+use super::line::TraceLine;
 use apex_model::time::Time;
 use std::collections::BTreeSet;
 
@@ -67,7 +67,7 @@ impl TraceFilter {
     }
 
     /// Returns true if kind, time and object of this line are selected.
-    pub(super) fn admits(&self, line: &Line) -> bool {
+    pub(super) fn admits(&self, line: &TraceLine) -> bool {
         let kind = if self.kinds.is_empty() { line.kind != "wake" } else { self.kinds.contains(line.kind) };
         let time = self.from.is_none_or(|from| line.at >= from) && self.to.is_none_or(|to| line.at <= to);
         let agent = match (self.agent.as_deref(), line.agent.as_deref()) {
@@ -78,7 +78,7 @@ impl TraceFilter {
     }
 }
 
-fn concerns(line: &Line, object: &str) -> bool {
+fn concerns(line: &TraceLine, object: &str) -> bool {
     let object = object.to_lowercase();
     if let (Some((agent, rest)), Some(own)) = (object.split_once('/'), line.agent.as_deref())
         && own.to_lowercase() == agent

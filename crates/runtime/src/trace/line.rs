@@ -19,7 +19,7 @@ const TIME_COLUMNS: usize = 12;
 
 /// A line before it is written.
 #[derive(Clone, Debug)]
-pub(super) struct Line {
+pub(super) struct TraceLine {
     pub(super) at: Time,
     /// Agent of the line, if several agents run.
     pub(super) agent: Option<Arc<str>>,
@@ -36,32 +36,32 @@ pub(super) struct Line {
     words: String,
 }
 
-impl Line {
-    fn new(at: Time, kind: &'static str, subject: String, words: String) -> Line {
+impl TraceLine {
+    fn new(at: Time, kind: &'static str, subject: String, words: String) -> TraceLine {
         let (fields, cause) = (Vec::new(), String::new());
-        Line { at, agent: None, kind, task: None, goal: Arc::from(""), subject, place: None, fields, cause, words }
+        TraceLine { at, agent: None, kind, task: None, goal: Arc::from(""), subject, place: None, fields, cause, words }
     }
 
-    fn text_field(&mut self, key: &'static str, text: &str) -> &mut Line {
+    fn text_field(&mut self, key: &'static str, text: &str) -> &mut TraceLine {
         self.field(key, FieldValue::Text(text.to_owned()))
     }
 
-    fn field(&mut self, key: &'static str, value: impl Into<FieldValue>) -> &mut Line {
+    fn field(&mut self, key: &'static str, value: impl Into<FieldValue>) -> &mut TraceLine {
         self.fields.push((key, value.into()));
         self
     }
 
     /// The line of an input.
-    pub(super) fn of_event(event: &Event) -> Line {
+    pub(super) fn of_event(event: &Event) -> TraceLine {
         let at = event.at;
-        let line = |kind, subject: String, words: String| Line::new(at, kind, subject, words);
+        let line = |kind, subject: String, words: String| TraceLine::new(at, kind, subject, words);
         match &event.kind {
-            EventKind::Measurement(variable, value) => Line::of_measurement(at, variable, value),
-            EventKind::Occurrence(form) => Line::of_occurrence(at, form),
+            EventKind::Measurement(variable, value) => TraceLine::of_measurement(at, variable, value),
+            EventKind::Occurrence(form) => TraceLine::of_occurrence(at, form),
             EventKind::Told(author, message) => {
                 let mut line = match message {
-                    Message::Occurrence(form) => Line::of_occurrence(at, form),
-                    Message::Measurement(variable, value) => Line::of_measurement(at, variable, value),
+                    Message::Occurrence(form) => TraceLine::of_occurrence(at, form),
+                    Message::Measurement(variable, value) => TraceLine::of_measurement(at, variable, value),
                 };
                 let _ = write!(line.words, " from {author}");
                 line.text_field("from_agent", author.printed());
@@ -118,30 +118,30 @@ impl Line {
         }
     }
 
-    fn of_measurement(at: Time, variable: &StateVariable, value: &Value) -> Line {
+    fn of_measurement(at: Time, variable: &StateVariable, value: &Value) -> TraceLine {
         let name = variable.to_string();
-        let mut line = Line::new(at, "measurement", name.clone(), format!("{name} = {value}"));
+        let mut line = TraceLine::new(at, "measurement", name.clone(), format!("{name} = {value}"));
         line.text_field("variable", &name).field("value", value);
         line
     }
 
-    fn of_occurrence(at: Time, form: &Value) -> Line {
+    fn of_occurrence(at: Time, form: &Value) -> TraceLine {
         let form = form.to_string();
-        let mut line = Line::new(at, "event", form.clone(), format!("event {form}"));
+        let mut line = TraceLine::new(at, "event", form.clone(), format!("event {form}"));
         line.text_field("form", &form);
         line
     }
 
     /// The line of a decision of the runtime.
-    pub(super) fn of_note(at: Time, text: &str) -> Line {
-        let mut line = Line::new(at, "note", String::new(), format!("note: {text}"));
+    pub(super) fn of_note(at: Time, text: &str) -> TraceLine {
+        let mut line = TraceLine::new(at, "note", String::new(), format!("note: {text}"));
         line.text_field("text", text);
         line
     }
 
     /// The line of an effect of the step at `now`.
-    pub(super) fn of_effect(now: Time, effect: &Effect, told: &EffectRow, describer: &EffectDescriber) -> Line {
-        let mut line = Line::new(now, told.kind, told.subject.clone(), String::new());
+    pub(super) fn of_effect(now: Time, effect: &Effect, told: &EffectRow, describer: &EffectDescriber) -> TraceLine {
+        let mut line = TraceLine::new(now, told.kind, told.subject.clone(), String::new());
         line.task = told.task;
         line.goal = Arc::clone(&told.goal);
         line.place.clone_from(&told.place);
@@ -268,7 +268,7 @@ impl Line {
                 self.field("request", request.0).text_field("summary", summary);
             }
             DecisionKind::Trouble { message } => {
-                self.words = format!("trouble: {message}");
+                self.words = format!("trouble: {message}"); // english: allow
                 self.text_field("message", message);
             }
         }
@@ -309,7 +309,7 @@ impl Line {
     }
 }
 
-impl Serialize for Line {
+impl Serialize for TraceLine {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("t", &FieldValue::Seconds(self.at))?;

@@ -18,7 +18,7 @@ use apex_model::event::Batch;
 use apex_model::library::{AgentDeclaration, Library};
 use apex_model::task::TaskId;
 use apex_model::time::Time;
-use line::Line;
+use line::TraceLine;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -83,7 +83,7 @@ impl<W: Write> Tracer<W> {
         let Some(agent) = self.agents.get_mut(self.turn) else { return Ok(()) };
         agent.describer.hear(batch);
         for event in &batch.events {
-            self.write_own(Line::of_event(event))?;
+            self.write_own(TraceLine::of_event(event))?;
         }
         for effect in effects {
             let Some(agent) = self.agents.get_mut(self.turn) else { return Ok(()) };
@@ -91,19 +91,19 @@ impl<W: Write> Tracer<W> {
                 agent.remember(effect);
             }
             let told = agent.describer.tell(effect);
-            let line = Line::of_effect(batch.now, effect, &told, &agent.describer);
+            let line = TraceLine::of_effect(batch.now, effect, &told, &agent.describer);
             self.write_own(line)?;
         }
         Ok(())
     }
 
     /// Writes a line of the agent whose turn it is.
-    fn write_own(&mut self, mut line: Line) -> io::Result<()> {
+    fn write_own(&mut self, mut line: TraceLine) -> io::Result<()> {
         line.agent = self.agents.get(self.turn).and_then(|agent| agent.name.clone());
         self.write(&line)
     }
 
-    fn write(&mut self, line: &Line) -> io::Result<()> {
+    fn write(&mut self, line: &TraceLine) -> io::Result<()> {
         if !self.filter.admits(line) || !self.is_of_procedure(line) {
             return Ok(());
         }
@@ -115,7 +115,7 @@ impl<W: Write> Tracer<W> {
     }
 
     /// The place filter admits what the procedure's own lines caused, its tasks, and the tasks of its steps.
-    fn is_of_procedure(&self, line: &Line) -> bool {
+    fn is_of_procedure(&self, line: &TraceLine) -> bool {
         let Some(place) = &self.filter.place else { return true };
         let Some(agent) = self.agents.get(self.turn) else { return true };
         let own = line.task.and_then(|task| agent.tasks.get(&task));
@@ -152,7 +152,7 @@ impl<W: Write> Observer for Tracer<W> {
     }
 
     fn note(&mut self, at: Time, text: &str) -> Result<(), String> {
-        self.write(&Line::of_note(at, text)).map_err(|error| unwritable(&error))
+        self.write(&TraceLine::of_note(at, text)).map_err(|error| unwritable(&error))
     }
 
     fn flush(&mut self) -> Result<(), String> {
@@ -182,14 +182,14 @@ pub fn trace_record<W: Write>(
     for step in reader.steps_of_all(to)? {
         let step = step?;
         while let Some((at, text)) = notes.next_if(|(at, _)| *at < step.batch.now) {
-            tracer.write(&Line::of_note(at, &text)).map_err(failed)?;
+            tracer.write(&TraceLine::of_note(at, &text)).map_err(failed)?;
         }
         let effects = step.decoded_effects().map_err(|what| reader.garbled(what))?;
         tracer.turn = step.agent;
         tracer.trace(&step.batch, &effects).map_err(failed)?;
     }
     for (at, text) in notes {
-        tracer.write(&Line::of_note(at, &text)).map_err(failed)?;
+        tracer.write(&TraceLine::of_note(at, &text)).map_err(failed)?;
     }
     tracer.into_inner().map_err(failed)
 }

@@ -9,7 +9,7 @@ fn why(reader: &RecordReader, name: &str, seconds: f64) -> Why {
     let question = Question::new(name, Time::from_seconds(seconds));
     match Explainer::new(reader, &load).why(&question).unwrap() {
         Answer::Task(why) => *why,
-        other => panic!("{name} is no task: {other}"),
+        other => panic!("{name} is not a task: {other}"),
     }
 }
 

@@ -11,7 +11,7 @@ use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use apex_planning::solver::{Environment, Solver, time_of};
-use apex_runtime::invocation::{Invocations, Limits};
+use apex_runtime::invocation::{Invocations, SolverLimits};
 use apex_runtime::mission_loop::FlyOptions;
 use apex_runtime::pacing::{Clock, ManualClock};
 use apex_runtime::ports::{Deliberator, Observer, Posed, SolverAnswer};
@@ -89,7 +89,7 @@ impl Solver for Bad {
 /// Asks its solver, with the limits of a flight; what the solver did wrong is its answer.
 struct Asks {
     solver: Arc<dyn Solver>,
-    limits: Limits,
+    limits: SolverLimits,
 }
 
 impl Deliberator for Asks {
@@ -172,7 +172,7 @@ fn fly(name: &'static str, answer_comes: bool) -> String {
     let solver: Arc<dyn Solver> = Arc::new(Bad(name, Arc::clone(&gate)));
     let timeout = std::time::Duration::from_secs(120);
     let units = if name == "loops" { 1_000 } else { u64::MAX / 4 };
-    let limits = Limits { units, timeout, memory_bytes: if name == "hoards" { 64 << 20 } else { 1 << 40 } };
+    let limits = SolverLimits { units, timeout, memory_bytes: if name == "hoards" { 64 << 20 } else { 1 << 40 } };
     let mut deliberator = Asks { solver, limits };
     let inputs = (1..10_u8).map(|tens| altitude(f64::from(tens) * 10.0, 10 * i64::from(tens) + 6)).collect();
     let until = Time::from_seconds(100.0);
@@ -209,8 +209,8 @@ fn told(reader: &RecordReader) -> String {
 #[test]
 fn solvers_that_break_down_overrun_or_hoard_are_named_and_nothing_waits_for_them() {
     for (name, named) in [
-        ("panics", "the solver panics broke down: no idea left"),
-        ("loops", "the solver loops went on after its 1000 units of work"),
+        ("panics", "the solver panics failed: no idea left"),
+        ("loops", "the solver loops continued after its 1000 units of work"),
         ("hoards", "the solver hoards took more than 64 MiB of memory"),
     ] {
         let told = fly(name, true);
@@ -229,7 +229,7 @@ fn who_hangs_is_overtaken_by_the_executive_which_goes_on() {
     let told = fly("hangs", false);
     assert!(told.contains("SolverTimedOut") && told.contains("0:01:05 CancelSolve"), "{told}");
     assert!(told.contains("no-plan") && told.contains("(high)"), "{told}");
-    assert!(told.contains("the answer of bad to request 0"), "what became of its answer is told\n{told}");
+    assert!(told.contains("the answer of bad to request 0"), "the outcome of its answer is reported\n{told}");
 }
 
 #[test]

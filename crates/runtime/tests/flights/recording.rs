@@ -130,7 +130,7 @@ fn replay_finds_missing_effects_and_changed_programs() {
     assert!(difference.at <= Time::from_seconds(8.5), "{difference:?}");
     tamper(&flight.path, "UPDATE source SET body = ?1", Some(b"(procedure".to_vec()));
     let message = replay(&flight.reader(), &load).unwrap_err().to_string();
-    assert!(message.starts_with("The mission inside "), "{message}");
+    assert!(message.starts_with("the mission inside "), "{message}");
 }
 
 /// Tasks, samples and messages come to limits that the program itself has lowered: replaying and restoring obey them, too.
@@ -156,7 +156,7 @@ fn limits_that_an_agent_has_lowered_are_those_of_the_replay() {
         assert_eq!(
             troubles.lines().filter(|line| line.contains(limit)).count(),
             1,
-            "{limit} is told once:\n{troubles}"
+            "{limit} is reported once:\n{troubles}"
         );
     }
     let report = replay(&reader, &load).unwrap();

@@ -10,7 +10,7 @@ use apex_model::value::Value;
 use apex_runtime::mission_loop::{FlyOptions, RunEnd};
 use apex_runtime::ports::{Deliberator, Input, Observer};
 use apex_runtime::program::{NoDeliberator, run_with};
-use apex_runtime::record::{Program, RecordOptions, RecordReader, Recorder};
+use apex_runtime::record::{RecordOptions, RecordReader, Recorder, RestoredProgram};
 use std::path::PathBuf;
 use std::sync::Arc;
 use tempfile::TempDir;
@@ -27,7 +27,7 @@ pub(crate) const CAMERA: &str = r#"
 (primitive (index (look-at ?what)) (profile flight-path) (duration 5s) (on-start (inform (looking ?what))))
 "#;
 
-pub(crate) fn load(sources: &[SourceFile]) -> Result<Program, String> {
+pub(crate) fn load(sources: &[SourceFile]) -> Result<RestoredProgram, String> {
     let texts = sources
         .iter()
         .map(|source| apex_pdl::SourceText { name: source.name.to_string(), text: source.text.to_string() })
@@ -42,7 +42,7 @@ pub(crate) fn load(sources: &[SourceFile]) -> Result<Program, String> {
     Ok((Arc::new(checked.library), declaration, HostFunctions::default()))
 }
 
-pub(crate) fn program(pdl: &str) -> Program {
+pub(crate) fn program(pdl: &str) -> RestoredProgram {
     load(&[SourceFile { name: Arc::from("camera.pdl"), text: Arc::from(pdl) }]).unwrap()
 }
 

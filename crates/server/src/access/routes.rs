@@ -1,7 +1,7 @@
 //! `/api/session`: who the caller is, and the beginning and the end of a session.
 
 use super::sessions::Sessions;
-use crate::answer::{Answer, ApiError};
+use crate::answer::{ApiError, ApiResult};
 use crate::state::{AppState, Shared};
 use apex_runtime::authority::{Actor, ActorRole};
 use axum::extract::State;
@@ -44,11 +44,11 @@ fn state_of(sessions: &Sessions, actor: Actor) -> Json<SessionState> {
     Json(SessionState { role: actor.role.word(), name: actor.name, tokens: sessions.are_required() })
 }
 
-async fn session(State(state): Shared, headers: HeaderMap) -> Answer<Json<SessionState>> {
+async fn session(State(state): Shared, headers: HeaderMap) -> ApiResult<Json<SessionState>> {
     Ok(state_of(&state.sessions, state.sessions.caller(&headers)?))
 }
 
-async fn begin(State(state): Shared, opening: Result<Json<Opening>, JsonRejection>) -> Answer<Response> {
+async fn begin(State(state): Shared, opening: Result<Json<Opening>, JsonRejection>) -> ApiResult<Response> {
     let help = "send `{\"token\": TOKEN}` as application/json, or `{\"name\": NAME, \"role\": ROLE}` where no tokens are needed";
     let Json(opening) = opening.map_err(|rejection| ApiError {
         status: rejection.status(),

@@ -2,7 +2,7 @@
 
 use super::stations::Stations;
 use super::token::{AccessToken, check_name, digest, new_secret};
-use crate::answer::{Answer, ApiError};
+use crate::answer::{ApiError, ApiResult};
 use apex_runtime::authority::{Actor, ActorRole};
 use axum::http::header::{AUTHORIZATION, COOKIE};
 use axum::http::{HeaderMap, StatusCode};
@@ -65,7 +65,7 @@ impl Sessions {
     ///
     /// # Errors
     /// 401 if that is not known and must be, or if its token is wrong.
-    pub(crate) fn caller(&self, headers: &HeaderMap) -> Answer<Actor> {
+    pub(crate) fn caller(&self, headers: &HeaderMap) -> ApiResult<Actor> {
         if let Some(value) = headers.get(AUTHORIZATION) {
             let secret = value.to_str().ok().and_then(|value| value.strip_prefix("Bearer "));
             return secret.and_then(|secret| self.actor_of(secret)).ok_or_else(wrong_token);
@@ -106,7 +106,7 @@ impl Sessions {
     ///
     /// # Errors
     /// 401 for a wrong token.
-    pub(crate) fn begin_by_token(&self, token: &str) -> Answer<(Actor, String)> {
+    pub(crate) fn begin_by_token(&self, token: &str) -> ApiResult<(Actor, String)> {
         let actor = self.actor_of(token).ok_or_else(wrong_token)?;
         self.begin(actor)
     }
@@ -115,7 +115,7 @@ impl Sessions {
     ///
     /// # Errors
     /// 401 if tokens are needed, 400 for a bad name, 409 if a session of another role has it.
-    pub(crate) fn begin_by_name(&self, name: &str, role: ActorRole) -> Answer<(Actor, String)> {
+    pub(crate) fn begin_by_name(&self, name: &str, role: ActorRole) -> ApiResult<(Actor, String)> {
         if self.required {
             return Err(wrong_token());
         }
@@ -134,7 +134,7 @@ impl Sessions {
         self.begin(Actor { name: name.into(), role })
     }
 
-    fn begin(&self, actor: Actor) -> Answer<(Actor, String)> {
+    fn begin(&self, actor: Actor) -> ApiResult<(Actor, String)> {
         let secret = new_secret().map_err(|error| ApiError {
             status: StatusCode::INTERNAL_SERVER_ERROR,
             error,

@@ -100,7 +100,7 @@ impl fmt::Debug for AccessToken {
     }
 }
 
-/// Checks the name of a person or program.
+/// Checks the name of an operator or program.
 pub(crate) fn check_name(name: &str) -> Result<(), String> {
     let allowed = |each: char| each.is_alphanumeric() || ['-', '_', '.'].contains(&each);
     if !name.is_empty() && name.chars().count() <= NAME_MAX && name.chars().all(allowed) {

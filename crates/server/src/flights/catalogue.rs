@@ -1,6 +1,6 @@
 //! The missions of the folder: names, titles, and why one does not load.
 
-use crate::answer::{Answer, ApiError};
+use crate::answer::{ApiError, ApiResult};
 use apex_mission::Mission;
 use apex_mission::error::{ErrorKind, MissionError};
 use axum::http::StatusCode;
@@ -69,7 +69,7 @@ impl From<MissionError> for ApiError {
 ///
 /// # Errors
 /// The folder cannot be read.
-pub(crate) fn missions(folder: &Path) -> Answer<Vec<MissionEntry>> {
+pub(crate) fn missions(folder: &Path) -> ApiResult<Vec<MissionEntry>> {
     let entry = |name: String| match Mission::load(&folder.join(&name)) {
         Ok(mission) => MissionEntry { name, title: Some(mission.settings.name), loads: true, failure: None },
         Err(error) => MissionEntry { name, title: None, loads: false, failure: Some(error.into()) },
@@ -81,7 +81,7 @@ pub(crate) fn missions(folder: &Path) -> Answer<Vec<MissionEntry>> {
 ///
 /// # Errors
 /// The name is not one of a sub-folder, or there is no such mission.
-pub(crate) fn folder_of(folder: &Path, name: &str) -> Answer<PathBuf> {
+pub(crate) fn folder_of(folder: &Path, name: &str) -> ApiResult<PathBuf> {
     if !is_name(name) {
         return Err(ApiError::bad_request(
             "the name of the mission is not the name of a folder",
@@ -100,7 +100,7 @@ pub(crate) fn folder_of(folder: &Path, name: &str) -> Answer<PathBuf> {
     ))
 }
 
-fn names(folder: &Path) -> Answer<Vec<String>> {
+fn names(folder: &Path) -> ApiResult<Vec<String>> {
     let entries = std::fs::read_dir(folder).map_err(|error| ApiError {
         status: StatusCode::INTERNAL_SERVER_ERROR,
         error: format!("the folder of missions {} cannot be read: {error}", folder.display()),

@@ -75,7 +75,7 @@ impl Flight {
             Ok(Ok(end)) => end,
             Ok(Err(error)) => End::Failed(error.into()),
             Err(_) => End::Failed(Failure {
-                message: "the flight broke off".into(),
+                message: "the flight was interrupted".into(),
                 reason: Some("its thread panicked; the server's standard error says where".into()),
                 help: Some("this is a fault of Apex; please report it with the record".into()),
                 place: None,

@@ -1,6 +1,6 @@
 //! A mission's plan from its start, without flying it.
 
-use crate::answer::{Answer, ApiError};
+use crate::answer::{ApiError, ApiResult};
 use apex_mission::Mission;
 use apex_mission::deliberation::{PlanningResources, SolveOptions, name_obstacles, solve};
 use apex_mission::export::json;
@@ -17,7 +17,7 @@ use axum::http::StatusCode;
 ///
 /// # Errors
 /// The mission has nothing to plan, or no plan is found.
-pub(crate) fn plan(mission: Mission, budget: Option<Duration>, means: &PlanningResources) -> Answer<String> {
+pub(crate) fn plan(mission: Mission, budget: Option<Duration>, means: &PlanningResources) -> ApiResult<String> {
     let input = PlanInput::of_mission(mission)?;
     let budget = budget.unwrap_or(input.budget);
     let wish = SolveOptions { means, solver: None, budget, seed: input.seed, previous: None };
@@ -26,7 +26,7 @@ pub(crate) fn plan(mission: Mission, budget: Option<Duration>, means: &PlanningR
             ApiError {
                 status: StatusCode::UNPROCESSABLE_ENTITY,
                 error: format!("no plan was found: {reason}"),
-                help: "look at the mission's data, or give more time with `budget_s`".into(),
+                help: "check the mission's data, or give more time with `budget_s`".into(),
             }
         })?;
     if let Some(mission) = input.mission() {

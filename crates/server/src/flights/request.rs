@@ -1,6 +1,6 @@
 //! Bodies and parameters of the flight addresses, and the checks of their values.
 
-use crate::answer::{Answer, ApiError};
+use crate::answer::{ApiError, ApiResult};
 use apex_model::time::{Duration, Time};
 use serde::Deserialize;
 
@@ -38,7 +38,7 @@ impl FlightRequest {
     ///
     /// # Errors
     /// It is not a time after the start.
-    pub(crate) fn until(&self) -> Answer<Option<Time>> {
+    pub(crate) fn until(&self) -> ApiResult<Option<Time>> {
         let seconds =
             in_range("until_s", self.until_s, UNTIL_MAX_S, "the mission time in seconds at which the flight ends")?;
         Ok(seconds.map(Time::from_seconds))
@@ -48,7 +48,7 @@ impl FlightRequest {
     ///
     /// # Errors
     /// Mission time would not advance.
-    pub(crate) fn pace(&self) -> Answer<Option<f64>> {
+    pub(crate) fn pace(&self) -> ApiResult<Option<f64>> {
         in_range("pace", self.pace, PACE_MAX, "the mission seconds per second: 1 is real time")
     }
 }
@@ -58,14 +58,14 @@ impl PlanParams {
     ///
     /// # Errors
     /// It is not a time, or too long.
-    pub(crate) fn budget(&self) -> Answer<Option<Duration>> {
+    pub(crate) fn budget(&self) -> ApiResult<Option<Duration>> {
         let seconds = in_range("budget_s", self.budget_s, BUDGET_MAX_S, "the time to plan in, in seconds")?;
         Ok(seconds.map(|seconds| Time::from_seconds(seconds) - Time::ZERO))
     }
 }
 
 /// `value`, if it is above 0 and at most `max`.
-fn in_range(name: &str, value: Option<f64>, max: f64, meaning: &str) -> Answer<Option<f64>> {
+fn in_range(name: &str, value: Option<f64>, max: f64, meaning: &str) -> ApiResult<Option<f64>> {
     match value {
         Some(value) if !(value > 0.0 && value <= max) => Err(ApiError::bad_request(
             format!("`{name}` is {value}, which is not above 0 and at most {max}"),

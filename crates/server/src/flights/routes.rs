@@ -1,7 +1,7 @@
 //! The addresses of missions and flights.
 
 use crate::access::Caller;
-use crate::answer::{Answer, ApiError};
+use crate::answer::{ApiError, ApiResult};
 use crate::flights::request::{FlightRequest, PlanParams};
 use crate::state::{AppState, Shared, blocking, checked};
 use axum::extract::rejection::{JsonRejection, PathRejection, QueryRejection};
@@ -30,7 +30,7 @@ pub(crate) fn routes() -> Router<Arc<AppState>> {
         .layer(DefaultBodyLimit::max(BODY_MAX_BYTES))
 }
 
-async fn missions(State(state): Shared) -> Answer<Response> {
+async fn missions(State(state): Shared) -> ApiResult<Response> {
     ask(move || Ok(json!({"missions": state.tower()?.missions()?}))).await
 }
 
@@ -38,18 +38,18 @@ async fn plan(
     State(state): Shared,
     name: Result<Path<String>, PathRejection>,
     params: Result<Query<PlanParams>, QueryRejection>,
-) -> Answer<Response> {
+) -> ApiResult<Response> {
     state.tower()?;
     let (name, params) = (of_path(name)?, checked(params)?);
     let text = blocking(move || state.tower()?.plan(&name, &params)).await?;
     Ok(([(CONTENT_TYPE, "application/json")], text).into_response())
 }
 
-async fn flights(State(state): Shared) -> Answer<Response> {
+async fn flights(State(state): Shared) -> ApiResult<Response> {
     ask(move || Ok(json!({"flights": state.tower()?.flights()}))).await
 }
 
-async fn start(State(state): Shared, request: Result<Json<FlightRequest>, JsonRejection>) -> Answer<Response> {
+async fn start(State(state): Shared, request: Result<Json<FlightRequest>, JsonRejection>) -> ApiResult<Response> {
     state.tower()?;
     let Json(request) = request.map_err(|rejection| ApiError {
         status: rejection.status(),
@@ -64,12 +64,12 @@ async fn start(State(state): Shared, request: Result<Json<FlightRequest>, JsonRe
     Ok((StatusCode::CREATED, [(LOCATION, format!("/api/flights/{id}"))], Json(flight)).into_response())
 }
 
-async fn flight(State(state): Shared, id: Result<Path<u64>, PathRejection>) -> Answer<Response> {
+async fn flight(State(state): Shared, id: Result<Path<u64>, PathRejection>) -> ApiResult<Response> {
     let flight = state.tower()?.flight(of_path(id)?)?;
     Ok(Json(flight.state()).into_response())
 }
 
-async fn report(State(state): Shared, id: Result<Path<u64>, PathRejection>) -> Answer<Response> {
+async fn report(State(state): Shared, id: Result<Path<u64>, PathRejection>) -> ApiResult<Response> {
     let flight = state.tower()?.flight(of_path(id)?)?;
     let report = flight.report().ok_or_else(|| ApiError {
         status: StatusCode::CONFLICT,
@@ -87,7 +87,7 @@ async fn stop(
     State(state): Shared,
     Extension(Caller(actor)): Extension<Caller>,
     id: Result<Path<u64>, PathRejection>,
-) -> Answer<Response> {
+) -> ApiResult<Response> {
     let flight = state.tower()?.flight(of_path(id)?)?;
     if let Some(holder) = flight.door().other_holder(&actor) {
         return Err(ApiError::forbidden(
@@ -100,13 +100,15 @@ async fn stop(
     Ok((status, Json(flight.state())).into_response())
 }
 
-fn of_path<T>(value: Result<Path<T>, PathRejection>) -> Answer<T> {
+fn of_path<T>(value: Result<Path<T>, PathRejection>) -> ApiResult<T> {
     value.map(|Path(value)| value).map_err(|rejection| {
         ApiError::bad_request(rejection.body_text(), "flights have whole numbers; `/api/flights` lists them")
     })
 }
 
 /// Answers as JSON, off the network threads.
-async fn ask<T: Serialize + Send + 'static>(query: impl FnOnce() -> Answer<T> + Send + 'static) -> Answer<Response> {
+async fn ask<T: Serialize + Send + 'static>(
+    query: impl FnOnce() -> ApiResult<T> + Send + 'static,
+) -> ApiResult<Response> {
     Ok(Json(blocking(query).await?).into_response())
 }

@@ -1,6 +1,6 @@
 //! Starts, finds and stops flights, and keeps their number within limits.
 
-use crate::answer::{Answer, ApiError};
+use crate::answer::{ApiError, ApiResult};
 use crate::flights::FlightOptions;
 use crate::flights::catalogue::{MissionEntry, folder_of, missions};
 use crate::flights::flight::{Flight, FlightState, Preparation};
@@ -32,11 +32,11 @@ pub(crate) struct Tower {
     options: FlightOptions,
     flying: Arc<Semaphore>,
     planning: Arc<Semaphore>,
-    known: Mutex<Known>,
+    known: Mutex<KnownFlight>,
 }
 
 #[derive(Default)]
-struct Known {
+struct KnownFlight {
     last_id: u64,
     flights: VecDeque<Arc<Flight>>,
     threads: Vec<JoinHandle<()>>,
@@ -54,7 +54,7 @@ impl Tower {
     ///
     /// # Errors
     /// The folder cannot be read.
-    pub(crate) fn missions(&self) -> Answer<Vec<MissionEntry>> {
+    pub(crate) fn missions(&self) -> ApiResult<Vec<MissionEntry>> {
         missions(&self.options.missions)
     }
 
@@ -62,7 +62,7 @@ impl Tower {
     ///
     /// # Errors
     /// A wrong name or budget, a mission that does not load, too many plans at a time, no plan.
-    pub(crate) fn plan(&self, name: &str, params: &PlanParams) -> Answer<String> {
+    pub(crate) fn plan(&self, name: &str, params: &PlanParams) -> ApiResult<String> {
         let folder = folder_of(&self.options.missions, name)?;
         let budget = params.budget()?;
         let _place = place(&self.planning, || format!("{PLANS_MAX} plan is being made, which is the limit"))?;
@@ -74,7 +74,7 @@ impl Tower {
     /// # Errors
     /// A wrong request, a mission that does not load or cannot be simulated, too many flights at a time, a record that
     /// cannot be written, a server that is being stopped.
-    pub(crate) fn start(&self, request: FlightRequest) -> Answer<FlightState> {
+    pub(crate) fn start(&self, request: FlightRequest) -> ApiResult<FlightState> {
         let folder = folder_of(&self.options.missions, &request.mission)?;
         let (until, pace) = (request.until()?, request.pace()?);
         let place = place(&self.flying, || format!("{FLIGHTS_MAX} missions are being flown, which is the limit"))?;
@@ -101,7 +101,7 @@ impl Tower {
     }
 
     /// Takes the next number whose record does not exist yet, and makes its empty file so that no other program takes it.
-    fn reserve(&self, mission: &str) -> Answer<(u64, PathBuf)> {
+    fn reserve(&self, mission: &str) -> ApiResult<(u64, PathBuf)> {
         let mut known = self.known();
         loop {
             known.last_id += 1;
@@ -120,7 +120,7 @@ impl Tower {
         }
     }
 
-    fn launch(&self, flight: &Arc<Flight>, preparation: Preparation, place: OwnedSemaphorePermit) -> Answer<()> {
+    fn launch(&self, flight: &Arc<Flight>, preparation: Preparation, place: OwnedSemaphorePermit) -> ApiResult<()> {
         let mut known = self.known();
         if known.closed {
             return Err(closing());
@@ -131,7 +131,7 @@ impl Tower {
             .stack_size(STACK_BYTES)
             .spawn(move || flown.fly(preparation, place))
             .map_err(|error| {
-                failure(format!("no thread can be started: {error}"), "look at the system's limits (`ulimit -a`)")
+                failure(format!("no thread can be started: {error}"), "check the system's limits (`ulimit -a`)")
             })?;
         known.threads.retain(|thread| !thread.is_finished());
         known.threads.push(thread);
@@ -153,7 +153,7 @@ impl Tower {
     ///
     /// # Errors
     /// There is none, or it is forgotten.
-    pub(crate) fn flight(&self, id: u64) -> Answer<Arc<Flight>> {
+    pub(crate) fn flight(&self, id: u64) -> ApiResult<Arc<Flight>> {
         self.known().flights.iter().find(|flight| flight.id == id).cloned().ok_or_else(|| {
             ApiError::not_found(
                 format!("there is no flight {id}"),
@@ -178,14 +178,14 @@ impl Tower {
         threads.into_iter().for_each(|thread| thread.join().unwrap_or_default());
     }
 
-    fn known(&self) -> MutexGuard<'_, Known> {
+    fn known(&self) -> MutexGuard<'_, KnownFlight> {
         // No update of the lists can stop half-way.
         self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 /// A place among those at a time.
-fn place(places: &Arc<Semaphore>, full: impl FnOnce() -> String) -> Answer<OwnedSemaphorePermit> {
+fn place(places: &Arc<Semaphore>, full: impl FnOnce() -> String) -> ApiResult<OwnedSemaphorePermit> {
     Arc::clone(places).try_acquire_owned().map_err(|refused| match refused {
         TryAcquireError::NoPermits => ApiError {
             status: StatusCode::TOO_MANY_REQUESTS,

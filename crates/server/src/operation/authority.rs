@@ -23,7 +23,7 @@ pub(crate) struct AuthorityState {
     stations: Vec<ActorState>,
 }
 
-/// A person or program, as the API describes it.
+/// An operator or program, as the API describes it.
 #[derive(Debug, Serialize)]
 struct ActorState {
     name: String,

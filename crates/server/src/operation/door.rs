@@ -44,14 +44,14 @@ struct Shared {
 
 struct Sent {
     last_number: u64,
-    entries: VecDeque<Entry>,
+    entries: VecDeque<SourceEntry>,
     /// The pace before the first remembered command.
     pace: Option<f64>,
     /// The last pace above 0.
     running: Option<f64>,
 }
 
-struct Entry {
+struct SourceEntry {
     number: u64,
     words: String,
     by: String,
@@ -185,7 +185,7 @@ impl FlightDoor {
         sent.last_number += 1;
         let (number, words, ticket) = (sent.last_number, wish.words(), Ticket::default());
         let by = author.actor.name.clone();
-        let entry = Entry { number, words: words.clone(), by, order: order.clone(), at: Instant::now(), ticket };
+        let entry = SourceEntry { number, words: words.clone(), by, order: order.clone(), at: Instant::now(), ticket };
         let command = Command { number, words, order, author: Some(author), ticket: entry.ticket.clone() };
         if let Some(reason) = refusal {
             // The run records what it is not to execute.
@@ -205,7 +205,7 @@ impl FlightDoor {
 
     /// Returns the state of command `number`; one that is too old and open expires now.
     pub(crate) fn command(&self, number: u64) -> Option<CommandState> {
-        self.sent().entries.iter().find(|entry| entry.number == number).map(Entry::state)
+        self.sent().entries.iter().find(|entry| entry.number == number).map(SourceEntry::state)
     }
 
     /// The run now, for an actor, who can offer authority to `stations`.
@@ -223,7 +223,7 @@ impl FlightDoor {
             pace,
             paused: pace == Some(0.0),
             targets: targets.collect(),
-            commands: sent.entries.iter().map(Entry::state).collect(),
+            commands: sent.entries.iter().map(SourceEntry::state).collect(),
             authority: AuthorityState::of(&self.shared.authority, actor, &stations),
             seen,
         }
@@ -233,7 +233,7 @@ impl FlightDoor {
 impl Sent {
     /// The pace after all commands that were accepted. Commands are executed in the order of their numbers.
     fn pace_now(&self) -> Option<f64> {
-        self.entries.iter().fold(self.pace, Entry::pace_after)
+        self.entries.iter().fold(self.pace, SourceEntry::pace_after)
     }
 
     fn forget_old(&mut self) {
@@ -247,13 +247,13 @@ impl Sent {
         while self.entries.len() >= REMEMBERED_MAX
             && let Some(oldest) = self.entries.pop_front()
         {
-            self.pace = Entry::pace_after(self.pace, &oldest);
+            self.pace = SourceEntry::pace_after(self.pace, &oldest);
         }
     }
 }
 
-impl Entry {
-    fn pace_after(before: Option<f64>, entry: &Entry) -> Option<f64> {
+impl SourceEntry {
+    fn pace_after(before: Option<f64>, entry: &SourceEntry) -> Option<f64> {
         match (&entry.order, entry.ticket.end()) {
             (Order::Pace(pace), Some(CommandEnd::Accepted { .. })) => *pace,
             (Order::Step, Some(CommandEnd::Accepted { .. })) => Some(0.0),

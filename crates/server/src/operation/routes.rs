@@ -1,7 +1,7 @@
 //! The addresses for operating: the flight of the served record, and flights that the server started.
 
 use crate::access::Caller;
-use crate::answer::{Answer, ApiError};
+use crate::answer::{ApiError, ApiResult};
 use crate::operation::door::{CommandState, FlightDoor};
 use crate::operation::request::Wish;
 use crate::state::{AppState, Shared};
@@ -36,11 +36,11 @@ type Who = Extension<Caller>;
 type CommandBody = Result<Json<Value>, JsonRejection>;
 
 /// The run behind the served record; `null` if it is not flown by this program.
-async fn operation(State(state): Shared, Extension(Caller(actor)): Who) -> Answer<Response> {
+async fn operation(State(state): Shared, Extension(Caller(actor)): Who) -> ApiResult<Response> {
     Ok(Json(state.door.as_ref().map(|door| door.operation(&actor, stations(&state, &actor)))).into_response())
 }
 
-async fn command(State(state): Shared, Extension(caller): Who, body: CommandBody) -> Answer<Json<CommandState>> {
+async fn command(State(state): Shared, Extension(caller): Who, body: CommandBody) -> ApiResult<Json<CommandState>> {
     let door = state.door.clone().ok_or_else(|| {
         ApiError::not_found(
             "this record's flight cannot be commanded from here",
@@ -54,7 +54,7 @@ async fn flight_operation(
     State(state): Shared,
     Extension(Caller(actor)): Who,
     id: Result<Path<u64>, PathRejection>,
-) -> Answer<Response> {
+) -> ApiResult<Response> {
     let door = door_of(&state, id)?;
     door.hear(&actor.name);
     Ok(Json(door.operation(&actor, stations(&state, &actor))).into_response())
@@ -65,7 +65,7 @@ async fn flight_command(
     Extension(caller): Who,
     id: Result<Path<u64>, PathRejection>,
     body: CommandBody,
-) -> Answer<Json<CommandState>> {
+) -> ApiResult<Json<CommandState>> {
     send(door_of(&state, id)?, caller, body).await
 }
 
@@ -74,7 +74,7 @@ fn stations(state: &AppState, actor: &Actor) -> Vec<Actor> {
     state.sessions.stations.others(actor, Instant::now())
 }
 
-fn door_of(state: &AppState, id: Result<Path<u64>, PathRejection>) -> Answer<FlightDoor> {
+fn door_of(state: &AppState, id: Result<Path<u64>, PathRejection>) -> ApiResult<FlightDoor> {
     let Path(id) = id.map_err(|rejection| {
         ApiError::bad_request(rejection.body_text(), "flights have whole numbers; `/api/flights` lists them")
     })?;
@@ -82,7 +82,7 @@ fn door_of(state: &AppState, id: Result<Path<u64>, PathRejection>) -> Answer<Fli
 }
 
 /// Sends a command and waits for its end, which comes also if the caller leaves.
-async fn send(door: FlightDoor, Caller(actor): Caller, body: CommandBody) -> Answer<Json<CommandState>> {
+async fn send(door: FlightDoor, Caller(actor): Caller, body: CommandBody) -> ApiResult<Json<CommandState>> {
     let refused = |status, error| {
         ApiError {
         status,

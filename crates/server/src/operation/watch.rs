@@ -14,10 +14,10 @@ use std::time::Instant;
 
 /// State of a run as its steps show it; shared by its observer and the door.
 #[derive(Clone, Default)]
-pub(crate) struct Seen(Arc<Mutex<Kept>>);
+pub(crate) struct Seen(Arc<Mutex<KeptLines>>);
 
 #[derive(Default)]
-struct Kept {
+struct KeptLines {
     state: SeenState,
     planning: BTreeMap<SolveRequestId, (String, Instant)>,
 }
@@ -66,7 +66,7 @@ pub(crate) struct Planning {
 }
 
 impl Seen {
-    fn kept(&self) -> MutexGuard<'_, Kept> {
+    fn kept(&self) -> MutexGuard<'_, KeptLines> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 

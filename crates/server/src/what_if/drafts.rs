@@ -1,6 +1,6 @@
 //! `POST /api/drafts`: an order of visits, planned and checked from the situation of an instant.
 
-use crate::answer::{Answer, ApiError};
+use crate::answer::{ApiError, ApiResult};
 use crate::state::{Shared, blocking, no_record};
 use crate::what_if::request::DraftRequest;
 use apex_mission::deliberation::draft as plan_draft;
@@ -44,7 +44,7 @@ struct DraftViolation {
 pub(crate) async fn draft(
     State(state): Shared,
     body: Result<Json<DraftRequest>, JsonRejection>,
-) -> Answer<Json<DraftAnswer>> {
+) -> ApiResult<Json<DraftAnswer>> {
     let Json(request) = body.map_err(|rejection| ApiError {
         status: rejection.status(),
         error: rejection.body_text(),

@@ -1,6 +1,6 @@
 //! `/api/forks`: the served flight continued from an instant with changes, in the built-in simulator, one at a time.
 
-use crate::answer::{Answer, ApiError};
+use crate::answer::{ApiError, ApiResult};
 use crate::state::{AppState, Shared, blocking, no_record};
 use crate::what_if::fork_list::{FORKS_MAX, ForkEnd, ForkFlight, ForkState};
 use crate::what_if::request::ForkRequest;
@@ -33,14 +33,14 @@ impl Observer for ForkProgress<'_> {
     }
 }
 
-pub(crate) async fn list(State(state): Shared) -> Answer<Json<Vec<ForkState>>> {
+pub(crate) async fn list(State(state): Shared) -> ApiResult<Json<Vec<ForkState>>> {
     Ok(Json(state.what_if()?.forks.list().iter().map(|flight| flight.state()).collect()))
 }
 
 pub(crate) async fn stop(
     State(state): Shared,
     id: Result<UrlPath<usize>, PathRejection>,
-) -> Answer<(StatusCode, Json<ForkState>)> {
+) -> ApiResult<(StatusCode, Json<ForkState>)> {
     let UrlPath(id) =
         id.map_err(|rejection| ApiError::bad_request(rejection.body_text(), "`/api/forks` lists the forks"))?;
     let flight = state.what_if()?.forks.list().iter().find(|flight| flight.id == id).cloned();
@@ -54,7 +54,7 @@ pub(crate) async fn stop(
 pub(crate) async fn begin(
     State(state): Shared,
     body: Result<Json<ForkRequest>, JsonRejection>,
-) -> Answer<(StatusCode, Json<ForkState>)> {
+) -> ApiResult<(StatusCode, Json<ForkState>)> {
     let Json(request) = body.map_err(|rejection| ApiError {
         status: rejection.status(),
         error: rejection.body_text(),
@@ -64,7 +64,7 @@ pub(crate) async fn begin(
     Ok((StatusCode::CREATED, Json(flight.state())))
 }
 
-fn start(state: &Arc<AppState>, request: &ForkRequest) -> Answer<Arc<ForkFlight>> {
+fn start(state: &Arc<AppState>, request: &ForkRequest) -> ApiResult<Arc<ForkFlight>> {
     let what_if = state.what_if()?;
     let record = state.record.clone().ok_or_else(no_record)?;
     let changes = request.changes(&*what_if.read)?;

@@ -1,6 +1,6 @@
 //! The bodies of requests for forks and drafts.
 
-use crate::answer::{Answer, ApiError};
+use crate::answer::{ApiError, ApiResult};
 use apex_mission::fork::Changes;
 use apex_model::event::EventKind;
 use apex_model::time::Time;
@@ -41,7 +41,7 @@ impl ForkRequest {
     ///
     /// # Errors
     /// A message that is not a form, or a factor out of range.
-    pub(crate) fn changes(&self, read: &dyn Fn(&str) -> Result<Value, String>) -> Answer<Changes> {
+    pub(crate) fn changes(&self, read: &dyn Fn(&str) -> Result<Value, String>) -> ApiResult<Changes> {
         if self.wind_factor.is_some_and(|factor| !(0.0..=100.0).contains(&factor)) {
             return Err(ApiError::bad_request("`wind_factor` is not a number from 0 to 100", "send for example 2"));
         }

@@ -66,7 +66,7 @@ it('only rows in sight are drawn', () => {
   expect(slice(2400, 240, 24, 105)).toEqual({ from: 92, to: 105 });
 });
 
-it('states nobody is in are not counted', () => {
+it('states without tasks are not counted', () => {
   expect(counts({ at_ns: 0, tasks: [], counts: { ongoing: 2, terminated: 1 }, left_out: 0 })).toEqual([
     { state: 'ongoing', count: 2 },
     { state: 'terminated', count: 1 },

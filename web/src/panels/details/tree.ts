@@ -81,7 +81,7 @@ function linkNode(link: Link, id: string, names: Names): Node {
     ...evidence.map((one, index) => evidenceNode(one, `${id}.e${index}`, names)),
     ...link.causes.map((cause, index) => linkNode(cause, `${id}.${index}`, names)),
   ];
-  if (link.more) children.push(node(`${id}.more`, '◌', 'there is more below: select the task to go on'));
+  if (link.more) children.push(node(`${id}.more`, '◌', 'there is more below: select the task to continue'));
   return node(id, link.kind === null ? '●' : '▸', brief(told, names), {
     full: told,
     atNs: ns(link.t),

@@ -72,7 +72,7 @@ function withHistory(...history: Moment[]): TaskExplanation {
 }
 
 describe('why', () => {
-  it('has the newest moment first, with its place as a link beside the text', () => {
+  it('has the newest moment first, with its place as a link next to the text', () => {
     const view = whyView(why, null);
     expect(view.causes.map(entry => entry.id)).toEqual([2, 1]);
     expect(view.causes[0]).toMatchObject({ atNs: 2e9, text: 'it needs no resources', places: ['a.pdl:3:1'] });
@@ -147,7 +147,7 @@ describe('why', () => {
   });
 });
 
-it('the log names ends by their outcome, and trouble by its colour', () => {
+it('the log names ends by their outcome, and errors by their colour', () => {
   const event = (id: number, more: Partial<EventRow>): EventRow => ({
     id,
     t_ns: id * 1e9,

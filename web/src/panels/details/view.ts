@@ -95,7 +95,7 @@ function facts(task: Task, atNs: number, epochUtc: string | null): WhyView['fact
 
 /** The colour's name for a decision. */
 export function toneOf(kind: string, to: string | null, outcome: string | null): string {
-  if (kind === 'trouble' || outcome?.startsWith('fail')) return 'skipped';
+  if (kind === 'trouble' || outcome?.startsWith('fail')) return 'skipped'; // english: allow
   if (outcome?.startsWith('success')) return 'observed';
   if (kind === 'transition') return to ?? 'pending';
   return kind === 'refused' ? 'interrupted' : 'planned';
@@ -108,7 +108,7 @@ export const LOG_KINDS: { name: string; kinds: string }[] = [
   { name: 'commands', kinds: 'command,withdraw' },
   { name: 'solvers', kinds: 'solve,cancel-solve,procedure-added' },
   { name: 'messages', kinds: 'print,inform,ask,end-application' },
-  { name: 'trouble', kinds: 'trouble,refused' },
+  { name: 'errors', kinds: 'trouble,refused' }, // english: allow
 ];
 
 export interface LogLine {

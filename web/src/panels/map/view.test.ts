@@ -34,7 +34,7 @@ describe('the aircraft', () => {
     expect(aircraftAt(path, 5)).toEqual({ position: [-117.5, 34.5], headingDeg: 0 });
   });
 
-  it('stands at the ends of the track', () => {
+  it('is at the ends of the track', () => {
     expect(aircraftAt(path, -5)?.position).toEqual([-118, 34]);
     expect(aircraftAt(path, 99)?.position).toEqual([-117, 36]);
     expect(aircraftAt(pathOf(null), 0)).toBeNull();
@@ -122,7 +122,7 @@ describe('the picture', () => {
     ]);
   });
 
-  it('writes labels beside each other and leaves out what has no room', () => {
+  it('writes labels side by side and leaves out those that do not fit', () => {
     const first = placeLabel(0, 0, 40, 12, []);
     expect(first?.x).toBe(9);
     const second = placeLabel(0, 2, 40, 12, first ? [first] : []);

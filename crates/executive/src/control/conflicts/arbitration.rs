@@ -15,7 +15,7 @@ pub(crate) struct Arbitration {
     /// Claimants that get all they need.
     pub(crate) granted: Vec<TaskId>,
     /// Holders that lose what they hold.
-    pub(crate) displaced: Vec<Loss>,
+    pub(crate) displaced: Vec<Defeat>,
     /// Claimants that get nothing, holders that were displaced among them.
     pub(crate) refused: Vec<Refusal>,
     /// Claimants whose needs can never be met: resource, need, what there is.
@@ -23,7 +23,7 @@ pub(crate) struct Arbitration {
     /// Claimants that did not compete, as their parents would have stopped, and whose parents continue after all.
     pub(crate) barred: Vec<TaskId>,
     /// Claimants that may win by the passing of time.
-    pub(crate) watched: Vec<Watch>,
+    pub(crate) watched: Vec<PriorityWatch>,
 }
 
 impl Arbitration {
@@ -41,7 +41,7 @@ impl Arbitration {
 
 /// A conflict lost.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Loss {
+pub(crate) struct Defeat {
     /// The loser.
     pub(crate) loser: TaskId,
     /// Over what.
@@ -62,7 +62,7 @@ pub(crate) struct Loss {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Refusal {
     /// The conflict that is reported.
-    pub(crate) loss: Loss,
+    pub(crate) loss: Defeat,
     /// Tasks whose priorities count for the loser: itself, and those that it precedes.
     pub(crate) stands_for: Rc<[TaskId]>,
     /// All tasks that block it: at least one of them would have to yield.
@@ -82,7 +82,7 @@ pub(crate) struct Rival {
 
 /// A claimant whose priority is compared again when time may have changed who is the stronger.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Watch {
+pub(crate) struct PriorityWatch {
     /// The claimant.
     pub(crate) task: TaskId,
     /// Tasks whose priorities count for it.

@@ -6,7 +6,7 @@
 //! PDL: section 9, conflict.  Paper: section III, detecting and resolving conflicts.
 
 use crate::control::conflicts::competition::{has_begun, order_of};
-use crate::control::conflicts::priority::{self, Kind, reads_variable};
+use crate::control::conflicts::priority::{self, PriorityChange, reads_variable};
 use crate::control::cycle::Cycle;
 use crate::state::agent::Agent;
 use crate::state::queue_place::{QueueKey, QueuePlace, RankAmong, RisingKey};
@@ -65,7 +65,7 @@ fn place_of(cycle: &Cycle<'_>, id: TaskId, needs: &[Need]) -> Option<(QueuePlace
     let (begun, order) = (has_begun(agent, id), order_of(agent, id));
     if let Some((task, clause)) = brings.rising {
         let alone = brings.steady == 0 && brings.rank.is_none();
-        let Kind::Rising(term) = priority::kind(agent, task, clause, cycle.now) else { return None };
+        let PriorityChange::Rising(term) = priority::kind(agent, task, clause, cycle.now) else { return None };
         let key = RisingKey { importance: term.importance, due: term.due, begun, order };
         return alone.then_some((QueuePlace::Rising(key), brings.varies));
     }

@@ -5,7 +5,7 @@
 //! claimant that has to displace some of h holders.
 //! PDL: section 9, conflict.  Paper: section III, detecting and resolving conflicts.
 
-use crate::control::conflicts::arbitration::{Arbitration, Loss, Refusal, Rival};
+use crate::control::conflicts::arbitration::{Arbitration, Defeat, Refusal, Rival};
 use crate::control::conflicts::competition::{
     Claimant, as_claimant, at_work_since, has_begun, in_order, insert_in_order, order_of, rank_order, related,
 };
@@ -104,7 +104,7 @@ fn arbitrate_without(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, orphans: &
 
 /// Result for one claimant.
 pub(crate) enum Placement {
-    Granted(Vec<Loss>),
+    Granted(Vec<Defeat>),
     Refused(Refusal),
     Impossible(Need, f64),
 }
@@ -197,7 +197,7 @@ impl<'a, 'c> Field<'a, 'c> {
                 return Placement::Impossible(*need, total);
             }
         }
-        let mut losses: Vec<Loss> = Vec::new();
+        let mut losses: Vec<Defeat> = Vec::new();
         let mut weakest_first = None;
         while let Some(need) = self.lacking(claimant, &losses) {
             let beaten = weakest_first.get_or_insert_with(|| self.beaten(claimant).into_iter());
@@ -210,7 +210,7 @@ impl<'a, 'c> Field<'a, 'c> {
             let spared = losses.remove(index);
             if let Some(need) = self.lacking(claimant, &losses) {
                 // What is missing without this loss is what it is about.
-                losses.insert(index, Loss { resource: need.resource, ..spared });
+                losses.insert(index, Defeat { resource: need.resource, ..spared });
             }
         }
         self.displaced.extend(losses.iter().map(|loss| loss.loser));
@@ -272,7 +272,7 @@ impl<'a, 'c> Field<'a, 'c> {
     }
 
     /// The uses that count against the claimant when those in `losses` are gone.
-    fn present(&self, claimant: &Claimant, id: ResourceId, losses: &[Loss]) -> Vec<&Use> {
+    fn present(&self, claimant: &Claimant, id: ResourceId, losses: &[Defeat]) -> Vec<&Use> {
         let agent = &*self.cycle.agent;
         let uses = self.uses.get(&id).map(Vec::as_slice).unwrap_or_default();
         let counts = |each: &&Use| match each.kind {
@@ -287,7 +287,7 @@ impl<'a, 'c> Field<'a, 'c> {
     }
 
     /// The first need of the claimant for which there is no space.
-    fn lacking(&self, claimant: &Claimant, losses: &[Loss]) -> Option<Need> {
+    fn lacking(&self, claimant: &Claimant, losses: &[Defeat]) -> Option<Need> {
         let room = |need: &Need| {
             let present = self.present(claimant, need.resource, losses);
             has_room(self.cycle.agent, self.total(need.resource), &present, claimant.id, need.amount)
@@ -297,9 +297,9 @@ impl<'a, 'c> Field<'a, 'c> {
 
     /// All holders that the claimant beats, the weakest first: the one that beats none of the others by rank, then by
     /// what it defends with, then who has been at work for the shortest time.
-    fn beaten(&self, claimant: &Claimant) -> Vec<Loss> {
+    fn beaten(&self, claimant: &Claimant) -> Vec<Defeat> {
         let agent = &*self.cycle.agent;
-        let mut found: Vec<Loss> = Vec::new();
+        let mut found: Vec<Defeat> = Vec::new();
         for need in &claimant.needs {
             for rival in self.uses.get(&need.resource).map(Vec::as_slice).unwrap_or_default().iter().rev() {
                 let known = found.iter().any(|loss| loss.loser == rival.task);
@@ -312,14 +312,14 @@ impl<'a, 'c> Field<'a, 'c> {
             return found;
         }
         let now = self.cycle.now;
-        let mut keyed: Vec<(f64, Loss)> =
+        let mut keyed: Vec<(f64, Defeat)> =
             found.into_iter().map(|loss| (self.defence(loss.loser).total(), loss)).collect();
         keyed.sort_by(|a, b| {
             a.0.total_cmp(&b.0).then(at_work_since(agent, b.1.loser).cmp(&at_work_since(agent, a.1.loser)))
         });
         let mut ordered = Vec::with_capacity(keyed.len());
         while !keyed.is_empty() {
-            let beats_none = |loss: &Loss| {
+            let beats_none = |loss: &Defeat| {
                 let mut others = keyed.iter().filter(|(_, other)| other.loser != loss.loser);
                 !others.any(|(_, other)| {
                     matches!(rank_order(agent, loss.loser, other.loser, now), Some((Ordering::Less, ..)))
@@ -332,7 +332,7 @@ impl<'a, 'c> Field<'a, 'c> {
     }
 
     /// The conflict that the claimant loses over `need`, and all tasks that block it. It claims on.
-    fn refuse(&mut self, claimant: &Claimant, need: Need, losses: &[Loss]) -> Refusal {
+    fn refuse(&mut self, claimant: &Claimant, need: Need, losses: &[Defeat]) -> Refusal {
         let agent = &*self.cycle.agent;
         let present = self.present(claimant, need.resource, losses);
         let strangers = || present.iter().filter(|each| !related(agent, each.task, claimant.id));
@@ -353,7 +353,7 @@ impl<'a, 'c> Field<'a, 'c> {
             (false, true) => b,
             _ => a,
         });
-        let nobody = || Loss {
+        let nobody = || Defeat {
             loser: claimant.id,
             resource: need.resource,
             winner: claimant.id,
@@ -395,10 +395,10 @@ impl<'a, 'c> Field<'a, 'c> {
     }
 
     /// The outcome between the claimant and one use: the user's loss, or the claimant's.
-    pub(crate) fn confront(&self, claimant: &Claimant, resource: ResourceId, rival: &Use) -> Result<Loss, Loss> {
+    pub(crate) fn confront(&self, claimant: &Claimant, resource: ResourceId, rival: &Use) -> Result<Defeat, Defeat> {
         let (agent, now) = (&*self.cycle.agent, self.cycle.now);
         let holds = rival.kind == UseKind::Held;
-        let loss = |rule, winner_strength, loser_strength| Loss {
+        let loss = |rule, winner_strength, loser_strength| Defeat {
             loser: claimant.id,
             resource,
             winner: rival.task,
@@ -407,7 +407,7 @@ impl<'a, 'c> Field<'a, 'c> {
             loser_strength,
             winner_holds: !matches!(rival.kind, UseKind::Awaited(_)),
         };
-        let win = |rule, winner_strength, loser_strength| Loss {
+        let win = |rule, winner_strength, loser_strength| Defeat {
             loser: rival.task,
             resource,
             winner: claimant.id,

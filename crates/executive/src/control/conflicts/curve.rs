@@ -4,7 +4,7 @@
 //! Bound: O(clauses) a look; a clause that stays is evaluated once.  PDL: `priority`, section 9.
 //! Paper: section III, priority of competitors.
 
-use crate::control::conflicts::priority::{self, Kind};
+use crate::control::conflicts::priority::{self, PriorityChange};
 use crate::control::conflicts::value_intervals::Bounds;
 use crate::state::agent::Agent;
 use crate::state::task::Task;
@@ -45,10 +45,12 @@ impl<'a> Curve<'a> {
         let mut curve = Curve { agent, id, value_now, steady, rises, others, last: Cell::new(None) };
         for (task, clause) in priority::clauses_that_count(agent, id) {
             match priority::kind(agent, task, clause, now) {
-                Kind::Absent => {}
-                Kind::Steady(value) => curve.steady = Some(curve.steady.map_or(value, |before| before.max(value))),
-                Kind::Rising(rise) => curve.rises.push(rise),
-                Kind::Other => curve.others.push((task, clause)),
+                PriorityChange::Absent => {}
+                PriorityChange::Steady(value) => {
+                    curve.steady = Some(curve.steady.map_or(value, |before| before.max(value)))
+                }
+                PriorityChange::Rising(rise) => curve.rises.push(rise),
+                PriorityChange::Other => curve.others.push((task, clause)),
             }
         }
         if curve.rises.is_empty() && curve.others.is_empty() {

@@ -199,7 +199,7 @@ pub(crate) fn circle_text(agent: &Agent, links: &[CircleLink]) -> String {
 
 fn report(cycle: &mut Cycle<'_>, id: TaskId, links: Vec<CircleLink>) {
     let message = format!(
-        "tasks wait for each other in a circle: {}; none of them goes on unless something else ends one of them",
+        "tasks wait for each other in a circle: {}; none of them continues unless something else ends one of them",
         circle_text(cycle.agent, &links)
     );
     let place = cycle.place_of(id);

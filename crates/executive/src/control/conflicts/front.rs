@@ -11,7 +11,7 @@
 //! and all that come before them in any of their queues, go through conflict resolution. Only a task that fills a gap
 //! can begin in spite of those in front of it: where one might, all are compared.
 
-use crate::control::conflicts::arbitration::{Arbitration, Refusal, Rival, Watch};
+use crate::control::conflicts::arbitration::{Arbitration, PriorityWatch, Refusal, Rival};
 use crate::control::conflicts::competition::{Claimant, as_claimant, is_eligible};
 use crate::control::conflicts::conflict::{Field, Placement, left_behind};
 use crate::control::conflicts::queues::{in_turn, key_of, key_of_loser, usable};
@@ -197,7 +197,7 @@ impl<'a, 'c> Front<'a, 'c> {
     }
 
     /// The first claimants that do not fit, whose priorities may rise above those of tasks in their way.
-    fn watched(&mut self, result: &Arbitration) -> Vec<Watch> {
+    fn watched(&mut self, result: &Arbitration) -> Vec<PriorityWatch> {
         // Where no claimant was placed, nothing has been inspected.
         self.outside.iter().for_each(|(_, id)| self.field.load(*id));
         let agent = &*self.cycle.agent;
@@ -216,7 +216,11 @@ impl<'a, 'c> Front<'a, 'c> {
                 holds: !matches!(each.kind, UseKind::Awaited(_)),
                 stands_for: Rc::new([each.task]),
             };
-            watched.push(Watch { task: *task, stands_for: Rc::new([*task]), rivals: rivals().map(rival).collect() });
+            watched.push(PriorityWatch {
+                task: *task,
+                stands_for: Rc::new([*task]),
+                rivals: rivals().map(rival).collect(),
+            });
         }
         watched
     }

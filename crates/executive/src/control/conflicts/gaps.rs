@@ -37,7 +37,7 @@ pub(crate) fn decide(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, fresh: &BT
 }
 
 fn decide_in(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, fresh: &BTreeSet<TaskId>) -> Option<Arbitration> {
-    let mut turns = Turns::of(cycle, dirty)?;
+    let mut turns = ClaimOrder::of(cycle, dirty)?;
     let mut untold: BTreeSet<TaskId> = fresh.iter().copied().filter(|task| key_of(cycle, *task).is_some()).collect();
     let mut result = Arbitration::default();
     while let Some(key) = turns.next() {
@@ -64,7 +64,7 @@ fn decide_in(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, fresh: &BTreeSet<T
 }
 
 /// Claimants of several resources, in the order of their turns.
-struct Turns<'a, 'c> {
+struct ClaimOrder<'a, 'c> {
     cycle: &'a Cycle<'c>,
     field: Field<'a, 'c>,
     queues: Vec<Peekable<Box<dyn Iterator<Item = QueueKey> + 'a>>>,
@@ -73,9 +73,9 @@ struct Turns<'a, 'c> {
     losers: BTreeSet<QueueKey>,
 }
 
-impl<'a, 'c> Turns<'a, 'c> {
+impl<'a, 'c> ClaimOrder<'a, 'c> {
     /// None where a claimant or a holder has a rank, or a priority that time or an input changes.
-    fn of(cycle: &'a Cycle<'c>, dirty: &BTreeSet<ResourceId>) -> Option<Turns<'a, 'c>> {
+    fn of(cycle: &'a Cycle<'c>, dirty: &BTreeSet<ResourceId>) -> Option<ClaimOrder<'a, 'c>> {
         let agent = &*cycle.agent;
         let mut open: Vec<ResourceId> = dirty.iter().copied().collect();
         let mut seen = dirty.clone();
@@ -98,7 +98,7 @@ impl<'a, 'c> Turns<'a, 'c> {
             resources.insert(id, resource);
             open.extend(waiting.others().filter(|other| seen.insert(*other)));
         }
-        Some(Turns { cycle, field: Field::grouped(cycle), queues, resources, losers: BTreeSet::new() })
+        Some(ClaimOrder { cycle, field: Field::grouped(cycle), queues, resources, losers: BTreeSet::new() })
     }
 
     fn next(&mut self) -> Option<QueueKey> {

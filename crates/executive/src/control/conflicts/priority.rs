@@ -82,7 +82,7 @@ pub(crate) fn troubles(cycle: &Cycle<'_>, id: TaskId, step: &Step) -> Vec<(Strin
     let view = cycle.view(id, Level::Step);
     let trouble = |(what, expr): (&str, &Expr)| match evaluate(expr, &view) {
         Ok(value) if value.as_number().is_some_and(|(number, _)| number.is_finite()) => None,
-        Ok(value) => Some((format!("its {what} is {value}, which is no number"), expr.place)),
+        Ok(value) => Some((format!("its {what} is {value}, which is not a number"), expr.place)),
         Err(error) => Some((format!("its {what} has no value: {}", error.message), error.place)),
     };
     let priorities = step.priority.iter().flat_map(|clause| match clause {
@@ -214,7 +214,7 @@ pub(crate) fn clauses_that_count(agent: &Agent, id: TaskId) -> impl Iterator<Ite
 }
 
 /// Change of a priority clause while only time passes.
-pub(crate) enum Kind {
+pub(crate) enum PriorityChange {
     /// It has no number.
     Absent,
     /// It stays.
@@ -226,25 +226,25 @@ pub(crate) enum Kind {
 }
 
 /// Returns the change of the clause from `now` on.
-pub(crate) fn kind(agent: &Agent, task: &Task, clause: &PriorityClause, now: Time) -> Kind {
+pub(crate) fn kind(agent: &Agent, task: &Task, clause: &PriorityClause, now: Time) -> PriorityChange {
     let parts: &[&Expr] = match clause {
         PriorityClause::Number(expr) => &[expr],
         PriorityClause::UrgencyImportance(urgency, importance) => &[urgency, importance],
     };
     if recovery(agent, task, now) < 1.0 || parts.iter().any(|expr| value_intervals::moves(expr, &agent.library)) {
-        return Kind::Other;
+        return PriorityChange::Other;
     }
     let view = View { agent, task: task.id, level: Level::Step, now };
     let found = match clause {
-        PriorityClause::Number(expr) => number(expr, &view).map(Kind::Steady),
+        PriorityClause::Number(expr) => number(expr, &view).map(PriorityChange::Steady),
         PriorityClause::UrgencyImportance(urgency, importance) => {
             number(urgency, &view).zip(number(importance, &view)).map(|(urgency, importance)| {
                 let (due, importance) = (deadline(urgency, created(task)), importance.clamp(0.0, 10.0));
-                Kind::Rising(RisingTerm { importance, due })
+                PriorityChange::Rising(RisingTerm { importance, due })
             })
         }
     };
-    found.unwrap_or(Kind::Absent)
+    found.unwrap_or(PriorityChange::Absent)
 }
 
 /// Returns the value at `at` of a priority that rises with its urgency.
@@ -346,7 +346,7 @@ pub(crate) fn is_ranked(agent: &Agent, id: TaskId) -> bool {
 pub(crate) fn interrupt_cost(expr: &Expr, context: &dyn EvalContext) -> Result<f64, String> {
     let value = evaluate(expr, context).map_err(|error| error.message)?;
     let number = value.as_number().map(|(number, _)| number);
-    number.ok_or_else(|| format!("{value} is no interrupt cost; write a number"))
+    number.ok_or_else(|| format!("{value} is not an interrupt cost; write a number"))
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 //! claimants.
 //! PDL: section 9, conflict.  Paper: section III, detecting and resolving conflicts.
 
-use crate::control::conflicts::arbitration::Loss;
+use crate::control::conflicts::arbitration::Defeat;
 use crate::control::conflicts::competition::{Claimant, as_claimant};
 use crate::control::conflicts::curve::RisingTerm;
 use crate::control::conflicts::resources::needs_in;
@@ -92,7 +92,7 @@ pub(crate) fn in_turn<'a>(cycle: &'a Cycle<'_>, waiting: &'a Waiting) -> InTurn<
 }
 
 /// Returns the position of a task that loses its resource among its claimants; `None` if that position is not in a queue.
-pub(crate) fn key_of_loser(cycle: &Cycle<'_>, loss: &Loss) -> Option<QueueKey> {
+pub(crate) fn key_of_loser(cycle: &Cycle<'_>, loss: &Defeat) -> Option<QueueKey> {
     let claimant = as_claimant(cycle, loss.loser);
     let takes_in = |key: &QueueKey| {
         let mut needed = claimant.needs.iter().filter_map(|need| cycle.agent.resources.get(need.resource));

@@ -152,7 +152,9 @@ fn amount_of(cycle: &Cycle<'_>, id: ResourceId, amount: Option<&Value>) -> Resul
             "{amount} of {name} measures {dimension}, but {name} is declared as {}; write an amount of that kind",
             resource.dimension
         )),
-        _ => Err(format!("{amount} is no amount of {name}; write a number that is not negative, with {name}'s unit")),
+        _ => {
+            Err(format!("{amount} is not an amount of {name}; write a number that is not negative, with {name}'s unit"))
+        }
     }
 }
 

@@ -11,16 +11,16 @@ use crate::expression::view::View;
 use crate::monitoring::episodes::threshold_episode;
 use crate::monitoring::stimulus::Stimulus;
 use crate::state::agent::Agent;
-use crate::state::clause::{MonitorId, Watch};
+use crate::state::clause::{ClauseMonitor, MonitorId};
 use crate::state::episode_index::{LeafId, Taken};
-use crate::state::monitor_set::Found;
+use crate::state::monitor_set::MonitorIds;
 use crate::state::monitors::monitor::Monitor;
 use crate::state::wake::Wake;
 use apex_model::event::StateVariable;
 use std::borrow::Cow;
 
 /// Shows the stimulus to the bank of its variable. Monitors that must receive it in the general way join `found`.
-pub(crate) fn notice(cycle: &mut Cycle<'_>, stimulus: &Stimulus, found: &mut Found) {
+pub(crate) fn notice(cycle: &mut Cycle<'_>, stimulus: &Stimulus, found: &mut MonitorIds) {
     let Stimulus::Sample { variable, value, at, newest, .. } = stimulus else { return };
     let Some(bank) = cycle.agent.interests.episodes_mut(variable) else { return };
     let mut taken = Taken::new();
@@ -54,7 +54,7 @@ pub(crate) fn woken(cycle: &mut Cycle<'_>, id: MonitorId) {
 }
 
 /// Takes the monitor out of its bank, if it is in one.
-pub(crate) fn take_out(cycle: &mut Cycle<'_>, id: MonitorId, watch: &mut Watch) {
+pub(crate) fn take_out(cycle: &mut Cycle<'_>, id: MonitorId, watch: &mut ClauseMonitor) {
     let Some(variable) = threshold_episode::variable(&watch.monitor).cloned() else { return };
     let Some(run) = cycle.agent.interests.episodes_mut(&variable).and_then(|bank| bank.take(LeafId::whole(id))) else {
         return;
@@ -65,7 +65,7 @@ pub(crate) fn take_out(cycle: &mut Cycle<'_>, id: MonitorId, watch: &mut Watch) 
 }
 
 /// Lets a bank watch the undecided monitor from now on. False when none can.
-pub(crate) fn put_in(cycle: &mut Cycle<'_>, id: MonitorId, watch: &mut Watch) -> bool {
+pub(crate) fn put_in(cycle: &mut Cycle<'_>, id: MonitorId, watch: &mut ClauseMonitor) -> bool {
     let Some(variable) = threshold_episode::variable(&watch.monitor).cloned() else { return false };
     let view = View { agent: cycle.agent, task: watch.task, level: watch.level, now: cycle.now };
     let Some((wanted, run)) = threshold_episode::bankable(&watch.monitor, &view) else { return false };
@@ -105,7 +105,7 @@ fn refresh(cycle: &mut Cycle<'_>, variable: &StateVariable) {
 }
 
 /// The monitor as if no bank stood between it and its samples.
-pub(crate) fn as_told<'a>(agent: &Agent, id: MonitorId, watch: &'a Watch) -> Cow<'a, Monitor> {
+pub(crate) fn as_told<'a>(agent: &Agent, id: MonitorId, watch: &'a ClauseMonitor) -> Cow<'a, Monitor> {
     let variable = threshold_episode::variable(&watch.monitor);
     let run = variable.and_then(|variable| agent.interests.episodes(variable)?.run_of(LeafId::whole(id)));
     match run {

@@ -12,10 +12,10 @@ use crate::expression::{EvalContext, EvaluationError};
 use crate::monitoring::basic::task_state;
 use crate::monitoring::combination::{interest, monitors};
 use crate::monitoring::stimulus::Stimulus;
-use crate::state::clause::{Clause, Filing, Level, MonitorId, Watch};
+use crate::state::clause::{Clause, ClauseMonitor, Filing, Level, MonitorId};
 use crate::state::controller::Controller;
 use crate::state::interests::{Interests, Narrowed};
-use crate::state::monitor_set::Found;
+use crate::state::monitor_set::MonitorIds;
 use crate::state::monitors::monitor::{Interest, Monitor, PartKind, Satisfaction, Verdict, Window};
 use crate::state::wake::Wake;
 use apex_model::because::Evidence;
@@ -52,7 +52,7 @@ pub(crate) fn watch(
     let id = MonitorId(cycle.agent.next.monitor);
     cycle.agent.next.monitor += 1;
     let filing = filing(&monitor, second);
-    let watch = Watch { task, clause, level, monitor, filing, wake: None };
+    let watch = ClauseMonitor { task, clause, level, monitor, filing, wake: None };
     file(&mut cycle.agent.interests, &watch, id);
     cycle.agent.watches.insert(id.0, watch);
     if let Some(task) = cycle.agent.task_mut(task) {
@@ -70,7 +70,7 @@ fn filing(monitor: &Monitor, second: Option<Value>) -> Option<Box<Filing>> {
 }
 
 /// Calls `act` with each interest under which the monitor is filed, and what narrows it.
-fn for_each_interest(watch: &Watch, mut act: impl FnMut(&Interest, Narrowed<'_>)) {
+fn for_each_interest(watch: &ClauseMonitor, mut act: impl FnMut(&Interest, Narrowed<'_>)) {
     match &watch.filing {
         Some(filing) => {
             let narrowed = Narrowed { second: filing.second.as_ref(), threshold: None };
@@ -84,11 +84,11 @@ fn for_each_interest(watch: &Watch, mut act: impl FnMut(&Interest, Narrowed<'_>)
 }
 
 /// Files the monitor under all its interests.
-pub(crate) fn file(interests: &mut Interests, watch: &Watch, id: MonitorId) {
+pub(crate) fn file(interests: &mut Interests, watch: &ClauseMonitor, id: MonitorId) {
     for_each_interest(watch, |interest, narrowed| interests.insert(interest, narrowed, id));
 }
 
-fn take_out(interests: &mut Interests, watch: &Watch, id: MonitorId) {
+fn take_out(interests: &mut Interests, watch: &ClauseMonitor, id: MonitorId) {
     for_each_interest(watch, |interest, narrowed| interests.remove(interest, narrowed, id));
 }
 
@@ -162,7 +162,7 @@ pub(crate) fn notice(cycle: &mut Cycle<'_>) {
     // What was found as tasks were made at the end of the last round is asked again: a sample may have been replaced since.
     cycle.work.firings.clear();
     let stimuli = std::mem::take(&mut cycle.work.stimuli);
-    let mut found = Found::new();
+    let mut found = MonitorIds::new();
     for stimulus in &stimuli {
         found.clear();
         match stimulus {
@@ -196,7 +196,7 @@ pub(crate) fn notice(cycle: &mut Cycle<'_>) {
 pub(crate) fn is_unheard(cycle: &Cycle<'_>, stimulus: &Stimulus) -> bool {
     let Stimulus::Sample { variable, value, newest, .. } = stimulus else { return false };
     let interests = &cycle.agent.interests;
-    let mut found = Found::new();
+    let mut found = MonitorIds::new();
     interests.of_sample(variable, value, *newest, &mut found);
     let banked = interests.episodes(variable).is_some();
     found.is_empty() && !banked && interests.ignore_steps() && cycle.agent.unsteady.is_empty()
@@ -211,7 +211,7 @@ fn tell(cycle: &mut Cycle<'_>, id: MonitorId, stimulus: &Stimulus) {
 }
 
 /// A verdict may have found out which task is meant, or that it is another one now: the monitor receives the stimuli of that one.
-fn refile(interests: &mut Interests, watch: &mut Watch, id: MonitorId) {
+fn refile(interests: &mut Interests, watch: &mut ClauseMonitor, id: MonitorId) {
     let Some(filing) = &watch.filing else { return };
     if let Some(sole) = task_state::sole_interest(&watch.monitor) {
         if filing.interests.as_slice() == [sole] {
@@ -230,7 +230,7 @@ fn refile(interests: &mut Interests, watch: &mut Watch, id: MonitorId) {
 
 /// The tag of a step names another task than `before` now: its monitors are evaluated again, before that one changes.
 pub(crate) fn tag_moved(cycle: &mut Cycle<'_>, before: TaskId) {
-    let mut found = Found::new();
+    let mut found = MonitorIds::new();
     cycle.agent.interests.of_task(before, &mut found);
     for id in found {
         let Some(mut watch) = cycle.agent.watches.lift(id.0) else { continue };

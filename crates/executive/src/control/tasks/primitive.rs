@@ -115,7 +115,7 @@ fn span(cycle: &Cycle<'_>, id: TaskId, expr: &Expr) -> Result<Duration, Because>
         Value::Duration(span) => Ok(span),
         Value::Integer(0) => Ok(Duration::ZERO),
         other => {
-            let message = format!("{other} is no span of time; write a duration such as 10s");
+            let message = format!("{other} is not a span of time; write a duration such as 10s");
             Err(Because::new(Cause::ExpressionFailed { message }, Some(expr.place)))
         }
     }

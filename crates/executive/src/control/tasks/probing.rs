@@ -12,7 +12,7 @@ use crate::expression::arithmetic::duration;
 use crate::expression::view::View;
 use crate::expression::{EvaluationError, evaluate};
 use crate::monitoring::combination::parts;
-use crate::state::clause::{Level, MonitorId, Watch};
+use crate::state::clause::{ClauseMonitor, Level, MonitorId};
 use crate::state::controller::Controller;
 use crate::state::probing::{Probing, ProbingId};
 use crate::state::task::Origin;
@@ -126,7 +126,7 @@ fn ids(cycle: &Cycle<'_>, monitor: MonitorId) -> Vec<ProbingId> {
 }
 
 /// The condition was judged: what holds is probed for no more.
-pub(crate) fn judged(cycle: &mut Cycle<'_>, monitor: MonitorId, watch: &Watch, satisfied: bool) {
+pub(crate) fn judged(cycle: &mut Cycle<'_>, monitor: MonitorId, watch: &ClauseMonitor, satisfied: bool) {
     for id in ids(cycle, monitor) {
         let Some(probing) = cycle.agent.probings.get(&id).filter(|probing| probing.end.is_none()) else { continue };
         let view = View { agent: cycle.agent, task: watch.task, level: watch.level, now: cycle.now };

@@ -1,7 +1,7 @@
 //! Questions to the operator (TC)
 //! What: asks, takes the answer or the default, and withdraws the question of a task that does not wait any longer.
 //! Runs: record and act phases.  Reads: arguments, OperatorAnswered, WakeQueue.  Writes: questions, effects, task outcome.
-//! Bound: O(options) per answer.  PDL: `(ask operator ..)`, section 4.  Paper: section III, messages to and from people.
+//! Bound: O(options) per answer.  PDL: `(ask operator ..)`, section 4.  Paper: section III, messages to and from operators.
 
 use crate::control::cycle::Cycle;
 use crate::control::tasks::termination;
@@ -104,7 +104,7 @@ pub(crate) fn answered(cycle: &mut Cycle<'_>, question: QuestionId, answer: &Val
         let cause = if question.0 >= cycle.agent.next.question {
             Cause::StrayAnswer { to: format!("question {}", question.0) }
         } else {
-            let message = format!("the answer {answer} came too late: question {} is not open any more", question.0);
+            let message = format!("the answer {answer} came too late: question {} is no longer open", question.0);
             Cause::InputRefused { message }
         };
         return cycle.trouble_of(None, cause, None);

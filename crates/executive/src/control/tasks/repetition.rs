@@ -194,7 +194,7 @@ fn span(cycle: &Cycle<'_>, id: TaskId, expr: &Expr) -> Result<Duration, Because>
     let failed = |message: String, place| Because::new(Cause::ExpressionFailed { message }, Some(place));
     let value = evaluate(expr, &cycle.view(id, Level::Step)).map_err(|error| failed(error.message, error.place))?;
     crate::expression::arithmetic::duration(&value)
-        .map_err(|_| failed(format!("{value} is no span of time; write a duration such as 10s"), expr.place))
+        .map_err(|_| failed(format!("{value} is not a span of time; write a duration such as 10s"), expr.place))
 }
 
 /// The least interval between two instances is over.

@@ -8,7 +8,7 @@
 //! Paper: Appendix B, atomic episodes.
 
 use crate::expression::{EvalContext, EvaluationError};
-use crate::monitoring::constraints::{Reading, all};
+use crate::monitoring::constraints::{RightSide, all};
 use crate::monitoring::part::{ConditionFaults, PartContext, remember};
 use crate::monitoring::pattern_matching::match_pattern;
 use crate::state::bindings::Bindings;
@@ -76,9 +76,9 @@ fn holds(
         return Ok(false);
     }
     let (stamp, timing) = (Value::Time(at), &part.timing);
-    Ok(all(&timing.start, &stamp, Reading::Instant, bindings, context, site.place)?
-        && all(&timing.end, &stamp, Reading::Instant, bindings, context, site.place)?
-        && all(&timing.duration, &Value::Duration(Duration::ZERO), Reading::Span, bindings, context, site.place)?)
+    Ok(all(&timing.start, &stamp, RightSide::Instant, bindings, context, site.place)?
+        && all(&timing.end, &stamp, RightSide::Instant, bindings, context, site.place)?
+        && all(&timing.duration, &Value::Duration(Duration::ZERO), RightSide::Span, bindings, context, site.place)?)
 }
 
 /// The patterns of messages that a condition combines; what forbids messages or relates them in time begins again.

@@ -9,7 +9,7 @@
 
 use crate::expression::declared_unit::unit_of;
 use crate::expression::{EvalContext, EvaluationError};
-use crate::monitoring::constraints::{Reading, all, prepare};
+use crate::monitoring::constraints::{RightSide, all, prepare};
 use crate::monitoring::part::{ConditionFaults, PartContext, remember};
 use crate::monitoring::sampled::{SampleConstraints, Sampled};
 use crate::monitoring::samples::{SampleView, concerns, known_variable};
@@ -214,7 +214,7 @@ fn holds(
     };
     let stamp = Value::Time(sample.at);
     Ok(constraints.hold(site, sample, bindings, context)?
-        && all(&condition.timestamp, &stamp, Reading::Instant, bindings, context, site.place)?)
+        && all(&condition.timestamp, &stamp, RightSide::Instant, bindings, context, site.place)?)
 }
 
 /// All results up to now, earliest first; those of one instant in the order in which their objects were first known.

@@ -9,7 +9,7 @@
 
 use crate::expression::declared_unit::unit_of;
 use crate::expression::{EvalContext, EvaluationError, evaluate};
-use crate::monitoring::constraints::{Reading, all};
+use crate::monitoring::constraints::{RightSide, all};
 use crate::monitoring::pattern_matching::match_pattern;
 use crate::monitoring::samples::known_variable;
 use crate::state::bindings::Bindings;
@@ -103,10 +103,10 @@ fn measured(
         return Ok(unknown(format!("sample of {variable}"), context));
     };
     let mut bindings = Bindings::new();
-    let reading = Reading::Value(unit_of(&measurement.variable.attribute, context.library()));
+    let reading = RightSide::Value(unit_of(&measurement.variable.attribute, context.library()));
     let place = condition.place;
     let holds = all(&measurement.value, &value, reading, &mut bindings, context, place)?
-        && all(&measurement.object, &variable.object, Reading::Value(None), &mut bindings, context, place)?;
+        && all(&measurement.object, &variable.object, RightSide::Value(None), &mut bindings, context, place)?;
     let evidence = EvidenceList::one(Evidence::Sample { variable, value, at });
     Ok(Present { truth: Some(holds), evidence })
 }

@@ -22,7 +22,7 @@ use apex_model::time::{Duration, Time};
 
 /// Form of a part: instant or delay.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum TimeForm {
     /// `:timestamp`.
     Timestamp,
     /// `:delay` after the window's start.
@@ -31,7 +31,7 @@ pub(crate) enum Kind {
 
 /// Evaluates the instants again, until one of them was reached. An instant that is not known yet (the end of a task
 /// that continues) is not an error: it is not reached.
-pub(crate) fn advance(part: &mut TimePart, kind: Kind, site: PartContext, context: &dyn EvalContext) {
+pub(crate) fn advance(part: &mut TimePart, kind: TimeForm, site: PartContext, context: &dyn EvalContext) {
     if part.reached.is_some() {
         return;
     }
@@ -49,7 +49,7 @@ pub(crate) fn advance(part: &mut TimePart, kind: Kind, site: PartContext, contex
 /// Why an expression has no value.
 pub(crate) fn check(
     part: &TimePart,
-    kind: Kind,
+    kind: TimeForm,
     start: Time,
     context: &dyn EvalContext,
 ) -> Result<(), EvaluationError> {
@@ -83,12 +83,12 @@ fn is_settled(expr: &Expr, context: &dyn EvalContext) -> bool {
 /// When an expression cannot be evaluated.
 pub(crate) fn span(
     part: &TimePart,
-    kind: Kind,
+    kind: TimeForm,
     start: Time,
     context: &dyn EvalContext,
 ) -> Result<(Time, Time), EvaluationError> {
     match kind {
-        Kind::Timestamp => {
+        TimeForm::Timestamp => {
             let at = |expr: &Expr| {
                 let value = evaluate(expr, context)?;
                 instant(&value).map_err(|message| EvaluationError { message, place: expr.place })
@@ -96,7 +96,7 @@ pub(crate) fn span(
             let from = at(&part.from)?;
             Ok((from, part.to.as_ref().map_or(Ok(from), at)?))
         }
-        Kind::Delay => {
+        TimeForm::Delay => {
             let (least, most) = delays(part, context)?;
             Ok((start + least, start + most))
         }
@@ -121,19 +121,19 @@ pub(crate) fn delays(part: &TimePart, context: &dyn EvalContext) -> Result<(Dura
 }
 
 /// The result, once the instant was reached.
-pub(crate) fn result(part: &TimePart, kind: Kind, start: Time) -> Option<Satisfaction> {
+pub(crate) fn result(part: &TimePart, kind: TimeForm, start: Time) -> Option<Satisfaction> {
     let at = part.reached?;
-    let since = matches!(kind, Kind::Delay).then_some(start);
+    let since = matches!(kind, TimeForm::Delay).then_some(start);
     let evidence = EvidenceList::one(Evidence::Instant { since, at });
     Some(Satisfaction { interval: (at, at), recognised_at: at, bindings: Bindings::new(), evidence })
 }
 
 /// Returns the instant for which the part waits.
-pub(crate) fn next_wake(part: &TimePart, kind: Kind, after: Time) -> Option<(Time, WakeReason)> {
+pub(crate) fn next_wake(part: &TimePart, kind: TimeForm, after: Time) -> Option<(Time, WakeReason)> {
     let (from, to) = part.span.filter(|_| part.reached.is_none())?;
     let what = match kind {
-        Kind::Timestamp => WakeReason::Timestamp,
-        Kind::Delay => WakeReason::Delay,
+        TimeForm::Timestamp => WakeReason::Timestamp,
+        TimeForm::Delay => WakeReason::Delay,
     };
     (from > after && from <= to).then_some((from, what))
 }

@@ -12,11 +12,13 @@ use crate::expression::EvalContext;
 use crate::monitoring::combination::dominance::{bounds_only, easier, keep_best, keep_first_choices};
 use crate::monitoring::combination::logic;
 use crate::monitoring::combination::part_results::{self, PartResults, TentativeResult};
-use crate::monitoring::combination::relation::{Decision, Edge, Link, Span, decide, decide_link, links};
+use crate::monitoring::combination::relation::{
+    Decision, Edge, KnownInterval, PointComparison, decide, decide_link, links,
+};
 use crate::monitoring::part::{ConditionFaults, PartContext, Truth};
 use crate::monitoring::verdict_query::VerdictQuery;
 use crate::state::bindings::Bindings;
-use crate::state::monitors::monitor::{AllenPart, Chain, Keep, Satisfaction, Side};
+use crate::state::monitors::monitor::{AllenPart, Chain, Keep, RelationSide, Satisfaction};
 use apex_model::agent_limits::Limit;
 use apex_model::because::Evidence;
 use apex_model::condition::AllenRelation;
@@ -31,7 +33,7 @@ pub(crate) const SWEEP_AT_LEAST: usize = 32;
 
 /// Starts again.
 pub(crate) fn forget(part: &mut AllenPart) {
-    part.sides.iter_mut().for_each(|side| *side = Side::default());
+    part.sides.iter_mut().for_each(|side| *side = RelationSide::default());
     part.found.clear();
     part.passing.clear();
     part.undecided = false;
@@ -73,9 +75,9 @@ pub(crate) fn advance(
     let mut query = VerdictQuery::new(context);
     let mut extents: Vec<PartResults> =
         part.parts.iter_mut().map(|each| part_results::take(each, &mut query)).collect();
-    let mut join = Join::new(part, &extents, context);
+    let mut join = RelationJoin::new(part, &extents, context);
     join.run();
-    let Join { met, undecided, exhausted, .. } = join;
+    let RelationJoin { met, undecided, exhausted, .. } = join;
     if exhausted {
         query.troubles.reached(Limit::MonitorCombinations, context, site.place);
     }
@@ -151,18 +153,18 @@ struct Item<'a> {
 }
 
 /// A result as it is known at `now`.
-fn span(interval: (Time, Time), open: bool, now: Time) -> Span {
-    if open { Span::growing(interval, now) } else { Span::of(interval) }
+fn span(interval: (Time, Time), open: bool, now: Time) -> KnownInterval {
+    if open { KnownInterval::growing(interval, now) } else { KnownInterval::of(interval) }
 }
 
 impl Item<'_> {
-    fn span(&self, now: Time) -> Span {
+    fn span(&self, now: Time) -> KnownInterval {
         span(self.result.interval, self.open, now)
     }
 }
 
 /// The search for related results of which at least one is new.
-struct Join<'a> {
+struct RelationJoin<'a> {
     relation: AllenRelation,
     part: &'a AllenPart,
     extents: &'a [PartResults],
@@ -174,9 +176,9 @@ struct Join<'a> {
     exhausted: bool,
 }
 
-impl<'a> Join<'a> {
-    fn new(part: &'a AllenPart, extents: &'a [PartResults], context: &dyn EvalContext) -> Join<'a> {
-        Join {
+impl<'a> RelationJoin<'a> {
+    fn new(part: &'a AllenPart, extents: &'a [PartResults], context: &dyn EvalContext) -> RelationJoin<'a> {
+        RelationJoin {
             relation: part.relation,
             part,
             extents,
@@ -313,11 +315,12 @@ fn retain_useful(part: &mut AllenPart, site: PartContext, index: usize, looks: &
         if look.anywhere {
             continue;
         }
-        let coming = Span::coming(now.unwrap_or(look.from));
+        let coming = KnownInterval::coming(now.unwrap_or(look.from));
         let runs = look.runs.iter().chain(&look.silent);
-        let mut partners: Vec<Span> = runs.map(|run| Span::growing(*run, now.unwrap_or(run.1))).collect();
-        let possible = |result: &Satisfaction, partner: Span| {
-            let own = Span::of(result.interval);
+        let mut partners: Vec<KnownInterval> =
+            runs.map(|run| KnownInterval::growing(*run, now.unwrap_or(run.1))).collect();
+        let possible = |result: &Satisfaction, partner: KnownInterval| {
+            let own = KnownInterval::of(result.interval);
             let (first, second) = if is_left { (partner, own) } else { (own, partner) };
             decide(part.relation, part.tolerance, first, second) != Decision::Fails
         };
@@ -332,7 +335,7 @@ fn retain_useful(part: &mut AllenPart, site: PartContext, index: usize, looks: &
         if longer {
             // What is there already has been related to it, but the chain may lack another part.
             let passing = look.passing.iter().map(|extent| &extent.result);
-            partners.extend(other.settled.iter().chain(passing).map(|result| Span::of(result.interval)));
+            partners.extend(other.settled.iter().chain(passing).map(|result| KnownInterval::of(result.interval)));
         }
         for (result, useful) in side.settled.iter().zip(useful.iter_mut()) {
             *useful &= partners.iter().any(|partner| possible(result, *partner));
@@ -380,8 +383,8 @@ pub(crate) fn mismatch(part: &AllenPart, now: Time) -> Option<(usize, String)> {
                 Edge::SecondEnd => format!("the end of the second, {},", end_words(right)),
             };
             let link = match missed.1 {
-                Link::Earlier => "is before",
-                Link::Same => "is",
+                PointComparison::Earlier => "is before",
+                PointComparison::Same => "is",
             };
             let text = format!("{words} {} {link} {}", edge(missed.0), edge(missed.2));
             Some((index, text.trim_end_matches(',').to_string()))

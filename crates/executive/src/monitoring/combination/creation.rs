@@ -9,7 +9,7 @@
 
 use crate::expression::arithmetic::duration;
 use crate::expression::{EvalContext, EvaluationError, evaluate};
-use crate::monitoring::basic::time_conditions::{self, Kind};
+use crate::monitoring::basic::time_conditions::{self, TimeForm};
 use crate::monitoring::basic::{event, measurement, task_state};
 use crate::monitoring::combination::{absence, point_order, replay};
 use crate::monitoring::episodes::episode;
@@ -19,7 +19,7 @@ use crate::monitoring::part::{ConditionFaults, noting_limits};
 use crate::monitoring::sampled::Sampled;
 use crate::monitoring::specificity::variables;
 use crate::state::monitors::monitor::{
-    AbsentPart, AllenPart, Composite, EventPart, FunctionPart, Keep, Part, PartKind, Side, TaskEndedPart,
+    AbsentPart, AllenPart, Composite, EventPart, FunctionPart, Keep, Part, PartKind, RelationSide, TaskEndedPart,
     TaskStatePart, TimePart, Window,
 };
 use apex_model::condition::{
@@ -114,10 +114,10 @@ fn part(condition: &Condition, role: Role, context: &dyn EvalContext) -> Result<
         }
         ConditionKind::Not(inner) => PartKind::Not(Box::new(part(inner, role, context)?)),
         ConditionKind::Timestamp(from, to) => {
-            PartKind::Timestamp(time_part((from, to.as_ref()), Kind::Timestamp, window.start, context)?)
+            PartKind::Timestamp(time_part((from, to.as_ref()), TimeForm::Timestamp, window.start, context)?)
         }
         ConditionKind::Delay(from, to) => {
-            PartKind::Delay(time_part((from, to.as_ref()), Kind::Delay, window.start, context)?)
+            PartKind::Delay(time_part((from, to.as_ref()), TimeForm::Delay, window.start, context)?)
         }
         ConditionKind::Allen { .. } => PartKind::Allen(Box::new(allen(condition, role, context)?)),
         ConditionKind::Absent(inner, length) => PartKind::Absent(Box::new(absent(inner, length, role, context)?)),
@@ -144,7 +144,7 @@ fn absent(
 
 fn allen(condition: &Condition, role: Role, context: &dyn EvalContext) -> Result<AllenPart, EvaluationError> {
     let ConditionKind::Allen { relation, parts, tolerance, constraints } = &condition.kind else {
-        return Err(EvaluationError { message: "this is no relation in time".into(), place: condition.place });
+        return Err(EvaluationError { message: "this is not a relation in time".into(), place: condition.place });
     };
     let tolerance = match tolerance {
         Some(tolerance) => {
@@ -158,7 +158,7 @@ fn allen(condition: &Condition, role: Role, context: &dyn EvalContext) -> Result
         relation: *relation,
         tolerance,
         shares: !shared_variables(parts, context).is_empty(),
-        sides: vec![Side::default(); parts.len()],
+        sides: vec![RelationSide::default(); parts.len()],
         parts: parts.iter().map(|each| part(each, inner, context)).collect::<Result<_, _>>()?,
         constraints: constraints.clone(),
         found: Vec::new(),
@@ -192,7 +192,7 @@ fn of_run(episode: &Arc<EpisodeCondition>, role: Role, context: &dyn EvalContext
 
 fn time_part(
     (from, to): (&Expr, Option<&Expr>),
-    kind: Kind,
+    kind: TimeForm,
     start: Time,
     context: &dyn EvalContext,
 ) -> Result<Box<TimePart>, EvaluationError> {
@@ -307,8 +307,10 @@ fn backfill_kind(part: &mut Part, context: &dyn EvalContext, troubles: &mut Cond
         PartKind::Event(leaf) => event::backfill(leaf, site, context, troubles),
         PartKind::TaskEnded(leaf) => task_state::advance_ended(leaf, context),
         PartKind::TaskState(leaf) => task_state::advance_state(leaf, site, context, troubles),
-        PartKind::Timestamp(leaf) => time_conditions::advance(leaf, time_conditions::Kind::Timestamp, site, context),
-        PartKind::Delay(leaf) => time_conditions::advance(leaf, time_conditions::Kind::Delay, site, context),
+        PartKind::Timestamp(leaf) => {
+            time_conditions::advance(leaf, time_conditions::TimeForm::Timestamp, site, context)
+        }
+        PartKind::Delay(leaf) => time_conditions::advance(leaf, time_conditions::TimeForm::Delay, site, context),
         PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {
             composite.parts.iter_mut().for_each(|part| backfill(part, context, troubles));
         }

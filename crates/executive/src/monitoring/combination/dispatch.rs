@@ -8,7 +8,7 @@
 //! Paper: section III, condition monitoring.
 
 use crate::expression::EvalContext;
-use crate::monitoring::basic::time_conditions::{self, Kind};
+use crate::monitoring::basic::time_conditions::{self, TimeForm};
 use crate::monitoring::basic::{event, function, measurement, task_state};
 use crate::monitoring::combination::{absence, allen, replay};
 use crate::monitoring::episodes::episode;
@@ -104,8 +104,8 @@ fn advance_kind(part: &mut Part, context: &dyn EvalContext, troubles: &mut Condi
     match &mut part.kind {
         PartKind::TaskEnded(leaf) => task_state::advance_ended(leaf, context),
         PartKind::TaskState(leaf) => task_state::advance_state(leaf, site, context, troubles),
-        PartKind::Timestamp(leaf) => time_conditions::advance(leaf, Kind::Timestamp, site, context),
-        PartKind::Delay(leaf) => time_conditions::advance(leaf, Kind::Delay, site, context),
+        PartKind::Timestamp(leaf) => time_conditions::advance(leaf, TimeForm::Timestamp, site, context),
+        PartKind::Delay(leaf) => time_conditions::advance(leaf, TimeForm::Delay, site, context),
         PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {
             composite.parts.iter_mut().for_each(|part| advance(part, context, troubles));
         }
@@ -132,8 +132,8 @@ fn advance_kind(part: &mut Part, context: &dyn EvalContext, troubles: &mut Condi
 pub(crate) fn wake_of(part: &Part, after: Time) -> Option<(Time, WakeReason)> {
     match &part.kind {
         PartKind::Episode(leaf) => episode::next_wake(leaf, site(part), after),
-        PartKind::Timestamp(leaf) => time_conditions::next_wake(leaf, Kind::Timestamp, after),
-        PartKind::Delay(leaf) => time_conditions::next_wake(leaf, Kind::Delay, after),
+        PartKind::Timestamp(leaf) => time_conditions::next_wake(leaf, TimeForm::Timestamp, after),
+        PartKind::Delay(leaf) => time_conditions::next_wake(leaf, TimeForm::Delay, after),
         PartKind::And(composite) | PartKind::Or(composite) => {
             composite.parts.iter().filter_map(|part| wake_of(part, after)).min()
         }

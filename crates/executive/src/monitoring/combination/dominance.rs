@@ -7,7 +7,7 @@
 //! PDL: Allen relations.
 //! Paper: Table 1 row 11, the full set of Allen predicates.
 
-use crate::monitoring::combination::relation::{Edge, Link, Span, links};
+use crate::monitoring::combination::relation::{Edge, KnownInterval, PointComparison, links};
 use crate::state::monitors::monitor::Satisfaction;
 use apex_model::condition::AllenRelation;
 use apex_model::symbol::Symbol;
@@ -17,7 +17,7 @@ use apex_model::value::Value;
 /// Returns true if the relation only orders end points; then one result can represent others. If end points must be
 /// equal, few results can still be related, and none is pruned.
 pub(crate) fn bounds_only(relation: AllenRelation) -> bool {
-    links(relation).iter().all(|(_, link, _)| *link == Link::Earlier)
+    links(relation).iter().all(|(_, link, _)| *link == PointComparison::Earlier)
 }
 
 /// Of the results with equal bindings that one partner could be related to, the one that ends first is decided first,
@@ -25,8 +25,8 @@ pub(crate) fn bounds_only(relation: AllenRelation) -> bool {
 pub(crate) fn keep_best(
     settled: &[Satisfaction],
     useful: &[bool],
-    partners: &[Span],
-    possible: impl Fn(&Satisfaction, Span) -> bool,
+    partners: &[KnownInterval],
+    possible: impl Fn(&Satisfaction, KnownInterval) -> bool,
 ) -> Vec<bool> {
     let mut best = vec![false; settled.len()];
     for partner in partners {

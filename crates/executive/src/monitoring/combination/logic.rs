@@ -8,7 +8,7 @@
 //! Paper: Table 1, rows 11 and 12; Appendix B.
 
 use crate::expression::{WithBindings, evaluate};
-use crate::monitoring::basic::time_conditions::{self, Kind, delays};
+use crate::monitoring::basic::time_conditions::{self, TimeForm, delays};
 use crate::monitoring::basic::{measurement, task_state};
 use crate::monitoring::combination::{absence, allen, point_order};
 use crate::monitoring::episodes::episode;
@@ -116,9 +116,11 @@ pub(crate) fn results(part: &Part, query: &mut VerdictQuery<'_>) -> Vec<Satisfac
         PartKind::TaskEnded(leaf) => task_state::ended_result(leaf).into_iter().collect(),
         PartKind::TaskState(leaf) => leaf.settled.clone(),
         PartKind::Timestamp(leaf) => {
-            time_conditions::result(leaf, Kind::Timestamp, site.window.start).into_iter().collect()
+            time_conditions::result(leaf, TimeForm::Timestamp, site.window.start).into_iter().collect()
         }
-        PartKind::Delay(leaf) => time_conditions::result(leaf, Kind::Delay, site.window.start).into_iter().collect(),
+        PartKind::Delay(leaf) => {
+            time_conditions::result(leaf, TimeForm::Delay, site.window.start).into_iter().collect()
+        }
         PartKind::Not(inner) => match query.of_everything(|query| truth(inner, query)) {
             Truth::False => vec![nothing_until(inner, query.now)],
             Truth::True | Truth::Unknown => Vec::new(),
@@ -229,7 +231,7 @@ struct Partial {
 }
 
 /// A part with the results to choose from, and the delay before it.
-struct Step {
+struct SequencePart {
     results: Vec<Satisfaction>,
     delay: Option<(Duration, Duration)>,
     /// It is a `:not`: true now, and at any later instant as well while nothing happens.
@@ -273,7 +275,7 @@ impl<'a> Combination<'a> {
                     }
                     Truth::True | Truth::Unknown => return Vec::new(),
                 },
-                kind => steps.push(Step {
+                kind => steps.push(SequencePart {
                     results: results(part, query),
                     delay: delay.take(),
                     stands: matches!(kind, PartKind::Not(_)),
@@ -294,7 +296,7 @@ impl<'a> Combination<'a> {
 
     fn extend(
         &mut self,
-        steps: &[Step],
+        steps: &[SequencePart],
         nots: &[Vec<Satisfaction>],
         last_delay: Option<(Duration, Duration)>,
         partial: Partial,
@@ -337,7 +339,7 @@ impl<'a> Combination<'a> {
         }
     }
 
-    fn follows(&self, partial: &Partial, step: &Step, result: &Satisfaction) -> bool {
+    fn follows(&self, partial: &Partial, step: &SequencePart, result: &Satisfaction) -> bool {
         let between = result.interval.0 - partial.end;
         match (step.delay, partial.hull) {
             (Some((least, most)), _) => between >= least && between <= most,

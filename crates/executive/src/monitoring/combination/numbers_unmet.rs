@@ -7,9 +7,9 @@
 //! PDL: `:estimation`, `:stats`, `:trend`.
 //! Paper: section V, explanation of behaviour.
 
-use crate::monitoring::combination::unmet::{Known, distance, newest};
+use crate::monitoring::combination::unmet::{PartFacts, distance, newest};
 use crate::monitoring::numbers::aggregates::CriterionResult;
-use crate::monitoring::numbers::regression::{self, Line, Saying};
+use crate::monitoring::numbers::regression::{self, FittedLine, Saying};
 use crate::monitoring::numbers::statistics;
 use crate::monitoring::part::PartContext;
 use crate::monitoring::verdict_query::VerdictQuery;
@@ -18,14 +18,14 @@ use apex_model::estimate::computed;
 use apex_model::time::Time;
 
 /// A persisted value: whose, how long it is valid, how far it is off.
-pub(crate) fn persisted(leaf: &PersistedPart, site: PartContext, query: &VerdictQuery<'_>) -> Known {
+pub(crate) fn persisted(leaf: &PersistedPart, site: PartContext, query: &VerdictQuery<'_>) -> PartFacts {
     let attribute = &leaf.condition.variable.attribute;
     let Some((variable, sample)) = newest(leaf.variable.as_ref(), attribute, query) else {
-        return Known::words("no sample yet");
+        return PartFacts::words("no sample yet");
     };
     let Some(held) = leaf.objects.values().max_by_key(|held| held.at) else {
         let what = format!("{variable} = {} at {}, which is not among what this waits for", sample.value, sample.at);
-        return Known::words(what).since(Some(sample.at));
+        return PartFacts::words(what).since(Some(sample.at));
     };
     let mut now = format!("{variable} = {}, persisted since {}", held.value, held.at);
     let expires = held.at + leaf.timeout;
@@ -40,38 +40,39 @@ pub(crate) fn persisted(leaf: &PersistedPart, site: PartContext, query: &Verdict
     } else if let Some(distance) = distance(&leaf.tests, &held.value) {
         now.push_str(&format!(", {distance} off"));
     }
-    Known { now, since: Some(held.at), until, distance: distance(&leaf.tests, &held.value) }
+    PartFacts { now, since: Some(held.at), until, distance: distance(&leaf.tests, &held.value) }
 }
 
 /// A line: how it runs, or why there is none.
-pub(crate) fn regression(leaf: &RegressionPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Known {
+pub(crate) fn regression(leaf: &RegressionPart, site: PartContext, query: &mut VerdictQuery<'_>) -> PartFacts {
     let attribute = &leaf.condition.variable.attribute;
     let Some((variable, sample)) = newest(leaf.variable.as_ref(), attribute, query) else {
-        return Known::words("no sample yet");
+        return PartFacts::words("no sample yet");
     };
     let sayings = regression::all(leaf, site, query);
     let Some(saying) = sayings.into_iter().last() else {
         let what = format!("{variable} = {} at {}, which is not among what is fitted", sample.value, sample.at);
-        return Known::words(what).since(Some(sample.at));
+        return PartFacts::words(what).since(Some(sample.at));
     };
     match saying {
-        Saying::Met(result) => Known::words("the line meets the constraints").since(Some(result.recognised_at)),
+        Saying::Met(result) => PartFacts::words("the line meets the constraints").since(Some(result.recognised_at)),
         Saying::WillBe(at, value, line) => {
             let now = format!(
-                "{}; it is {} at {at} if it goes on so",
+                "{}; it is {} at {at} if it continues so",
                 course(&variable, &line, query.now),
                 line.value(value)
             );
-            Known { until: Some(at), ..Known::words(now).since(Some(line.last.0)) }
+            PartFacts { until: Some(at), ..PartFacts::words(now).since(Some(line.last.0)) }
         }
-        Saying::Unmet(line) => Known::words(course(&variable, &line, query.now)).since(Some(line.last.0)),
+        Saying::Unmet(line) => PartFacts::words(course(&variable, &line, query.now)).since(Some(line.last.0)),
         Saying::Unknown(refusal) => {
-            Known::words(format!("{variable} = {} at {}; {refusal}", sample.value, sample.at)).since(Some(sample.at))
+            PartFacts::words(format!("{variable} = {} at {}; {refusal}", sample.value, sample.at))
+                .since(Some(sample.at))
         }
     }
 }
 
-fn course(variable: &str, line: &Line, now: Time) -> String {
+fn course(variable: &str, line: &FittedLine, now: Time) -> String {
     let words = |si: Option<f64>| si.map_or("unknown".to_owned(), |si| computed(&line.value(si)));
     let moments = &line.moments;
     format!(
@@ -88,10 +89,10 @@ fn samples(count: u64) -> String {
 }
 
 /// A statistic or trend: each criterion as it stands, and how long the run or window is.
-pub(crate) fn statistical(leaf: &StatisticalPart, site: PartContext, query: &VerdictQuery<'_>) -> Known {
+pub(crate) fn statistical(leaf: &StatisticalPart, site: PartContext, query: &VerdictQuery<'_>) -> PartFacts {
     let attribute = &leaf.condition.variable.attribute;
     let Some((variable, sample)) = newest(leaf.variable.as_ref(), attribute, query) else {
-        return Known::words("no sample yet");
+        return PartFacts::words("no sample yet");
     };
     let mut now = format!("{variable} = {}", sample.value);
     if leaf.blind {
@@ -100,7 +101,7 @@ pub(crate) fn statistical(leaf: &StatisticalPart, site: PartContext, query: &Ver
     let Some(standing) = statistics::standing(leaf, site, query) else {
         let gap = leaf.objects.values().find_map(|state| state.gap);
         now.push_str(&gap.map(|gap| format!("; the last run was cut by a gap of {gap}")).unwrap_or_default());
-        return Known::words(now).since(Some(sample.at));
+        return PartFacts::words(now).since(Some(sample.at));
     };
     let over =
         if leaf.slides { format!("over the last {}", leaf.duration_min) } else { format!("since {}", standing.start) };
@@ -125,7 +126,7 @@ pub(crate) fn statistical(leaf: &StatisticalPart, site: PartContext, query: &Ver
         }
     }
     if let Some(at) = standing.long_enough_at {
-        now.push_str(&format!("; it is long enough at {at} if it goes on"));
+        now.push_str(&format!("; it is long enough at {at} if it continues"));
     }
-    Known { now, since: Some(standing.start), until: standing.long_enough_at, distance: None }
+    PartFacts { now, since: Some(standing.start), until: standing.long_enough_at, distance: None }
 }

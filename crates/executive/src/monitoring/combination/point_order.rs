@@ -64,7 +64,7 @@ struct Gap {
 }
 
 /// A part of the order that is not a delay.
-struct Step<'a> {
+struct OrderedPart<'a> {
     part: &'a Part,
     /// Its place among the parts.
     index: usize,
@@ -78,8 +78,8 @@ struct Step<'a> {
 }
 
 /// The parts except for the delays; none if a delay has no value.
-fn steps<'a>(composite: &'a Composite, query: &mut VerdictQuery<'_>) -> Option<Vec<Step<'a>>> {
-    let mut steps: Vec<Step<'a>> = Vec::with_capacity(composite.parts.len());
+fn steps<'a>(composite: &'a Composite, query: &mut VerdictQuery<'_>) -> Option<Vec<OrderedPart<'a>>> {
+    let mut steps: Vec<OrderedPart<'a>> = Vec::with_capacity(composite.parts.len());
     let mut delay: Option<Gap> = None;
     for (index, part) in composite.parts.iter().enumerate() {
         let (first, rest) = match &part.kind {
@@ -113,7 +113,7 @@ fn steps<'a>(composite: &'a Composite, query: &mut VerdictQuery<'_>) -> Option<V
         // The first part may come at any time; without a delay the next one comes later.
         let least = if steps.is_empty() { Duration(i64::MIN) } else { TICK };
         let gap = delay.take().unwrap_or(Gap { least, most: Duration::MAX });
-        steps.push(Step { part, index, kept: settled(part), first, rest, gap });
+        steps.push(OrderedPart { part, index, kept: settled(part), first, rest, gap });
     }
     Some(steps)
 }
@@ -128,7 +128,7 @@ fn preceding(start: Time, gap: Gap) -> (Time, Time) {
     (Time(start.0.saturating_sub(gap.most.0)), Time(start.0.saturating_sub(gap.least.0)))
 }
 
-impl<'a> Step<'a> {
+impl<'a> OrderedPart<'a> {
     /// Results within the closed span, in order.
     fn within(&self, (from, to): (Time, Time)) -> impl Iterator<Item = &Satisfaction> {
         let first = self.first.get(self.first.partition_point(|each| each.interval.0 < from)..).unwrap_or_default();
@@ -163,7 +163,7 @@ pub(crate) fn results(
     query: &mut VerdictQuery<'_>,
 ) -> Vec<Satisfaction> {
     let Some(steps) = steps(composite, query) else { return Vec::new() };
-    let extents: Vec<_> = steps.iter().map(Step::extent).collect();
+    let extents: Vec<_> = steps.iter().map(OrderedPart::extent).collect();
     if extents.iter().any(Option::is_none) {
         return Vec::new();
     }
@@ -188,7 +188,7 @@ pub(crate) fn results(
 
 /// Depth-first search for chains in order of their first points.
 struct ChainSearch<'a> {
-    steps: &'a [Step<'a>],
+    steps: &'a [OrderedPart<'a>],
     extents: &'a [(Time, Time)],
     binds: bool,
     looks: u64,
@@ -291,12 +291,18 @@ fn settled(part: &Part) -> &[Satisfaction] {
     }
 }
 
-fn is_used(step: &Step<'_>, result: &Satisfaction, used: Option<&Used>) -> bool {
+fn is_used(step: &OrderedPart<'_>, result: &Satisfaction, used: Option<&Used>) -> bool {
     used.is_some_and(|used| used.contains(step.part.place, result))
 }
 
 /// Returns true if a point precedes this one, a result of step `number`. For the first step: if it fits to the order's start.
-fn is_preceded(steps: &[Step<'_>], number: usize, result: &Satisfaction, start: Time, used: Option<&Used>) -> bool {
+fn is_preceded(
+    steps: &[OrderedPart<'_>],
+    number: usize,
+    result: &Satisfaction,
+    start: Time,
+    used: Option<&Used>,
+) -> bool {
     let Some(step) = steps.get(number) else { return false };
     let Some(before) = number.checked_sub(1).and_then(|before| steps.get(before)) else {
         let (from, to) = following(start, step.gap);

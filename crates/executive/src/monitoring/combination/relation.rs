@@ -12,7 +12,7 @@ use apex_model::time::{Duration, Time};
 
 /// An end point of an interval, as far as it is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Point {
+pub(crate) enum EndPoint {
     /// It is this.
     Known(Time),
     /// The end of an open run: the first, if no sample continues it, else after the second.
@@ -23,25 +23,25 @@ pub(crate) enum Point {
 
 /// An interval, as far as it is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Span {
-    pub(crate) start: Point,
-    pub(crate) end: Point,
+pub(crate) struct KnownInterval {
+    pub(crate) start: EndPoint,
+    pub(crate) end: EndPoint,
 }
 
-impl Span {
+impl KnownInterval {
     /// A result.
-    pub(crate) fn of((start, end): (Time, Time)) -> Span {
-        Span { start: Point::Known(start), end: Point::Known(end) }
+    pub(crate) fn of((start, end): (Time, Time)) -> KnownInterval {
+        KnownInterval { start: EndPoint::Known(start), end: EndPoint::Known(end) }
     }
 
     /// An open run, continued by samples that come after `after`.
-    pub(crate) fn growing((start, end): (Time, Time), after: Time) -> Span {
-        Span { start: Point::Known(start), end: Point::Growing(end, after) }
+    pub(crate) fn growing((start, end): (Time, Time), after: Time) -> KnownInterval {
+        KnownInterval { start: EndPoint::Known(start), end: EndPoint::Growing(end, after) }
     }
 
     /// Any result that begins at `from` or later.
-    pub(crate) fn coming(from: Time) -> Span {
-        Span { start: Point::Coming(from), end: Point::Coming(from) }
+    pub(crate) fn coming(from: Time) -> KnownInterval {
+        KnownInterval { start: EndPoint::Coming(from), end: EndPoint::Coming(from) }
     }
 }
 
@@ -58,7 +58,7 @@ pub(crate) enum Decision {
 
 /// A comparison of two end points that a relation asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Link {
+pub(crate) enum PointComparison {
     /// The first is earlier.
     Earlier,
     /// They are equal.
@@ -80,9 +80,9 @@ pub(crate) enum Edge {
 
 /// The comparisons that make a relation; all must hold. Points are legal, so that a point that meets an interval also
 /// starts it.
-pub(crate) fn links(relation: AllenRelation) -> &'static [(Edge, Link, Edge)] {
+pub(crate) fn links(relation: AllenRelation) -> &'static [(Edge, PointComparison, Edge)] {
     use Edge::{FirstEnd, FirstStart, SecondEnd, SecondStart};
-    use Link::{Earlier, Same};
+    use PointComparison::{Earlier, Same};
     match relation {
         AllenRelation::Before => &[(FirstEnd, Earlier, SecondStart)],
         AllenRelation::After => &[(SecondEnd, Earlier, FirstStart)],
@@ -105,17 +105,22 @@ pub(crate) fn links(relation: AllenRelation) -> &'static [(Edge, Link, Edge)] {
 }
 
 /// Decides whether `first` is in `relation` to `second`.
-pub(crate) fn decide(relation: AllenRelation, tolerance: Duration, first: Span, second: Span) -> Decision {
+pub(crate) fn decide(
+    relation: AllenRelation,
+    tolerance: Duration,
+    first: KnownInterval,
+    second: KnownInterval,
+) -> Decision {
     let all = links(relation).iter().map(|link| decide_link(*link, tolerance, first, second));
     all.min().unwrap_or(Decision::Holds)
 }
 
 /// Decides whether one of the comparisons holds.
 pub(crate) fn decide_link(
-    (left, link, right): (Edge, Link, Edge),
+    (left, link, right): (Edge, PointComparison, Edge),
     tolerance: Duration,
-    first: Span,
-    second: Span,
+    first: KnownInterval,
+    second: KnownInterval,
 ) -> Decision {
     let point = |edge| match edge {
         Edge::FirstStart => first.start,
@@ -124,21 +129,21 @@ pub(crate) fn decide_link(
         Edge::SecondEnd => second.end,
     };
     match link {
-        Link::Earlier => earlier(point(left), point(right), tolerance),
-        Link::Same => same(point(left), point(right), tolerance),
+        PointComparison::Earlier => earlier(point(left), point(right), tolerance),
+        PointComparison::Same => same(point(left), point(right), tolerance),
     }
 }
 
 /// The least that a point can be, and the greatest, which has no bound unless it is known.
-fn bounds(point: Point) -> (Time, Option<Time>) {
+fn bounds(point: EndPoint) -> (Time, Option<Time>) {
     match point {
-        Point::Known(at) => (at, Some(at)),
-        Point::Growing(at, _) | Point::Coming(at) => (at, None),
+        EndPoint::Known(at) => (at, Some(at)),
+        EndPoint::Growing(at, _) | EndPoint::Coming(at) => (at, None),
     }
 }
 
 /// Earlier by more than the tolerance.
-fn earlier(left: Point, right: Point, tolerance: Duration) -> Decision {
+fn earlier(left: EndPoint, right: EndPoint, tolerance: Duration) -> Decision {
     let ((left_least, left_most), (right_least, right_most)) = (bounds(left), bounds(right));
     if left_most.is_some_and(|most| right_least - most > tolerance) {
         Decision::Holds
@@ -150,16 +155,16 @@ fn earlier(left: Point, right: Point, tolerance: Duration) -> Decision {
 }
 
 /// Not further apart than the tolerance.
-fn same(left: Point, right: Point, tolerance: Duration) -> Decision {
+fn same(left: EndPoint, right: EndPoint, tolerance: Duration) -> Decision {
     let near = |a: Time, b: Time| (a - b).0.saturating_abs() <= tolerance.0;
     let (known, other) = match (left, right) {
-        (Point::Known(a), Point::Known(b)) => return if near(a, b) { Decision::Holds } else { Decision::Fails },
-        (Point::Known(known), other) | (other, Point::Known(known)) => (known, other),
+        (EndPoint::Known(a), EndPoint::Known(b)) => return if near(a, b) { Decision::Holds } else { Decision::Fails },
+        (EndPoint::Known(known), other) | (other, EndPoint::Known(known)) => (known, other),
         _ => return Decision::Open,
     };
     let possible = match other {
-        Point::Growing(at, after) => near(at, known) || known + tolerance > after,
-        Point::Coming(from) | Point::Known(from) => known + tolerance >= from,
+        EndPoint::Growing(at, after) => near(at, known) || known + tolerance > after,
+        EndPoint::Coming(from) | EndPoint::Known(from) => known + tolerance >= from,
     };
     if possible { Decision::Open } else { Decision::Fails }
 }

@@ -7,7 +7,7 @@
 //! PDL: all conditions.
 //! Paper: section V, explanation of behaviour.
 
-use crate::monitoring::basic::time_conditions::{Kind, span};
+use crate::monitoring::basic::time_conditions::{TimeForm, span};
 use crate::monitoring::basic::{measurement, task_state};
 use crate::monitoring::combination::{absence, allen, logic, numbers_unmet};
 use crate::monitoring::episodes::run_update::{gap_cut, with_newest};
@@ -32,24 +32,24 @@ use apex_model::value::Value;
 
 /// Known facts about an unmet part.
 #[derive(Default)]
-pub(crate) struct Known {
+pub(crate) struct PartFacts {
     pub(crate) now: String,
     pub(crate) since: Option<Time>,
     pub(crate) until: Option<Time>,
     pub(crate) distance: Option<Value>,
 }
 
-impl Known {
-    pub(crate) fn words(now: impl Into<String>) -> Known {
-        Known { now: now.into(), ..Known::default() }
+impl PartFacts {
+    pub(crate) fn words(now: impl Into<String>) -> PartFacts {
+        PartFacts { now: now.into(), ..PartFacts::default() }
     }
 
-    pub(crate) fn since(self, since: Option<Time>) -> Known {
-        Known { since, ..self }
+    pub(crate) fn since(self, since: Option<Time>) -> PartFacts {
+        PartFacts { since, ..self }
     }
 
     fn unmet(self, what: String, place: Place) -> Unmet {
-        let Known { now, since, until, distance } = self;
+        let PartFacts { now, since, until, distance } = self;
         Unmet { what, now, since, until, distance, place }
     }
 }
@@ -70,7 +70,7 @@ pub(crate) fn collect(part: &Part, query: &mut VerdictQuery<'_>, list: &mut Vec<
                 Truth::False | Truth::Unknown => "the data do not say whether the inner condition holds".into(),
             };
             let since = logic::results(inner, query).first().map(|result| result.recognised_at);
-            list.push(Known { now, since, ..Known::default() }.unmet(what, part.place));
+            list.push(PartFacts { now, since, ..PartFacts::default() }.unmet(what, part.place));
         }
         _ => {
             list.push(state(part, query).unmet(text(part), part.place));
@@ -92,7 +92,7 @@ fn several(part: &Part, composite: &Composite, query: &mut VerdictQuery<'_>, lis
                 format!("each part holds, but not together with {}", texts.join(" "))
             }
         };
-        list.push(Known::words(constraints).unmet(text(part), part.place));
+        list.push(PartFacts::words(constraints).unmet(text(part), part.place));
     }
 }
 
@@ -144,33 +144,33 @@ fn related(part: &Part, leaf: &AllenPart, query: &mut VerdictQuery<'_>, list: &m
             let (first, second) = (named(index), named(index + 1));
             let told = leaf.decides_at.filter(|_| leaf.undecided);
             let told = told.map(|at| format!("; if no sample comes, it is decided at {at}")).unwrap_or_default();
-            Known::words(format!("{mismatch}; the first is {first}, the second {second}{told}"))
+            PartFacts::words(format!("{mismatch}; the first is {first}, the second {second}{told}"))
         }
         None if leaf.constraints.is_empty() => {
-            Known::words(format!("the newest results are {relation}, but bind shared variables differently"))
+            PartFacts::words(format!("the newest results are {relation}, but bind shared variables differently"))
         }
         None => {
             let texts: Vec<String> = leaf.constraints.iter().map(|each| Brief.expression(each)).collect();
-            Known::words(format!("the newest results are {relation}, but not with {}", texts.join(" ")))
+            PartFacts::words(format!("the newest results are {relation}, but not with {}", texts.join(" ")))
         }
     };
-    list.push(Known { until: leaf.decides_at, ..known }.unmet(text(part), part.place));
+    list.push(PartFacts { until: leaf.decides_at, ..known }.unmet(text(part), part.place));
 }
 
 /// Returns the time for which something has been absent, and the instant at which that is long enough.
-fn absence_state(leaf: &AbsentPart, query: &VerdictQuery<'_>) -> Known {
+fn absence_state(leaf: &AbsentPart, query: &VerdictQuery<'_>) -> PartFacts {
     let (silence, over) = absence::state(leaf, query.now);
     let since = Some(leaf.since);
     let (now, since, until) = match (leaf.goes_on, leaf.unknown) {
-        (true, _) => (format!("{} goes on", text(&leaf.part)), None, leaf.decides_at),
-        (_, true) => (format!("the data do not say whether {} goes on", text(&leaf.part)), since, leaf.decides_at),
+        (true, _) => (format!("{} continues", text(&leaf.part)), None, leaf.decides_at),
+        (_, true) => (format!("the data do not say whether {} continues", text(&leaf.part)), since, leaf.decides_at),
         _ => (format!("it has been absent for {silence} of {}", leaf.length), since, Some(over)),
     };
-    Known { until: until.filter(|at| *at > query.now), ..Known::words(now).since(since) }
+    PartFacts { until: until.filter(|at| *at > query.now), ..PartFacts::words(now).since(since) }
 }
 
 /// Returns the known facts about a part.
-pub(crate) fn state(part: &Part, query: &mut VerdictQuery<'_>) -> Known {
+pub(crate) fn state(part: &Part, query: &mut VerdictQuery<'_>) -> PartFacts {
     let start = part.window.start;
     match &part.kind {
         PartKind::Measurement(leaf) => measurement_state(leaf, part.window, query),
@@ -178,31 +178,31 @@ pub(crate) fn state(part: &Part, query: &mut VerdictQuery<'_>) -> Known {
         PartKind::Persisted(leaf) => numbers_unmet::persisted(leaf, crate::monitoring::part::site(part), query),
         PartKind::Regression(leaf) => numbers_unmet::regression(leaf, crate::monitoring::part::site(part), query),
         PartKind::Statistical(leaf) => numbers_unmet::statistical(leaf, crate::monitoring::part::site(part), query),
-        PartKind::Cyclic(leaf) => Known::words(cyclic::words(leaf, crate::monitoring::part::site(part), query)),
-        PartKind::Event(leaf) if leaf.blind => Known::words("older messages are no longer remembered"),
+        PartKind::Cyclic(leaf) => PartFacts::words(cyclic::words(leaf, crate::monitoring::part::site(part), query)),
+        PartKind::Event(leaf) if leaf.blind => PartFacts::words("older messages are no longer remembered"),
         PartKind::Event(leaf) => event_state(leaf, part, query),
         PartKind::TaskEnded(leaf) => task_words(leaf.task, &format!("?{} is not known yet", leaf.variable), query),
         PartKind::TaskState(leaf) => task_words(leaf.task, "the task is not known yet", query),
-        PartKind::Timestamp(leaf) => time_state(leaf, Kind::Timestamp, start, query),
-        PartKind::Delay(leaf) => time_state(leaf, Kind::Delay, start, query).since(Some(start)),
+        PartKind::Timestamp(leaf) => time_state(leaf, TimeForm::Timestamp, start, query),
+        PartKind::Delay(leaf) => time_state(leaf, TimeForm::Delay, start, query).since(Some(start)),
         PartKind::Absent(leaf) => absence_state(leaf, query),
         PartKind::Function(leaf) => match &leaf.value {
-            Some(value) => Known::words(format!("its value is {value}")),
-            None => Known::words("it has no value yet"),
+            Some(value) => PartFacts::words(format!("its value is {value}")),
+            None => PartFacts::words("it has no value yet"),
         },
         PartKind::And(_) | PartKind::Or(_) | PartKind::InOrder(_) | PartKind::Not(_) | PartKind::Allen(_) => {
-            Known::default()
+            PartFacts::default()
         }
     }
 }
 
 /// No such message, and how the newest one that begins like it differs.
-fn event_state(leaf: &EventPart, part: &Part, query: &VerdictQuery<'_>) -> Known {
+fn event_state(leaf: &EventPart, part: &Part, query: &VerdictQuery<'_>) -> PartFacts {
     let start = part.window.start;
     let since = (start != Time::BEGINNING).then_some(start);
     let events = query.context.histories().events_from(Time::BEGINNING);
     let Some(newest) = events.filter(|event| begins_alike(&leaf.pattern, &event.form)).last() else {
-        return Known::words("no such event yet").since(since);
+        return PartFacts::words("no such event yet").since(since);
     };
     let Occurrence { form, at, sequence } = newest;
     let reason = match first_mismatch(&leaf.pattern, form, query.context) {
@@ -211,7 +211,7 @@ fn event_state(leaf: &EventPart, part: &Part, query: &VerdictQuery<'_>) -> Known
         None if !part.window.contains(*at, *sequence) => "that was answered already".into(),
         None => "its guards, segments or timing do not fit".into(),
     };
-    Known::words(format!("no such event yet; the last one like it was {form} at {at}: {reason}")).since(since)
+    PartFacts::words(format!("no such event yet; the last one like it was {form} at {at}: {reason}")).since(since)
 }
 
 /// Returns true if the form begins with the first word of the pattern.
@@ -242,9 +242,9 @@ pub(crate) fn newest(
     }
 }
 
-fn measurement_state(leaf: &MeasurementPart, window: Window, query: &VerdictQuery<'_>) -> Known {
+fn measurement_state(leaf: &MeasurementPart, window: Window, query: &VerdictQuery<'_>) -> PartFacts {
     let Some((variable, sample)) = newest(leaf.variable.as_ref(), &leaf.condition.variable.attribute, query) else {
-        return Known::words("no sample yet");
+        return PartFacts::words("no sample yet");
     };
     let distance = distance(&leaf.tests, &sample.value);
     let mut now = format!("{variable} = {}", sample.value);
@@ -257,7 +257,7 @@ fn measurement_state(leaf: &MeasurementPart, window: Window, query: &VerdictQuer
     } else if let Some(distance) = &distance {
         now.push_str(&format!(", {distance} off"));
     }
-    Known { now, since: Some(sample.at), distance, ..Known::default() }
+    PartFacts { now, since: Some(sample.at), distance, ..PartFacts::default() }
 }
 
 /// Returns the distance of a value from the nearest threshold that it misses.
@@ -280,9 +280,9 @@ pub(crate) fn distance(tests: &[Test], value: &Value) -> Option<Value> {
     })
 }
 
-fn episode_state(leaf: &EpisodePart, query: &VerdictQuery<'_>) -> Known {
+fn episode_state(leaf: &EpisodePart, query: &VerdictQuery<'_>) -> PartFacts {
     let Some((variable, sample)) = newest(leaf.variable.as_ref(), &leaf.condition.variable.attribute, query) else {
-        return Known::words("no sample yet");
+        return PartFacts::words("no sample yet");
     };
     let run = leaf
         .runs
@@ -292,7 +292,7 @@ fn episode_state(leaf: &EpisodePart, query: &VerdictQuery<'_>) -> Known {
     let Some((run, state)) = run else {
         let gap = leaf.runs.values().find_map(|state| state.gap);
         let gap = gap.map(|gap| format!("; the last run was cut by a gap of {gap}")).unwrap_or_default();
-        return Known::words(format!("{variable} = {}{gap}", sample.value)).since(Some(sample.at));
+        return PartFacts::words(format!("{variable} = {}{gap}", sample.value)).since(Some(sample.at));
     };
     let mut now = format!("{variable} = {}, holds for {} so far", sample.value, run.last - run.start);
     if let Some(most) = leaf.gap_max {
@@ -306,25 +306,25 @@ fn episode_state(leaf: &EpisodePart, query: &VerdictQuery<'_>) -> Known {
     let silent = leaf.gap_max.is_some_and(|most| query.now - state.newest.at > most);
     let until = Some(run.start + leaf.duration_min).filter(|at| *at > query.now && !silent);
     if let Some(at) = until {
-        now.push_str(&format!("; it is long enough at {at} if it goes on"));
+        now.push_str(&format!("; it is long enough at {at} if it continues"));
     }
-    Known { now, since: Some(run.start), until, distance: None }
+    PartFacts { now, since: Some(run.start), until, distance: None }
 }
 
-fn task_words(task: Option<TaskId>, unknown: &str, query: &VerdictQuery<'_>) -> Known {
-    let Some(task) = task else { return Known::words(unknown) };
+fn task_words(task: Option<TaskId>, unknown: &str, query: &VerdictQuery<'_>) -> PartFacts {
+    let Some(task) = task else { return PartFacts::words(unknown) };
     match query.context.task_state(task) {
-        Some(state) => Known::words(format!("{task} is {state}")).since(query.context.task_start(task)),
-        None => Known::words(format!("{task} is not known any more")),
+        Some(state) => PartFacts::words(format!("{task} is {state}")).since(query.context.task_start(task)),
+        None => PartFacts::words(format!("{task} is no longer known")),
     }
 }
 
-fn time_state(leaf: &TimePart, kind: Kind, start: Time, query: &VerdictQuery<'_>) -> Known {
+fn time_state(leaf: &TimePart, kind: TimeForm, start: Time, query: &VerdictQuery<'_>) -> PartFacts {
     match span(leaf, kind, start, query.context) {
-        Err(error) => Known::words(error.message),
+        Err(error) => PartFacts::words(error.message),
         Ok((from, _)) if from > query.now => {
-            Known { until: Some(from), ..Known::words(format!("it is {}, {from} is to come", query.now)) }
+            PartFacts { until: Some(from), ..PartFacts::words(format!("it is {}, {from} is to come", query.now)) }
         }
-        Ok((from, _)) => Known::words(format!("it is {}, {from} had passed before this was waited for", query.now)),
+        Ok((from, _)) => PartFacts::words(format!("it is {}, {from} had passed before this was waited for", query.now)),
     }
 }

@@ -10,7 +10,7 @@
 use crate::expression::arithmetic::duration;
 use crate::expression::declared_unit::unit_of;
 use crate::expression::{EvalContext, EvaluationError, evaluate};
-use crate::monitoring::constraints::{Reading, all, is_lower_bound, prepare};
+use crate::monitoring::constraints::{RightSide, all, is_lower_bound, prepare};
 use crate::monitoring::episodes::run_update::{Judged, advance_run};
 use crate::monitoring::episodes::{run_fast_path, threshold_backfill};
 use crate::monitoring::part::{ConditionFaults, PartContext, Truth, remember};
@@ -93,9 +93,15 @@ pub(crate) fn backfill(
     backfill_with(threshold_backfill::backfill, part, site, context, troubles);
 }
 
-/// As [`backfill`], where `quick` takes in what it can and says how many samples these were.
+/// As [`backfill`], after `fast_pass` has consumed samples from the start; it returns their number.
 pub(crate) fn backfill_with(
-    quick: impl FnOnce(&mut EpisodePart, PartContext, &[SampleView<'_>], &dyn EvalContext, &mut ConditionFaults) -> usize,
+    fast_pass: impl FnOnce(
+        &mut EpisodePart,
+        PartContext,
+        &[SampleView<'_>],
+        &dyn EvalContext,
+        &mut ConditionFaults,
+    ) -> usize,
     part: &mut EpisodePart,
     site: PartContext,
     context: &dyn EvalContext,
@@ -106,7 +112,7 @@ pub(crate) fn backfill_with(
     let condition = Arc::clone(&part.condition);
     let (samples, blind) = remembered(known.as_ref(), &condition.variable.attribute, site, context);
     part.blind = blind;
-    let passed = quick(part, site, &samples, context, troubles);
+    let passed = fast_pass(part, site, &samples, context, troubles);
     for sample in samples.into_iter().skip(passed) {
         feed(part, site, sample, context, troubles);
     }
@@ -249,7 +255,7 @@ fn judge(
             [(&condition.first_value, &mut newest.first_holds), (&condition.last_value, &mut newest.last_holds)]
         {
             if !constraints.is_empty() {
-                match all(constraints, sample.value, Reading::Value(unit), bindings, context, site.place) {
+                match all(constraints, sample.value, RightSide::Value(unit), bindings, context, site.place) {
                     Ok(truth) => *holds = truth,
                     Err(error) => {
                         *holds = false;

@@ -8,7 +8,7 @@
 //! Paper: section IV example 1.
 
 use crate::expression::{EvalContext, EvaluationError};
-use crate::monitoring::constraints::{Reading, all};
+use crate::monitoring::constraints::{RightSide, all};
 use crate::monitoring::part::{ConditionFaults, PartContext};
 use crate::monitoring::time_bounds::TICK;
 use crate::planted::{self, Bug};
@@ -201,9 +201,9 @@ impl Judge<'_> {
         let holds = |constraints, value: Value, reading| {
             all(constraints, &value, reading, &mut Bindings::new(), self.context, self.site.place)
         };
-        Ok(holds(&timing.start, Value::Time(start), Reading::Instant)?
-            && holds(&timing.end, Value::Time(end), Reading::Instant)?
-            && (!with_duration || holds(&timing.duration, Value::Duration(end - start), Reading::Span)?))
+        Ok(holds(&timing.start, Value::Time(start), RightSide::Instant)?
+            && holds(&timing.end, Value::Time(end), RightSide::Instant)?
+            && (!with_duration || holds(&timing.duration, Value::Duration(end - start), RightSide::Span)?))
     }
 
     /// Every earlier sample of the run together with the newest one.

@@ -9,11 +9,13 @@
 
 use crate::expression::declared_unit::unit_of;
 use crate::expression::{EvalContext, evaluate};
-use crate::monitoring::constraints::{Reading, never_changes, read};
+use crate::monitoring::constraints::{RightSide, never_changes, read};
 use crate::monitoring::episodes::run_update::{advance_run, result, with_newest};
 use crate::monitoring::part::{ConditionFaults, site};
 use crate::state::bindings::Bindings;
-use crate::state::episode_index::{Band, EpisodeUpdate, IndexedRun, OpenResult, ThresholdEpisode, plain_number};
+use crate::state::episode_index::{
+    EpisodeUpdate, IndexedRun, OpenResult, ThresholdBounds, ThresholdEpisode, plain_number,
+};
 use crate::state::monitors::monitor::{EpisodePart, Keep, Monitor, ObjectRun, Part, PartKind, Run, Satisfaction, Test};
 use apex_model::condition::{Constraint, Relation};
 use apex_model::event::StateVariable;
@@ -98,8 +100,8 @@ pub(crate) fn of_part<'a>(part: &'a Part, context: &dyn EvalContext) -> Option<B
 }
 
 /// The values that satisfy all tests; none when they are not those between two numbers.
-pub(crate) fn band(leaf: &EpisodePart, context: &dyn EvalContext) -> Option<(Band, Dimension)> {
-    let mut band = Band { least: f64::NEG_INFINITY, most: f64::INFINITY };
+pub(crate) fn band(leaf: &EpisodePart, context: &dyn EvalContext) -> Option<(ThresholdBounds, Dimension)> {
+    let mut band = ThresholdBounds { least: f64::NEG_INFINITY, most: f64::INFINITY };
     let mut of = None;
     for test in &leaf.tests {
         let limits = match test {
@@ -134,7 +136,7 @@ fn range(constraint: &Constraint, leaf: &EpisodePart, context: &dyn EvalContext)
         if !never_changes(expr, context.library(), 8) {
             return None;
         }
-        let value = evaluate(expr, context).and_then(|value| read(value, Reading::Value(unit), expr.place)).ok()?;
+        let value = evaluate(expr, context).and_then(|value| read(value, RightSide::Value(unit), expr.place)).ok()?;
         limits.push((relation, value));
     }
     Some(limits)

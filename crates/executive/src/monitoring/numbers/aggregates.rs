@@ -9,7 +9,7 @@
 
 use crate::expression::declared_unit::unit_of;
 use crate::expression::{EvalContext, EvaluationError, evaluate};
-use crate::monitoring::constraints::{Reading, prepare_as, satisfies_all_as};
+use crate::monitoring::constraints::{RightSide, prepare_as, satisfies_all_as};
 use crate::monitoring::numbers::significance::slope_by_chance;
 use crate::state::bindings::Bindings;
 use crate::state::monitors::moments::{HeldMoments, Moments};
@@ -106,8 +106,8 @@ fn bare(measure: &Measure, unit: Option<&'static Unit>) -> Option<(f64, Dimensio
     }
 }
 
-fn reading(bare: Option<(f64, Dimension)>) -> Reading {
-    bare.map_or(Reading::Value(None), |(factor, dimension)| Reading::Scaled(factor, dimension))
+fn reading(bare: Option<(f64, Dimension)>) -> RightSide {
+    bare.map_or(RightSide::Value(None), |(factor, dimension)| RightSide::Scaled(factor, dimension))
 }
 
 /// An SI number as a value that prints in `unit`.
@@ -187,7 +187,9 @@ impl CriterionContext<'_> {
             },
             measure => match computed(measure, numbers) {
                 Err(reason) => return Ok(CriterionResult::Undefined(reason)),
-                Ok(number) if !number.is_finite() => return Ok(CriterionResult::Undefined("it is no finite number")),
+                Ok(number) if !number.is_finite() => {
+                    return Ok(CriterionResult::Undefined("it is not a finite number"));
+                }
                 Ok(number) => self.measured(number, measure),
             },
         };
@@ -234,7 +236,7 @@ impl CriterionContext<'_> {
     ) -> Result<CriterionResult, EvaluationError> {
         let value = evaluate(level, self.context)?;
         let Some((level_number, Dimension::NONE)) = value.as_number() else {
-            let message = format!(":significance is {value}, which is no probability");
+            let message = format!(":significance is {value}, which is not a probability");
             return Err(EvaluationError { message, place: level.place });
         };
         Ok(match slope_by_chance(moments) {

@@ -9,7 +9,7 @@
 
 use crate::expression::declared_unit::unit_of;
 use crate::expression::{EvalContext, EvaluationError, evaluate};
-use crate::monitoring::constraints::{Reading, all};
+use crate::monitoring::constraints::{RightSide, all};
 use crate::monitoring::part::{ConditionFaults, PartContext, Truth, remember};
 use crate::monitoring::sampled::{Sampled, object_bindings};
 use crate::monitoring::samples::{SampleView, known_variable};
@@ -52,7 +52,7 @@ pub(crate) fn create(
             (Some((number, Dimension::NONE)), Some(unit)) => number * unit.factor,
             (Some((number, _)), _) => number,
             (None, _) => {
-                let message = format!("the :hysteresis {found} is no number");
+                let message = format!("the :hysteresis {found} is not a number");
                 return Err(EvaluationError { message, place: right.place });
             }
         };
@@ -289,17 +289,18 @@ impl Judge<'_> {
         let unit = unit_of(&self.part.condition.variable.attribute, self.context.library());
         let period = Value::Duration(end - start);
         let amplitude = Value::measured(amplitude, dimension);
-        Ok(self.hold("period", &period, Reading::Span)? && self.hold("amplitude", &amplitude, Reading::Value(unit))?)
+        Ok(self.hold("period", &period, RightSide::Span)?
+            && self.hold("amplitude", &amplitude, RightSide::Value(unit))?)
     }
 
     fn is_enough(&self, cycles: u64) -> Result<bool, EvaluationError> {
         if constraints_of(&self.part.condition, "cycles").is_empty() {
             return Ok(cycles >= CYCLES_DEFAULT);
         }
-        self.hold("cycles", &Value::Integer(i64::try_from(cycles).unwrap_or(i64::MAX)), Reading::Value(None))
+        self.hold("cycles", &Value::Integer(i64::try_from(cycles).unwrap_or(i64::MAX)), RightSide::Value(None))
     }
 
-    fn hold(&self, option: &str, value: &Value, reading: Reading) -> Result<bool, EvaluationError> {
+    fn hold(&self, option: &str, value: &Value, reading: RightSide) -> Result<bool, EvaluationError> {
         let constraints = constraints_of(&self.part.condition, option);
         all(constraints, value, reading, &mut Bindings::new(), self.context, self.site.place)
     }

@@ -9,7 +9,7 @@
 
 use crate::expression::arithmetic::described;
 use crate::expression::{EvalContext, EvaluationError, WithBindings, evaluate};
-use crate::monitoring::constraints::{Reading, read};
+use crate::monitoring::constraints::{RightSide, read};
 use crate::state::bindings::Bindings;
 use crate::state::monitors::moments::Moments;
 use apex_model::condition::{Constraint, Relation};
@@ -23,13 +23,13 @@ use apex_model::time::{Duration, Time};
 /// The values that constraints leave: an interval, each end with or without the end itself, and what is bound to the
 /// value.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Band {
+pub(crate) struct ValueInterval {
     least: (f64, bool),
     greatest: (f64, bool),
     binds: Vec<Symbol>,
 }
 
-impl Band {
+impl ValueInterval {
     fn at_least(&mut self, value: f64, closed: bool) {
         if value > self.least.0 || (value == self.least.0 && !closed) {
             self.least = (value, closed);
@@ -50,7 +50,7 @@ impl Band {
 
 /// Scale of a right side: values of this dimension, with bare numbers in this unit.
 #[derive(Clone, Copy)]
-pub(crate) struct Scale {
+pub(crate) struct ValueScale {
     pub(crate) unit: Option<&'static Unit>,
     pub(crate) dimension: Dimension,
 }
@@ -59,8 +59,8 @@ pub(crate) struct Scale {
 ///
 /// # Errors
 /// When it cannot be evaluated, or is of another dimension.
-pub(crate) fn number_of(expr: &Expr, scale: Scale, context: &dyn EvalContext) -> Result<f64, EvaluationError> {
-    let value = read(evaluate(expr, context)?, Reading::Value(scale.unit), expr.place)?;
+pub(crate) fn number_of(expr: &Expr, scale: ValueScale, context: &dyn EvalContext) -> Result<f64, EvaluationError> {
+    let value = read(evaluate(expr, context)?, RightSide::Value(scale.unit), expr.place)?;
     match value.as_number() {
         Some((number, dimension)) if dimension == scale.dimension => Ok(number),
         _ => {
@@ -76,12 +76,13 @@ pub(crate) fn number_of(expr: &Expr, scale: Scale, context: &dyn EvalContext) ->
 /// When a side cannot be evaluated, or a constraint is not a bound (the checker refuses those).
 pub(crate) fn band(
     constraints: &[Constraint],
-    scale: Scale,
+    scale: ValueScale,
     bindings: &Bindings,
     context: &dyn EvalContext,
     place: Place,
-) -> Result<Band, EvaluationError> {
-    let mut band = Band { least: (f64::NEG_INFINITY, true), greatest: (f64::INFINITY, true), binds: Vec::new() };
+) -> Result<ValueInterval, EvaluationError> {
+    let mut band =
+        ValueInterval { least: (f64::NEG_INFINITY, true), greatest: (f64::INFINITY, true), binds: Vec::new() };
     let seen = WithBindings { below: context, bindings };
     for constraint in constraints {
         match constraint {
@@ -142,7 +143,7 @@ fn unsolvable(place: Place) -> EvaluationError {
 
 /// The earliest instant from `from` to `to` at which the line through `moments` lies within the band, with its value
 /// there; none when it never does, or there is no line.
-pub(crate) fn earliest(moments: &Moments, band: &Band, from: Time, to: Time) -> Option<(Time, f64)> {
+pub(crate) fn earliest(moments: &Moments, band: &ValueInterval, from: Time, to: Time) -> Option<(Time, f64)> {
     let (mut first, mut last) = (from, to);
     match moments.slope_per_s()? {
         0.0 => {
@@ -200,7 +201,7 @@ fn crossing(moments: &Moments, value: f64) -> Option<Crossing> {
 }
 
 /// The variables that the value is bound to.
-pub(crate) fn bind(band: &Band, value: f64, scale: Scale, bindings: &mut Bindings) {
+pub(crate) fn bind(band: &ValueInterval, value: f64, scale: ValueScale, bindings: &mut Bindings) {
     for name in &band.binds {
         bindings.set(name.clone(), crate::monitoring::numbers::aggregates::in_unit(value, scale.dimension, scale.unit));
     }

@@ -10,7 +10,7 @@
 use crate::expression::declared_unit::unit_of;
 use crate::expression::{EvalContext, EvaluationError, evaluate};
 use crate::monitoring::numbers::aggregates::in_unit;
-use crate::monitoring::numbers::line_crossing::{Scale, band, bind, earliest, number_of};
+use crate::monitoring::numbers::line_crossing::{ValueScale, band, bind, earliest, number_of};
 use crate::monitoring::part::{ConditionFaults, PartContext, Truth};
 use crate::monitoring::sampled::{Sampled, object_bindings};
 use crate::monitoring::samples::{SampleView, known_variable};
@@ -88,13 +88,13 @@ pub(crate) fn create(
     let number = |expr: &Expr| {
         let dimension = evaluate(expr, context)?.as_number().map_or(Dimension::NONE, |(_, dimension)| dimension);
         let dimension = declared.unwrap_or(dimension);
-        number_of(expr, Scale { unit, dimension }, context)
+        number_of(expr, ValueScale { unit, dimension }, context)
     };
     let points_min = match option("minimum-points") {
         Some(expr) => match evaluate(expr, context)? {
             Value::Integer(points) if points >= 0 => points.unsigned_abs(),
             other => {
-                let message = format!(":minimum-points is {other}, which is no number of samples");
+                let message = format!(":minimum-points is {other}, which is not a number of samples");
                 return Err(EvaluationError { message, place: expr.place });
             }
         },
@@ -216,20 +216,20 @@ fn feed(
 
 fn no_number(sample: SampleView<'_>, site: PartContext) -> EvaluationError {
     let message =
-        format!("{} = {} is no number of the kind before it: no line is fitted", sample.variable, sample.value);
+        format!("{} = {} is not a number of the kind before it: no line is fitted", sample.variable, sample.value);
     EvaluationError { message, place: site.place }
 }
 
 /// A line with what it says.
-pub(crate) struct Line {
+pub(crate) struct FittedLine {
     /// All samples of the fit.
     pub(crate) moments: Moments,
     /// The last fitted sample.
     pub(crate) last: (Time, f64),
-    scale: Scale,
+    scale: ValueScale,
 }
 
-impl Line {
+impl FittedLine {
     pub(crate) fn value(&self, si: f64) -> Value {
         in_unit(si, self.scale.dimension, self.scale.unit)
     }
@@ -239,15 +239,15 @@ impl Line {
 ///
 /// # Errors
 /// With the reason for which there is none.
-fn line(part: &RegressionPart, fit: &Fit, context: &dyn EvalContext) -> Result<Line, FitFailure> {
+fn line(part: &RegressionPart, fit: &Fit, context: &dyn EvalContext) -> Result<FittedLine, FitFailure> {
     let Some(last) = fit.last() else { return Err(FitFailure::NoSample) };
     if part.blind {
         return Err(FitFailure::Blind);
     }
     let (moments, gap) = fit.with_newest();
     let (unit, _) = declared_scale(&part.condition.variable.attribute, context);
-    let scale = Scale { unit, dimension: part.dimension.unwrap_or_default() };
-    let line = Line { moments, last, scale };
+    let scale = ValueScale { unit, dimension: part.dimension.unwrap_or_default() };
+    let line = FittedLine { moments, last, scale };
     if moments.count() < part.points_min {
         return Err(FitFailure::TooFew { samples: moments.count(), least: part.points_min });
     }
@@ -266,9 +266,9 @@ pub(crate) enum Saying {
     /// It meets the constraints in the window.
     Met(Satisfaction),
     /// It will within what is known, if no sample comes before.
-    WillBe(Time, f64, Line),
+    WillBe(Time, f64, FittedLine),
     /// It does not.
-    Unmet(Line),
+    Unmet(FittedLine),
     /// There is no line, or the window is not known.
     Unknown(FitFailure),
 }
@@ -339,7 +339,7 @@ pub(crate) fn says(
 }
 
 /// The line does not meet the constraints, or this is unknown since samples stopped coming.
-fn unmet(part: &RegressionPart, line: Line, now: Time) -> Saying {
+fn unmet(part: &RegressionPart, line: FittedLine, now: Time) -> Saying {
     let gap = now.min(part.fit.1.unwrap_or(Time::END)) - line.last.0;
     match part.gap_max.filter(|most| gap > *most) {
         Some(most) => Saying::Unknown(FitFailure::Gap { gap, most }),

@@ -8,7 +8,7 @@
 //! Paper: Table 1, rows 8 and 9.
 
 use crate::expression::{EvalContext, EvaluationError};
-use crate::monitoring::constraints::{Reading, all};
+use crate::monitoring::constraints::{RightSide, all};
 use crate::monitoring::numbers::aggregates::{CriterionContext, CriterionResult, RunStatistics};
 use crate::monitoring::numbers::sliding_window::{contents, drop_before, leaving, push};
 use crate::monitoring::part::{ConditionFaults, PartContext};
@@ -360,9 +360,9 @@ impl Evaluation<'_> {
             all(constraints, &value, reading, &mut Bindings::new(), self.context, self.site.place)
         };
         let lasted = if self.part.slides { self.part.duration_min } else { at - start };
-        Ok(holds(&timing.start, Value::Time(start), Reading::Instant)?
-            && holds(&timing.end, Value::Time(end), Reading::Instant)?
-            && holds(&timing.duration, Value::Duration(lasted), Reading::Span)?)
+        Ok(holds(&timing.start, Value::Time(start), RightSide::Instant)?
+            && holds(&timing.end, Value::Time(end), RightSide::Instant)?
+            && holds(&timing.duration, Value::Duration(lasted), RightSide::Span)?)
     }
 
     /// The numbers of the run, or of the window that ends at `at`.

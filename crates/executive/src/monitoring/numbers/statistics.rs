@@ -9,7 +9,7 @@
 
 use crate::expression::declared_unit::unit_of;
 use crate::expression::{EvalContext, EvaluationError};
-use crate::monitoring::constraints::{Reading, all, prepare, satisfies_all};
+use crate::monitoring::constraints::{RightSide, all, prepare, satisfies_all};
 use crate::monitoring::numbers::aggregates::{CriterionResult, criteria, name};
 use crate::monitoring::numbers::regression::declared_scale;
 use crate::monitoring::numbers::statistic_runs::{CriteriaVerdict, Evaluated, Evaluation, contradicted, take_in};
@@ -205,7 +205,7 @@ fn judge(
     for (constraints, holds) in
         [(&part.condition.first_value, &mut newest.first_holds), (&part.condition.last_value, &mut newest.last_holds)]
     {
-        *holds = all(constraints, sample.value, Reading::Value(unit), bindings, context, site.place).unwrap_or_else(
+        *holds = all(constraints, sample.value, RightSide::Value(unit), bindings, context, site.place).unwrap_or_else(
             |error| {
                 troubles.add(error);
                 false
@@ -264,7 +264,7 @@ fn number(
             let names: Vec<&str> = part.criteria.iter().map(|criterion| name(&criterion.measure)).collect();
             let SampleView { variable, value, .. } = sample;
             let message = format!(
-                "{variable} = {value} is no number of the kind before it: it is left out of the {}",
+                "{variable} = {value} is not a number of the kind before it: it is left out of the {}",
                 names.join(", ")
             );
             troubles.add(EvaluationError { message, place: site.place });
@@ -402,7 +402,7 @@ pub(crate) fn judgement_words(
         CriterionResult::Holds(value) => format!("{name} = {}", computed(value)),
         // Only the level of significance has no constraints.
         CriterionResult::Fails(value) if wanted.is_empty() => {
-            format!("such a slope comes by chance with probability {}", computed(value))
+            format!("such a slope arises at random with probability {}", computed(value))
         }
         CriterionResult::Fails(value) => format!("{name} = {}, wanted {wanted}", computed(value)),
     }

@@ -218,7 +218,7 @@ proptest! {
         let samples = valid(&trace);
         let mut arrivals: Vec<(i64, i64, i64)> = samples.iter().zip(&order).map(|((at, value), delay)| (at + delay, *at, *value)).collect();
         arrivals.sort();
-        let mut view = View::default();
+        let mut view = TestView::default();
         let declaration = apex_model::library::StateVariableDeclaration {
             unit: None,
             dimension: apex_model::quantity::Dimension::NONE,

@@ -14,7 +14,7 @@ proptest! {
         every in any::<bool>(),
     ) {
         samples.sort();
-        let mut view = View::default();
+        let mut view = TestView::default();
         view.histories.require_lookback_of_all(Duration(1_000));
         for (number, (at, value, kind)) in samples.iter().enumerate() {
             // Now and then a real, or something that cannot be compared.

@@ -89,7 +89,7 @@ fn that_related_results_are_forgotten_is_told_once() {
 
 #[test]
 fn that_results_are_forgotten_while_looking_back_is_told_once() {
-    let mut view = View::default();
+    let mut view = TestView::default();
     view.histories.require_lookback_of_all(Duration::MAX);
     let mut world = World::in_view(&condition(event(vec![word("never")])), view);
     for at in 0..2 * MOST + 9 {

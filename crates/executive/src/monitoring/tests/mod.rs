@@ -23,7 +23,7 @@ use super::stimulus::Stimulus;
 use crate::state::clause::MonitorId;
 use crate::state::episode_index::{EpisodeIndex, LeafId, Taken, ThresholdEpisode};
 use crate::state::monitors::monitor::{Keep, Monitor, PartKind, Verdict, Window};
-use crate::test_support::View;
+use crate::test_support::TestView;
 use apex_model::condition::{
     Condition, ConditionKind, Constraint, EpisodeCondition, MeasurementCondition, Quality, Relation, Timing,
     VariablePattern,
@@ -120,7 +120,7 @@ fn free(name: &str) -> Pattern {
 /// A monitor with its world: time, histories, arrival numbers. Wherever a bank can watch the monitor, one does; a twin is
 /// shown everything, and must be in the same state at every query.
 struct World {
-    view: View,
+    view: TestView,
     monitor: Monitor,
     told: Monitor,
     bank: Option<EpisodeIndex>,
@@ -131,10 +131,10 @@ const HERE: LeafId = LeafId { monitor: MonitorId(7), leaf: 0 };
 
 impl World {
     fn new(condition: &Condition) -> World {
-        World::in_view(condition, View::default())
+        World::in_view(condition, TestView::default())
     }
 
-    fn in_view(condition: &Condition, view: View) -> World {
+    fn in_view(condition: &Condition, view: TestView) -> World {
         let monitor = create(condition, Window::from(view.now), &view).unwrap();
         let mut world = World { view, told: monitor.clone(), monitor, bank: None, sequence: 0 };
         world.lie_down();
@@ -165,7 +165,7 @@ impl World {
         let plain = threshold_episode::variable(&self.monitor).is_some();
         assert!(
             !plain || self.monitor.root == self.told.root,
-            "{:#?}\nwas told {:#?}",
+            "{:#?}\nwas given {:#?}",
             self.monitor.root,
             self.told.root
         );
@@ -241,8 +241,8 @@ impl World {
 }
 
 /// A world whose samples of `attribute` may come this late.
-fn late_view(attribute: &str, lateness: i64) -> View {
-    let mut view = View::default();
+fn late_view(attribute: &str, lateness: i64) -> TestView {
+    let mut view = TestView::default();
     let declaration = apex_model::library::StateVariableDeclaration {
         unit: None,
         dimension: apex_model::quantity::Dimension::NONE,

@@ -3,7 +3,7 @@
 use crate::monitoring::pattern_matching::match_pattern;
 use crate::monitoring::specificity::specificity;
 use crate::state::bindings::Bindings;
-use crate::test_support::View;
+use crate::test_support::TestView;
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::pattern::Pattern;
 use apex_model::source::Place;
@@ -160,7 +160,7 @@ proptest! {
         let value = Value::list([x, y, value]);
         let expected = naive(&whole, &value, &Bindings::new()).into_iter().next();
         let mut bindings = Bindings::new();
-        let matched = match_pattern(&whole, &value, &mut bindings, &View::default(), Place::default()).unwrap();
+        let matched = match_pattern(&whole, &value, &mut bindings, &TestView::default(), Place::default()).unwrap();
         prop_assert_eq!(matched.then(|| bindings.clone()), expected);
     }
 
@@ -183,7 +183,7 @@ proptest! {
     fn agrees_with_the_naive_matcher(pattern in patterns(), value in values()) {
         let expected = naive(&pattern, &value, &Bindings::new()).into_iter().next();
         let mut bindings = Bindings::new();
-        let matched = match_pattern(&pattern, &value, &mut bindings, &View::default(), Place::default()).unwrap();
+        let matched = match_pattern(&pattern, &value, &mut bindings, &TestView::default(), Place::default()).unwrap();
         prop_assert_eq!(matched.then(|| bindings.clone()), expected);
         prop_assert!(matched || bindings.is_empty());
     }
@@ -195,7 +195,7 @@ fn a_choice_inside_a_nested_list_is_taken_back_when_something_after_it_fails() {
     let inner = Value::list([Value::Integer(1), Value::Integer(2)]);
     let value = Value::list([inner, Value::list([Value::Integer(1)])]);
     let mut bindings = Bindings::new();
-    assert!(match_pattern(&pattern, &value, &mut bindings, &View::default(), Place::default()).unwrap());
+    assert!(match_pattern(&pattern, &value, &mut bindings, &TestView::default(), Place::default()).unwrap());
     assert_eq!(bindings.get(&Symbol::new("y")), Some(&Value::list([Value::Integer(2)])));
 }
 
@@ -203,7 +203,8 @@ fn a_choice_inside_a_nested_list_is_taken_back_when_something_after_it_fails() {
 fn hopeless_backtracking_ends_with_a_reason() {
     let parts = (0..8).map(|index| segment(&format!("s{index}"), 0, None)).chain([literal("never")]).collect();
     let value = Value::list((0..40).map(Value::Integer));
-    let result = match_pattern(&Pattern::List(parts), &value, &mut Bindings::new(), &View::default(), Place::default());
+    let result =
+        match_pattern(&Pattern::List(parts), &value, &mut Bindings::new(), &TestView::default(), Place::default());
     assert!(result.unwrap_err().message.contains("MATCH_STEPS_MAX"));
 }
 
@@ -212,19 +213,20 @@ fn long_lists_without_segments_stay_within_the_limit() {
     let parts = (0..40_000).map(|index| Pattern::Literal(Value::Integer(index))).collect();
     let value = Value::list((0..40_000).map(|index| Value::Real(index as f64)));
     assert!(
-        match_pattern(&Pattern::List(parts), &value, &mut Bindings::new(), &View::default(), Place::default()).unwrap()
+        match_pattern(&Pattern::List(parts), &value, &mut Bindings::new(), &TestView::default(), Place::default())
+            .unwrap()
     );
 }
 
 #[test]
 fn variables_bound_before_must_match() {
-    let view = View {
+    let view = TestView {
         variables: {
             let mut b = Bindings::new();
             b.set(Symbol::new("x"), Value::text("UP"));
             b
         },
-        ..View::default()
+        ..TestView::default()
     };
     let mut bindings = Bindings::new();
     let mut matched =

@@ -304,7 +304,7 @@ proptest! {
             found = found.or(watching.answer(now));
         }
         // A monitor that is made at the end looks back over the same window.
-        let mut view = View::default();
+        let mut view = TestView::default();
         view.histories.require_lookback_of_all(Duration::MAX);
         let mut late = World::in_view(&condition, view);
         tell(&mut late, &trace);

@@ -79,7 +79,7 @@ fn evidence_of_the_instant_of_creation_counts_but_not_what_was_answered_before()
 
 #[test]
 fn a_question_about_a_forgotten_past_is_unknown_never_false() {
-    let mut view = View::default();
+    let mut view = TestView::default();
     let variable = StateVariable::new(Symbol::new("a"), Value::symbol("uav"));
     for at in 0..5 {
         record_sample(&mut view.histories, &view.library, variable.clone(), Value::Integer(1), Time(at), 0);
@@ -104,7 +104,7 @@ fn an_unbound_value_binds_and_a_bound_one_compares() {
     world.sample("location", "uav", Value::symbol("fuel-bay"), 1);
     let Verdict::Satisfied(result) = world.ask(1) else { panic!() };
     assert_eq!(result.bindings.get(&Symbol::new("loc")), Some(&Value::symbol("fuel-bay")));
-    let mut view = View::default();
+    let mut view = TestView::default();
     view.variables.set(Symbol::new("loc"), Value::symbol("fuel-bay"));
     let mut world = World::in_view(&wanted, view);
     world.sample("location", "uav", Value::symbol("runway"), 1);
@@ -148,7 +148,7 @@ fn persistence_carries_the_last_value_into_the_window_for_its_timeout() {
     wanted.estimation = Some(Estimation::Persist(Some(span(10))));
     let wanted = condition(ConditionKind::Measurement(wanted.into()));
     for (now, expected) in [(12, Some((2, 2, 12))), (13, None)] {
-        let mut view = View { now: Time(now), ..View::default() };
+        let mut view = TestView { now: Time(now), ..TestView::default() };
         let variable = StateVariable::new(Symbol::new("a"), Value::symbol("uav"));
         record_sample(&mut view.histories, &view.library, variable, Value::Integer(3), Time(2), 0);
         let mut world = World::in_view(&wanted, view);
@@ -175,7 +175,7 @@ fn first_and_last_values_are_of_the_run() {
 
 #[test]
 fn bare_numbers_are_in_the_declared_unit_and_other_dimensions_are_told() {
-    let mut view = View::default();
+    let mut view = TestView::default();
     let declaration = StateVariableDeclaration {
         unit: Some(Symbol::new("ft")),
         dimension: unit_named("ft").unwrap().dimension,
@@ -201,12 +201,12 @@ fn bare_numbers_are_in_the_declared_unit_and_other_dimensions_are_told() {
     assert_eq!(faults.len(), 1);
     assert!(faults[0].message.contains("cannot compare 301ft (length) with P0.000000005S (time)"));
     world.sample("altitude", "uav", Value::Integer(301), 3);
-    assert!(take_troubles(&mut world.monitor).is_empty(), "an error is reported once");
+    assert!(take_troubles(&mut world.monitor).is_empty(), "the same fault is reported once");
 }
 
 #[test]
 fn tasks_that_have_ended_satisfy_at_once_unless_only_changes_count() {
-    let mut view = View::default();
+    let mut view = TestView::default();
     view.variables.set(Symbol::new("s1"), Value::Task(TaskId(4)));
     let ended =
         crate::test_support::TestTask { end: Some(Time(3)), state: TaskState::Terminated, ..Default::default() };
@@ -230,7 +230,7 @@ fn tasks_that_have_ended_satisfy_at_once_unless_only_changes_count() {
 fn resumed_is_the_change_from_interrupted_to_ongoing() {
     let this_task = Expr { kind: ExprKind::Indexical(Symbol::new("this-task")), place: Place::default() };
     let wanted = condition(ConditionKind::TaskState { task: this_task, state: word("resumed") });
-    let mut view = View::default();
+    let mut view = TestView::default();
     view.tasks.insert(TaskId(1), crate::test_support::TestTask { state: TaskState::Ongoing, ..Default::default() });
     let mut world = World::in_view(&wanted, view);
     let change =
@@ -252,7 +252,7 @@ fn timestamps_and_delays_come_at_their_instant() {
     delay.ask(3);
     assert_eq!(next_wake(&delay.monitor).map(|(at, _)| at), Some(Time(4)));
     assert_eq!(delay.answer(4), Some((4, 4, 4)));
-    let mut past = View { now: Time(9), ..View::default() };
+    let mut past = TestView { now: Time(9), ..TestView::default() };
     past.tasks.insert(TaskId(1), Default::default());
     let gone = condition(ConditionKind::Timestamp(constant(Value::Time(Time(5))), None));
     assert_eq!(World::in_view(&gone, past).ask(9), Verdict::NotSatisfied);

@@ -3,7 +3,7 @@
 use super::*;
 use crate::state::clause::MonitorId;
 use crate::state::interests::{Interests, Narrowed};
-use crate::state::monitor_set::Found;
+use crate::state::monitor_set::MonitorIds;
 use apex_model::library::{Library, StateVariableDeclaration};
 use apex_model::quantity::{Dimension, Quantity};
 use proptest::prelude::*;
@@ -79,9 +79,9 @@ struct Pair {
     told: Monitor,
 }
 
-fn tell(pairs: &mut [Pair], interests: &Interests, stimulus: &Stimulus, view: &View) {
+fn tell(pairs: &mut [Pair], interests: &Interests, stimulus: &Stimulus, view: &TestView) {
     let Stimulus::Sample { variable, value, newest, .. } = stimulus else { return };
-    let mut found = Found::new();
+    let mut found = MonitorIds::new();
     interests.of_sample(variable, value, *newest, &mut found);
     for (number, pair) in pairs.iter_mut().enumerate() {
         notice(&mut pair.told, stimulus, view);
@@ -98,7 +98,7 @@ proptest! {
         wanted in proptest::collection::vec((conditions(), 0..3_i64, proptest::option::weighted(0.3, 0..4_u64)), 1..9),
         samples in samples(),
     ) {
-        let mut view = View { now: Time(3), library: library(), ..View::default() };
+        let mut view = TestView { now: Time(3), library: library(), ..TestView::default() };
         prepare(&mut view.histories, &view.library, None);
         let mut interests = Interests::default();
         let mut pairs = Vec::new();

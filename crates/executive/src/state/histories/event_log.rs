@@ -32,7 +32,7 @@ struct Log {
 
 /// Demand of all open policies and queries for one first word: the least restrictive of them counts.
 #[derive(Clone, Copy, Debug, Default)]
-struct Wanted {
+struct EventDemand {
     lookback: Option<Duration>,
     time: Duration,
     count: u64,
@@ -97,8 +97,8 @@ impl EventLogs {
         log.overflowed && !before
     }
 
-    fn wanted(&self, head: &Symbol) -> Wanted {
-        let mut wanted = Wanted { lookback: self.asked.get(head).copied(), ..Wanted::default() };
+    fn wanted(&self, head: &Symbol) -> EventDemand {
+        let mut wanted = EventDemand { lookback: self.asked.get(head).copied(), ..EventDemand::default() };
         for policy in self.open.values().filter(|policy| policy.head == *head) {
             wanted.spacing = if wanted.logged { wanted.spacing.min(policy.spacing) } else { policy.spacing };
             wanted.time = wanted.time.max(policy.time);
@@ -121,7 +121,7 @@ impl EventLogs {
 }
 
 impl Log {
-    fn insert(&mut self, event: &Occurrence, wanted: Wanted) {
+    fn insert(&mut self, event: &Occurrence, wanted: EventDemand) {
         let index = self.kept.partition_point(|kept| kept.at <= event.at);
         let close = |other: Option<&Occurrence>| {
             other.is_some_and(|other| (other.at - event.at).0.saturating_abs() < wanted.spacing.0)
@@ -134,7 +134,7 @@ impl Log {
         self.kept.insert(index, event.clone());
     }
 
-    fn trim(&mut self, wanted: Wanted, most: usize) {
+    fn trim(&mut self, wanted: EventDemand, most: usize) {
         let Some(newest) = self.kept.back().map(|newest| newest.at) else { return };
         let count = usize::try_from(wanted.count).unwrap_or(usize::MAX);
         while let Some(oldest) = self.kept.front().map(|oldest| oldest.at) {

@@ -22,7 +22,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 pub use crate::state::monitors::parts::{
-    AbsentPart, AllenPart, Chain, EventPart, FunctionPart, Side, TaskEndedPart, TaskStatePart, TimePart,
+    AbsentPart, AllenPart, Chain, EventPart, FunctionPart, RelationSide, TaskEndedPart, TaskStatePart, TimePart,
 };
 
 /// Instant from which evidence counts.

@@ -21,7 +21,7 @@ pub struct AllenPart {
     /// The parts in written order.
     pub parts: Vec<Part>,
     /// Results of each part, in the same order.
-    pub sides: Vec<Side>,
+    pub sides: Vec<RelationSide>,
     /// All must be true of the related results.
     pub constraints: Vec<Expr>,
     /// The parts share variables: results that bind one differently do not go together.
@@ -47,7 +47,7 @@ pub struct Chain {
 
 /// Results of a part of a relation.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Side {
+pub struct RelationSide {
     /// Final results that a later result of a neighbour could still be related to.
     pub settled: Vec<Satisfaction>,
     /// Number of results that were ever final.

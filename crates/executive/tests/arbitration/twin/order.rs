@@ -35,7 +35,7 @@ impl Twin {
         order
     }
 
-    /// Orders holders by who yields first: a task that beats none of the others by rank; of these the least defence; of these the latest
+    /// Orders holders by the order in which they yield: first a task that beats none of the others by rank; of these the least defence; of these the latest
     /// at work.
     pub(super) fn weakest_first(&self, mut holders: Vec<usize>, defence: &impl Fn(usize) -> f64) -> Vec<usize> {
         let mut ordered = Vec::new();

@@ -1,4 +1,4 @@
-//! Room: what fits next to whom, who keeps a place in the line, and when one who was refused can begin.
+//! Free capacity: which claims fit together, which task keeps its place in the queue, and when a refused task can begin.
 
 use super::{Awaited, State, Twin};
 

@@ -129,7 +129,7 @@ fn a_cycle_is_read_back_where_it_stands() {
     let PlannedActivity::Visit { from, at, dwell, camera, .. } = forms[0].clone() else { panic!("it is a visit") };
     let strange = PlannedActivity::Visit { site: "atlantis".into(), from, at, dwell, camera };
     let with: Vec<PlannedActivity> = [strange].into_iter().chain(forms).collect();
-    assert_eq!(watched(problem, &with, 0, true).unwrap(), read, "what is no target does not count");
+    assert_eq!(watched(problem, &with, 0, true).unwrap(), read, "what is not a target does not count");
     assert_eq!(watched(problem, &[], 0, true), None);
 }
 

@@ -79,7 +79,7 @@ pub(super) fn read(
     let mut words = numbers.iter();
     for (row, column) in order {
         let word = words.next().ok_or_else(|| {
-            let reason = format!("{layout} of {count} nodes goes on to row {}, column {}", row + 1, column + 1);
+            let reason = format!("{layout} of {count} nodes continues to row {}, column {}", row + 1, column + 1);
             let last = numbers.last().unwrap_or(at);
             last.trouble(format!("there are only {} weights", numbers.len()), reason, "add those that are missing")
         })?;

@@ -58,10 +58,10 @@ pub(crate) struct Decisions<'a> {
     pub(crate) until: Time,
 }
 
-type Found = Result<Option<DecisionRow>, RecordError>;
+type DecisionResult = Result<Option<DecisionRow>, RecordError>;
 
 impl Decisions<'_> {
-    fn first(&self, condition: &str, parameters: impl Params) -> Found {
+    fn first(&self, condition: &str, parameters: impl Params) -> DecisionResult {
         let sql = format!("SELECT {COLUMNS} FROM effect WHERE t_ns <= {} AND {condition} LIMIT 1", self.until.0);
         let found = self.reader.connection.prepare_cached(&sql).and_then(|mut statement| {
             let mut rows = statement.query_map(parameters, DecisionRow::read)?;
@@ -71,74 +71,74 @@ impl Decisions<'_> {
     }
 
     /// The transition to `state` that is nearest to the decision `id` at its instant `at`, else the last one before.
-    pub(crate) fn transition(&self, task: TaskId, state: &str, (id, at): (i64, Time)) -> Found {
+    pub(crate) fn transition(&self, task: TaskId, state: &str, (id, at): (i64, Time)) -> DecisionResult {
         let condition = "task = ?1 AND kind = 'transition' AND to_state = ?2 AND (id < ?3 OR t_ns = ?4)
             ORDER BY t_ns = ?4 DESC, abs(id - ?3)";
         self.first(condition, params![number(task), state, id, at.0])
     }
 
     /// The last transition to `state` before the decision `id`.
-    pub(crate) fn transition_before(&self, task: TaskId, state: &str, id: i64) -> Found {
+    pub(crate) fn transition_before(&self, task: TaskId, state: &str, id: i64) -> DecisionResult {
         let condition = "task = ?1 AND kind = 'transition' AND to_state = ?2 AND id < ?3 ORDER BY id DESC";
         self.first(condition, params![number(task), state, id])
     }
 
     /// The last decision of one kind about the task before the decision `id`.
-    pub(crate) fn before(&self, task: TaskId, kind: &str, id: i64) -> Found {
+    pub(crate) fn before(&self, task: TaskId, kind: &str, id: i64) -> DecisionResult {
         self.first("task = ?1 AND kind = ?2 AND id < ?3 ORDER BY id DESC", params![number(task), kind, id])
     }
 
     /// The decision of one kind about the task nearest to `id` at its instant.
-    pub(crate) fn beside(&self, task: TaskId, kind: &str, (id, at): (i64, Time)) -> Found {
+    pub(crate) fn beside(&self, task: TaskId, kind: &str, (id, at): (i64, Time)) -> DecisionResult {
         let condition = "task = ?1 AND kind = ?2 AND t_ns = ?4 ORDER BY abs(id - ?3)";
         self.first(condition, params![number(task), kind, id, at.0])
     }
 
     /// The creation or last transition of the task.
-    pub(crate) fn last_move(&self, task: TaskId) -> Found {
+    pub(crate) fn last_move(&self, task: TaskId) -> DecisionResult {
         self.first("task = ?1 AND kind IN ('created', 'transition') ORDER BY id DESC", params![number(task)])
     }
 
     /// The last binding of a variable of the task before the decision `id`.
-    pub(crate) fn binding(&self, task: TaskId, variable: &str, id: i64) -> Found {
+    pub(crate) fn binding(&self, task: TaskId, variable: &str, id: i64) -> DecisionResult {
         let like = format!("?{variable} = %");
         let condition = "task = ?1 AND kind = 'bound' AND subject LIKE ?2 AND id < ?3 ORDER BY id DESC";
         self.first(condition, params![number(task), like, id])
     }
 
     /// The command with this number.
-    pub(crate) fn command(&self, command: u64) -> Found {
+    pub(crate) fn command(&self, command: u64) -> DecisionResult {
         self.first("kind = 'command' AND text = ?1", params![format!("command {command}")])
     }
 
     /// The command with this number, by the task that sent it.
-    pub(crate) fn command_of(&self, task: TaskId, command: u64) -> Found {
+    pub(crate) fn command_of(&self, task: TaskId, command: u64) -> DecisionResult {
         let condition = "task = ?1 AND kind = 'command' AND text = ?2";
         self.first(condition, params![number(task), format!("command {command}")])
     }
 
     /// The last command whose form contains `words`.
-    pub(crate) fn command_like(&self, words: &str) -> Found {
+    pub(crate) fn command_like(&self, words: &str) -> DecisionResult {
         let escaped = words.replace('\\', "\\\\").replace('%', "\\%").replace('_', "\\_");
         let condition = "kind = 'command' AND subject LIKE ?1 ESCAPE '\\' ORDER BY id DESC";
         self.first(condition, params![format!("%{escaped}%")])
     }
 
     /// The request to a solver with this number.
-    pub(crate) fn request(&self, task: TaskId, request: u64) -> Found {
+    pub(crate) fn request(&self, task: TaskId, request: u64) -> DecisionResult {
         let condition = "task = ?1 AND kind = 'solve' AND text LIKE ?2 ORDER BY id DESC";
         self.first(condition, params![number(task), format!("request {request} to %")])
     }
 
     /// The message `form` of one of the agent's own tasks at this instant.
-    pub(crate) fn inform(&self, form: &str, at: Time) -> Found {
+    pub(crate) fn inform(&self, form: &str, at: Time) -> DecisionResult {
         let condition =
             "batch IN (SELECT id FROM batch WHERE t_ns = ?1) AND kind = 'inform' AND subject = ?2 ORDER BY id";
         self.first(condition, params![at.0, form])
     }
 
     /// The sample `subject`, `(count x) = 3`, that one of the agent's own tasks published at this instant.
-    pub(crate) fn publish(&self, subject: &str, at: Time) -> Found {
+    pub(crate) fn publish(&self, subject: &str, at: Time) -> DecisionResult {
         let condition =
             "batch IN (SELECT id FROM batch WHERE t_ns = ?1) AND kind = 'publish' AND subject = ?2 ORDER BY id DESC";
         self.first(condition, params![at.0, subject])

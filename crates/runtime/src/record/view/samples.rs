@@ -3,7 +3,7 @@
 use super::RecordView;
 use super::signals::{PIXELS_DEFAULT, PIXELS_MAX, Raised, SIGNALS_MAX, SignalQuery, SignalWindows, Signals};
 use crate::error::RecordError;
-use crate::record::restore::Program;
+use crate::record::restore::RestoredProgram;
 use std::sync::PoisonError;
 
 impl RecordView {
@@ -12,7 +12,7 @@ impl RecordView {
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
-    pub fn signals(&mut self, at_ns: Option<i64>, program: Option<&Program>) -> Result<Signals, RecordError> {
+    pub fn signals(&mut self, at_ns: Option<i64>, program: Option<&RestoredProgram>) -> Result<Signals, RecordError> {
         self.reader.check_growth()?;
         let mut index = self.indexes.samples.lock().unwrap_or_else(PoisonError::into_inner);
         index.refresh(&self.reader, &[])?;
@@ -29,7 +29,7 @@ impl RecordView {
     pub fn signal_windows(
         &mut self,
         query: &SignalQuery,
-        program: Option<&Program>,
+        program: Option<&RestoredProgram>,
     ) -> Result<SignalWindows, RecordError> {
         if query.names.len() > SIGNALS_MAX {
             return Err(RecordError::Question(format!(

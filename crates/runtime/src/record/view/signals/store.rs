@@ -5,7 +5,7 @@ use super::sample::StoredSample;
 use super::types::{Signal, SignalKind};
 use crate::error::RecordError;
 use crate::record::reader::RecordReader;
-use crate::record::restore::Program;
+use crate::record::restore::RestoredProgram;
 use crate::record::steps::Steps;
 use apex_model::event::{EventKind, StateVariable};
 use apex_model::quantity::Quantity;
@@ -25,7 +25,7 @@ pub(in crate::record::view) struct Series {
 
 /// A measured state variable.
 #[derive(Debug)]
-pub(in crate::record::view) struct Known {
+pub(in crate::record::view) struct MeasuredVariable {
     pub(in crate::record::view) number: u64,
     variable: StateVariable,
     kind: SignalKind,
@@ -40,7 +40,7 @@ pub(in crate::record::view) struct SampleIndex {
     /// The last step that was read.
     seen_batch: i64,
     /// By name; the numbers are in order of first appearance.
-    known: BTreeMap<u64, Known>,
+    known: BTreeMap<u64, MeasuredVariable>,
     numbers: BTreeMap<StateVariable, u64>,
     series: BTreeMap<u64, Series>,
     samples: usize,
@@ -48,9 +48,9 @@ pub(in crate::record::view) struct SampleIndex {
     choosy: bool,
 }
 
-impl Known {
+impl MeasuredVariable {
     /// The signal, with its limits if there is a program.
-    pub(in crate::record::view) fn signal(&self, program: Option<&Program>) -> Signal {
+    pub(in crate::record::view) fn signal(&self, program: Option<&RestoredProgram>) -> Signal {
         let limits = match (program, self.kind) {
             (Some(program), SignalKind::Number) => limits::limits_of(&program.0, &self.variable, self.unit.1),
             _ => Vec::new(),
@@ -69,12 +69,12 @@ impl Known {
 
 impl SampleIndex {
     /// The measured variables, in order of first appearance.
-    pub(in crate::record::view) fn known(&self) -> impl Iterator<Item = &Known> {
+    pub(in crate::record::view) fn known(&self) -> impl Iterator<Item = &MeasuredVariable> {
         self.known.values()
     }
 
     /// The variable with this name, in any case.
-    pub(in crate::record::view) fn called(&self, name: &str) -> Option<&Known> {
+    pub(in crate::record::view) fn called(&self, name: &str) -> Option<&MeasuredVariable> {
         self.known.values().find(|known| known.variable.to_string().eq_ignore_ascii_case(name))
     }
 
@@ -137,7 +137,7 @@ impl SampleIndex {
             _ => ("", 1.0),
         };
         self.numbers.insert(variable.clone(), number);
-        self.known.insert(number, Known { number, variable, kind, unit, first_ns });
+        self.known.insert(number, MeasuredVariable { number, variable, kind, unit, first_ns });
         if !self.choosy && kind != SignalKind::Other {
             self.series.insert(number, Series::default());
         }

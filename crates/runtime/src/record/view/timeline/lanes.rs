@@ -13,7 +13,7 @@ pub(super) const ROWS_MAX: usize = 8;
 pub(super) const DENSE_MIN: usize = 3;
 
 /// The tasks of one lane while lanes are gathered.
-pub(super) struct Group {
+pub(super) struct LaneTasks {
     parent: Option<usize>,
     depth: usize,
     children: Vec<usize>,
@@ -24,7 +24,7 @@ pub(super) struct Group {
 
 /// All lanes of a window.
 pub(super) struct Gathered {
-    pub(super) groups: Vec<Group>,
+    pub(super) groups: Vec<LaneTasks>,
     pub(super) roots: Vec<usize>,
     lane_of_task: BTreeMap<u64, usize>,
 }
@@ -43,7 +43,7 @@ impl Gathered {
 
 /// Groups the tasks that exist by then into lanes; tasks outside the window shape the tree but do not show.
 pub(super) fn gather(index: &TaskIndex, window: Window) -> Gathered {
-    let mut groups: Vec<Group> = Vec::new();
+    let mut groups: Vec<LaneTasks> = Vec::new();
     let mut roots = Vec::new();
     let mut lane_of_task: BTreeMap<u64, usize> = BTreeMap::new();
     let mut lane_of_key: BTreeMap<(Option<usize>, &str), usize> = BTreeMap::new();
@@ -54,7 +54,7 @@ pub(super) fn gather(index: &TaskIndex, window: Window) -> Gathered {
             let above = parent.and_then(|parent| groups.get_mut(parent));
             let depth = above.as_ref().map_or(0, |above| above.depth + 1);
             above.map_or(&mut roots, |above| &mut above.children).push(at);
-            groups.push(Group { parent, depth, children: Vec::new(), tasks: Vec::new(), active_ns: 0 });
+            groups.push(LaneTasks { parent, depth, children: Vec::new(), tasks: Vec::new(), active_ns: 0 });
         }
         lane_of_task.insert(id, at);
         let Some(group) = groups.get_mut(at) else { continue };
@@ -68,7 +68,7 @@ pub(super) fn gather(index: &TaskIndex, window: Window) -> Gathered {
     Gathered { groups, roots, lane_of_task }
 }
 
-pub(super) fn in_tree_order(groups: &[Group], roots: &[usize]) -> Vec<usize> {
+pub(super) fn in_tree_order(groups: &[LaneTasks], roots: &[usize]) -> Vec<usize> {
     let mut order = Vec::with_capacity(groups.len());
     let mut open: Vec<usize> = roots.iter().rev().copied().collect();
     while let Some(at) = open.pop() {
@@ -79,7 +79,7 @@ pub(super) fn in_tree_order(groups: &[Group], roots: &[usize]) -> Vec<usize> {
 }
 
 /// One lane: intervals of at least a pixel are bars, as are shorter ones that are not dense; the rest is bands.
-pub(super) fn lane(index: &TaskIndex, group: &Group, window: Window) -> Option<Lane> {
+pub(super) fn lane(index: &TaskIndex, group: &LaneTasks, window: Window) -> Option<Lane> {
     let first = index.get(*group.tasks.first()?)?;
     let dense = dense_pixels(index, group, window);
     let mut rows: Vec<(i64, Vec<Bar>)> = Vec::new();
@@ -132,7 +132,7 @@ fn is_small(interval: Interval, window: Window) -> bool {
 }
 
 /// The pixels with too many small intervals for bars.
-fn dense_pixels(index: &TaskIndex, group: &Group, window: Window) -> BTreeSet<usize> {
+fn dense_pixels(index: &TaskIndex, group: &LaneTasks, window: Window) -> BTreeSet<usize> {
     let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
     for task in group.tasks.iter().filter_map(|&id| index.get(id)) {
         for interval in task.drawn(window.from_ns, window.known_ns()).filter(|&interval| is_small(interval, window)) {

@@ -15,7 +15,7 @@ use super::RecordView;
 use super::index::TaskIndex;
 use crate::error::RecordError;
 use bands::Bands;
-use lanes::{Group, gather, in_tree_order, lane};
+use lanes::{LaneTasks, gather, in_tree_order, lane};
 use serde::Serialize;
 pub use shapes::{Band, Bar, Lane};
 use window::Window;
@@ -118,7 +118,7 @@ fn draw(index: &TaskIndex, window: Window, limit: usize, with: Option<u64>) -> T
 }
 
 /// The lanes beyond the limit as one band.
-fn merge<'a>(index: &TaskIndex, groups: impl Iterator<Item = &'a Group>, window: Window) -> More {
+fn merge<'a>(index: &TaskIndex, groups: impl Iterator<Item = &'a LaneTasks>, window: Window) -> More {
     let mut bands = Bands::new(window);
     let mut more = More::default();
     for group in groups {

@@ -6,14 +6,15 @@ use super::lanes::ROWS_MAX;
 use super::window::Window;
 use super::{Timeline, draw};
 use apex_model::task::TaskState;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
 
-/// A linear congruential generator: tests have no random source.
-struct Dice(u64);
+/// A seeded generator: tests have no random source.
+struct Dice(ChaCha8Rng);
 
 impl Dice {
     fn below(&mut self, limit: u64) -> u64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 33) % limit
+        (self.0.next_u64() >> 33) % limit
     }
 }
 
@@ -56,7 +57,7 @@ fn counted(timeline: &Timeline) -> (usize, usize) {
 
 #[test]
 fn every_interval_of_any_window_is_one_bar_or_counted_in_one_band() {
-    let mut dice = Dice(7);
+    let mut dice = Dice(ChaCha8Rng::seed_from_u64(7));
     for round in 0..300 {
         let index = flight(&mut dice);
         let mut number = |limit: u64| i64::try_from(dice.below(limit)).unwrap();
