@@ -10,7 +10,7 @@ use apex_model::event::{EventKind, SolverReport};
 use apex_model::source::SourceFile;
 use apex_model::task::TaskId;
 use apex_model::time::Time;
-use rusqlite::OptionalExtension;
+use rusqlite::{Connection, OptionalExtension};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, PoisonError, RwLockReadGuard};
@@ -57,9 +57,12 @@ pub(crate) struct ScannedEffect {
 impl RecordReader {
     /// The effects of the agent, up to date with the record.
     pub(crate) fn effects(&self) -> Result<Effects<'_>, RecordError> {
-        {
+        let newest = newest_step(&self.connection).map_err(|error| self.damaged("the effects", error))?;
+        let is_current = self.table.read().unwrap_or_else(PoisonError::into_inner).read_to >= newest;
+        // Only a reader that finds the table behind excludes the others meanwhile.
+        if !is_current {
             let mut table = self.table.write().unwrap_or_else(PoisonError::into_inner);
-            let refreshed = table.refresh(&self.connection);
+            let refreshed = table.refresh(&self.connection, newest);
             refreshed.map_err(|error| self.damaged("the effects", error))?.map_err(|fault| self.garbled(fault))?;
             self.find_plans(&mut table)?;
         }
@@ -95,6 +98,12 @@ impl RecordReader {
             _ => None,
         }))
     }
+}
+
+/// The number of the last step of any agent that has effects; 0 before the first.
+fn newest_step(connection: &Connection) -> rusqlite::Result<i64> {
+    let mut statement = connection.prepare_cached("SELECT ifnull(max(batch), 0) FROM main.effects")?;
+    statement.query_row([], |row| row.get(0))
 }
 
 impl Effects<'_> {

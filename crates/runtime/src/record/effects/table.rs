@@ -43,6 +43,8 @@ struct EffectEntry {
 pub(crate) struct EffectTable {
     pub(in crate::record) dictionary: Dictionary,
     pub(in crate::record) steps: Vec<StepRow>,
+    /// Number of the last step that was read or belongs to another agent.
+    pub(in crate::record) read_to: i64,
     entries: Vec<EffectEntry>,
     kinds: Vec<EffectKind>,
     /// By task: place of its last effect.
@@ -54,13 +56,14 @@ pub(crate) struct EffectTable {
 }
 
 impl EffectTable {
-    /// Reads the steps that are new since the last call; the inner error says what is wrong with the bytes of one.
-    pub(in crate::record) fn refresh(&mut self, connection: &Connection) -> rusqlite::Result<Result<(), String>> {
+    /// Reads the steps that are new since the last call, `newest` among them; the inner error says what is wrong with the bytes of one.
+    pub(in crate::record) fn refresh(
+        &mut self,
+        connection: &Connection,
+        newest: i64,
+    ) -> rusqlite::Result<Result<(), String>> {
         let seen = self.steps.last().map_or(0, |step| step.batch);
-        let newest = connection
-            .prepare_cached("SELECT ifnull(max(batch), 0) FROM main.effects")?
-            .query_row([], |row| row.get::<_, i64>(0))?;
-        if newest <= seen {
+        if newest <= self.read_to {
             return Ok(Ok(()));
         }
         // All reads see one state of the record: words, shapes and the rows that use them.
@@ -68,6 +71,9 @@ impl EffectTable {
         let read = self.read_rows(connection, seen);
         if own_transaction {
             let _ = connection.execute_batch("COMMIT");
+        }
+        if let Ok(Ok(())) = read {
+            self.read_to = newest;
         }
         read
     }
