@@ -3,13 +3,13 @@
 //! Version 6 had a row for each effect (`effect`) and each task (`task`). Its effects are written as this version writes them;
 //! its texts and tasks follow from them. Everything else is copied. The old record is checked group by group, and must be whole.
 
-use super::check::{Layout, Position, Visitor, check_groups_of, check_schema_of};
+use super::check::{CheckProgress, Layout, Visitor, check_groups_of, check_schema_of};
 use super::closing;
 use super::effects::EffectEncoder;
 use super::open::connect_to;
 use super::schema::{self, CONVERTIBLE_VERSION, SCHEMA_VERSION, write_error};
-use super::seal::{Link, Seal, Sealer};
-use super::store::Cell;
+use super::seal::{ChainPosition, Seal, Sealer};
+use super::store::SqlValue;
 use super::tables::{ALL, SCHEMA, TABLES, Table};
 use crate::error::RecordError;
 use apex_model::effect::Effect;
@@ -88,12 +88,12 @@ pub fn convert(from: &Path, to: &Path) -> Result<i64, RecordError> {
         tables,
         encoder: EffectEncoder::default(),
         sealer: Sealer::default(),
-        link: Link::default(),
+        link: ChainPosition::default(),
         step: OldStep::default(),
         failure: None,
     };
     target.execute_batch("BEGIN").map_err(fail)?;
-    let mut position = Position::default();
+    let mut position = CheckProgress::default();
     let checked = check_groups_of(&source, &layout, &mut position, &mut converter);
     let failure = converter.failure.take();
     if failure.is_some() || checked.is_err() {
@@ -132,7 +132,7 @@ struct Converter<'c> {
     tables: Vec<Option<Table>>,
     encoder: EffectEncoder,
     sealer: Sealer,
-    link: Link,
+    link: ChainPosition,
     step: OldStep,
     failure: Option<Failure>,
 }
@@ -143,7 +143,7 @@ fn store(
     inserts: &[String; TABLES],
     sealer: &mut Sealer,
     table: Table,
-    cells: &[Cell<'_>],
+    cells: &[SqlValue<'_>],
 ) -> rusqlite::Result<()> {
     let Some(sql) = inserts.get(table.index()) else { return Ok(()) };
     let row = cells.iter().map(|cell| ToSqlOutput::Borrowed(*cell));
@@ -191,7 +191,7 @@ impl Converter<'_> {
         let (target, inserts, sealer) = (self.target, &self.inserts, &mut self.sealer);
         let stored =
             self.encoder.new_rows(|table, cells| store(target, inserts, sealer, table, cells)).and_then(|()| {
-                let row = [Cell::Integer(batch), Cell::Integer(first), Cell::Blob(&bytes)];
+                let row = [SqlValue::Integer(batch), SqlValue::Integer(first), SqlValue::Blob(&bytes)];
                 store(target, inserts, sealer, Table::Effects, &row)
             });
         self.keep(stored)
@@ -199,7 +199,8 @@ impl Converter<'_> {
 
     fn copy(&mut self, table: Table, row: &Row<'_>) -> rusqlite::Result<()> {
         let columns = row.as_ref().column_count();
-        let cells: Vec<Cell<'_>> = (0..columns).map(|column| row.get_ref(column)).collect::<rusqlite::Result<_>>()?;
+        let cells: Vec<SqlValue<'_>> =
+            (0..columns).map(|column| row.get_ref(column)).collect::<rusqlite::Result<_>>()?;
         let stored = store(self.target, &self.inserts, &mut self.sealer, table, &cells);
         self.keep(stored)
     }
@@ -272,7 +273,7 @@ mod tests {
                 sealer.row(index, (0..columns).map(|column| row.get_ref(column).unwrap()));
             }
         }
-        let seal = sealer.seal(Link::default(), 7, 3);
+        let seal = sealer.seal(ChainPosition::default(), 7, 3);
         let row = params![seal.id, seal.t_ns, seal.batch, seal.count_bytes(), seal.chain];
         old.execute("INSERT INTO main.seal VALUES (?1, ?2, ?3, ?4, ?5)", row).unwrap();
     }

@@ -8,7 +8,7 @@
 use super::BLOCK_EFFECTS;
 use super::splitter::{Hole, Parts, holes_of};
 use crate::record::numbers::{put_signed, put_unsigned};
-use crate::record::store::{Cell, text};
+use crate::record::store::{SqlValue, text};
 use crate::record::tables::Table;
 use apex_model::effect::Effect;
 use apex_model::time::Time;
@@ -119,17 +119,20 @@ impl EffectEncoder {
     /// Gives `insert` the rows of words and shapes that are new since the last call.
     pub(in crate::record) fn new_rows<E>(
         &mut self,
-        mut insert: impl FnMut(Table, &[Cell<'_>]) -> Result<(), E>,
+        mut insert: impl FnMut(Table, &[SqlValue<'_>]) -> Result<(), E>,
     ) -> Result<(), E> {
         for (number, word) in (1..).zip(&self.words.list).skip(self.stored_words) {
-            insert(Table::Word, &[Cell::Integer(number), text(Some(word))])?;
+            insert(Table::Word, &[SqlValue::Integer(number), text(Some(word))])?;
         }
         self.stored_words = self.words.list.len();
         let mut example = Vec::new();
         for (number, shape) in (1..).zip(&self.shapes).skip(self.stored_shapes) {
             example.clear();
             shape.example.iter().for_each(|value| put_unsigned(&mut example, *value));
-            insert(Table::Shape, &[Cell::Integer(number), Cell::Blob(&shape.layout), Cell::Blob(&example)])?;
+            insert(
+                Table::Shape,
+                &[SqlValue::Integer(number), SqlValue::Blob(&shape.layout), SqlValue::Blob(&example)],
+            )?;
         }
         self.stored_shapes = self.shapes.len();
         Ok(())

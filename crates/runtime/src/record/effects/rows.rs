@@ -1,7 +1,7 @@
 //! Rows of effects, for tools that make records by other means than the recorder.
 
 use super::EffectEncoder;
-use crate::record::store::Cell;
+use crate::record::store::SqlValue;
 use crate::record::tables::Table;
 use apex_model::effect::Effect;
 use apex_model::time::Time;
@@ -28,12 +28,15 @@ impl EffectRows {
     ) -> rusqlite::Result<()> {
         let mut bytes = Vec::new();
         self.encoder.encode(now, effects, &mut bytes).map_err(|_| rusqlite::Error::InvalidQuery)?;
-        let store = |table: Table, cells: &[Cell<'_>]| {
+        let store = |table: Table, cells: &[SqlValue<'_>]| {
             let row = cells.iter().map(|cell| ToSqlOutput::Borrowed(*cell));
             connection.prepare_cached(&table.insert())?.execute(params_from_iter(row)).map(|_| ())
         };
         self.encoder.new_rows(store)?;
-        store(Table::Effects, &[Cell::Integer(batch), Cell::Integer(self.effects + 1), Cell::Blob(&bytes)])?;
+        store(
+            Table::Effects,
+            &[SqlValue::Integer(batch), SqlValue::Integer(self.effects + 1), SqlValue::Blob(&bytes)],
+        )?;
         self.effects += effects.len() as i64;
         Ok(())
     }
