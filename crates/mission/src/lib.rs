@@ -59,8 +59,7 @@ pub use surroundings::Airfield;
 pub use targets::{Fire, PictureTerms, Site, Target, TargetKind};
 
 use crate::error::{MissionError, MissionResult};
-use apex_geo::geodesy;
-use apex_geo::terrain::Terrain;
+use apex_geo::{geodesy, terrain::Terrain};
 use apex_model::library::{AgentDeclaration, Library};
 use apex_model::planned::Location;
 use apex_model::problem::{AirspaceZone, CrewMember, FailureTerm, LandingPlace, Position, WindField};
@@ -289,8 +288,7 @@ impl Mission {
             ground_m.map(|ground_m| (position, ground_m))
         });
         found.transpose()?.ok_or_else(|| {
-            let mut names: Vec<&str> = self.place_names().collect();
-            names.truncate(12);
+            let names: Vec<&str> = self.place_names().take(12).collect();
             MissionError::setting(format!("the vehicle's start `:at {start}` is not a place"))
                 .at(self.settings.place_of("vehicle"))
                 .help(format!("write a location (LATITUDE LONGITUDE) or one of: {}", names.join(", ")))

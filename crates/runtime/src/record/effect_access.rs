@@ -24,7 +24,7 @@ pub(crate) struct Effects<'r> {
     pub(crate) table: RwLockReadGuard<'r, EffectTable>,
     describer: RefCell<EffectDescriber>,
     blocks: RefCell<VecDeque<ReadBlock>>,
-    /// By place of the effect that told it.
+    /// By place of the effect that reported it.
     goals: RefCell<BTreeMap<usize, Arc<str>>>,
 }
 

@@ -48,7 +48,7 @@ pub(super) struct Parts {
     pub(super) texts: String,
     /// The instant of the step.
     now: i64,
-    /// Type of the next number, if its struct says so.
+    /// Type of the next number, if its struct states one.
     next: Option<Hole>,
 }
 
@@ -276,7 +276,7 @@ impl<'p> ser::Serializer for &'p mut Parts {
     }
 }
 
-/// Elements of something compound are written one after another.
+/// Elements of something compound are written in sequence.
 macro_rules! compound {
     ($kind:ident, $method:ident $(, $name:ty)?) => {
         impl ser::$kind for &mut Parts {
