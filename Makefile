@@ -49,7 +49,7 @@ WEB_SOURCES := $(shell find web -type f -not -path '*/node_modules/*' -not -path
 
 .PHONY: audit coverage fuzz fuzz-planted help quality sbom build fly test quick check web python wheel bench bench-orienteering bench-planners bench-units bench-curves bench-travel golden-travel spec sim properties deny nightly clean
 # Not part of `test`: the pictures are committed, and times need a quiet machine.
-.PHONY: pictures bench-page
+.PHONY: pictures bench-page bench-record
 .PHONY: rust-lints rust-tests web-checks web-tests python-checks python-tests flights page-tests chromium
 
 help: ## List the commands.
@@ -318,6 +318,9 @@ pictures: $(CI_APEX) web/node_modules/.installed chromium ## Take the pictures o
 
 bench-page: web/node_modules/.installed chromium ## Measure the time to the next paint of Sherpa at URL while the record plays.
 	cd web && node scripts/paint.mjs $(URL)
+
+bench-record: $(CI_APEX) ## Measure the server on a record of 1 GB with ten clients; the record is made first, in minutes.
+	cd web && node scripts/load.mjs $(abspath $(CI_APEX)) $(abspath $(TARGET))/load.apex
 
 chromium:
 	@if ! command -v chromium > /dev/null; then \

@@ -114,7 +114,7 @@ async function makeRecord() {
     const lines = [`{"t":${t},"event":"(tick ${tick % 10})"}`];
     for (let signal = 0; signal < 10; signal += 1) {
       const value = (10 * Math.sin(tick * 0.01 * (signal + 1))).toFixed(4);
-      lines.push(`{"t":${t},"event":"((signal-${signal} aircraft-1) = ${value})"}`);
+      lines.push(`{"t":${t},"measurement":"(signal-${signal} aircraft-1)","value":${value}}`);
     }
     if (!file.write(`${lines.join('\n')}\n`)) await new Promise(resolve => file.once('drain', resolve));
   }

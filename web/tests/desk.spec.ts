@@ -189,7 +189,8 @@ test('the network of a procedure and of the plan', async ({ page }) => {
   const file = await (await download).path();
   const svg = execFileSync('head', ['-c', '2000', file]).toString();
   expect(svg).toContain('<svg');
-  expect(svg).toContain('fill:');
+  expect(svg).toContain('fill="rgb(');
+  expect(svg).not.toContain('style=');
 });
 
 test('filters of the trace are those of apex trace, and are kept under a name', async ({ page }) => {

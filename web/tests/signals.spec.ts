@@ -145,7 +145,7 @@ test('any variable can be added, words too, and what is shown is exported', asyn
   await expect(page).toHaveURL(/strips=fuel\+aircraft-1,flight-phase\+aircraft-1/);
   const download = page.waitForEvent('download');
   await page.getByTestId('export-csv').click();
-  const lines = readFileSync(await (await download).path(), 'utf8').split('\n');
+  const lines = readFileSync(await (await download).path(), 'utf8').split('\r\n');
   expect(lines[0]).toBe('signal,unit,time_s,value,lowest,highest,samples');
   const fuel = lines.filter(line => line.startsWith('(fuel aircraft-1),kg,'));
   const recorded = trace('--type', 'measurement', '--object', '(fuel aircraft-1)', '--to', '20000s');

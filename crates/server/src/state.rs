@@ -9,8 +9,8 @@ use crate::shelf::Shelf;
 use crate::what_if::WhatIf;
 use apex_model::source::SourceFile;
 use apex_runtime::RecordError;
-use apex_runtime::record::RestoredProgram;
 use apex_runtime::record::view::{Growth, RecordStatus, RecordView};
+use apex_runtime::record::{RecordReader, RestoredProgram};
 use axum::Router;
 use axum::extract::rejection::QueryRejection;
 use axum::extract::{Query, State};
@@ -63,6 +63,12 @@ impl AppState {
     /// Reads with one of the connections; blocks while all are in use.
     pub(crate) fn read<T>(&self, query: impl FnOnce(&mut RecordView) -> ApiResult<T>) -> ApiResult<T> {
         self.views.as_ref().ok_or_else(no_record)?.read(query)
+    }
+
+    /// Another connection to the record, for work that takes a while. The record was checked when the server began; to open it as a
+    /// new one would read the whole file.
+    pub(crate) fn reader(&self) -> Answer<RecordReader> {
+        self.read(|view| Ok(view.reader().of_agent(self.agent)?))
     }
 
     /// Corrects the growth of the record: while its run is under way in this program the record is live, even without new rows.

@@ -1,12 +1,11 @@
 //! `/api/why`: a task at an instant and its explanation.
 
 use crate::answer::{ApiError, ApiResult};
-use crate::state::{AppState, no_record};
+use crate::state::AppState;
 use apex_model::source::SourceFile;
 use apex_model::task::TaskId;
 use apex_model::time::Time;
 use apex_runtime::explain::{Explainer, Monitors, TaskExplanation};
-use apex_runtime::record::RecordReader;
 use apex_runtime::record::view::TaskLookup;
 
 /// Explains task `id` at mission time `at_ns`. `restore` asks for what only the restored agent knows; if it cannot be
@@ -28,7 +27,7 @@ pub(crate) fn why(state: &AppState, id: u64, at_ns: i64, restore: bool) -> ApiRe
         }
     };
     // Restoring an instant may take a while: a separate connection keeps the shared one free.
-    let reader = RecordReader::open(state.record.as_ref().ok_or_else(no_record)?)?.of_agent(state.agent)?;
+    let reader = state.reader()?;
     let load = state.load.as_deref().filter(|_| restore);
     // The program of a record never changes: it is checked once. One that cannot be loaded is tried again for its message.
     let program = load.and_then(|_| state.program());
@@ -49,7 +48,7 @@ pub(crate) fn why(state: &AppState, id: u64, at_ns: i64, restore: bool) -> ApiRe
 
 /// The conditions that living tasks of an instant watch; of task `id` alone, with its variables, if one is given.
 pub(crate) fn monitors(state: &AppState, at_ns: Option<i64>, id: Option<u64>) -> ApiResult<Monitors> {
-    let reader = RecordReader::open(state.record.as_ref().ok_or_else(no_record)?)?.of_agent(state.agent)?;
+    let reader = state.reader()?;
     let program = state.program().ok_or_else(|| {
         ApiError::bad_request(
             "the record's program cannot be loaded, so no instant can be restored",

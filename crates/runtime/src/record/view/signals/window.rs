@@ -4,6 +4,7 @@ use super::limits::{self, Raised};
 use super::sample::StoredSample;
 use super::store::Series;
 use super::types::{Signal, SignalKind, SignalWindow, Statistics};
+use std::borrow::Cow;
 
 /// Up to this many samples for each pixel are given one by one.
 const SAMPLES_PER_PIXEL: usize = 2;
@@ -18,11 +19,12 @@ impl Series {
         pixels: usize,
         raised: &Raised,
     ) -> SignalWindow {
-        let known: Vec<StoredSample> = self.samples.iter().filter(|sample| sample.arrived_ns <= at).copied().collect();
-        let first = known.partition_point(|sample| sample.at_ns < from);
-        let end = known.partition_point(|sample| sample.at_ns <= to);
-        let inside = known.get(first..end).unwrap_or_default();
-        let before = first.checked_sub(1).and_then(|index| known.get(index));
+        let first = self.samples.partition_point(|sample| sample.at_ns < from);
+        let end = self.samples.partition_point(|sample| sample.at_ns <= to);
+        let window_samples = arrived(self.samples.get(first..end).unwrap_or_default(), at);
+        let inside = &*window_samples;
+        let before = self.samples.get(..first).unwrap_or_default();
+        let before = before.iter().rev().find(|sample| sample.arrived_ns <= at);
         let of_words = signal.kind == SignalKind::Words;
         let drawn: Vec<&[StoredSample]> = if of_words {
             // A word holds until the next one: only changes are drawn.
@@ -56,12 +58,23 @@ impl Series {
             window.mean.push(if of_words { summary.last } else { summary.mean });
             window.count.push(u32::try_from(summary.samples).unwrap_or(u32::MAX));
         }
-        if !of_words {
+        if !of_words && !window.signal.limits.is_empty() {
+            // An excursion may have begun long before the window.
+            let known = arrived(&self.samples, at);
             (window.excursions, window.left_out) =
                 limits::excursions(&window.signal.limits, &known, (from, to), raised);
         }
         window
     }
+}
+
+/// The samples that had arrived by `at`; copied only if some had not.
+fn arrived(samples: &[StoredSample], at: i64) -> Cow<'_, [StoredSample]> {
+    let has_arrived = |sample: &&StoredSample| sample.arrived_ns <= at;
+    if samples.iter().all(|sample| has_arrived(&sample)) {
+        return Cow::Borrowed(samples);
+    }
+    Cow::Owned(samples.iter().filter(has_arrived).copied().collect())
 }
 
 fn statistics(samples: &[StoredSample]) -> Option<Statistics> {
