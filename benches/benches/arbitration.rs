@@ -40,9 +40,17 @@ const KINDS: [(&str, &str, &str); 6] = [
     ("known durations", "", "(index (use ?n)) (profile camera) (expected-duration 1s)"),
     ("two resources", "", "(index (use ?n)) (profile camera link)"),
     ("two resources, known durations", "", "(index (use ?n)) (profile camera link) (expected-duration 1s)"),
-    ("a shared and a separate resource", "", "(index (use ?n)) (profile camera (antenna ?n))"),
+    ("a shared and a separate resource", "", "(index (use ?n)) (profile camera ((antenna ?n) 1))"),
     ("capacity 2", "(resource link :capacity 2)", "(index (use ?n)) (profile (link 1))"),
     ("urgency", "", "(index (use ?n)) (profile camera)"),
+];
+
+/// Kinds of ranked steps, with their clauses.
+const RANKED: [(&str, &str); 4] = [
+    ("ranked steps", "(profile camera)"),
+    ("ranked steps, two resources", "(profile camera link)"),
+    ("ranked steps, urgency", "(profile camera) (priority :urgency 3 :importance 5)"),
+    ("ranked steps, two resources, priorities", "(profile camera link) (priority 4)"),
 ];
 
 /// The program of a kind: each competitor is an item of a `forall`.
@@ -58,9 +66,9 @@ fn competitors(kind: &str, declared: &str, served: &str, count: usize) -> String
     )
 }
 
-/// The same as steps of one ranked procedure.
-fn ranked(count: usize) -> String {
-    let step = |number| format!("  (step s{number} (use {number}) (profile camera))\n");
+/// The same as steps of one ranked procedure, with these clauses.
+fn ranked(count: usize, clauses: &str) -> String {
+    let step = |number| format!("  (step s{number} (use {number}) {clauses})\n");
     let steps: String = (0..count).map(step).collect();
     format!(
         "(procedure :ranked (index (do-domain))\n{steps})
@@ -138,7 +146,8 @@ fn every_kind(criterion: &mut Criterion) {
     group.sample_size(10).warm_up_time(WARM_UP).measurement_time(MEASUREMENT);
     for count in [1_000, 100_000] {
         let text = |(kind, declared, served)| (kind, competitors(kind, declared, served, count));
-        let programs = KINDS.into_iter().map(text).chain([("ranked steps", ranked(count))]);
+        let ranked = RANKED.map(|(kind, clauses)| (kind, ranked(count, clauses)));
+        let programs = KINDS.into_iter().map(text).chain(ranked);
         for (kind, text) in programs {
             let library = library(&text);
             group.bench_function(BenchmarkId::new(kind, count), |bencher| {

@@ -46,6 +46,7 @@ from apex_autonomy.flight import (
     fork,
     replay,
     report,
+    trace,
 )
 from apex_autonomy.monitor import Monitor
 from apex_autonomy.planner import Environment, Planner, plan, problem
@@ -98,4 +99,5 @@ __all__ = [
     "replay",
     "report",
     "to_arrow",
+    "trace",
 ]

@@ -39,6 +39,7 @@ __all__ = [
     "profile_table",
     "replay_json",
     "report_json",
+    "trace_json",
 ]
 
 __version__: str
@@ -266,6 +267,7 @@ def fly_runs_json(
     on_progress: Callable[[int], object] | None,
 ) -> str: ...
 def replay_json(record: Path) -> str: ...
+def trace_json(record: Path) -> str: ...
 def fork_json(
     record: Path,
     at_s: float,

@@ -23,6 +23,7 @@ __all__ = [
     "fork",
     "replay",
     "report",
+    "trace",
 ]
 
 
@@ -342,6 +343,23 @@ def replay(record: str | Path) -> ReplayResult:
     answer = json.loads(_apex.replay_json(Path(record)))
     difference = answer.pop("difference")
     return ReplayResult(difference=None if difference is None else Difference(**difference), **answer)
+
+
+def trace(record: str | Path) -> list[dict[str, Any]]:
+    """Read the trace of a record: its inputs and its effects with their causes, in order.
+
+    Returns
+    -------
+    list of dict
+        One for each line, with the keys of ``docs/reference/trace.md``: ``t``, ``kind``, ``task`` and more. ``pandas.DataFrame``
+        takes the list as it is.
+
+    Raises
+    ------
+    MissionError
+        The record cannot be read.
+    """
+    return [json.loads(line) for line in _apex.trace_json(Path(record)).splitlines()]
 
 
 def fork(

@@ -40,6 +40,7 @@ fn _apex(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(flight::fly_json, module)?)?;
     module.add_function(wrap_pyfunction!(runs::fly_runs_json, module)?)?;
     module.add_function(wrap_pyfunction!(recorded::replay_json, module)?)?;
+    module.add_function(wrap_pyfunction!(recorded::trace_json, module)?)?;
     module.add_function(wrap_pyfunction!(recorded::fork_json, module)?)?;
     module.add_function(wrap_pyfunction!(recorded::report_json, module)?)?;
     module.add_function(wrap_pyfunction!(profile::cell_names, module)?)?;

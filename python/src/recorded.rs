@@ -8,6 +8,7 @@ use apex_mission::fork::{Changes, scaled_wind};
 use apex_mission::{recorded, recording, scenario};
 use apex_model::time::Time;
 use apex_runtime::record::RecordReader;
+use apex_runtime::trace::{TraceFilter, TraceFormat, trace_record};
 use apex_simulation::{ForkTerms, WorldChanges};
 use pyo3::prelude::*;
 use serde_json::json;
@@ -41,6 +42,17 @@ pub(crate) fn replay_json(python: Python<'_>, record: PathBuf) -> PyResult<Strin
         .to_string())
     });
     replayed.map_err(|failure| failed(python, failure))
+}
+
+/// The trace of a record: a line of JSON for each input and each effect.
+#[pyfunction]
+pub(crate) fn trace_json(python: Python<'_>, record: PathBuf) -> PyResult<String> {
+    let traced = python.detach(|| -> MissionResult<String> {
+        let reader = open(&record)?;
+        let lines = trace_record(&reader, Vec::new(), TraceFormat::JsonLines, TraceFilter::default());
+        Ok(String::from_utf8_lossy(&lines.map_err(recording::read)?).into_owned())
+    });
+    traced.map_err(|failure| failed(python, failure))
 }
 
 /// Changes after the instant: factor of the wind, seed, lines of inputs, order of visits.

@@ -12,7 +12,7 @@ from types import ModuleType
 
 import pytest
 
-from apex_autonomy import InputError, Mission, Planner, PlanningError, Profile, fly, plan, problem, replay
+from apex_autonomy import InputError, Mission, Planner, PlanningError, Profile, fly, plan, problem, replay, trace
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "python/examples/swaps.py"
@@ -40,10 +40,8 @@ def mission(folder: Path, solver: str, budget: str) -> Path:
 
 
 def said(record: Path) -> str:
-    """Return the subjects and texts of all effects in a record."""
-    select = "SELECT coalesce(subject, '') || ' ' || coalesce(text, '') FROM effect ORDER BY id"
-    with sqlite3.connect(record) as connection:
-        return "\n".join(text for (text,) in connection.execute(select))
+    """Return the words of the trace of a record."""
+    return "\n".join(" ".join(map(str, line.values())) for line in trace(record))
 
 
 def test_the_example_is_short_and_on_the_page():

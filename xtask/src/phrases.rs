@@ -15,7 +15,7 @@ const LIST: &str = "xtask/phrases.tsv";
 /// Today's counts.
 pub(crate) const CEILING: &str = "xtask/phrases-ceiling.tsv";
 /// Files whose tests name phrases.
-const EXEMPT: &[&str] = &["xtask/src/phrases.rs", "xtask/src/prose.rs"];
+const EXEMPT: &[&str] = &["xtask/src/phrases.rs", "xtask/src/prose.rs", "docs/reference/library.md"];
 const SET_BYTES_MAX: usize = 1 << 26;
 
 struct Phrases {

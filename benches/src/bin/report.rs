@@ -94,6 +94,25 @@ const BARS: &[Bar] = &[
     bar("hand-off, ranked steps", ["hand-off of each kind", "ranked steps", "1000"], 10_000.0, None),
     bar("hand-off, ranked steps", ["hand-off of each kind", "ranked steps", "100000"], 20_000.0, None),
     bar(
+        "hand-off, ranked steps, two resources",
+        ["hand-off of each kind", "ranked steps, two resources", "1000"],
+        10_000.0,
+        None,
+    ),
+    bar(
+        "hand-off, ranked steps, two resources",
+        ["hand-off of each kind", "ranked steps, two resources", "100000"],
+        20_000.0,
+        None,
+    ),
+    bar("hand-off, ranked steps, urgency", ["hand-off of each kind", "ranked steps, urgency", "1000"], 10_000.0, None),
+    bar(
+        "hand-off, ranked steps, urgency",
+        ["hand-off of each kind", "ranked steps, urgency", "100000"],
+        20_000.0,
+        None,
+    ),
+    bar(
         "memory of a waiting task",
         [MEMORY, "steps of one procedure, each for its own variable", "1000"],
         800.0,

@@ -78,6 +78,7 @@ fn obey(command: Command, planners: &Arc<Registry>) -> error::CliResult {
         Command::Replay(options) => commands::replay::run(&options),
         Command::Verify(options) => commands::verify::run(&options),
         Command::Recover(options) => commands::recover::run(&options),
+        Command::Convert(options) => commands::convert::run(&options),
         Command::Score(options) => commands::score::run(&options),
         Command::Fork(options) => commands::fork::run(&options, planners),
         Command::Why(options) => commands::why::run(&options),

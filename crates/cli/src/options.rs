@@ -12,7 +12,7 @@ mod vehicle;
 pub use diagnose::DiagnoseOptions;
 pub use fly::FlyOptions;
 pub use fork::ForkOptions;
-pub use integrity::{RecoverOptions, VerifyOptions};
+pub use integrity::{ConvertOptions, RecoverOptions, VerifyOptions};
 pub use plan::{PlanFormat, PlanOptions};
 pub use profile::{
     ProfileBuildOptions, ProfileCommand, ProfileCompareOptions, ProfileMergeOptions, ProfileShowOptions,
@@ -58,6 +58,8 @@ pub enum Command {
     Verify(VerifyOptions),
     /// Save the intact part of a damaged or cut-off flight record to a new one.
     Recover(RecoverOptions),
+    /// Write a flight record of the version before in the present version.
+    Convert(ConvertOptions),
     /// Print what a recorded flight achieved, computed again from its record alone.
     Score(ScoreOptions),
     /// Continue a recorded flight from an instant with other inputs, wind, seed or plan, and compare both reports.

@@ -27,7 +27,7 @@ pub(super) fn apply(settings: &Settings, library: &Arc<Library>, targets: &mut [
     if settings.costs.is_empty() {
         return Ok(());
     }
-    let place = &settings.place;
+    let place = settings.place_of("costs");
     let agent = load(Arc::clone(library), &program::agent_of(library), program::host_functions())
         .map_err(|reason| MissionError::setting("`:costs` cannot be computed").at(place).because(reason))?;
     for (name, function) in &settings.costs {

@@ -25,6 +25,7 @@ pub mod lost_link;
 mod manoeuvres;
 mod modems;
 pub mod monitor_report;
+pub mod names;
 mod observing;
 pub mod plan;
 mod predicted;
@@ -171,7 +172,9 @@ impl Mission {
 
     fn read(library: Arc<Library>, sources: &Sources) -> MissionResult<Mission> {
         let settings = settings::read(&library)?;
-        let mut files = Files { sources, place: settings.place.clone(), data: Vec::new() };
+        let named = settings.clone();
+        let mut files =
+            Files { sources, place_of: &|option: &str| named.place_of(option).to_string(), data: Vec::new() };
         let model = vehicle::load(&settings.model, &mut files)?;
         let terrain = files.terrain(&settings.terrain)?;
         let terms = Terms {
@@ -228,28 +231,33 @@ impl Mission {
         mission.check_ceiling()?;
         mission.modems = modems::read(&mission)?;
         mission.read_links()?;
-        requirements::check_start(&requirements::StartConditions {
-            place: &mission.settings.place,
-            requirements: &mission.requirements,
-            model: &mission.model,
-            zones: &mission.zones,
-            landing_places: mission.landing_places(),
-            forecast: &mission.forecast,
-            start: mission.start,
-            start_altitude_m: mission.start_altitude_m,
-        })?;
+        mission.check_start()?;
         mission.data = Arc::new(files.data);
         Ok(mission)
     }
 
     /// Reads the assumptions about radio links and the response to the loss of one.
     fn read_links(&mut self) -> MissionResult {
-        let (place_of, at) = (|value: &Value| self.place(value), self.settings.place.as_str());
+        let place_of = |value: &Value| self.place(value);
         let stations = self.modems.iter().filter_map(|modem| Some((modem.name.clone(), modem.level.station?)));
-        let links = link_map::read((&self.settings.link_map, at), &place_of, stations)?;
-        let lost = lost_link::read((&self.settings.lost_link, at), Some(&place_of))?;
+        let links = link_map::read((&self.settings.link_map, self.settings.place_of("link-map")), &place_of, stations)?;
+        let lost = lost_link::read((&self.settings.lost_link, self.settings.place_of("lost-link")), Some(&place_of))?;
         (self.link_map, self.lost_link) = (links, lost);
         Ok(())
+    }
+
+    /// The requirements must hold at the start.
+    fn check_start(&self) -> MissionResult {
+        requirements::check_start(&requirements::StartConditions {
+            place: self.settings.place_of("requirements"),
+            requirements: &self.requirements,
+            model: &self.model,
+            zones: &self.zones,
+            landing_places: self.landing_places(),
+            forecast: &self.forecast,
+            start: self.start,
+            start_altitude_m: self.start_altitude_m,
+        })
     }
 
     /// The vehicle must be able to fly above the place where it starts, and above every target.
@@ -276,15 +284,15 @@ impl Mission {
         let found = self.place(start).map(|(position, stated_m)| {
             let stated_m = (stated_m != 0.0).then_some(stated_m);
             let ground_m = terrain::elevation_m(self.terrain.as_deref(), position, stated_m);
-            let ground_m =
-                ground_m.map_err(|mismatch| mismatch.error(&format!("the start `{start}`"), &self.settings.place));
+            let ground_m = ground_m
+                .map_err(|mismatch| mismatch.error(&format!("the start `{start}`"), self.settings.place_of("vehicle")));
             ground_m.map(|ground_m| (position, ground_m))
         });
         found.transpose()?.ok_or_else(|| {
             let mut names: Vec<&str> = self.place_names().collect();
             names.truncate(12);
             MissionError::setting(format!("the vehicle's start `:at {start}` is not a place"))
-                .at(&self.settings.place)
+                .at(self.settings.place_of("vehicle"))
                 .help(format!("write a location (LATITUDE LONGITUDE) or one of: {}", names.join(", ")))
         })
     }
@@ -384,7 +392,7 @@ pub fn read_wind(path: &Path) -> MissionResult<WindField> {
     surroundings::wind(&DataFile { place: path.display().to_string(), bytes })
 }
 
-/// Distance that plans keep from zones: on the way between fires, or between structures.
+/// Distance that plans keep from zones, m: that of single visits where there are fires, else that of surveillance.
 fn planned_margin_m(settings: &Settings, targets: &[Target]) -> f64 {
     let has_fires = targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_)));
     if has_fires { settings.zone_margin_m } else { settings.obstacle_margin_m }
@@ -401,7 +409,8 @@ fn possible(position: Position) -> bool {
 /// Reads the data files that the application names, and keeps their bytes for the record.
 struct Files<'a> {
     sources: &'a Sources,
-    place: String,
+    /// Place of an option of the application.
+    place_of: &'a dyn Fn(&str) -> String,
     data: Vec<(String, Vec<u8>)>,
 }
 
@@ -432,7 +441,8 @@ impl Files<'_> {
         read: impl Fn(&DataFile) -> MissionResult<T>,
     ) -> MissionResult<Option<T>> {
         let Some(name) = name else { return Ok(None) };
-        let file = self.sources.read(name, || format!("{} names it as `:{option} \"{name}\"`", self.place))?;
+        let file =
+            self.sources.read(name, || format!("{} names it as `:{option} \"{name}\"`", (self.place_of)(option)))?;
         let read = read(&file)?;
         if !self.data.iter().any(|(known, _)| known == name) {
             self.data.push((name.clone(), file.bytes));

@@ -37,7 +37,13 @@ pub(crate) fn read(mission: &Mission) -> MissionResult<Vec<Modem>> {
     let mut modems: Vec<Modem> = Vec::new();
     for form in &mission.settings.modems {
         let place_of = |value: &Value| mission.place(value);
-        let form = LinkForm { at: &mission.settings.place, option: "modems", form, usage: USAGE, place_of: &place_of };
+        let form = LinkForm {
+            at: mission.settings.place_of("modems"),
+            option: "modems",
+            form,
+            usage: USAGE,
+            place_of: &place_of,
+        };
         let modem = modem(&form)?;
         if modems.iter().any(|known| known.name.eq_ignore_ascii_case(&modem.name)) {
             return Err(form.wrong(format!("the modem `{}` is stated twice", modem.name)));

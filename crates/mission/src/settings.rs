@@ -16,6 +16,8 @@ use time::format_description::well_known::Rfc3339;
 pub struct Settings {
     /// Place of the application, for messages.
     pub place: String,
+    /// Place of each option, for messages.
+    pub option_places: Vec<(String, String)>,
     /// The mission's title.
     pub name: String,
     /// Source of the vehicle's model.
@@ -125,10 +127,16 @@ const KNOWN: &[&str] = &[
 ];
 
 impl Settings {
+    /// The place of an option, else that of the application: `mission.pdl:7:3`.
+    pub fn place_of(&self, option: &str) -> &str {
+        let place = self.option_places.iter().find(|(known, _)| known == option);
+        place.map_or(self.place.as_str(), |(_, place)| place.as_str())
+    }
+
     /// Returns the requirements that the application states.
     pub(crate) fn stated_requirements(&self) -> Stated<'_> {
         Stated {
-            place: &self.place,
+            place: self.place_of("requirements"),
             forms: &self.requirements,
             landing_distance_m_max: self.landing_distance_m_max,
             zone_margin_m: self.zone_margin_m,
@@ -150,16 +158,19 @@ pub(crate) fn read(library: &Library) -> MissionResult<Settings> {
     for (key, _) in &application.options {
         if !KNOWN.contains(&key.folded()) {
             return Err(MissionError::setting(format!("unknown option :{key} of (defapplication ..)"))
-                .at(place)
+                .at(library.describe_place(application.option_place(key.folded())))
                 .help(format!("known are :{}", KNOWN.join(" :"))));
         }
     }
-    let (model, start) = vehicle_of(application, place.clone())?;
-    let reader = SettingsReader { application, place };
+    let (model, start) = vehicle_of(application, library)?;
+    let reader = SettingsReader { application, library };
     let epoch_text = reader.text("start")?;
     let value_unit = reader.value_unit()?;
     Ok(Settings {
-        place: reader.place.clone(),
+        place,
+        option_places: (application.option_places.iter())
+            .map(|(name, place)| (name.folded().to_string(), library.describe_place(*place)))
+            .collect(),
         name: application.name.to_string(),
         model,
         start,
@@ -193,23 +204,27 @@ pub(crate) fn read(library: &Library) -> MissionResult<Settings> {
     })
 }
 
-/// Reads `:vehicle` of an application at `place`: where the model comes from, and where the vehicle starts.
+/// Reads `:vehicle` of the application of `library`: where the model comes from, and where the vehicle starts.
 ///
 /// # Errors
 /// No vehicle, or a form of another shape.
-pub(crate) fn vehicle_of(application: &Application, place: String) -> MissionResult<(ModelSource, Value)> {
-    SettingsReader { application, place }.vehicle()
+pub(crate) fn vehicle_of(application: &Application, library: &Library) -> MissionResult<(ModelSource, Value)> {
+    SettingsReader { application, library }.vehicle()
 }
 
 struct SettingsReader<'a> {
     application: &'a Application,
-    place: String,
+    library: &'a Library,
 }
 
 impl SettingsReader<'_> {
+    fn place_of(&self, option: &str) -> String {
+        self.library.describe_place(self.application.option_place(option))
+    }
+
     fn wrong(&self, option: &str, found: &Value, wanted: &str) -> MissionError {
         MissionError::setting(format!("`:{option} {found}` cannot be read"))
-            .at(&self.place)
+            .at(self.place_of(option))
             .help(format!("write {wanted}"))
     }
 
@@ -361,7 +376,7 @@ impl SettingsReader<'_> {
     fn vehicle(&self) -> MissionResult<(ModelSource, Value)> {
         let Some(form) = self.application.option("vehicle") else {
             return Err(MissionError::setting("the mission names no vehicle")
-                .at(&self.place)
+                .at(self.place_of("vehicle"))
                 .help("add `:vehicle (sim :model predator-b :at (34.9 -117.9))`, or use `apex run`"));
         };
         let items = form.as_list().unwrap_or_default();
@@ -370,7 +385,7 @@ impl SettingsReader<'_> {
             Some(Value::Symbol(kind)) if kind.is("sim") => {}
             Some(Value::Symbol(kind)) => {
                 return Err(MissionError::setting(format!("unknown kind of vehicle `{kind}`"))
-                    .at(&self.place)
+                    .at(self.place_of("vehicle"))
                     .because("only the built-in simulator `sim` can be flown so far")
                     .help(format!("write {wanted}")));
             }

@@ -38,7 +38,8 @@ pub fn read(name: &str) -> MissionResult<VehicleModel> {
     let file = path.file_name().filter(|_| is_file).map(|file| file.to_string_lossy().into_owned());
     let source = file.map_or_else(|| ModelSource::Shipped(name.to_string()), ModelSource::File);
     let sources = Sources::Folder(path.parent().unwrap_or(Path::new("")).to_path_buf());
-    load(&source, &mut Files { sources: &sources, place: "the command line".to_string(), data: Vec::new() })
+    let place_of = |_: &str| "the command line".to_string();
+    load(&source, &mut Files { sources: &sources, place_of: &place_of, data: Vec::new() })
 }
 
 /// Reads the vehicle model and keeps the bytes of its file for the record. Of a shipped model, the copy that a record holds
@@ -54,7 +55,7 @@ pub(crate) fn load(source: &ModelSource, files: &mut Files<'_>) -> MissionResult
                 None => {
                     let shipped = ShippedVehicle::find(name).map_err(|reason| {
                         MissionError::setting("the mission's vehicle is unknown")
-                            .at(&files.place)
+                            .at((files.place_of)("vehicle"))
                             .because(reason)
                             .help("write a known `:model` in :vehicle, or the name of a vehicle file in quotes")
                     })?;
@@ -66,7 +67,7 @@ pub(crate) fn load(source: &ModelSource, files: &mut Files<'_>) -> MissionResult
             Ok(model)
         }
         ModelSource::File(name) => {
-            let file = files.read("model", &Some(name.clone()), |file| Ok((file.place.clone(), file.text()?)))?;
+            let file = files.read("vehicle", &Some(name.clone()), |file| Ok((file.place.clone(), file.text()?)))?;
             let (place, text) =
                 file.ok_or_else(|| MissionError::new(ErrorKind::Vehicle, format!("{name}: no vehicle model")))?;
             with_sensors(&place, &text, files)
@@ -126,7 +127,7 @@ pub(crate) fn figures_for(
     let application = library.application.as_ref()?;
     application.option("vehicle")?;
     // Errors of the vehicle are reported when the mission is loaded.
-    let model = match settings::vehicle_of(application, String::new()).ok()?.0 {
+    let model = match settings::vehicle_of(application, library).ok()?.0 {
         ModelSource::Shipped(name) => VehicleModel::named(&name).ok()?,
         ModelSource::File(name) => {
             let text = read(&folder.join(&name)).ok()?;

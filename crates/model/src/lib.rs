@@ -22,6 +22,7 @@ pub mod evidence_list;
 pub mod expression;
 mod ground;
 pub mod host;
+pub mod interface;
 pub mod library;
 pub mod limits;
 pub mod pattern;

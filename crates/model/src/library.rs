@@ -3,6 +3,7 @@
 use crate::agent_limits::Limits;
 use crate::derivation::Derivation;
 use crate::expression::{Expr, Parameters, Template};
+use crate::interface::{InterfaceDeclaration, NameKind};
 use crate::pattern::Pattern;
 use crate::procedure::{Primitive, Procedure};
 use crate::quantity::Dimension;
@@ -39,6 +40,15 @@ pub struct Library {
     pub functions: BTreeMap<Symbol, Function>,
     /// Declared host functions (`(declare-function ..)`).
     pub host_functions: BTreeMap<Symbol, HostDeclaration>,
+    /// Kinds of the objects of state variables, by attribute, where the declaration names one: `(state-variable (fuel ?aircraft))`.
+    #[serde(default)]
+    pub objects: BTreeMap<Symbol, NameKind>,
+    /// `(declare-event ..)` by the message's first word.
+    #[serde(default)]
+    pub events: BTreeMap<Symbol, InterfaceDeclaration>,
+    /// `(declare-command ..)` by the command's name.
+    #[serde(default)]
+    pub commands: BTreeMap<Symbol, InterfaceDeclaration>,
     /// `(defapplication ..)`, if any.
     pub application: Option<Application>,
     /// `(agent ..)` forms, outside and inside of the application, in order.
@@ -262,6 +272,9 @@ pub struct Application {
     /// Every other keyword in written order, without the colon, with its raw datum
     /// (`:vehicle`, `:targets`, `:airspace`, `:weather`, `:libraries`, `:files`, `:init`, ..).
     pub options: Vec<(Symbol, Value)>,
+    /// Place of every option, those that are not in `options` included.
+    #[serde(default)]
+    pub option_places: Vec<(Symbol, Place)>,
     /// Place in the source.
     pub place: Place,
 }
@@ -270,5 +283,10 @@ impl Application {
     /// The datum of option `name` (folded, without the colon), if given.
     pub fn option(&self, name: &str) -> Option<&Value> {
         self.options.iter().find(|(key, _)| key.is(name)).map(|(_, value)| value)
+    }
+
+    /// The place of option `name`, else that of the application.
+    pub fn option_place(&self, name: &str) -> Place {
+        self.option_places.iter().find(|(key, _)| key.is(name)).map_or(self.place, |(_, place)| *place)
     }
 }

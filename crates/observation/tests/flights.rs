@@ -17,8 +17,7 @@ use apex_observation::sensor::{GimbalAngles, RateLimits, RollLimits};
 use apex_observation::strip::ScannerSetting;
 use apex_observation::target::{ObservedTarget, OrderNeed, TargetArea, WantedLook};
 use apex_observation::timing::{LatencyNeed, LightNeed};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use rand_chacha::{ChaCha8Rng, rand_core::Rng, rand_core::SeedableRng};
 use std::collections::BTreeMap;
 use support::*;
 
@@ -441,9 +440,7 @@ fn targets_that_cannot_be_observed_are_refused_by_name() {
     assert!(refused(area(TargetArea::Line(vec![CENTRE, CENTRE]))).contains("no length"));
     assert!(refused(area(TargetArea::Circle { centre: CENTRE, radius_m: 2e6 })).contains("1,000 km"));
     assert!(refused(vec![fire(), fire()]).contains("two targets have the name `fire`"));
-    let many = ObservedTarget { looks: vec![WantedLook::new("any", 1.0, 10.0); 7], ..fire() };
-    assert!(matches!(
-        FlownObservation::new(vec![many], settings, &FlatGround::default()),
-        Err(ObservationError::TooManyLooks { looks: 7, .. })
-    ));
+    let many = vec![ObservedTarget { looks: vec![WantedLook::new("any", 1.0, 10.0); 7], ..fire() }];
+    let found = FlownObservation::new(many, settings, &FlatGround::default());
+    assert!(matches!(found, Err(ObservationError::TooManyLooks { looks: 7, .. })));
 }

@@ -5,6 +5,7 @@ use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity, Span};
 use crate::fix::Fix;
 use crate::host::{HostSignature, host_names};
+use crate::interfaces;
 use crate::loose;
 use crate::lower::{Lowering, Names};
 use crate::read::{Datum, DatumKind, read_file};
@@ -253,9 +254,15 @@ impl Loader {
                 _ => analyse_conditions(&self.library, &conditions, &lowering.names),
             };
             self.diagnostics.extend(found);
+            if texts.is_empty() {
+                self.diagnostics.extend(interfaces::check(&self.library));
+            }
         }
         let flawed = &self.flawed;
         self.diagnostics.extend(lowering.diagnostics.into_iter().filter(|each| !flawed.contains(&each.span.file)));
+        // Notes are for the author of the text: of a library that is used they would be noise.
+        let foreign = &self.foreign;
+        self.diagnostics.retain(|each| each.severity != Severity::Note || !foreign.contains(&each.span.file));
         self.diagnostics.sort_by_key(|each| (each.span.file, each.span.line, each.span.column, each.severity));
         (Checked { library: self.library, diagnostics: self.diagnostics }, conditions)
     }
@@ -283,6 +290,8 @@ impl Loader {
                 }
                 "in-apex-bundle" => enter_bundle(lowering, form),
                 "defun"
+                | "declare-command"
+                | "declare-event"
                 | "declare-function"
                 | "defconstant"
                 | "state-variable"

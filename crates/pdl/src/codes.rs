@@ -70,6 +70,7 @@ codes! {
     NOTHING_TO_PROBE "E0310" "Probing is given no time, or no probe.";
     NOTHING_TO_LOG "E0311" "A limit of a log leaves nothing to keep.";
     DERIVATION "E0312" "A derived state variable cannot be computed.";
+    ARGUMENT_TYPE "E0313" "An argument of a goal, message or command has another type than declared.";
     WAIT_CYCLE "E0701" "Steps wait for each other in a circle.";
     NEVER_STARTS "E0702" "A step waits for what can never happen.";
     IMPOSSIBLE_CONDITION "E0703" "A condition can never hold.";
@@ -77,6 +78,7 @@ codes! {
     UNKNOWN_AGENT "E0801" "No agent of the application has this name.";
     UNKNOWN_ROUTER "E0802" "No router has this name.";
     UNKNOWN_BUNDLE "E0803" "No text belongs to a bundle of this name.";
+    UNKNOWN_NAME "E0804" "The mission has no place, camera, radio or aircraft of this name.";
     REAL_EQUALITY "W0501" "Real numbers are compared for equality without a tolerance.";
     AMBIGUOUS_CHOICE "W0502" "Two procedures are equally specific for the same goal.";
     SYMBOL_LIKE_QUANTITY "W0503" "A symbol looks like a quantity with a misspelt unit.";
@@ -95,6 +97,9 @@ codes! {
     OWN_TAG "W0516" "A message is waited for with the name of the step that waits.";
     NOT_PLAIN "W0517" "A priority, rank or interrupt cost has a dimension.";
     DEADLOCK "W0518" "Tasks may wait for each other's resources in a circle.";
+    NEVER_SENT "W0519" "A message is waited for that nothing sends.";
+    UNSERVED_ANSWER "W0520" "An answer that a question offers leads to no procedure.";
+    UNKNOWN_SOLVER "W0521" "No planner has this name.";
     NO_END "N0601" "A concurrent procedure has no terminate step and no end-when clause.";
 }
 

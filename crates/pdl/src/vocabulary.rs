@@ -23,6 +23,8 @@ pub const VOCABULARY: &[Words] = &[
 /// Top-level forms.
 pub(crate) const FORMS: &[&str] = &[
     "agent",
+    "declare-command",
+    "declare-event",
     "declare-function",
     "defapplication",
     "defconstant",

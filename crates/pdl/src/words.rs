@@ -8,9 +8,12 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 /// The libraries that ship, by name.
-const LIBRARIES: &[(&str, &str)] = &[
+pub(crate) const LIBRARIES: &[(&str, &str)] = &[
+    ("library/interface.pdl", include_str!("../../../library/interface.pdl")),
     ("library/vehicle.pdl", include_str!("../../../library/vehicle.pdl")),
     ("library/aerial-observation.pdl", include_str!("../../../library/aerial-observation.pdl")),
+    ("library/manoeuvres.pdl", include_str!("../../../library/manoeuvres.pdl")),
+    ("library/requirements.pdl", include_str!("../../../library/requirements.pdl")),
     ("library/contingencies.pdl", include_str!("../../../library/contingencies.pdl")),
     ("library/replanning.pdl", include_str!("../../../library/replanning.pdl")),
 ];
@@ -42,7 +45,8 @@ pub fn explain_word(word: &str) -> Option<String> {
     // `+now+` is written between signs; `1+` and `+` are functions.
     let word =
         word.strip_prefix('+').and_then(|word| word.strip_suffix('+')).filter(|word| !word.is_empty()).unwrap_or(word);
-    let folded = word.trim_start_matches(':').to_lowercase();
+    // A goal is looked for by its words, written as they are or with hyphens.
+    let folded = word.trim_start_matches(['(', ':']).trim_end_matches(')').to_lowercase().replace(' ', "-");
     let mut text = String::new();
     if let Some(function) = built_in(&folded) {
         text.push_str(&of_function(&folded, function));
@@ -62,7 +66,22 @@ pub fn explain_word(word: &str) -> Option<String> {
     for (name, library) in LIBRARIES {
         of_library(&folded, name, library, &mut text);
     }
+    if let Some(row) = mission_option(&folded) {
+        let _ = writeln!(text, ":{folded}: an option of a mission (docs/reference/mission-data.md)\n  {row}");
+    }
     (!text.is_empty()).then_some(text)
+}
+
+/// The row of the table of mission options for an option: its cells after the name.
+fn mission_option(name: &str) -> Option<String> {
+    let page = include_str!("../../../docs/reference/mission-data.md");
+    let option = format!("`:{name}`");
+    let of_row = |row: &str| {
+        let cells: Vec<&str> = row.strip_prefix('|')?.strip_suffix('|')?.split(" | ").map(str::trim).collect();
+        let (first, rest) = cells.split_first()?;
+        first.split_whitespace().any(|word| word == option).then(|| rest.join("; "))
+    };
+    page.lines().find_map(of_row)
 }
 
 /// The known word nearest to `word`.
@@ -118,6 +137,15 @@ fn of_library(word: &str, name: &str, library: &str, text: &mut String) {
                     _ => {}
                 });
             }
+            ("declare-event" | "declare-command", _)
+                if form.tail().first().is_some_and(|each| each.head_name() == word) =>
+            {
+                let what = if kind == "declare-event" { "a message" } else { "a command" };
+                let signature = form.tail().first().map_or_else(String::new, |each| written(library, each));
+                let from = form.tail().iter().skip_while(|part| !part.is(":from")).nth(1);
+                let from = from.map_or_else(String::new, |source| format!(" from {}", written(library, source)));
+                say(format!("{signature}: {what}{from}"));
+            }
             ("state-variable", _) if form.tail().first().is_some_and(|variable| variable.head_name() == word) => {
                 say(format!("{}: a state variable", written(library, form)));
             }
@@ -159,7 +187,7 @@ fn each_list(datum: &Datum, visit: &mut dyn FnMut(&Datum)) {
 }
 
 /// Returns the text of the datum on one line.
-fn written(text: &str, datum: &Datum) -> String {
+pub(crate) fn written(text: &str, datum: &Datum) -> String {
     let range = datum.span.start as usize..datum.span.end as usize;
     text.get(range).unwrap_or_default().split_whitespace().collect::<Vec<_>>().join(" ")
 }
@@ -182,6 +210,10 @@ mod tests {
         );
         assert!(take_off.contains("library/vehicle.pdl:"));
         assert!(explained("altitude").contains(":unit m"));
+        assert!(explained("image-taken").contains("(image-taken (?camera camera) ?target): a message from vehicle"));
+        assert!(explained("take-picture").contains(": a command\n"));
+        assert!(explained("take off to").contains("(take off to ?altitude): a goal"));
+        assert!(explained(":targets").contains("GeoJSON"));
         assert_eq!(explain_word("frobnicate"), None);
         assert_eq!(nearest_word("sqr"), Some("sqrt"));
     }

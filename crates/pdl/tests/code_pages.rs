@@ -1,9 +1,11 @@
 //! Every code has a page, and the page's examples are true: the first yields the code, the corrected one does not.
 
 use apex_model::host::HostFunctions;
+use apex_model::interface::NameKind;
+use apex_model::symbol::Symbol;
 use apex_pdl::{
-    CheckOptions, Checked, ErrorCode, Requirement, SourceText, check, error_code, error_codes, read_value,
-    report_constants,
+    CheckOptions, Checked, ErrorCode, KnownNames, Requirement, SourceText, check, check_names, error_code, error_codes,
+    read_value, report_constants,
 };
 
 fn checked(text: &str) -> Checked {
@@ -24,6 +26,16 @@ fn checked(text: &str) -> Checked {
 fn codes(kind: &str, text: &str) -> Vec<&'static str> {
     match kind {
         "value" => read_value(text).err().map(|diagnostic| diagnostic.code).into_iter().collect(),
+        "mission" => {
+            let names = |names: &[&str]| names.iter().map(|name| Symbol::new(name)).collect();
+            let known = KnownNames {
+                names: [(NameKind::Place, names(&["home"]))].into_iter().collect(),
+                solvers: names(&["auto", "human"]),
+                ..KnownNames::default()
+            };
+            let library = checked(text).library;
+            check_names(&library, &known).iter().map(|diagnostic| diagnostic.code).collect()
+        }
         _ => checked(text).diagnostics.iter().map(|diagnostic| diagnostic.code).collect(),
     }
 }

@@ -15,7 +15,7 @@ use apex_model::value::Value;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
-/// An effect as text: the columns of the record's `effect` table and the keys of a trace line.
+/// An effect as text: what readers of a record and the lines of a trace say of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EffectRow {
     /// The kind, as in the record.
@@ -69,6 +69,16 @@ impl EffectDescriber {
     pub fn new(library: &Library) -> EffectDescriber {
         let library = Library { sources: library.sources.clone(), ..Library::default() };
         EffectDescriber { library, goals: BTreeMap::new(), ended: VecDeque::new(), ends: 0, plans: BTreeMap::new() }
+    }
+
+    /// A describer of single effects, whose places are in `sources`; plans among them.
+    pub(crate) fn of_sources(sources: Vec<SourceFile>) -> EffectDescriber {
+        EffectDescriber::new(&Library { sources, ..Library::default() })
+    }
+
+    /// Takes the goal of `task` from a caller that knows it.
+    pub(crate) fn remember(&mut self, task: TaskId, goal: Arc<str>) {
+        self.goals.insert(task, TaskGoal { text: goal, end: None });
     }
 
     /// `file.pdl:14:3`, also for places inside of plans.

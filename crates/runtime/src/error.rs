@@ -87,6 +87,16 @@ pub enum RecordError {
         /// Ours.
         known: i64,
     },
+    /// The file was written by an earlier Apex, in a layout that can be converted.
+    #[error("the record was written in version {found} of the format, this Apex reads version {known}: write it in that version with `apex convert {0} NEW.apex`", path.display())]
+    Convertible {
+        /// The file.
+        path: PathBuf,
+        /// Its version.
+        found: i64,
+        /// Ours.
+        known: i64,
+    },
     /// Another program writes it now.
     #[error("{} is being written by another run; wait for its end or choose another file name", path.display())]
     Busy {

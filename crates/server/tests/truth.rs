@@ -180,11 +180,11 @@ fn cut_off(record: &Path, at_ns: i64) -> PathBuf {
     let cut = record.with_extension("cut");
     std::fs::copy(record, &cut).unwrap();
     let connection = rusqlite::Connection::open(&cut).unwrap();
-    for table in ["batch", "effect", "note", "snapshot", "problem", "situation", "track", "target_state"] {
+    for table in ["batch", "note", "snapshot", "problem", "situation", "track", "target_state"] {
         connection.execute(&format!("DELETE FROM {table} WHERE t_ns > ?1"), [at_ns]).unwrap();
     }
     connection.execute("DELETE FROM answer WHERE due_ns > ?1", [at_ns]).unwrap();
-    connection.execute("DELETE FROM task WHERE created_ns > ?1", [at_ns]).unwrap();
+    connection.execute("DELETE FROM effects WHERE batch NOT IN (SELECT id FROM batch)", []).unwrap();
     let end = "DELETE FROM report; DELETE FROM seal; \
         DELETE FROM meta WHERE key IN ('end_ns', 'end_reason') OR (key = 'complete' AND value = '1')";
     connection.execute_batch(end).unwrap();

@@ -1,9 +1,11 @@
 //! Second derivation of the causes for which tasks are created, enabled, chosen, granted, refused and interrupted.
 
-use super::evidence::{self, ends_in, moves, require};
+use super::evidence::{self, ends_in, moves};
+use super::require::require;
+use super::step::Step;
 use super::violations;
 use super::world::{Known, World};
-use super::{Step, ends, probing};
+use super::{ends, probing};
 use apex_model::because::{Because, Cause, ConflictRule, Share, Strength};
 use apex_model::effect::{Decision, DecisionKind, Effect, Method};
 use apex_model::task::{Outcome, TaskId, TaskState};

@@ -1,9 +1,9 @@
 //! Second derivation of the causes for which tasks end and faults are reported.
 
-use super::Step;
 use super::causes::Scene;
-use super::evidence::require;
 use super::probing;
+use super::require::require;
+use super::step::Step;
 use super::world::{Known, World};
 use apex_model::because::{Because, Cause, CircleLink};
 use apex_model::effect::{Effect, Method};

@@ -1,7 +1,8 @@
 //! Was it seen? Samples, messages, ends and states that a cause rests on are looked for in the record.
 
-use super::Step;
 use super::numbers;
+use super::require::require;
+use super::step::Step;
 use super::thresholds::Thresholds;
 use super::world::World;
 use apex_model::because::{Because, Evidence};
@@ -103,10 +104,6 @@ pub(super) fn one(
         Evidence::Estimate(estimate) => numbers::estimate(world, estimate),
         Evidence::Aggregate(aggregate) => numbers::aggregate(world, aggregate),
     }
-}
-
-pub(super) fn require(holds: bool, otherwise: &str) -> Result<(), String> {
-    if holds { Ok(()) } else { Err(otherwise.to_owned()) }
 }
 
 /// The program sends it to itself in a way that leaves no trace in the record.

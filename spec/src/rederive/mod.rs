@@ -6,6 +6,8 @@ mod evidence;
 pub mod mutation;
 mod numbers;
 mod probing;
+mod require;
+mod step;
 mod thresholds;
 mod violations;
 mod world;
@@ -16,16 +18,8 @@ use apex_model::event::Batch;
 use apex_model::library::Library;
 use apex_runtime::ports::Observer;
 use std::collections::BTreeMap;
+pub use step::Step;
 use world::World;
-
-/// One executive step of one agent.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Step {
-    /// Input.
-    pub batch: Batch,
-    /// Output.
-    pub effects: Vec<Effect>,
-}
 
 /// A cause that the record does not bear out.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,6 +1,7 @@
 //! Spoiled causes: what the checker must notice.
 
-use super::{Step, because_of};
+use super::because_of;
+use super::step::Step;
 use apex_model::because::{Because, Cause, Evidence};
 use apex_model::effect::Effect;
 use apex_model::task::TaskId;

@@ -1,6 +1,6 @@
 //! Was it computed right? Estimates and aggregates are computed again, plainly, from the samples in the record.
 
-use super::evidence::require;
+use super::require::require;
 use super::world::World;
 use apex_model::estimate::{Aggregate, Estimate, Estimator};
 use apex_model::event::StateVariable;

@@ -1,7 +1,7 @@
 //! Second derivation of the causes for which probes begin and probing stops.
 
 use super::causes::Scene;
-use super::evidence::require;
+use super::require::require;
 use super::world::Known;
 use apex_model::because::Cause;
 use apex_model::effect::{DecisionKind, Effect};

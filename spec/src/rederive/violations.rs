@@ -1,7 +1,8 @@
 //! Was it false? A `precondition` or `invariant` that does not hold rests on facts that make it false, or on what is not known.
 
-use super::Step;
-use super::evidence::{conditions_at, holds_of, in_time, is_of, one, require, was_measured};
+use super::evidence::{conditions_at, holds_of, in_time, is_of, one, was_measured};
+use super::require::require;
+use super::step::Step;
 use super::thresholds::Thresholds;
 use super::world::World;
 use apex_model::because::{Because, Evidence};

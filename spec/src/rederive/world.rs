@@ -1,6 +1,6 @@
 //! History of a run in the simplest form.
 
-use super::Step;
+use super::step::Step;
 use apex_model::because::Cause;
 use apex_model::effect::{Decision, DecisionKind, Effect, Method};
 use apex_model::event::{EventKind, Message};

@@ -95,9 +95,15 @@ fn winds(draws: &mut Draws, craft: &Craft) -> String {
     format!("altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps,edr\n0,25000,{from:.0},{speed:.1},{edr:.2}\n")
 }
 
-/// Failures of all kinds, a few in each flight; weather in some.
-fn world(draws: &mut Draws, craft: &Craft) -> String {
-    let per_flight = 0.5 / craft.hours;
+/// A world for a mission that ships: failures that any vehicle can have.
+pub(crate) fn shipped_world(seed: u64, hours: f64, is_far: bool) -> String {
+    let faults = vehicle_faults(&mut Draws::new(seed), hours, is_far);
+    format!("{{\"format\": \"apex-world-1\", \"faults\": [\n{}\n]}}\n", faults.join(",\n"))
+}
+
+/// Failures of engine, energy, power, navigation, acknowledgements and readings, a few in each flight.
+fn vehicle_faults(draws: &mut Draws, hours: f64, is_far: bool) -> Vec<String> {
+    let per_flight = 0.5 / hours;
     let mut faults = Vec::new();
     let plain = ["engine", "payload-power", "navigation", "acknowledgements", "leak"];
     let variables =
@@ -105,7 +111,7 @@ fn world(draws: &mut Draws, craft: &Craft) -> String {
     for fault in plain {
         let rate = per_flight * if fault == "engine" { 0.3 } else { 1.0 };
         let by = match fault {
-            "leak" => format!(", \"by\": {:.1}", if craft.reach_km > 50.0 { draws.between(5.0, 80.0) } else { 0.5 }),
+            "leak" => format!(", \"by\": {:.1}", if is_far { draws.between(5.0, 80.0) } else { 0.5 }),
             "navigation" if draws.happens(0.5) => format!(", \"by\": {:.1}", draws.between(-8.0, 8.0)),
             _ => String::new(),
         };
@@ -123,6 +129,13 @@ fn world(draws: &mut Draws, craft: &Craft) -> String {
             draws.between(5.0, 600.0)
         ));
     }
+    faults
+}
+
+/// Failures of all kinds; weather in some.
+fn world(draws: &mut Draws, craft: &Craft) -> String {
+    let per_flight = 0.5 / craft.hours;
+    let mut faults = vehicle_faults(draws, craft.hours, craft.reach_km > 50.0);
     faults.push(format!(
         "{{\"fault\": \"modem\", \"of\": \"radio\", \"rate_per_h\": {per_flight:.4}, \"for_s\": {:.0}}}",
         draws.between(10.0, 900.0)
@@ -186,6 +199,22 @@ fn scenario(draws: &mut Draws, craft: &Craft) -> String {
     lines.iter().map(|(t_s, event)| format!("{{\"t\": {t_s:.1}, \"event\": \"{event}\"}}\n")).collect()
 }
 
+/// Steps of a tour: circles, pictures and flights to the places.
+fn tour(draws: &mut Draws, craft: &Craft, places: &[(f64, f64)]) -> String {
+    let altitude = craft.altitude_m;
+    let mut tour = String::new();
+    for (index, (latitude, longitude)) in places.iter().enumerate() {
+        let at = format!("({latitude:.5} {longitude:.5} {altitude:.0})");
+        let step = match draws.below(4) {
+            0 => format!("(loiter at {at} for {:.0}min)", draws.between(1.0, 8.0)),
+            1 if craft.camera => format!("(picture site-{index} from {at})"),
+            _ => format!("(fly to {at})"),
+        };
+        let _ = write!(tour, "\n  (step go-{index} {step} (on-failure (inform (skipped site-{index}))))");
+    }
+    tour
+}
+
 fn program(draws: &mut Draws, craft: &Craft, places: &[(f64, f64)], (planned, zoned): (bool, bool)) -> String {
     let altitude = craft.altitude_m;
     let work = if planned {
@@ -201,16 +230,7 @@ fn program(draws: &mut Draws, craft: &Craft, places: &[(f64, f64)], (planned, zo
              (step home (return to home at {altitude:.0}m) (waitfor (end ?work)) (on-failure (land or hold)))"
         )
     };
-    let mut tour = String::new();
-    for (index, (latitude, longitude)) in places.iter().enumerate() {
-        let at = format!("({latitude:.5} {longitude:.5} {altitude:.0})");
-        let step = match draws.below(4) {
-            0 => format!("(loiter at {at} for {:.0}min)", draws.between(1.0, 8.0)),
-            1 if craft.camera => format!("(picture site-{index} from {at})"),
-            _ => format!("(fly to {at})"),
-        };
-        let _ = write!(tour, "\n  (step go-{index} {step} (on-failure (inform (skipped site-{index}))))");
-    }
+    let tour = tour(draws, craft, places);
     let camera = if craft.camera {
         // What a camera cannot do ends no flight.
         "(step heat (guard camera-1 against heat) (on-failure (inform (skipped heat))))

@@ -18,8 +18,17 @@ const FALSE_POSITION_S: f64 = 120.0;
 /// A report that explains the end of a flight, or its loss, came at most this long before.
 const EXPLAINED_S_MAX: f64 = 3_600.0;
 
-/// The rules that a flight broke.
+/// The rules that a flight with guards broke.
 pub(crate) fn broken(story: &Story, end: &RunEnd, check: &CheckResult) -> Vec<String> {
+    let mut rules = kept_by_all(story, end, check);
+    rules.extend(end_explained(story, end));
+    rules.extend(loss_reported(story));
+    rules.extend(episodes(check).iter().filter_map(|episode| unannounced(story, check, episode)));
+    rules
+}
+
+/// The broken ones of the rules that every flight keeps, with guards or without.
+pub(crate) fn kept_by_all(story: &Story, end: &RunEnd, _check: &CheckResult) -> Vec<String> {
     let mut rules = Vec::new();
     if let Some(first) = story.asker.missing().first() {
         rules.push(format!("a task is silent: {first} ({} in all)", story.asker.missing().len()));
@@ -27,9 +36,7 @@ pub(crate) fn broken(story: &Story, end: &RunEnd, check: &CheckResult) -> Vec<St
     if matches!(end.reason, EndReason::Quiescent | EndReason::Stopped) {
         rules.push(format!("it ended as {}", end.reason.text()));
     }
-    rules.extend(end_explained(story, end));
     rules.extend(loss_explained(story));
-    rules.extend(episodes(check).iter().filter_map(|episode| unannounced(story, check, episode)));
     rules
 }
 
@@ -48,11 +55,18 @@ fn end_explained(story: &Story, end: &RunEnd) -> Vec<String> {
     rules
 }
 
-/// Every loss of a vehicle has a known cause, and the vehicle reports that cause before the loss.
+/// A report came before a vehicle was lost.
+fn loss_reported(story: &Story) -> Option<String> {
+    let lost_s = story.lost_s?;
+    let reported = story.reported.iter().any(|(at_s, _)| *at_s <= lost_s && lost_s - at_s <= EXPLAINED_S_MAX);
+    (!reported).then(|| format!("at {lost_s:.0} s it was lost, and no task reported it before: {:?}", story.faults))
+}
+
+/// Every loss of a vehicle has a known cause.
 fn loss_explained(story: &Story) -> Option<String> {
     let lost_s = story.lost_s?;
     // Without engine or energy a landing may fail; with wrong readings, or without acknowledgements, a flight may meet the ground.
-    let can_lose = |span: &&FaultSpan| match span.kind.as_str() {
+    let can_lose = |span: &FaultSpan| match span.kind.as_str() {
         "engine" | "leak" | "navigation" | "acknowledgements" => true,
         "freeze" | "silence" | "bias" => {
             ["altitude", "location", "fuel", "battery-charge", "true-airspeed", "ground-speed"]
@@ -60,12 +74,11 @@ fn loss_explained(story: &Story) -> Option<String> {
         }
         _ => false,
     };
-    let causes = story.faults.iter().filter(|span| span.from_s <= lost_s && lost_s - span.until_s <= EXPLAINED_S_MAX);
-    if causes.filter(can_lose).next().is_none() {
-        return Some(format!("at {lost_s:.0} s it was lost without a failure that can cause it: {:?}", story.faults));
-    }
-    let reported = story.reported.iter().any(|(at_s, _)| *at_s <= lost_s && lost_s - at_s <= EXPLAINED_S_MAX);
-    (!reported).then(|| format!("at {lost_s:.0} s it was lost, and no task reported it before: {:?}", story.faults))
+    let mut causes =
+        story.faults.iter().filter(|span| span.from_s <= lost_s && lost_s - span.until_s <= EXPLAINED_S_MAX);
+    let is_explained = causes.any(can_lose);
+    (!is_explained)
+        .then(|| format!("at {lost_s:.0} s it was lost without a failure that can cause it: {:?}", story.faults))
 }
 
 /// Violations of one requirement that follow each other: the first of them.

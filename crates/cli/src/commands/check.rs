@@ -6,6 +6,7 @@ use crate::options::CheckOptions;
 use crate::{output, sources};
 use apex_executive::memory;
 use apex_mission::error::{MissionError, MissionResult};
+use apex_mission::names::check_names;
 use apex_mission::{Mission, check_report};
 use apex_pdl::{Checked, Severity};
 use std::io::IsTerminal;
@@ -19,14 +20,13 @@ pub fn run(options: &CheckOptions) -> CliResult {
     }
     let mut wrong = false;
     for file in &options.files {
-        let checked = sources::check_program(file, options.fragment)?;
-        wrong |= checked.has_errors();
+        let mut checked = sources::check_program(file, options.fragment)?;
+        let data = if options.fragment || checked.has_errors() { Ok(()) } else { check_data(file, &mut checked) };
+        wrong |= checked.has_errors() || data.is_err();
         print(&checked, options.json)?;
         if options.memory {
             memory(&checked, options.json)?;
         }
-        let data = if options.fragment || checked.has_errors() { Ok(()) } else { check_data(file, &checked) };
-        wrong |= data.is_err();
         if let Err(error) = &data {
             print_data(error, options.json)?;
         }
@@ -45,14 +45,18 @@ pub fn run(options: &CheckOptions) -> CliResult {
     if wrong { Err(CliError::already_reported()) } else { Ok(()) }
 }
 
-/// Reads the data of a mission, as planning and flying do, with its world file. A program without a vehicle has none.
-fn check_data(file: &Path, checked: &Checked) -> MissionResult {
+/// Reads the data of a mission, as planning and flying do, with its world file, and compares the program with it; what is found joins the other messages.
+/// A program without a vehicle has no data.
+fn check_data(file: &Path, checked: &mut Checked) -> MissionResult {
     let application = checked.library.application.as_ref();
     if application.is_none_or(|application| application.option("vehicle").is_none()) {
         return Ok(());
     }
     let mission = Mission::of_program(file, Arc::new(checked.library.clone()))?;
-    apex_simulation::world(&mission, None).map(|_| ())
+    apex_simulation::world(&mission, None)?;
+    checked.diagnostics.extend(check_names(&mission, &apex_solvers::shipped()));
+    checked.diagnostics.sort_by_key(|each| (each.span.file, each.span.line, each.span.column, each.severity));
+    Ok(())
 }
 
 /// Prints an error of a mission's data, as text or as a JSON line with the members of a diagnostic.

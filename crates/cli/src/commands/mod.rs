@@ -1,5 +1,6 @@
 //! One file per command.
 pub mod check;
+pub mod convert;
 pub mod diagnose;
 pub mod explain;
 pub mod export;

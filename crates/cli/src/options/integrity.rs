@@ -1,4 +1,4 @@
-//! Options of `apex verify` and `apex recover`.
+//! Options of `apex verify`, `apex recover` and `apex convert`.
 
 use clap::Args;
 use std::path::PathBuf;
@@ -24,4 +24,13 @@ pub struct RecoverOptions {
     /// The new record; default is the old name with `-recovered`.
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+}
+
+/// `apex convert`
+#[derive(Args)]
+pub struct ConvertOptions {
+    /// The flight record of the version before; it stays as it is.
+    pub record: PathBuf,
+    /// The new record.
+    pub out: PathBuf,
 }

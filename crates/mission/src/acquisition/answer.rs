@@ -95,7 +95,7 @@ fn procedure(
         synthesis.tried
     );
     Ok(PlannedProcedure {
-        solver: Symbol::new("acquisition"),
+        solver: Symbol::new(super::SOLVER),
         summary,
         steps: vec![PlannedStep { tag, activity, line }],
         repeat: false,

@@ -17,3 +17,6 @@ pub use answer::synthesised;
 pub(crate) use goal::is_goal;
 pub(crate) use paths::register;
 pub use predicted::{PerformedManoeuvre, forecast};
+
+/// The planner of acquisition goals, as missions name it.
+pub(crate) const SOLVER: &str = "acquisition";

@@ -8,6 +8,7 @@ pub mod solve;
 mod steps;
 
 pub use draft::draft;
+pub(crate) use operator_plan::HUMAN;
 pub use solve::{Deliberation, PLAN_VISITS_MAX, PlanningResources, SolveOptions, name_obstacles, solve, validate};
 pub use steps::translate;
 

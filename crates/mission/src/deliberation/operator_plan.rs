@@ -9,7 +9,7 @@ use apex_solvers::planners::human::Human;
 use std::sync::Arc;
 
 /// Name of the planner that returns the operator's visits.
-pub(super) const HUMAN: &str = "human";
+pub(crate) const HUMAN: &str = "human";
 
 /// The means with the operator's visits as one more planner, if `solver` asks for it.
 ///

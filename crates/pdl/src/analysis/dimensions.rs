@@ -46,7 +46,7 @@ fn sums(program: &Program<'_>, expr: &Expr, report: &mut FindingCollector<'_>) {
     // What a variable of a function holds is not known here: it is checked where the function is called.
     let mut first: Option<(Dimension, &Expr)> = None;
     for argument in arguments.iter().filter(|argument| !is_zero(argument)) {
-        let Kind::Number(dimension) = Kinds::of(program, argument) else { continue };
+        let Kind::Number(dimension) = Kinds::of(program.library, argument) else { continue };
         match first {
             None => first = Some((dimension, argument)),
             Some((known, other)) if known != dimension => {
@@ -74,7 +74,7 @@ fn comparisons(program: &Program<'_>, condition: &Condition, report: &mut Findin
     let declared = program.library.state_variables.get(attribute);
     let Some(declared) = declared.filter(|declared| declared.unit.is_some()) else { return };
     for right in lists.into_iter().flatten().flat_map(sides) {
-        let Kind::Number(found) = Kinds::of(program, right) else { continue };
+        let Kind::Number(found) = Kinds::of(program.library, right) else { continue };
         // A bare number is in the variable's unit, however it is computed.
         if found != declared.dimension && found != Dimension::NONE {
             let wanted = Kind::Number(declared.dimension).words();
@@ -142,7 +142,7 @@ fn spans_of_primitive<'c>(primitive: &'c Primitive, visit: &mut dyn FnMut(&'c Ex
 }
 
 fn needs_span(program: &Program<'_>, expr: &Expr, report: &mut FindingCollector<'_>) {
-    let kind = Kinds::of(program, expr);
+    let kind = Kinds::of(program.library, expr);
     if kind == Kind::Unknown || kind == Kind::Number(Dimension::TIME) || is_zero(expr) {
         return;
     }
@@ -159,7 +159,7 @@ fn plain_numbers(step: &Step) -> impl Iterator<Item = &Expr> {
 }
 
 fn needs_plain_number(program: &Program<'_>, expr: &Expr, report: &mut FindingCollector<'_>) {
-    let kind = Kinds::of(program, expr);
+    let kind = Kinds::of(program.library, expr);
     if kind == Kind::Unknown || kind == Kind::Number(Dimension::NONE) {
         return;
     }
@@ -279,7 +279,7 @@ impl<'l> Word<'l> {
                 Some((number, dimension)) => (Kind::Number(dimension), number == 0.0),
                 None => return None,
             },
-            Word::Hole(expr) => (Kinds::of(program, expr), is_zero(expr)),
+            Word::Hole(expr) => (Kinds::of(program.library, expr), is_zero(expr)),
             Word::Rest => return None,
         };
         let fits = kind == Kind::Number(needed.dimension) || needed.or_bare && kind == Kind::Number(Dimension::NONE);

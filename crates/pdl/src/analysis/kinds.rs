@@ -1,8 +1,7 @@
 //! Kinds of values of expressions: a number of a dimension, an instant, or neither, as far as the program determines them.
 //! Follows `let`, functions, indexicals and queries of declared state variables.
 
-use super::Program;
-use super::resemblance::QUERIES;
+use super::walk::QUERIES;
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::library::Library;
 use apex_model::quantity::{Dimension, unit_named};
@@ -56,8 +55,8 @@ pub(crate) struct Kinds<'l> {
 
 impl<'l> Kinds<'l> {
     /// The kind of `expr`, which stands outside of functions.
-    pub(crate) fn of(program: &Program<'l>, expr: &'l Expr) -> Kind {
-        Kinds { library: program.library, locals: Vec::new(), depth: 0, steps: 0 }.kind(expr)
+    pub(crate) fn of(library: &'l Library, expr: &'l Expr) -> Kind {
+        Kinds { library, locals: Vec::new(), depth: 0, steps: 0 }.kind(expr)
     }
 
     fn kind(&mut self, expr: &'l Expr) -> Kind {

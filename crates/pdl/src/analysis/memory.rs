@@ -2,7 +2,7 @@
 //! accumulate. The executive limits each of them; at the limit it drops the oldest entries.
 
 use super::endings::{goes_on, is_endless, is_stopped, terminated_tags};
-use super::resemblance::QUERIES;
+use super::walk::QUERIES;
 use super::{FindingCollector, Program, walk};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity, Span};

@@ -141,7 +141,7 @@ fn state_variables(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     }
     walk::library(program.library, &mut |expr| {
         if let ExprKind::Call { function, arguments } = &expr.kind
-            && QUERIES.contains(&function.folded())
+            && walk::QUERIES.contains(&function.folded())
             && let Some(Expr { kind: ExprKind::Constant(Value::Symbol(attribute)), .. }) = arguments.first()
         {
             used.entry(attribute).or_default().push(expr.place);
@@ -176,18 +176,6 @@ fn state_variables(program: &Program<'_>, report: &mut FindingCollector<'_>) {
         report.add(diagnostic);
     }
 }
-
-/// Functions whose first argument is the attribute of a state variable.
-pub(super) const QUERIES: &[&str] = &[
-    "current-value",
-    "value-at",
-    "value-before",
-    "most-recent-svvalue",
-    "samples-over",
-    "mean-over",
-    "min-over",
-    "max-over",
-];
 
 /// Resources named once and declared nowhere, next to others.
 fn resources(program: &Program<'_>, report: &mut FindingCollector<'_>) {

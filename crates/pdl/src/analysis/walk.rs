@@ -305,3 +305,15 @@ pub(crate) fn conditions_of<'l>(procedure: &'l Procedure, visit: &mut dyn FnMut(
         transitions(&step.transitions).for_each(|(_, each)| conditions(each, visit));
     }
 }
+
+/// Functions whose first argument is the attribute of a state variable.
+pub(crate) const QUERIES: &[&str] = &[
+    "current-value",
+    "value-at",
+    "value-before",
+    "most-recent-svvalue",
+    "samples-over",
+    "mean-over",
+    "min-over",
+    "max-over",
+];

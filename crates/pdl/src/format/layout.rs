@@ -254,8 +254,8 @@ fn header_count(entries: &[Entry], head: &str) -> usize {
             atoms + if result { 3 } else { 1 }
         }
         "defun" => 3,
-        "let" | "let*" | "lambda" | "if" | "when" | "unless" | "case" | "declare-function" | "state-variable"
-        | "command" | "inform" | "solver" | "index" => atoms + 1,
+        "let" | "let*" | "lambda" | "if" | "when" | "unless" | "case" | "declare-command" | "declare-event"
+        | "declare-function" | "state-variable" | "command" | "inform" | "solver" | "index" => atoms + 1,
         _ => atoms,
     }
 }

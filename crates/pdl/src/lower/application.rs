@@ -19,6 +19,7 @@ const OPTIONS: &[&str] = &[
     "agents",
     "airfields",
     "airspace",
+    "cloud-forecast",
     "costs",
     "diagnosis",
     "duration",
@@ -100,7 +101,8 @@ impl Lowering {
         }
         complete.then_some(())?;
         self.check_cues(&options, &kind)?;
-        library.application = Some(Application { name, kind, options: kept, place: form.span.place() });
+        let option_places = options.iter().map(|group| (Symbol::new(group.name), group.span.place())).collect();
+        library.application = Some(Application { name, kind, options: kept, option_places, place: form.span.place() });
         Some(())
     }
 

@@ -10,6 +10,7 @@ use crate::diagnostic::{Diagnostic, Span};
 use crate::read::{Datum, DatumKind};
 use crate::suggest::{renames, unit_renames};
 use apex_model::expression::Expr;
+use apex_model::interface::NameKind;
 use apex_model::library::{
     Function, HostDeclaration, Library, ResourceDeclaration, ResourceKind, SolverDeclaration, StateVariableDeclaration,
 };
@@ -47,6 +48,7 @@ impl Lowering {
             "defconstant" => self.collect_constant(form),
             "state-variable" => self.declare_state_variable(form, library),
             "resource" => self.declare_resource(form, library),
+            "declare-event" | "declare-command" => self.declare_interface(form, library),
             _ => Some(()),
         }
     }
@@ -169,6 +171,10 @@ impl Lowering {
             rate_per_s,
             place: form.span.place(),
         };
+        let object = variable.tail().first().and_then(Datum::as_variable);
+        if let Some(kind) = object.and_then(|object| NameKind::of_word(object.folded())) {
+            library.objects.insert(attribute.clone(), kind);
+        }
         self.names.state_variables.insert(attribute.clone(), (declaration.clone(), form.span));
         library.state_variables.insert(attribute, declaration);
         Some(())

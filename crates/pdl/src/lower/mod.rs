@@ -22,6 +22,7 @@ mod expected;
 mod expression;
 mod goals;
 mod indexes;
+mod interface;
 mod joined;
 mod measurement;
 mod names;

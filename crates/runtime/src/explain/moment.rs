@@ -14,7 +14,7 @@ pub struct Moment {
     pub id: i64,
     /// Seconds of mission time.
     pub t: f64,
-    /// The kind, as in the record's `effect` table.
+    /// The kind of the effect; `docs/reference/flight-record.md` lists them.
     pub kind: String,
     /// Event, as text.
     pub what: String,

@@ -4,7 +4,7 @@
 //! endless.
 
 use super::seal::{ChainPosition, Seal, Sealer, counts_of};
-use super::tables::{ALL, SCHEMA, TABLES, Table};
+use super::tables::{ALL, SCHEMA, TABLES, rows_after};
 use apex_model::time::Time;
 use rusqlite::{CachedStatement, Connection, Row, Rows};
 
@@ -56,8 +56,8 @@ impl std::fmt::Display for Damage {
 
 /// Sees the rows and seals of intact groups.
 pub(super) trait Visitor {
-    /// A row of a group whose seal has not been compared yet.
-    fn row(&mut self, table: Table, row: &Row<'_>) -> rusqlite::Result<()>;
+    /// A row of the table with this place, of a group whose seal has not been compared yet.
+    fn row(&mut self, table: usize, row: &Row<'_>) -> rusqlite::Result<()>;
     /// The seal of the rows since the last one fits.
     fn sealed(&mut self, seal: &Seal) -> rusqlite::Result<()>;
 }
@@ -66,7 +66,7 @@ pub(super) trait Visitor {
 pub(super) struct NoVisitor;
 
 impl Visitor for NoVisitor {
-    fn row(&mut self, _: Table, _: &Row<'_>) -> rusqlite::Result<()> {
+    fn row(&mut self, _: usize, _: &Row<'_>) -> rusqlite::Result<()> {
         Ok(())
     }
 
@@ -75,13 +75,26 @@ impl Visitor for NoVisitor {
     }
 }
 
+/// The tables of a version of the format, in the order in which seals refer to them: names and keys.
+pub(super) type Layout = Vec<(&'static str, &'static str)>;
+
+/// The tables of this version.
+pub(super) fn layout() -> Layout {
+    ALL.iter().map(|table| (table.name(), table.column(0))).collect()
+}
+
 /// Compares the schema with that of every record: a foreign view or trigger never runs.
 pub(super) fn check_schema(connection: &Connection) -> Result<(), String> {
+    check_schema_of(connection, &SCHEMA)
+}
+
+/// Compares the schema with that of a version of the format.
+pub(super) fn check_schema_of(connection: &Connection, schema: &[(&str, &str, &str)]) -> Result<(), String> {
     let unreadable = |error: rusqlite::Error| format!("its schema cannot be read ({error})");
     let sql = "SELECT type, name, sql FROM main.sqlite_schema ORDER BY rowid LIMIT 100";
     let mut statement = connection.prepare(sql).map_err(unreadable)?;
     let mut rows = statement.query([]).map_err(unreadable)?;
-    let mut expected = SCHEMA.iter();
+    let mut expected = schema.iter();
     while let Some(row) = rows.next().map_err(unreadable)? {
         let cell = |index| row.get::<_, Option<String>>(index).map(Option::unwrap_or_default).map_err(unreadable);
         let (kind, name, sql) = (cell(0)?, cell(1)?, cell(2)?);
@@ -108,8 +121,18 @@ pub(super) fn check_groups(
     position: &mut CheckProgress,
     visitor: &mut dyn Visitor,
 ) -> Result<(), Damage> {
+    check_groups_of(connection, &layout(), position, visitor)
+}
+
+/// As [`check_groups`], of a version of the format with these tables.
+pub(super) fn check_groups_of(
+    connection: &Connection,
+    layout: &Layout,
+    position: &mut CheckProgress,
+    visitor: &mut dyn Visitor,
+) -> Result<(), Damage> {
     let own_transaction = connection.is_autocommit() && connection.execute_batch("BEGIN").is_ok();
-    let checked = walk(connection, position, visitor);
+    let checked = walk(connection, layout, position, visitor);
     if own_transaction {
         let _ = connection.execute_batch("COMMIT");
     }
@@ -121,11 +144,16 @@ pub(super) fn check_groups(
     })
 }
 
-fn walk(connection: &Connection, position: &mut CheckProgress, visitor: &mut dyn Visitor) -> Result<(), String> {
+fn walk(
+    connection: &Connection,
+    layout: &Layout,
+    position: &mut CheckProgress,
+    visitor: &mut dyn Visitor,
+) -> Result<(), String> {
     let unreadable = |error: rusqlite::Error| format!("it cannot be read ({error})");
     let mut statements: Vec<CachedStatement<'_>> = Vec::with_capacity(TABLES);
-    for table in ALL {
-        statements.push(connection.prepare_cached(&table.rows_after()).map_err(unreadable)?);
+    for (name, key) in layout {
+        statements.push(connection.prepare_cached(&rows_after(name, key)).map_err(unreadable)?);
     }
     let mut tables: Vec<Rows<'_>> = Vec::with_capacity(TABLES);
     for (statement, key) in statements.iter_mut().zip(position.keys.0) {
@@ -141,10 +169,10 @@ fn walk(connection: &Connection, position: &mut CheckProgress, visitor: &mut dyn
             return Err("its seal is missing".into());
         }
         let mut keys = position.keys;
-        for (table, rows) in ALL.into_iter().zip(&mut tables) {
-            let count = stored.counts.get(table.index()).copied().unwrap_or(0);
-            let key = keys.0.get_mut(table.index()).ok_or("it has too many tables")?;
-            take_rows(table, count, rows, key, &mut sealer, visitor)?;
+        for (index, ((name, _), rows)) in layout.iter().zip(&mut tables).enumerate() {
+            let count = stored.counts.get(index).copied().unwrap_or(0);
+            let key = keys.0.get_mut(index).ok_or("it has too many tables")?;
+            take_rows((index, name), count, rows, key, &mut sealer, visitor)?;
         }
         let seal = sealer.seal(position.link, stored.t_ns, stored.batch);
         if seal != stored {
@@ -153,9 +181,9 @@ fn walk(connection: &Connection, position: &mut CheckProgress, visitor: &mut dyn
         visitor.sealed(&seal).map_err(unreadable)?;
         *position = CheckProgress { link: seal.link(), keys, now: Time(seal.t_ns), batch: seal.batch };
     }
-    for (table, rows) in ALL.into_iter().zip(&mut tables) {
+    for ((name, _), rows) in layout.iter().zip(&mut tables) {
         if rows.next().map_err(unreadable)?.is_some() {
-            return Err(format!("the table `{}` has rows that no seal covers", table.name()));
+            return Err(format!("the table `{name}` has rows that no seal covers"));
         }
     }
     Ok(())
@@ -163,25 +191,25 @@ fn walk(connection: &Connection, position: &mut CheckProgress, visitor: &mut dyn
 
 /// Takes the next `count` rows of a table into the sealer.
 fn take_rows(
-    table: Table,
+    (index, name): (usize, &str),
     count: u64,
     rows: &mut Rows<'_>,
     key: &mut i64,
     sealer: &mut Sealer,
     visitor: &mut dyn Visitor,
 ) -> Result<(), String> {
-    let unreadable = |error: rusqlite::Error| format!("a row of `{}` cannot be read ({error})", table.name());
+    let unreadable = |error: rusqlite::Error| format!("a row of `{name}` cannot be read ({error})");
     for _ in 0..count {
         let row = rows.next().map_err(unreadable)?;
-        let row = row.ok_or_else(|| format!("the table `{}` has fewer rows than were written", table.name()))?;
+        let row = row.ok_or_else(|| format!("the table `{name}` has fewer rows than were written"))?;
         let next: i64 = row.get(0).map_err(unreadable)?;
         if next <= *key {
-            return Err(format!("the keys of the table `{}` do not rise", table.name()));
+            return Err(format!("the keys of the table `{name}` do not rise"));
         }
         *key = next;
         let columns = row.as_ref().column_count();
-        sealer.row(table.index(), (0..columns).filter_map(|column| row.get_ref(column).ok()));
-        visitor.row(table, row).map_err(unreadable)?;
+        sealer.row(index, (0..columns).filter_map(|column| row.get_ref(column).ok()));
+        visitor.row(index, row).map_err(unreadable)?;
     }
     Ok(())
 }

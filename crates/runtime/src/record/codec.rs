@@ -5,6 +5,7 @@
 //! referred to by number. A quantity in its variable's usual shape (dimension and printing unit) is its number alone.
 //! Whole numbers are LEB128 (signed ones zigzag), reals eight bytes little-endian, everything else postcard.
 
+use super::numbers::{Input, put_signed, put_unsigned};
 use apex_model::event::{Batch, Event, EventKind, StateVariable};
 use apex_model::limits::BATCH_EVENTS_MAX;
 use apex_model::quantity::{Dimension, Quantity};
@@ -206,61 +207,6 @@ fn decode_kind(kind: u8, input: &mut Input<'_>, variables: &Variables) -> Result
         }
     };
     Ok(EventKind::Measurement(known.variable.clone(), value))
-}
-
-fn put_unsigned(bytes: &mut Vec<u8>, mut number: u64) {
-    while number >= 0x80 {
-        bytes.push((number as u8) | 0x80);
-        number >>= 7;
-    }
-    bytes.push(number as u8);
-}
-
-fn put_signed(bytes: &mut Vec<u8>, number: i64) {
-    put_unsigned(bytes, ((number << 1) ^ (number >> 63)) as u64);
-}
-
-/// Bytes that are read from the front.
-struct Input<'a> {
-    bytes: &'a [u8],
-}
-
-impl Input<'_> {
-    fn byte(&mut self) -> Result<u8, String> {
-        let (first, rest) = self.bytes.split_first().ok_or("it is cut off")?;
-        self.bytes = rest;
-        Ok(*first)
-    }
-
-    fn unsigned(&mut self) -> Result<u64, String> {
-        let mut number = 0_u64;
-        for shift in (0..64).step_by(7) {
-            let byte = self.byte()?;
-            number |= u64::from(byte & 0x7f) << shift;
-            if byte & 0x80 == 0 {
-                return Ok(number);
-            }
-        }
-        Err("a number has too many digits".into())
-    }
-
-    fn signed(&mut self) -> Result<i64, String> {
-        let number = self.unsigned()?;
-        Ok(((number >> 1) as i64) ^ -((number & 1) as i64))
-    }
-
-    fn real(&mut self) -> Result<f64, String> {
-        let (first, rest) = self.bytes.split_first_chunk::<8>().ok_or("it is cut off")?;
-        self.bytes = rest;
-        Ok(f64::from_le_bytes(*first))
-    }
-
-    fn postcard<T: for<'de> Deserialize<'de>>(&mut self) -> Result<T, String> {
-        let (value, rest) =
-            postcard::take_from_bytes(self.bytes).map_err(|error| format!("a value is garbled ({error})"))?;
-        self.bytes = rest;
-        Ok(value)
-    }
 }
 
 #[cfg(test)]

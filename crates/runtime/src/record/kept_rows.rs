@@ -150,13 +150,14 @@ fn lasts(table: Table) -> bool {
         | Table::Agent
         | Table::Source
         | Table::Variable
+        | Table::Word
+        | Table::Shape
         | Table::Target
         | Table::TargetState
         | Table::Report => true,
         Table::Batch
-        | Table::Effect
+        | Table::Effects
         | Table::Note
-        | Table::Task
         | Table::Snapshot
         | Table::Problem
         | Table::Answer
@@ -273,7 +274,7 @@ mod tests {
         kept.end_step(false);
         kept.row(Table::Batch, [Cell::Integer(2)]);
         for effect in 1..100 {
-            kept.row(Table::Effect, [Cell::Integer(effect), Cell::Blob(&[1; 200])]);
+            kept.row(Table::Effects, [Cell::Integer(effect), Cell::Blob(&[1; 200])]);
         }
         kept.end_step(false);
         kept.row(Table::Batch, [Cell::Integer(3)]);

@@ -6,7 +6,7 @@
 
 use super::check::{self, CheckProgress, Damage, NoVisitor};
 use super::file_seal::{self, FileSeal};
-use super::schema::{self, BUSY_PATIENCE, FileState, SCHEMA_VERSION, read_error, sibling};
+use super::schema::{self, BUSY_PATIENCE, CONVERTIBLE_VERSION, FileState, SCHEMA_VERSION, read_error, sibling};
 use crate::error::RecordError;
 use rusqlite::config::DbConfig;
 use rusqlite::{Connection, ErrorCode, OpenFlags};
@@ -83,7 +83,15 @@ pub(super) fn follow(connection: &Connection, position: &mut CheckProgress) -> R
 }
 
 /// Connects to the record at `path`, or to a copy of it, without a check: for checks and recovery.
-pub(super) fn connect(path: &Path) -> Result<(Connection, FileSeal, Option<Arc<Copied>>), RecordError> {
+pub(super) fn connect(path: &Path) -> Result<Connected, RecordError> {
+    connect_to(path, SCHEMA_VERSION)
+}
+
+/// A connection, the seal of its file, and the copy that is read in place of the record.
+type Connected = (Connection, FileSeal, Option<Arc<Copied>>);
+
+/// As [`connect`], to a record of this version of the format.
+pub(super) fn connect_to(path: &Path, version: i64) -> Result<Connected, RecordError> {
     match schema::look(path)? {
         FileState::Nothing => return Err(RecordError::Missing { path: path.to_path_buf() }),
         FileState::Record => {}
@@ -100,7 +108,7 @@ pub(super) fn connect(path: &Path) -> Result<(Connection, FileSeal, Option<Arc<C
         (_, true) if journal => copied(path, &mut copy),
         (_, true) => plain(path, path).or_else(|_| copied(path, &mut copy)),
     }?;
-    check_version(&connection, path)?;
+    check_version(&connection, path, version)?;
     Ok((connection, seal, copy))
 }
 
@@ -112,14 +120,15 @@ fn check_file(path: &Path) -> Result<FileSeal, RecordError> {
     })
 }
 
-fn check_version(connection: &Connection, path: &Path) -> Result<(), RecordError> {
+fn check_version(connection: &Connection, path: &Path, known: i64) -> Result<(), RecordError> {
     let fail = |error| read_error(path, "its header", error);
     let found: i64 = connection.query_row("PRAGMA user_version", [], |row| row.get(0)).map_err(fail)?;
-    let (path, known) = (path.to_path_buf(), SCHEMA_VERSION);
+    let path = path.to_path_buf();
     match found {
-        SCHEMA_VERSION => Ok(()),
+        _ if found == known => Ok(()),
         _ if found > known => Err(RecordError::Newer { path, found, known }),
         _ if found < 1 => Err(RecordError::NotARecord { path, found: "it is empty".into() }),
+        CONVERTIBLE_VERSION => Err(RecordError::Convertible { path, found, known }),
         _ => Err(RecordError::Older { path, found, known }),
     }
 }

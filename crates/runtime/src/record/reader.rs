@@ -1,6 +1,7 @@
 //! Reading a flight record: facts, sources, tasks, samples. Steps are in `steps.rs`, restored agents in `restore.rs`.
 
 use super::codec::{Variable, Variables};
+use super::effects::EffectTable;
 use super::file_seal::FileSeal;
 use super::open::{self, Copied, Opened, Trust};
 use super::schema::{self, read_error};
@@ -10,14 +11,12 @@ use apex_model::event::{EventKind, StateVariable};
 use apex_model::library::AgentDeclaration;
 use apex_model::source::SourceFile;
 use apex_model::symbol::Symbol;
-use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;
 use apex_model::value::Value;
 use rusqlite::{Connection, OptionalExtension, Row, params};
 use std::cell::RefCell;
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, RwLock};
 
 /// An open flight record. Records that are still being written can be read; they hold what was committed.
 pub struct RecordReader {
@@ -31,6 +30,8 @@ pub struct RecordReader {
     trust: RefCell<Trust>,
     /// The copy that is read in place of the record.
     copy: Option<Arc<Copied>>,
+    /// The agent's effects, shared with other readers of them.
+    pub(super) table: Arc<RwLock<EffectTable>>,
 }
 
 /// A file that the mission was made from.
@@ -42,29 +43,6 @@ pub struct StoredSource {
     pub role: String,
     /// Its bytes.
     pub body: Vec<u8>,
-}
-
-/// A row of the `task` table.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct TaskRow {
-    /// The task.
-    pub id: TaskId,
-    /// Its parent.
-    pub parent: Option<TaskId>,
-    /// The step's tag.
-    pub tag: String,
-    /// Its goal, as known last.
-    pub goal: String,
-    /// Instant of its creation.
-    pub created: Time,
-    /// Instant of its end, if it has ended.
-    pub ended: Option<Time>,
-    /// `success`, `failure` or `cut`, if it has ended.
-    pub outcome: Option<String>,
-    /// `procedure file.pdl:3:1`, if one was selected.
-    pub method: Option<String>,
-    /// `file:line:column` of its step.
-    pub place: Option<String>,
 }
 
 /// A recorded sample.
@@ -112,7 +90,11 @@ impl RecordReader {
     /// As [`RecordReader::open`].
     pub fn of_agent(&self, agent: usize) -> Result<RecordReader, RecordError> {
         let opened = open::open_again(&self.path, (&self.trust.borrow(), self.copy.as_ref()))?;
-        RecordReader::of_opened(&self.path, opened, agent)
+        let mut reader = RecordReader::of_opened(&self.path, opened, agent)?;
+        if agent == self.agent {
+            reader.table = Arc::clone(&self.table);
+        }
+        Ok(reader)
     }
 
     pub(super) fn open_at(path: &Path, agent: usize) -> Result<RecordReader, RecordError> {
@@ -126,7 +108,15 @@ impl RecordReader {
         if agents.len() > 1 {
             schema::look_at_agent(&connection, agent).map_err(fail)?;
         }
-        Ok(RecordReader { path: path.to_path_buf(), connection, agents, agent, trust: RefCell::new(trust), copy })
+        Ok(RecordReader {
+            path: path.to_path_buf(),
+            connection,
+            agents,
+            agent,
+            trust: RefCell::new(trust),
+            copy,
+            table: Arc::default(),
+        })
     }
 
     /// Checks what has been added since the last check; a record that is complete must not have changed at all. Long readers
@@ -282,45 +272,6 @@ impl RecordReader {
             Err(_) => Err(self.garbled(format!("the source {} is not UTF-8 text", source.name))),
         };
         sources.map(file).collect()
-    }
-
-    /// All tasks, oldest first.
-    ///
-    /// # Errors
-    /// [`RecordError::Damaged`].
-    pub fn tasks(&self) -> Result<Vec<TaskRow>, RecordError> {
-        let sql = "SELECT id, parent, tag, goal, created_ns, place FROM task ORDER BY id";
-        let mut tasks: BTreeMap<u64, TaskRow> = BTreeMap::new();
-        self.rows("the tasks", sql, |row| {
-            let id = row.get::<_, i64>(0)? as u64;
-            let task = TaskRow {
-                id: TaskId(id),
-                parent: row.get::<_, Option<i64>>(1)?.map(|id| TaskId(id as u64)),
-                tag: row.get::<_, Option<String>>(2)?.unwrap_or_default(),
-                goal: row.get::<_, Option<String>>(3)?.unwrap_or_default(),
-                created: Time(row.get(4)?),
-                ended: None,
-                outcome: None,
-                method: None,
-                place: row.get(5)?,
-            };
-            tasks.insert(id, task);
-            Ok(())
-        })?;
-        let sql = "SELECT task, t_ns, kind = 'selected', to_state, outcome, subject, method FROM effect \
-                   WHERE task IS NOT NULL AND kind IN ('transition', 'selected') ORDER BY id";
-        self.rows("the tasks", sql, |row| {
-            let Some(task) = tasks.get_mut(&(row.get::<_, i64>(0)? as u64)) else { return Ok(()) };
-            if row.get(2)? {
-                (task.goal, task.method) = (row.get(5)?, row.get(6)?);
-            } else {
-                let ended = row.get_ref(3)?.as_str_or_null()? == Some(TaskState::Terminated.word());
-                task.ended = if ended { Some(Time(row.get(1)?)) } else { None };
-                task.outcome = row.get(4)?;
-            }
-            Ok(())
-        })?;
-        Ok(tasks.into_values().collect())
     }
 
     /// Returns the decisions of the runtime, with times: dropped solver answers and the like.

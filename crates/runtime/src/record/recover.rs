@@ -67,7 +67,7 @@ pub fn recover(from: &Path, to: &Path) -> Result<Recovered, RecordError> {
 }
 
 /// Removes a new record that holds no rows.
-fn remove(path: &Path) {
+pub(super) fn remove(path: &Path) {
     for suffix in ["", "-wal", "-shm"] {
         let _ = std::fs::remove_file(schema::sibling(path, suffix));
     }
@@ -89,8 +89,8 @@ impl Copier<'_> {
         })
     }
 
-    fn insert(&self, table: Table, row: &Row<'_>) -> rusqlite::Result<()> {
-        let Some(sql) = self.inserts.get(table.index()) else { return Ok(()) };
+    fn insert(&self, table: usize, row: &Row<'_>) -> rusqlite::Result<()> {
+        let Some(sql) = self.inserts.get(table) else { return Ok(()) };
         let columns = row.as_ref().column_count();
         let cells = (0..columns).map(|column| row.get_ref(column).map(ToSqlOutput::Borrowed));
         let cells: Vec<ToSqlOutput<'_>> = cells.collect::<rusqlite::Result<_>>()?;
@@ -105,7 +105,7 @@ impl Copier<'_> {
 }
 
 impl Visitor for Copier<'_> {
-    fn row(&mut self, table: Table, row: &Row<'_>) -> rusqlite::Result<()> {
+    fn row(&mut self, table: usize, row: &Row<'_>) -> rusqlite::Result<()> {
         let done = self.insert(table, row);
         self.keep(done)
     }

@@ -12,7 +12,9 @@ use std::time::Duration;
 /// `APEX` in ASCII: the mark of a flight record in SQLite's header.
 pub const APPLICATION_ID: i64 = 0x4150_4558;
 /// The version of the format that this program writes, and the only one that it reads.
-pub const SCHEMA_VERSION: i64 = 6;
+pub const SCHEMA_VERSION: i64 = 7;
+/// The version of the format that is converted.
+pub(super) const CONVERTIBLE_VERSION: i64 = 6;
 
 /// Time to wait for another program that holds the file.
 pub(super) const BUSY_PATIENCE: Duration = Duration::from_secs(2);
@@ -129,7 +131,7 @@ pub fn agents(connection: &Connection) -> rusqlite::Result<Vec<String>> {
 /// # Errors
 /// SQLite's own.
 pub fn look_at_agent(connection: &Connection, agent: usize) -> rusqlite::Result<()> {
-    for table in ["batch", "effect", "task", "snapshot"] {
+    for table in ["batch", "snapshot"] {
         connection.execute_batch(&format!(
             "DROP VIEW IF EXISTS temp.{table}; CREATE TEMP VIEW {table} AS SELECT * FROM main.{table} WHERE agent = {agent};"
         ))?;

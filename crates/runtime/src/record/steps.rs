@@ -1,6 +1,7 @@
 //! The recorded steps in order, read in pages so that a long flight need not fit into memory.
 
 use super::codec::{self, Variables};
+use super::effects::{Dictionary, EffectReader};
 use super::reader::RecordReader;
 use crate::error::RecordError;
 use apex_model::effect::Effect;
@@ -25,7 +26,7 @@ pub struct RecordedStep {
     pub effects: Vec<RecordedEffect>,
 }
 
-/// A recorded effect as stored: replay compares the bytes.
+/// A recorded effect in bytes, which replay compares.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RecordedEffect {
     /// Its number, from 1.
@@ -58,6 +59,7 @@ impl RecordedStep {
 pub struct Steps<'a> {
     reader: &'a RecordReader,
     variables: Variables,
+    dictionary: Dictionary,
     next_batch: i64,
     to: Time,
     with_effects: bool,
@@ -76,6 +78,7 @@ impl<'a> Steps<'a> {
         Ok(Steps {
             reader,
             variables,
+            dictionary: Dictionary::default(),
             next_batch: first,
             to,
             with_effects: true,
@@ -134,28 +137,57 @@ impl<'a> Steps<'a> {
         }
         self.ended |= self.page.is_empty();
         if self.with_effects && !self.page.is_empty() {
-            let mut effects = self.effects(self.next_batch, last)?;
+            let (mut effects, damaged) = self.effects(self.next_batch, last).inspect_err(|_| self.page.clear())?;
             for step in &mut self.page {
                 step.effects = effects.remove(&step.batch_number).unwrap_or_default();
+            }
+            if let Some((batch, fault)) = damaged {
+                self.page.retain(|step| step.batch_number < batch);
+                self.failure = Some(fault);
             }
         }
         self.next_batch = last.saturating_add(1);
         Ok(())
     }
 
-    fn effects(&self, first: i64, last: i64) -> Result<BTreeMap<i64, Vec<RecordedEffect>>, RecordError> {
-        let broken = |error| self.reader.damaged("the effects", error);
-        let sql = "SELECT batch, id, body FROM main.effect WHERE batch BETWEEN ?1 AND ?2 ORDER BY batch, id";
-        let mut statement = self.reader.connection.prepare_cached(sql).map_err(broken)?;
+    /// The effects of steps by number, up to the first step whose effects are damaged, and that step with the reason.
+    fn effects(&mut self, first: i64, last: i64) -> Result<(EffectsOfSteps, Option<(i64, RecordError)>), RecordError> {
+        let reader = self.reader;
+        let broken = |error| reader.damaged("the effects", error);
+        let sql = "SELECT e.batch, b.t_ns, e.first, e.body FROM main.effects e JOIN main.batch b ON b.id = e.batch \
+                   WHERE e.batch BETWEEN ?1 AND ?2 ORDER BY e.batch";
+        self.dictionary.refresh(&reader.connection).map_err(broken)?.map_err(|fault| reader.garbled(fault))?;
+        let mut statement = reader.connection.prepare_cached(sql).map_err(broken)?;
         let mut rows = statement.query(params![first, last]).map_err(broken)?;
-        let mut effects: BTreeMap<i64, Vec<RecordedEffect>> = BTreeMap::new();
+        let mut effects = EffectsOfSteps::new();
         while let Some(row) = rows.next().map_err(broken)? {
-            let batch = row.get::<_, i64>(0).map_err(broken)?;
-            let effect = RecordedEffect { number: row.get(1).map_err(broken)?, body: row.get(2).map_err(broken)? };
-            effects.entry(batch).or_default().push(effect);
+            let (batch, now): (i64, i64) = (row.get(0).map_err(broken)?, row.get(1).map_err(broken)?);
+            let first: i64 = row.get(2).map_err(broken)?;
+            let bytes = row.get_ref(3).and_then(|cell| Ok(cell.as_blob()?)).map_err(broken)?;
+            match effects_of(&self.dictionary, Time(now), first, bytes) {
+                Ok(of_step) => effects.insert(batch, of_step),
+                Err(fault) => {
+                    let fault = reader.garbled(format!("the effects of step {batch} cannot be read: {fault}"));
+                    return Ok((effects, Some((batch, fault))));
+                }
+            };
         }
-        Ok(effects)
+        Ok((effects, None))
     }
+}
+
+/// Effects by the number of their step.
+type EffectsOfSteps = BTreeMap<i64, Vec<RecordedEffect>>;
+
+/// The effects of one step, numbered from `first` on.
+fn effects_of(dictionary: &Dictionary, now: Time, first: i64, bytes: &[u8]) -> Result<Vec<RecordedEffect>, String> {
+    let mut effects: Vec<RecordedEffect> = Vec::new();
+    let mut items = EffectReader::new(dictionary, now, bytes);
+    while let Some(item) = items.read()? {
+        let number = first.wrapping_add(effects.len() as i64);
+        effects.push(RecordedEffect { number, body: item.body() });
+    }
+    Ok(effects)
 }
 
 impl Iterator for Steps<'_> {

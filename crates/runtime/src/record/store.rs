@@ -29,11 +29,6 @@ pub(super) fn text(text: Option<&str>) -> SqlValue<'_> {
     text.map_or(ValueRef::Null, |text| ValueRef::Text(text.as_bytes()))
 }
 
-/// A whole number, or nothing.
-pub(super) fn whole<'c>(number: Option<i64>) -> SqlValue<'c> {
-    number.map_or(ValueRef::Null, ValueRef::Integer)
-}
-
 /// A real number, or nothing.
 pub(super) fn real<'c>(number: Option<f64>) -> SqlValue<'c> {
     number.map_or(ValueRef::Null, ValueRef::Real)

@@ -10,9 +10,10 @@ pub(super) enum Table {
     Source,
     Variable,
     Batch,
-    Effect,
+    Word,
+    Shape,
+    Effects,
     Note,
-    Task,
     Snapshot,
     Problem,
     Answer,
@@ -24,7 +25,7 @@ pub(super) enum Table {
 }
 
 /// Number of tables.
-pub(super) const TABLES: usize = 16;
+pub(super) const TABLES: usize = 17;
 
 /// All tables; a seal refers to them by their place here.
 pub(super) const ALL: [Table; TABLES] = [
@@ -33,9 +34,10 @@ pub(super) const ALL: [Table; TABLES] = [
     Table::Source,
     Table::Variable,
     Table::Batch,
-    Table::Effect,
+    Table::Word,
+    Table::Shape,
+    Table::Effects,
     Table::Note,
-    Table::Task,
     Table::Snapshot,
     Table::Problem,
     Table::Answer,
@@ -47,26 +49,16 @@ pub(super) const ALL: [Table; TABLES] = [
 ];
 
 /// Everything that `sqlite_schema` of a record holds, in order. A record with anything else is not read.
-pub(super) const SCHEMA: [(&str, &str, &str); TABLES + 4] = [
+pub(super) const SCHEMA: [(&str, &str, &str); TABLES + 2] = [
     ("table", "meta", "CREATE TABLE meta (position INTEGER PRIMARY KEY, key TEXT, value TEXT)"),
     ("table", "agent", "CREATE TABLE agent (id INTEGER PRIMARY KEY, name TEXT)"),
     ("table", "source", "CREATE TABLE source (position INTEGER PRIMARY KEY, name TEXT, role TEXT, body BLOB)"),
     ("table", "variable", "CREATE TABLE variable (id INTEGER PRIMARY KEY, name TEXT, body BLOB)"),
     ("table", "batch", "CREATE TABLE batch (id INTEGER PRIMARY KEY, t_ns INTEGER, events BLOB, agent INTEGER)"),
-    (
-        "table",
-        "effect",
-        "CREATE TABLE effect (id INTEGER PRIMARY KEY, batch INTEGER, t_ns INTEGER, kind TEXT, task INTEGER, \
-         from_state TEXT, to_state TEXT, outcome TEXT, subject TEXT, text TEXT, place TEXT, body BLOB, agent INTEGER, \
-         method TEXT)",
-    ),
+    ("table", "word", "CREATE TABLE word (id INTEGER PRIMARY KEY, text TEXT)"),
+    ("table", "shape", "CREATE TABLE shape (id INTEGER PRIMARY KEY, layout BLOB, example BLOB)"),
+    ("table", "effects", "CREATE TABLE effects (batch INTEGER PRIMARY KEY, first INTEGER, body BLOB)"),
     ("table", "note", "CREATE TABLE note (position INTEGER PRIMARY KEY, batch INTEGER, t_ns INTEGER, text TEXT)"),
-    (
-        "table",
-        "task",
-        "CREATE TABLE task (position INTEGER PRIMARY KEY, id INTEGER, parent INTEGER, tag TEXT, goal TEXT, \
-         created_ns INTEGER, place TEXT, agent INTEGER)",
-    ),
     ("table", "snapshot", "CREATE TABLE snapshot (batch INTEGER PRIMARY KEY, t_ns INTEGER, body BLOB, agent INTEGER)"),
     (
         "table",
@@ -101,8 +93,6 @@ pub(super) const SCHEMA: [(&str, &str, &str); TABLES + 4] = [
     ("table", "report", "CREATE TABLE report (position INTEGER PRIMARY KEY, section TEXT, body TEXT)"),
     ("table", "seal", "CREATE TABLE seal (id INTEGER PRIMARY KEY, t_ns INTEGER, batch INTEGER, rows BLOB, chain BLOB)"),
     ("index", "batch_time", "CREATE INDEX batch_time ON batch (t_ns)"),
-    ("index", "effect_batch", "CREATE INDEX effect_batch ON effect (batch)"),
-    ("index", "effect_task", "CREATE INDEX effect_task ON effect (task, id)"),
 ];
 
 impl Table {
@@ -122,14 +112,15 @@ impl Table {
             Table::Agent
             | Table::Variable
             | Table::Batch
-            | Table::Effect
+            | Table::Word
+            | Table::Shape
+            | Table::Effects
             | Table::Snapshot
             | Table::Situation
             | Table::Track => false,
             Table::Meta
             | Table::Source
             | Table::Note
-            | Table::Task
             | Table::Problem
             | Table::Answer
             | Table::Target
@@ -138,7 +129,7 @@ impl Table {
         }
     }
 
-    /// The name of a row in messages: `effect 12`.
+    /// The name of a row in messages: `batch 12`.
     pub(super) fn row_word(self) -> &'static str {
         match self {
             Table::Meta => "fact",
@@ -163,11 +154,11 @@ impl Table {
         let places: Vec<String> = (1..=self.columns()).map(|place| format!("?{place}")).collect();
         format!("INSERT INTO {} VALUES ({})", self.name(), places.join(", "))
     }
+}
 
-    /// The rows with keys above `?1`, in order. `main` cannot be covered by a temporary view.
-    pub(super) fn rows_after(self) -> String {
-        format!("SELECT * FROM main.{0} NOT INDEXED WHERE {1} > ?1 ORDER BY {1}", self.name(), self.column(0))
-    }
+/// The rows of a table with keys above `?1`, in order. `main` cannot be covered by a temporary view.
+pub(super) fn rows_after(name: &str, key: &str) -> String {
+    format!("SELECT * FROM main.{name} NOT INDEXED WHERE {key} > ?1 ORDER BY {key}")
 }
 
 #[cfg(test)]
@@ -186,7 +177,7 @@ mod tests {
             assert_eq!(table.is_numbered(), table.column(0) == "position", "{table:?}");
         }
         assert_eq!(Table::Agent.insert(), "INSERT INTO agent VALUES (?1, ?2)");
-        assert_eq!(Table::Track.rows_after(), "SELECT * FROM main.track NOT INDEXED WHERE t_ns > ?1 ORDER BY t_ns");
-        assert_eq!((Table::Effect.columns(), Table::Effect.column(13)), (14, "method"));
+        assert_eq!(rows_after("track", "t_ns"), "SELECT * FROM main.track NOT INDEXED WHERE t_ns > ?1 ORDER BY t_ns");
+        assert_eq!((Table::Effects.columns(), Table::Effects.column(1)), (3, "first"));
     }
 }

@@ -7,13 +7,14 @@ use crate::program::NoDeliberator;
 use crate::samples;
 use crate::target_state::{TargetChange, TargetState};
 use apex_model::event::{Batch, EventKind};
+use apex_model::task::TaskState;
 use apex_model::time::Time;
 use apex_model::value::Value;
 use rusqlite::Connection;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
-fn place_for_record() -> (TempDir, PathBuf) {
+pub(super) fn place_for_record() -> (TempDir, PathBuf) {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("flight.apex");
     (folder, path)
@@ -24,7 +25,7 @@ fn recorder(path: &Path) -> Recorder {
     Recorder::create(path, &samples::library(), options).unwrap()
 }
 
-fn record_samples(path: &Path) -> Recorder {
+pub(super) fn record_samples(path: &Path) -> Recorder {
     let mut recorder = recorder(path);
     recorder.program(&samples::library()).unwrap();
     recorder.source("fires.geojson", "data", b"{}").unwrap();
@@ -83,22 +84,17 @@ fn readers_find_facts_sources_tasks_and_samples() {
 fn effect_rows_say_what_the_reference_promises() {
     let (_folder, path) = place_for_record();
     drop(record_samples(&path));
-    let connection = Connection::open(&path).unwrap();
-    let sql = "SELECT kind, ifnull(task, ''), ifnull(from_state, ''), ifnull(to_state, ''), ifnull(outcome, ''), subject, text, ifnull(place, '') FROM effect ORDER BY id";
-    let mut statement = connection.prepare(sql).unwrap();
-    let rows: Vec<String> = statement
-        .query_map([], |row| {
-            let task: rusqlite::types::Value = row.get(1)?;
-            let task = if let rusqlite::types::Value::Integer(task) = task { task.to_string() } else { String::new() };
-            let mut cells = vec![row.get::<_, String>(0)?, task];
-            for column in 2..8 {
-                cells.push(row.get(column)?);
-            }
-            Ok(cells.join("|"))
+    let reader = RecordReader::open(&path).unwrap();
+    let effects = reader.effects().unwrap();
+    let rows: Vec<String> = (0..effects.table.len())
+        .map(|place| {
+            let row = effects.told(place).unwrap().row;
+            let task = row.task.map(|task| task.0.to_string()).unwrap_or_default();
+            let [from, to] = [row.from, row.to].map(|state| state.map(TaskState::word).unwrap_or_default());
+            let (outcome, place) = (row.outcome.unwrap_or_default(), row.place.unwrap_or_default());
+            [row.kind, &task, from, to, outcome, &row.subject, &row.text, &place].join("|")
         })
-        .unwrap()
-        .collect::<Result<_, _>>()
-        .unwrap();
+        .collect();
     let expected = [
         "created|1||||(fly mission)|it is the agent's initial task|camera.pdl:2:3",
         "transition|1|pending|enabled||(fly mission)|there is nothing to wait for|camera.pdl:4:3",

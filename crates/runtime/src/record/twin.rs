@@ -1,6 +1,6 @@
 //! A store that compares: what a replay records again must be, row by row, what the record holds.
 //!
-//! So every column of every derived table is confirmed, not only the effects themselves: texts, places, tasks, track, states of
+//! So every column of every derived table is confirmed, not only the effects themselves: words, shapes, track, states of
 //! targets, variables, snapshots. Rows that no step derives (facts, sources, notes, the report) are left to the seals.
 
 use super::difference::RowDifference;
@@ -32,8 +32,8 @@ pub(crate) struct Derivable {
 impl Derivable {
     fn has(self, table: Table) -> bool {
         match table {
-            Table::Agent | Table::Variable | Table::Batch | Table::Effect | Table::Task | Table::Track => true,
-            Table::Answer => true,
+            Table::Agent | Table::Variable | Table::Batch | Table::Word | Table::Shape | Table::Effects => true,
+            Table::Track | Table::Answer => true,
             Table::TargetState | Table::Problem => self.mission,
             Table::Snapshot => self.snapshots,
             Table::Situation => self.mission && self.snapshots,

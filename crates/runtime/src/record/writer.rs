@@ -3,19 +3,18 @@
 
 use super::codec::{self, Variables};
 use super::difference::RowDifference;
+use super::effects::EffectEncoder;
 use super::signature::SigningKey;
-use super::store::{DiskNews, Durability, Resumption, RowStore, SqlValue, Store, real, text, whole};
+use super::store::{DiskNews, Durability, Resumption, RowStore, SqlValue, Store, real, text};
 use super::tables::Table;
 use super::track::{TrackRow, TrackWatcher};
-use crate::effect_describer::{EffectDescriber, EffectRow};
 use crate::error::RecordError;
 use crate::limits::{RECORDING_KEPT_BYTES_MAX, SNAPSHOT_BATCHES_MAX, SNAPSHOT_BATCHES_MIN, SNAPSHOT_BYTES_MAX};
 use crate::ports::{Deliberator, News, Observer, SolverAnswer};
 use apex_executive::state::agent::Agent;
-use apex_model::effect::{Decision, DecisionKind, Effect, SolveRequest, SolveRequestId};
+use apex_model::effect::{Effect, SolveRequest, SolveRequestId};
 use apex_model::event::{Batch, SolverReport};
 use apex_model::library::Library;
-use apex_model::task::TaskState;
 use apex_model::time::Time;
 use apex_model::value::Value;
 use std::path::Path;
@@ -51,6 +50,7 @@ pub struct Recorder {
     /// Agent whose steps are stored.
     turn: usize,
     variables: Variables,
+    encoder: EffectEncoder,
     track: Option<TrackWatcher>,
     bytes: Vec<u8>,
     /// Number of the last batch; the batch that is being executed when `begun`.
@@ -64,8 +64,8 @@ pub struct Recorder {
 }
 
 /// Stored state of each agent while its steps are stored.
+#[derive(Default)]
 struct RecordedAgent {
-    describer: EffectDescriber,
     snapshots: Snapshots,
 }
 
@@ -118,6 +118,7 @@ impl Recorder {
             agents: Vec::new(),
             turn: 0,
             variables: Variables::default(),
+            encoder: EffectEncoder::default(),
             track: vehicle.map(TrackWatcher::new),
             bytes: Vec::new(),
             batch: 0,
@@ -127,9 +128,7 @@ impl Recorder {
             flies: false,
         };
         for (agent, number) in library.crew().iter().zip(0_i64..) {
-            recorder
-                .agents
-                .push(RecordedAgent { describer: EffectDescriber::new(library), snapshots: Snapshots::default() });
+            recorder.agents.push(RecordedAgent::default());
             let row = [SqlValue::Integer(number), text(Some(agent.name.printed()))];
             recorder.store.insert("storing the agents", Table::Agent, &row)?;
         }
@@ -216,7 +215,6 @@ impl Recorder {
         if let Some(agent) = self.agents.get_mut(self.turn) {
             agent.snapshots.batches_since += 1;
             agent.snapshots.input_bytes_since += bytes.len();
-            agent.describer.hear(batch);
         }
         self.bytes = bytes;
         match self.track.as_mut().and_then(|track| track.hear(batch)) {
@@ -250,61 +248,28 @@ impl Recorder {
         self.store.insert("storing the track", Table::Track, &row)
     }
 
-    fn store_effect(&mut self, now: Time, effect: &Effect) -> Result<(), RecordError> {
-        let Some(agent) = self.agents.get_mut(self.turn) else { return Ok(()) };
-        let told = agent.describer.tell(effect);
-        let method = match effect {
-            Effect::Decided(Decision { kind: DecisionKind::Selected { method, .. }, .. }) => {
-                Some(agent.describer.method(method))
-            }
-            _ => None,
-        };
-        let encoded = postcard::to_stdvec(effect);
-        let body = encoded.map_err(|error| self.store.unstorable(told.kind, error.to_string()))?;
-        self.effect += 1;
-        let row = [
-            SqlValue::Integer(self.effect),
-            SqlValue::Integer(self.batch),
-            SqlValue::Integer(now.0),
-            text(Some(told.kind)),
-            whole(told.task.map(|task| task.0 as i64)),
-            text(told.from.map(TaskState::word)),
-            text(told.to.map(TaskState::word)),
-            text(told.outcome),
-            text(Some(&told.subject)),
-            text(Some(&told.text)),
-            text(told.place.as_deref()),
-            SqlValue::Blob(&body),
-            SqlValue::Integer(self.turn as i64),
-            text(method.as_deref()),
-        ];
-        self.store.insert("storing the effects", Table::Effect, &row)?;
-        match effect {
-            Effect::Decided(decision) => self.store_task(now, decision, &told),
-            _ => Ok(()),
+    /// Stores the effects of a step as one row, after the words and shapes that are new in it.
+    fn store_effects(&mut self, now: Time, effects: &[Effect]) -> Result<(), RecordError> {
+        if effects.is_empty() {
+            return Ok(());
         }
-    }
-
-    /// Stores the decision's task if it is new; its effects hold the rest.
-    fn store_task(&mut self, now: Time, decision: &Decision, told: &EffectRow) -> Result<(), RecordError> {
-        let (Some(task), DecisionKind::Created { parent, .. }) = (decision.task, &decision.kind) else { return Ok(()) };
-        let row = [
-            SqlValue::Integer(task.0 as i64),
-            whole(parent.map(|parent| parent.0 as i64)),
-            text(told.tag.as_deref()),
-            text(Some(&told.subject)),
-            SqlValue::Integer(now.0),
-            text(told.place.as_deref()),
-            SqlValue::Integer(self.turn as i64),
-        ];
-        self.store.insert("storing the tasks", Table::Task, &row)
+        let mut bytes = std::mem::take(&mut self.bytes);
+        let encoded = self.encoder.encode(now, effects, &mut bytes);
+        encoded.map_err(|error| self.store.unstorable("an effect", error.to_string()))?;
+        let store = &mut self.store;
+        self.encoder.new_rows(|table, row| store.insert("storing words and shapes of effects", table, row))?;
+        let row = [SqlValue::Integer(self.batch), SqlValue::Integer(self.effect + 1), SqlValue::Blob(&bytes)];
+        self.store.insert("storing the effects", Table::Effects, &row)?;
+        self.effect += effects.len() as i64;
+        self.bytes = bytes;
+        Ok(())
     }
 
     fn store_step(&mut self, batch: &Batch, effects: &[Effect]) -> Result<(), RecordError> {
         if !std::mem::take(&mut self.begun) {
             self.store_batch(batch)?;
         }
-        effects.iter().try_for_each(|effect| self.store_effect(batch.now, effect))
+        self.store_effects(batch.now, effects)
     }
 
     /// Stores the agent and the mission's situation when a snapshot is due.

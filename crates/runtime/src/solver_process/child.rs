@@ -9,7 +9,7 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::thread;
+use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 /// Lines that wait to be read; a program that says more waits.
@@ -53,6 +53,8 @@ pub(super) struct Running {
     to_say: Sender<String>,
     last_words: Arc<Mutex<LastWords>>,
     memory_peak: u64,
+    /// The thread that reads its last words.
+    errors: Option<JoinHandle<()>>,
 }
 
 impl Running {
@@ -76,7 +78,7 @@ impl Running {
         let (line, lines) = sync_channel(LINES_WAITING_MAX);
         let (to_say, say) = channel();
         let words = Arc::clone(&last_words);
-        let running = Running { child, limits, lines, to_say, last_words, memory_peak: 0 };
+        let mut running = Running { child, limits, lines, to_say, last_words, memory_peak: 0, errors: None };
         running.limit().map_err(|error| format!("`{shown}` cannot be limited: {error}"))?;
         // The threads end with the program's pipes.
         let begin = |part: &str, work: Box<dyn FnOnce() + Send>| {
@@ -85,7 +87,7 @@ impl Running {
         };
         begin("input", Box::new(move || write_lines(input, &say)))?;
         begin("output", Box::new(move || read_lines(output, &line)))?;
-        begin("errors", Box::new(move || read_errors(errors, &words)))?;
+        running.errors = Some(begin("errors", Box::new(move || read_errors(errors, &words)))?);
         Ok(running)
     }
 
@@ -160,8 +162,10 @@ impl Running {
             None => "closed its output without an answer".to_string(),
             Some(status) => self.words_of(status),
         };
-        // The thread that reads them may be a little behind.
-        thread::sleep(Duration::from_millis(5));
+        // The thread that reads them may be behind; it ends with the pipe, which a child of the program can hold open.
+        while !self.errors.as_ref().is_none_or(JoinHandle::is_finished) && since.elapsed() < END_PATIENCE {
+            thread::sleep(Duration::from_millis(2));
+        }
         let mut words = self.last_words.lock().unwrap_or_else(PoisonError::into_inner);
         let text = String::from_utf8_lossy(words.bytes.make_contiguous()).into_owned();
         let last: Vec<&str> = text.lines().map(str::trim).filter(|line| !line.is_empty()).collect();

@@ -111,7 +111,7 @@ fn a_hot_rollback_journal_is_read_and_left_alone() {
     let expected = steps(&flight.path);
     let connection = Connection::open(&flight.path).unwrap();
     // A program that is killed in the middle of a change leaves this: pages in the file, the old ones in the journal.
-    connection.execute_batch("PRAGMA cache_size = 1; PRAGMA cache_spill = 1; BEGIN; DELETE FROM effect;").unwrap();
+    connection.execute_batch("PRAGMA cache_size = 1; PRAGMA cache_spill = 1; BEGIN; DELETE FROM effects;").unwrap();
     connection.execute_batch("INSERT INTO note (text) SELECT randomblob(3000) FROM batch").unwrap();
     let (folder, copy) = place();
     let journal = |path: &Path| PathBuf::from(format!("{}-journal", path.display()));
@@ -248,7 +248,7 @@ fn what_stands_before_a_damage_is_recovered_and_replays() {
     recorder.finish(end.at, "stopped").unwrap();
     let all = steps(&path);
     let connection = Connection::open(&path).unwrap();
-    connection.execute("UPDATE effect SET text = 'as wished' WHERE batch = 4", []).unwrap();
+    connection.execute("UPDATE batch SET t_ns = t_ns + 1 WHERE id = 4", []).unwrap();
     drop(connection);
     let refused = RecordReader::open(&path).err().unwrap().to_string();
     assert!(refused.contains("Steps 1 to 3") && refused.contains("apex recover"), "{refused}");

@@ -181,15 +181,15 @@ fn no_damage_changes_an_answer_unsaid() {
 }
 
 const FORGERIES: [&str; 24] = [
-    "UPDATE effect SET subject = '(land)' WHERE kind = 'created'",
-    "UPDATE effect SET text = 'the operator wished it' WHERE kind = 'transition'",
-    "UPDATE effect SET place = 'other.pdl:1:1'",
-    "UPDATE effect SET outcome = 'failure' WHERE outcome = 'success'",
-    "UPDATE effect SET t_ns = t_ns + 1000000000 WHERE id = 5",
-    "UPDATE effect SET task = 1 WHERE task = 2",
-    "UPDATE task SET goal = '(land)', tag = 'land'",
-    "UPDATE task SET parent = 3 WHERE id = 2",
-    "DELETE FROM task WHERE id = 3",
+    "UPDATE effects SET body = x'00' WHERE batch = 1",
+    "UPDATE effects SET body = (SELECT body FROM effects WHERE batch = 1)",
+    "UPDATE effects SET first = first + 1",
+    "DELETE FROM effects WHERE batch = (SELECT max(batch) FROM effects)",
+    "INSERT INTO effects SELECT max(batch) + 1, max(first) + 1, body FROM effects",
+    "UPDATE word SET text = 'land'",
+    "UPDATE word SET text = (SELECT text FROM word WHERE id = 1) WHERE id = 2",
+    "UPDATE shape SET example = x'' WHERE id = 1",
+    "DELETE FROM shape WHERE id = (SELECT max(id) FROM shape)",
     "UPDATE track SET latitude_deg = latitude_deg + 1",
     "DELETE FROM track WHERE t_ns > 8000000000",
     "UPDATE target_state SET state = 'skipped', detail = 'no fuel'",
@@ -202,9 +202,9 @@ const FORGERIES: [&str; 24] = [
     "UPDATE situation SET body = x'0102'",
     "UPDATE variable SET name = '(speed ac-1)'",
     "UPDATE source SET body = replace(CAST(body AS TEXT), 'priority 7', 'priority 1')",
-    "DELETE FROM batch WHERE id > 400; DELETE FROM effect WHERE batch > 400",
+    "DELETE FROM batch WHERE id > 400; DELETE FROM effects WHERE batch > 400",
     "ALTER TABLE report RENAME TO old; CREATE VIEW report AS SELECT position, section, '{\"score\": 1}' AS body FROM old",
-    "CREATE TRIGGER t AFTER INSERT ON note BEGIN DELETE FROM effect; END; DELETE FROM note",
+    "CREATE TRIGGER t AFTER INSERT ON note BEGIN DELETE FROM effects; END; DELETE FROM note",
 ];
 
 #[test]

@@ -1,7 +1,7 @@
 //! Uses of a record: traces, replay, restoring, plans that are never made again.
 
 use crate::support::{CAMERA, altitude, camera, camera_inputs, load, program, record};
-use apex_model::effect::{Effect, SolveRequest};
+use apex_model::effect::SolveRequest;
 use apex_model::planned::{PlannedActivity, PlannedProcedure, PlannedStep};
 use apex_model::source::SourceFile;
 use apex_model::symbol::Symbol;
@@ -75,32 +75,32 @@ fn reseal(connection: &Connection) {
 #[test]
 fn replay_finds_a_changed_effect_and_tells_both() {
     let flight = camera();
-    let task = apex_model::task::TaskId(4);
-    let lie = postcard::to_stdvec(&Effect::Print { task, text: "low".into() }).unwrap();
-    tamper(&flight.path, "UPDATE effect SET body = ?1 WHERE kind = 'print'", Some(lie));
+    let connection = Connection::open(&flight.path).unwrap();
+    let sql = "SELECT batch, body FROM effects WHERE instr(body, CAST('high' AS BLOB)) > 0 ORDER BY batch DESC";
+    let read = |row: &rusqlite::Row<'_>| Ok((row.get::<_, i64>(0)?, row.get::<_, Vec<u8>>(1)?));
+    let (batch, mut body) = connection.query_row(sql, [], read).unwrap();
+    let said = body.windows(4).rposition(|bytes| bytes == b"high").unwrap();
+    body[said..said + 4].copy_from_slice(b"deep");
+    tamper(&flight.path, &format!("UPDATE effects SET body = ?1 WHERE batch = {batch}"), Some(body));
     let report = replay(&flight.reader(), &load).unwrap();
     let difference = report.difference.clone().unwrap();
     assert_eq!(difference.at, Time::from_seconds(20.0));
-    assert!(difference.recorded.unwrap().ends_with("; low"));
+    assert!(difference.recorded.unwrap().ends_with("; deep"));
     assert!(difference.replayed.unwrap().ends_with("; high"));
     assert!(report.to_string().starts_with("The replay differs at 20s, batch "), "{report}");
 }
 
-/// Texts, tasks, track and the like follow from inputs and effects; a record that was sealed again after a change still differs
+/// Words, shapes, track and the like follow from inputs and effects; a record that was sealed again after a change still differs
 /// from its replay.
 #[test]
 fn replay_finds_every_changed_derived_column() {
     for (sql, what) in [
-        ("UPDATE effect SET text = 'as wished' WHERE id = 3", "column `text` of row effect 3"),
-        ("UPDATE effect SET place = 'b.pdl:1:1' WHERE id = 1", "column `place` of row effect 1"),
-        ("UPDATE effect SET kind = 'created' WHERE id = 2", "column `kind` of row effect 2"),
-        ("UPDATE effect SET method = 'primitive b.pdl:1:1' WHERE id = 4", "column `method` of row effect 4"),
-        ("UPDATE task SET goal = '(land)' WHERE position = 2", "column `goal` of row task 2"),
-        ("UPDATE task SET parent = 3 WHERE position = 2", "column `parent` of row task 2"),
+        ("UPDATE effects SET first = first + 1 WHERE batch = 1", "column `first` of row effects 1"),
+        ("INSERT INTO effects VALUES (9999, 9999, x'')", "row effects "),
+        ("INSERT INTO word SELECT max(id) + 1, 'land' FROM word", "row word "),
+        ("INSERT INTO shape SELECT max(id) + 1, layout, example FROM shape", "row shape "),
         ("UPDATE variable SET name = '(speed ac-1)' WHERE id = 1", "column `name` of row variable 1"),
         ("UPDATE agent SET name = 'anna' WHERE id = 0", "column `name` of row agent 1"),
-        ("INSERT INTO task (id, tag, agent) VALUES (99, 'x', 0)", "row task "),
-        ("DELETE FROM task WHERE position = (SELECT max(position) FROM task)", "row task "),
     ] {
         let flight = camera();
         tamper_plainly(&flight.path, sql);
@@ -119,7 +119,7 @@ fn tamper_plainly(path: &Path, sql: &str) {
 #[test]
 fn replay_finds_missing_effects_and_changed_programs() {
     let flight = camera();
-    let sql = "DELETE FROM effect WHERE ?1 IS NULL AND id = (SELECT max(id) FROM effect)";
+    let sql = "DELETE FROM effects WHERE ?1 IS NULL AND batch = (SELECT max(batch) FROM effects)";
     tamper(&flight.path, sql, None);
     let difference = replay(&flight.reader(), &load).unwrap().difference.unwrap();
     assert_eq!((difference.recorded.is_none(), difference.replayed.is_some()), (true, true));

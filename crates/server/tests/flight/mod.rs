@@ -6,8 +6,15 @@
 
 pub mod story;
 
+use apex_model::because::{Because, Cause};
+use apex_model::effect::{CommandId, Decision, DecisionKind, Effect, Method, SolveRequest, SolveRequestId};
 use apex_model::library::Library;
-use apex_runtime::record::{RecordOptions, Recorder, seal_rows};
+use apex_model::source::Place;
+use apex_model::symbol::Symbol;
+use apex_model::task::{Outcome, TaskId, TaskState};
+use apex_model::time::Time;
+use apex_model::value::Value;
+use apex_runtime::record::{EffectRows, RecordOptions, Recorder, seal_rows};
 use rusqlite::{Connection, params};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -16,7 +23,7 @@ use story::{Entry, Sample, Story};
 /// A record on disk that can be written bit by bit, as a live flight does.
 pub struct Writer {
     connection: Connection,
-    effects: i64,
+    effects: EffectRows,
     batches: i64,
     goals: BTreeMap<u64, String>,
 }
@@ -54,7 +61,7 @@ impl Writer {
                 .unwrap();
         }
         seal_rows(&connection).unwrap();
-        Writer { connection, effects: 0, batches: 0, goals: BTreeMap::new() }
+        Writer { connection, effects: EffectRows::default(), batches: 0, goals: BTreeMap::new() }
     }
 
     /// Writes everything of the story in `from_ns..to_ns`.
@@ -96,57 +103,72 @@ impl Writer {
         self.connection
             .execute("INSERT INTO batch (id, t_ns, events, agent) VALUES (?1, ?2, x'', 0)", params![self.batches, t_ns])
             .unwrap();
-        match entry {
+        let (task, kind, text, place) = match entry {
             Entry::Created { task, parent, tag, goal, place, text } => {
-                let row = params![*task as i64, parent.map(|id| id as i64), tag, goal, t_ns, place];
-                self.connection
-                    .execute(
-                        "INSERT INTO task (id, parent, tag, goal, created_ns, place, agent) \
-                         VALUES (?1, ?2, ?3, ?4, ?5, ?6, 0)",
-                        row,
-                    )
-                    .unwrap();
-                self.goals.insert(*task, (*goal).to_string());
-                self.effect(t_ns, "created", Some(*task), [None, None, None], goal, text, place);
+                self.goals.insert(*task, goal.clone());
+                let (parent, tag, goal) = (parent.map(TaskId), Symbol::new(tag), Value::symbol(goal));
+                let kind = DecisionKind::Created { parent, tag, goal, place: place_of(place) };
+                (Some(*task), kind, text, place_of(place))
             }
             Entry::Selected { task, method, text } => {
                 let goal = self.goals.get(task).cloned().unwrap_or_default();
-                self.effect(t_ns, "selected", Some(*task), [None, None, None], &goal, text, "");
-                let sql = "UPDATE effect SET method = ?2 WHERE id = ?1";
-                self.connection.execute(sql, params![self.effects, method]).unwrap();
+                let method = method_of(method);
+                (
+                    Some(*task),
+                    DecisionKind::Selected { method, goal: Value::symbol(&goal), alternatives: vec![] },
+                    text,
+                    None,
+                )
             }
             Entry::Transition { task, from, to, outcome, text, place } => {
-                self.effect(t_ns, "transition", Some(*task), [Some(from), Some(to), *outcome], "", text, place);
+                let outcome = outcome.map(|word| match word {
+                    "success" => Outcome::Success(Value::nil()),
+                    "failure" => Outcome::Failure,
+                    _ => Outcome::Cut,
+                });
+                let kind = DecisionKind::Transition { from: state(from), to: state(to), outcome };
+                (Some(*task), kind, text, place_of(place))
             }
-            Entry::Other { kind, task, subject, text } => {
-                self.effect(t_ns, kind, *task, [None, None, None], subject, text, "");
+            Entry::Other { kind: "satisfied", task, subject, text } => {
+                let now = Time(t_ns);
+                let kind = DecisionKind::Satisfied { clause: subject.clone().into(), interval: (now, now) };
+                (*task, kind, text, None)
+            }
+            Entry::Other { kind: "solve", task, subject, .. } => {
+                let (request, task) = (SolveRequestId(1), TaskId(task.unwrap_or(0)));
+                let (goal, solver) = (Value::symbol(subject), Symbol::new("2-Opt"));
+                self.effect(t_ns, Effect::Solve(SolveRequest { request, task, goal, solver, budget: None }));
+                return;
+            }
+            Entry::Other { kind: "command", task, subject, .. } => {
+                let (command, task) = (CommandId(self.batches as u64), TaskId(task.unwrap_or(0)));
+                let because = Because::new(Cause::Repetition, None);
+                self.effect(t_ns, Effect::Command { command, task, form: Value::symbol(subject), because });
+                return;
+            }
+            Entry::Other { kind: "print", task, text, .. } => {
+                let task = TaskId(task.unwrap_or(0));
+                self.effect(t_ns, Effect::Print { task, text: text.clone() });
+                return;
+            }
+            Entry::Other { task, subject, text, .. } => {
+                (*task, DecisionKind::Trouble { message: subject.clone() }, text, None) // english: allow
             }
             Entry::Target { target, state, detail } => {
                 let row = params![target, t_ns, state, detail];
                 self.connection
                     .execute("INSERT INTO target_state (target, t_ns, state, detail) VALUES (?1, ?2, ?3, ?4)", row)
                     .unwrap();
+                return;
             }
-        }
+        };
+        let cause = Cause::NobodyHears { message: text.clone() };
+        let because = Because::new(cause, place);
+        self.effect(t_ns, Effect::Decided(Decision { task: task.map(TaskId), kind, because }));
     }
 
-    #[allow(clippy::too_many_arguments)]
-    fn effect(
-        &mut self,
-        t_ns: i64,
-        kind: &str,
-        task: Option<u64>,
-        [from, to, outcome]: [Option<&str>; 3],
-        subject: &str,
-        text: &str,
-        place: &str,
-    ) {
-        self.effects += 1;
-        let task = task.map(|id| id as i64);
-        let row = params![self.effects, self.batches, t_ns, kind, task, from, to, outcome, subject, text, place];
-        self.connection
-            .execute("INSERT INTO effect VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, x'', 0, NULL)", row)
-            .unwrap();
+    fn effect(&mut self, t_ns: i64, effect: Effect) {
+        self.effects.insert(&self.connection, (self.batches, Time(t_ns)), &[effect]).unwrap();
     }
 
     fn sample(&self, s: &Sample) {
@@ -162,6 +184,29 @@ impl Writer {
         ];
         self.connection.execute("INSERT INTO track VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)", row).unwrap();
     }
+}
+
+/// `western-states.pdl:12:3`
+fn place_of(text: &str) -> Option<Place> {
+    let mut parts = text.rsplit(':');
+    let (column, line) = (parts.next()?.parse().ok()?, parts.next()?.parse().ok()?);
+    Some(Place { file: 0, line, column })
+}
+
+/// `procedure fly-mission`, `primitive land`, or words about a plan.
+fn method_of(text: &str) -> Method {
+    let line = |name: &str| story::PDL.lines().position(|line| line.contains(&format!("(index ({name}")));
+    let place = |name: &str| Place { file: 0, line: line(name).map_or(1, |line| line as u32 + 1), column: 3 };
+    match text.split_once(' ') {
+        Some(("procedure", name)) => Method::Procedure(place(name)),
+        Some(("primitive", name)) => Method::Primitive(place(name)),
+        _ => Method::Solver(Symbol::new(text)),
+    }
+}
+
+fn state(word: &str) -> TaskState {
+    let all = [TaskState::Pending, TaskState::Enabled, TaskState::Ongoing, TaskState::Interrupted];
+    all.into_iter().find(|state| state.word() == word).unwrap_or(TaskState::Terminated)
 }
 
 /// Writes a whole, properly closed record.

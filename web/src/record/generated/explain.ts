@@ -215,7 +215,7 @@ id: number,
  */
 t: number, 
 /**
- * The kind, as in the record's `effect` table.
+ * The kind of the effect; `docs/reference/flight-record.md` lists them.
  */
 kind: string, 
 /**

@@ -197,9 +197,9 @@ fn bare_numbers_are_in_the_declared_unit_and_other_dimensions_are_told() {
     world.sample("altitude", "uav", Value::Integer(301), 2);
     assert!(world.answer(2).is_some());
     world.watch(&above(span(5)), Window::from(Time(2)));
-    let troubles = take_troubles(&mut world.monitor);
-    assert_eq!(troubles.len(), 1);
-    assert!(troubles[0].message.contains("cannot compare 301ft (length) with P0.000000005S (time)"));
+    let faults = take_troubles(&mut world.monitor);
+    assert_eq!(faults.len(), 1);
+    assert!(faults[0].message.contains("cannot compare 301ft (length) with P0.000000005S (time)"));
     world.sample("altitude", "uav", Value::Integer(301), 3);
     assert!(take_troubles(&mut world.monitor).is_empty(), "the same fault is reported once");
 }

@@ -3,15 +3,13 @@
 
 use super::targets::TargetChange;
 use crate::error::RecordError;
-use crate::record::RecordReader;
+use crate::record::{EffectKind, Effects, RecordReader, Told};
 use apex_model::effect::Effect;
-use apex_model::task::TaskId;
+use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;
-use rusqlite::{OptionalExtension, Params, Row, params};
+use rusqlite::{OptionalExtension, params};
 
-const COLUMNS: &str = "id, t_ns, kind, task, from_state, to_state, outcome, subject, text, place, body";
-
-/// A row of the `effect` table.
+/// An effect with its texts.
 pub(crate) struct DecisionRow {
     pub(crate) id: i64,
     pub(crate) at: Time,
@@ -31,22 +29,22 @@ pub(crate) struct DecisionRow {
 }
 
 impl DecisionRow {
-    /// Reads a row of [`COLUMNS`].
-    fn read(row: &Row<'_>) -> rusqlite::Result<DecisionRow> {
-        let body = row.get_ref(10)?.as_blob()?;
-        Ok(DecisionRow {
-            id: row.get(0)?,
-            at: Time(row.get(1)?),
-            kind: row.get(2)?,
-            task: row.get::<_, Option<i64>>(3)?.map(|task| TaskId(task.cast_unsigned())),
-            from: row.get(4)?,
-            to: row.get(5)?,
-            outcome: row.get::<_, Option<String>>(6)?.filter(|word| !word.is_empty()),
-            subject: row.get::<_, Option<String>>(7)?.unwrap_or_default(),
-            text: row.get::<_, Option<String>>(8)?.unwrap_or_default(),
-            place: row.get::<_, Option<String>>(9)?.filter(|place| !place.is_empty()),
-            effect: postcard::from_bytes(body).ok(),
-        })
+    fn of(told: Told) -> DecisionRow {
+        let Told { id, at, row, effect, .. } = told;
+        let word = |state: Option<TaskState>| state.map(|state| state.word().to_owned());
+        DecisionRow {
+            id,
+            at,
+            kind: row.kind.into(),
+            task: row.task,
+            from: word(row.from),
+            to: word(row.to),
+            outcome: row.outcome.map(str::to_owned),
+            subject: row.subject,
+            text: row.text,
+            place: row.place,
+            effect: Some(effect),
+        }
     }
 }
 
@@ -60,111 +58,174 @@ pub(crate) struct Decisions<'a> {
 
 type DecisionResult = Result<Option<DecisionRow>, RecordError>;
 
+/// An effect as the table has it.
+struct DecisionEntry {
+    place: usize,
+    id: i64,
+    at: Time,
+    kind: EffectKind,
+}
+
+impl DecisionEntry {
+    fn moves_to(&self, state: &str) -> bool {
+        self.kind.word == "transition" && self.kind.to.is_some_and(|to| to.word() == state)
+    }
+}
+
 impl Decisions<'_> {
-    fn first(&self, condition: &str, parameters: impl Params) -> DecisionResult {
-        let sql = format!("SELECT {COLUMNS} FROM effect WHERE t_ns <= {} AND {condition} LIMIT 1", self.until.0);
-        let found = self.reader.connection.prepare_cached(&sql).and_then(|mut statement| {
-            let mut rows = statement.query_map(parameters, DecisionRow::read)?;
-            rows.next().transpose()
-        });
-        found.map_err(|error| self.reader.damaged("the effects", error))
+    /// The entries of effects about a task up to the instant, the newest first.
+    fn entries<'e>(&self, effects: &'e Effects<'_>, task: TaskId) -> impl Iterator<Item = DecisionEntry> + 'e {
+        let until = self.until;
+        let entry = |place| {
+            Some(DecisionEntry {
+                place,
+                id: effects.table.id(place),
+                at: effects.at(place),
+                kind: *effects.table.kind(place)?,
+            })
+        };
+        effects.table.about(task.0).filter_map(entry).filter(move |entry| entry.at <= until)
+    }
+
+    /// The newest effect about a task that `wanted` selects.
+    fn newest(&self, task: TaskId, wanted: impl Fn(&DecisionEntry) -> bool) -> DecisionResult {
+        let effects = self.reader.effects()?;
+        let found = self.entries(&effects, task).find(wanted);
+        found.map(|entry| effects.told(entry.place).map(DecisionRow::of)).transpose()
+    }
+
+    /// Of the effects about a task that `wanted` selects, the one with the least `distance`; of equals the oldest.
+    fn nearest<K: Ord>(
+        &self,
+        task: TaskId,
+        wanted: impl Fn(&DecisionEntry) -> bool,
+        distance: impl Fn(&DecisionEntry) -> K,
+    ) -> DecisionResult {
+        let effects = self.reader.effects()?;
+        let found = self.entries(&effects, task).filter(wanted).min_by_key(|entry| (distance(entry), entry.id));
+        found.map(|entry| effects.told(entry.place).map(DecisionRow::of)).transpose()
+    }
+
+    /// The first effect of one kind at `places` that `wanted` selects.
+    fn first_of(
+        &self,
+        kind: &str,
+        places: impl FnOnce(&Effects<'_>, usize) -> Box<dyn Iterator<Item = usize>>,
+        wanted: impl Fn(&Told) -> bool,
+    ) -> DecisionResult {
+        let effects = self.reader.effects()?;
+        let end = effects.table.place_later(self.until);
+        for place in places(&effects, end) {
+            if effects.table.kind(place).is_some_and(|found| found.word == kind) {
+                let told = effects.told(place)?;
+                if wanted(&told) {
+                    return Ok(Some(DecisionRow::of(told)));
+                }
+            }
+        }
+        Ok(None)
     }
 
     /// The transition to `state` that is nearest to the decision `id` at its instant `at`, else the last one before.
     pub(crate) fn transition(&self, task: TaskId, state: &str, (id, at): (i64, Time)) -> DecisionResult {
-        let condition = "task = ?1 AND kind = 'transition' AND to_state = ?2 AND (id < ?3 OR t_ns = ?4)
-            ORDER BY t_ns = ?4 DESC, abs(id - ?3)";
-        self.first(condition, params![number(task), state, id, at.0])
+        let wanted = |entry: &DecisionEntry| entry.moves_to(state) && (entry.id < id || entry.at == at);
+        self.nearest(task, wanted, |entry| (entry.at != at, entry.id.abs_diff(id)))
     }
 
     /// The last transition to `state` before the decision `id`.
     pub(crate) fn transition_before(&self, task: TaskId, state: &str, id: i64) -> DecisionResult {
-        let condition = "task = ?1 AND kind = 'transition' AND to_state = ?2 AND id < ?3 ORDER BY id DESC";
-        self.first(condition, params![number(task), state, id])
+        self.newest(task, |entry| entry.moves_to(state) && entry.id < id)
     }
 
     /// The last decision of one kind about the task before the decision `id`.
     pub(crate) fn before(&self, task: TaskId, kind: &str, id: i64) -> DecisionResult {
-        self.first("task = ?1 AND kind = ?2 AND id < ?3 ORDER BY id DESC", params![number(task), kind, id])
+        self.newest(task, |entry| entry.kind.word == kind && entry.id < id)
     }
 
     /// The decision of one kind about the task nearest to `id` at its instant.
     pub(crate) fn beside(&self, task: TaskId, kind: &str, (id, at): (i64, Time)) -> DecisionResult {
-        let condition = "task = ?1 AND kind = ?2 AND t_ns = ?4 ORDER BY abs(id - ?3)";
-        self.first(condition, params![number(task), kind, id, at.0])
+        self.nearest(task, |entry| entry.kind.word == kind && entry.at == at, |entry| entry.id.abs_diff(id))
     }
 
     /// The creation or last transition of the task.
     pub(crate) fn last_move(&self, task: TaskId) -> DecisionResult {
-        self.first("task = ?1 AND kind IN ('created', 'transition') ORDER BY id DESC", params![number(task)])
+        self.newest(task, |entry| matches!(entry.kind.word, "created" | "transition"))
     }
 
     /// The last binding of a variable of the task before the decision `id`.
     pub(crate) fn binding(&self, task: TaskId, variable: &str, id: i64) -> DecisionResult {
-        let like = format!("?{variable} = %");
-        let condition = "task = ?1 AND kind = 'bound' AND subject LIKE ?2 AND id < ?3 ORDER BY id DESC";
-        self.first(condition, params![number(task), like, id])
+        let begin = format!("?{variable} = ").to_ascii_lowercase();
+        self.newest_told(task, "bound", |told| {
+            told.id < id && told.row.subject.to_ascii_lowercase().starts_with(&begin)
+        })
+    }
+
+    /// The newest effect of one kind about a task whose text `wanted` selects.
+    fn newest_told(&self, task: TaskId, kind: &str, wanted: impl Fn(&Told) -> bool) -> DecisionResult {
+        let effects = self.reader.effects()?;
+        for entry in self.entries(&effects, task).filter(|entry| entry.kind.word == kind) {
+            let told = effects.told(entry.place)?;
+            if wanted(&told) {
+                return Ok(Some(DecisionRow::of(told)));
+            }
+        }
+        Ok(None)
     }
 
     /// The command with this number.
     pub(crate) fn command(&self, command: u64) -> DecisionResult {
-        self.first("kind = 'command' AND text = ?1", params![format!("command {command}")])
+        let text = format!("command {command}");
+        self.first_of("command", |_, end| Box::new(0..end), |told| told.row.text == text)
     }
 
     /// The command with this number, by the task that sent it.
     pub(crate) fn command_of(&self, task: TaskId, command: u64) -> DecisionResult {
-        let condition = "task = ?1 AND kind = 'command' AND text = ?2";
-        self.first(condition, params![number(task), format!("command {command}")])
+        let text = format!("command {command}");
+        self.newest_told(task, "command", |told| told.row.text == text)
     }
 
     /// The last command whose form contains `words`.
     pub(crate) fn command_like(&self, words: &str) -> DecisionResult {
-        let escaped = words.replace('\\', "\\\\").replace('%', "\\%").replace('_', "\\_");
-        let condition = "kind = 'command' AND subject LIKE ?1 ESCAPE '\\' ORDER BY id DESC";
-        self.first(condition, params![format!("%{escaped}%")])
+        let words = words.to_ascii_lowercase();
+        let places = |_: &Effects<'_>, end| -> Box<dyn Iterator<Item = usize>> { Box::new((0..end).rev()) };
+        self.first_of("command", places, |told| told.row.subject.to_ascii_lowercase().contains(&words))
     }
 
     /// The request to a solver with this number.
     pub(crate) fn request(&self, task: TaskId, request: u64) -> DecisionResult {
-        let condition = "task = ?1 AND kind = 'solve' AND text LIKE ?2 ORDER BY id DESC";
-        self.first(condition, params![number(task), format!("request {request} to %")])
+        let begin = format!("request {request} to ");
+        self.newest_told(task, "solve", |told| told.row.text.starts_with(&begin))
     }
 
     /// The message `form` of one of the agent's own tasks at this instant.
     pub(crate) fn inform(&self, form: &str, at: Time) -> DecisionResult {
-        let condition =
-            "batch IN (SELECT id FROM batch WHERE t_ns = ?1) AND kind = 'inform' AND subject = ?2 ORDER BY id";
-        self.first(condition, params![at.0, form])
+        self.first_of("inform", |effects, end| Box::new(places_at(effects, at, end)), |told| told.row.subject == form)
     }
 
     /// The sample `subject`, `(count x) = 3`, that one of the agent's own tasks published at this instant.
     pub(crate) fn publish(&self, subject: &str, at: Time) -> DecisionResult {
-        let condition =
-            "batch IN (SELECT id FROM batch WHERE t_ns = ?1) AND kind = 'publish' AND subject = ?2 ORDER BY id DESC";
-        self.first(condition, params![at.0, subject])
+        let places = |effects: &Effects<'_>, end| -> Box<dyn Iterator<Item = usize>> {
+            Box::new(places_at(effects, at, end).rev())
+        };
+        self.first_of("publish", places, |told| told.row.subject == subject)
     }
 
     /// Calls `take` with every decision about the task, oldest first.
     pub(crate) fn about(&self, task: TaskId, mut take: impl FnMut(DecisionRow)) -> Result<(), RecordError> {
-        let sql = format!("SELECT {COLUMNS} FROM effect WHERE task = ?1 AND t_ns <= ?2 ORDER BY id");
-        let mut read = || {
-            let mut statement = self.reader.connection.prepare_cached(&sql)?;
-            let mut rows = statement.query(params![number(task), self.until.0])?;
-            while let Some(row) = rows.next()? {
-                take(DecisionRow::read(row)?);
-            }
-            Ok(())
-        };
-        read().map_err(|error| self.reader.damaged("the effects", error))
+        let effects = self.reader.effects()?;
+        let mut entries: Vec<DecisionEntry> = self.entries(&effects, task).collect();
+        entries.reverse();
+        for entry in entries {
+            take(DecisionRow::of(effects.told(entry.place)?));
+        }
+        Ok(())
     }
 
     /// The word of the task's state at the end of the interval; none if it was never moved.
     pub(crate) fn state(&self, task: TaskId) -> Result<Option<String>, RecordError> {
-        let sql = "SELECT to_state FROM effect WHERE task = ?1 AND t_ns <= ?2 AND kind = 'transition' \
-                   ORDER BY id DESC LIMIT 1";
-        let parameters = params![number(task), self.until.0];
-        let state = self.reader.connection.query_row(sql, parameters, |row| row.get(0)).optional();
-        state.map_err(|error| self.reader.damaged("the effects", error))
+        let effects = self.reader.effects()?;
+        let state = self.entries(&effects, task).find_map(|entry| entry.kind.to);
+        Ok(state.map(|state| state.word().to_owned()))
     }
 
     /// The identifier of the target with this identifier or name, in any case.
@@ -198,7 +259,8 @@ impl Decisions<'_> {
     }
 }
 
-/// SQLite knows signed numbers only.
-fn number(task: TaskId) -> i64 {
-    task.0.cast_signed()
+/// The places of the effects at an instant, before the place `end`.
+fn places_at(effects: &Effects<'_>, at: Time, end: usize) -> std::ops::Range<usize> {
+    let first = effects.table.place_later(Time(at.0.saturating_sub(1)));
+    first..effects.table.place_later(at).min(end)
 }

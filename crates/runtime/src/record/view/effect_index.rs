@@ -5,7 +5,8 @@
 //! keeps the kinds in it and a Bloom filter (Bloom 1970) of the n-grams of its texts: a search reads the blocks that may match,
 //! the newest first. Bound: each effect is read once; about 4.2 kB of memory for 128 effects.
 
-use rusqlite::Connection;
+use crate::error::RecordError;
+use crate::record::{EffectKind, EffectNeed, RecordReader};
 use std::collections::BTreeMap;
 
 /// Effects of one block.
@@ -51,27 +52,30 @@ impl EffectIndex {
     }
 
     /// Reads the next chunk of effects, none after effect `last`.
-    pub(super) fn refresh(&mut self, connection: &Connection, last: i64) -> rusqlite::Result<()> {
-        let sql = "SELECT id, t_ns, kind, subject, text FROM main.effect WHERE id > ?1 AND id <= ?2 ORDER BY id";
-        let mut statement = connection.prepare_cached(sql)?;
+    pub(super) fn refresh(&mut self, reader: &RecordReader, last: i64) -> Result<(), RecordError> {
+        let effects = reader.effects()?;
         let end = self.seen.saturating_add(CHUNK_EFFECTS).min(last);
-        let mut rows = statement.query([self.seen, end])?;
-        while let Some(row) = rows.next()? {
-            let (id, t_ns): (i64, i64) = (row.get(0)?, row.get(1)?);
-            let kind = self.kind_bit(row.get_ref(2)?.as_str_or_null()?.unwrap_or_default());
-            self.seen = id;
-            let Some(block) = self.block_of(id, t_ns) else { continue };
-            block.last_ns = t_ns;
-            block.kinds |= kind;
-            for column in [3, 4] {
-                if let Some(text) = row.get_ref(column)?.as_str_or_null()? {
-                    block.add(text);
-                }
-            }
-        }
+        let places = effects.table.place_after(self.seen)..effects.table.place_after(end);
+        let all = |_: &EffectKind| EffectNeed::Effect;
+        effects.scan(places, all, |found| {
+            let Some(effect) = found.effect else { return Ok(()) };
+            let told = effects.tell(found.place, effect)?;
+            self.add(told.id, told.at.0, told.row.kind, [&told.row.subject, &told.row.text]);
+            Ok(())
+        })?;
         // Numbers are consecutive; where one is missing the index continues.
         self.seen = self.seen.max(end);
         Ok(())
+    }
+
+    /// Enters an effect.
+    fn add(&mut self, id: i64, t_ns: i64, kind: &str, texts: [&str; 2]) {
+        let kind = self.kind_bit(kind);
+        self.seen = id;
+        let Some(block) = self.block_of(id, t_ns) else { return };
+        block.last_ns = t_ns;
+        block.kinds |= kind;
+        texts.into_iter().for_each(|text| block.add(text));
     }
 
     fn kind_bit(&mut self, kind: &str) -> u64 {
@@ -145,36 +149,20 @@ fn bit_of(gram: &[u8]) -> usize {
 mod tests {
     use super::*;
     use proptest::prelude::*;
-    use rusqlite::params;
 
-    fn record(effects: &[(i64, &str, String)]) -> Connection {
-        let connection = Connection::open_in_memory().unwrap();
-        let sql = "CREATE TABLE effect (id INTEGER PRIMARY KEY, t_ns INTEGER, kind TEXT, subject TEXT, text TEXT)";
-        connection.execute_batch(sql).unwrap();
-        for (t_ns, kind, text) in effects {
-            let sql = "INSERT INTO effect (t_ns, kind, subject, text) VALUES (?1, ?2, NULL, ?3)";
-            connection.execute(sql, params![t_ns, kind, text]).unwrap();
-        }
-        connection
-    }
-
-    fn indexed(connection: &Connection, last: i64) -> EffectIndex {
+    fn indexed<'e>(effects: impl Iterator<Item = (i64, &'e (i64, &'e str, String))>) -> EffectIndex {
         let mut index = EffectIndex::default();
-        while index.seen() < last {
-            index.refresh(connection, last).unwrap();
-        }
+        effects.for_each(|(id, (t_ns, kind, text))| index.add(id, *t_ns, kind, ["", text]));
         index
     }
 
     #[test]
     fn a_rare_text_leads_to_its_block() {
-        let effects: Vec<(i64, &str, String)> = (0..40_000)
+        let mut effects: Vec<(i64, &str, String)> = (0..40_000)
             .map(|id| (id / 3, "transition", format!("task {} is granted the Flight Path", id % 97)))
             .collect();
-        let connection = record(&effects);
-        connection.execute("UPDATE effect SET text = 'a Chimney was seen' WHERE id = 20001", []).unwrap();
-        connection.execute("DELETE FROM effect WHERE id BETWEEN 25000 AND 35000", []).unwrap();
-        let index = indexed(&connection, 40_000);
+        effects[20_000].2 = "a Chimney was seen".into();
+        let index = indexed((1..).zip(&effects).filter(|(id, _)| !(25_000..=35_000).contains(id)));
         let blocks = |find: &str, kinds: &[String]| {
             let wanted = EffectSearch { from_ns: i64::MIN, to_ns: i64::MAX, kinds, find: Some(find) };
             index.blocks(&wanted).collect::<Vec<_>>()
@@ -201,7 +189,7 @@ mod tests {
                 at += passed;
                 (at, kinds[kind], words.into_iter().map(|word| WORDS[word]).collect::<Vec<_>>().join(" "))
             }).collect();
-            let index = indexed(&record(&effects), effects.len() as i64);
+            let index = indexed((1..).zip(&effects));
             let wanted_kinds: Vec<String> = kinds.get(kind).map(|kind| (*kind).to_owned()).into_iter().collect();
             let find = WORDS[find].to_ascii_lowercase();
             let wanted = EffectSearch { from_ns: from, to_ns: to, kinds: &wanted_kinds, find: Some(&find) };

@@ -1,11 +1,10 @@
 //! The log: everything that went out, with its causes.
 
 use super::effect_index::EffectSearch;
-use super::index::task_number;
-use super::{RecordView, for_reading, for_writing, last_effect};
+use super::{RecordView, for_reading, for_writing};
 use crate::error::RecordError;
-use rusqlite::types::Value;
-use rusqlite::{Row, params_from_iter};
+use crate::record::{EffectKind, Effects, Told};
+use apex_model::time::Time;
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
@@ -14,8 +13,6 @@ const LIMIT_DEFAULT: usize = 200;
 /// Maximum number of rows of any answer.
 const LIMIT_MAX: usize = 5_000;
 
-/// Effects that one statement of a search reads.
-const JOINED_EFFECTS_MAX: i64 = 4_096;
 /// Time that a query spends on an index that is behind.
 const EVENTS_BUDGET: Duration = Duration::from_millis(30);
 
@@ -72,25 +69,22 @@ pub struct EventRow {
     pub place: Option<String>,
 }
 
-const COLUMNS: &str = "id, t_ns, kind, task, from_state, to_state, outcome, subject, text, place";
-
 impl EventRow {
-    /// Reads a row of [`COLUMNS`].
-    fn read(row: &Row<'_>) -> rusqlite::Result<EventRow> {
-        let text =
-            |column: usize| row.get::<_, Option<String>>(column).map(|text| text.filter(|text| !text.is_empty()));
-        Ok(EventRow {
-            id: row.get(0)?,
-            t_ns: row.get(1)?,
-            kind: row.get(2)?,
-            task: task_number(row, 3)?,
-            from_state: text(4)?,
-            to_state: text(5)?,
-            outcome: text(6)?,
-            subject: text(7)?,
-            text: text(8)?,
-            place: text(9)?,
-        })
+    fn of(told: Told) -> EventRow {
+        let Told { id, at, row, .. } = told;
+        let text = |text: String| Some(text).filter(|text| !text.is_empty());
+        EventRow {
+            id,
+            t_ns: at.0,
+            kind: row.kind.into(),
+            task: row.task.map(|task| task.0),
+            from_state: row.from.map(|state| state.word().into()),
+            to_state: row.to.map(|state| state.word().into()),
+            outcome: row.outcome.map(str::to_owned),
+            subject: text(row.subject),
+            text: text(row.text),
+            place: row.place,
+        }
     }
 }
 
@@ -101,9 +95,12 @@ impl RecordView {
     /// [`RecordError::Damaged`].
     pub fn events(&self, query: &EventsQuery) -> Result<Events, RecordError> {
         let limit = query.limit.unwrap_or(LIMIT_DEFAULT).clamp(1, LIMIT_MAX);
+        self.reader.check_growth()?;
         let mut events = match query.task {
-            // SQLite has an index of the effects of a task.
-            Some(_) => self.selected(query, (i64::MIN, i64::MAX), limit + 1)?,
+            Some(task) => {
+                let effects = self.reader.effects()?;
+                self.selected(query, &effects, effects.table.about(task), limit + 1)?
+            }
             None => self.found(query, limit + 1)?,
         };
         let more = events.len() > limit;
@@ -112,11 +109,33 @@ impl RecordView {
         Ok(Events { events, more })
     }
 
-    fn selected(&self, query: &EventsQuery, range: (i64, i64), count: usize) -> Result<Vec<EventRow>, RecordError> {
-        let (sql, values) = select(query, range, count);
-        self.query("the effects", |connection| {
-            connection.prepare_cached(&sql)?.query_map(params_from_iter(values), EventRow::read)?.collect()
-        })
+    /// The first `count` effects at `places` that a query selects.
+    fn selected(
+        &self,
+        query: &EventsQuery,
+        effects: &Effects<'_>,
+        places: impl Iterator<Item = usize>,
+        count: usize,
+    ) -> Result<Vec<EventRow>, RecordError> {
+        let find = query.find.as_deref().map(str::to_ascii_lowercase).unwrap_or_default();
+        let (from_ns, to_ns) = (query.from_ns.unwrap_or(i64::MIN), query.to_ns.unwrap_or(i64::MAX));
+        let mut events = Vec::new();
+        for place in places {
+            if events.len() >= count {
+                break;
+            }
+            let is_kind =
+                |kind: &EffectKind| query.kinds.is_empty() || query.kinds.iter().any(|each| each == kind.word);
+            if !effects.table.kind(place).is_some_and(is_kind) || !(from_ns..=to_ns).contains(&effects.at(place).0) {
+                continue;
+            }
+            let told = effects.told(place)?;
+            let holds = |text: &str| text.to_ascii_lowercase().contains(&find);
+            if find.is_empty() || holds(&told.row.subject) || holds(&told.row.text) {
+                events.push(EventRow::of(told));
+            }
+        }
+        Ok(events)
     }
 
     /// The newest effects that a query selects, at most `count`: those that the index does not have yet, then the blocks that
@@ -131,16 +150,13 @@ impl RecordView {
         };
         let (seen, ranges) = {
             let index = for_reading(&self.indexes.effects);
-            (index.seen(), joined(index.blocks(&wanted)))
+            (index.seen(), index.blocks(&wanted).collect::<Vec<_>>())
         };
-        let mut events = self.selected(query, (seen + 1, i64::MAX), count)?;
-        for range in ranges {
-            if events.len() >= count {
-                break;
-            }
-            events.extend(self.selected(query, range, count - events.len())?);
-        }
-        Ok(events)
+        let effects = self.reader.effects()?;
+        let place = |id: i64| effects.table.place_after(id);
+        let newest = (place(seen)..effects.table.place_later(Time(wanted.to_ns))).rev();
+        let blocks = ranges.into_iter().flat_map(|(first, last)| (place(first - 1)..place(last)).rev());
+        self.selected(query, &effects, newest.chain(blocks), count)
     }
 
     /// Reads effects into the index of the log, for about `budget`; what is not in it is searched row by row. True if all are in.
@@ -149,52 +165,14 @@ impl RecordView {
     /// [`RecordError::Damaged`].
     pub fn index_effects(&self, budget: Duration) -> Result<bool, RecordError> {
         self.reader.check_growth()?;
-        let (began, connection) = (Instant::now(), &self.reader.connection);
-        let damaged = |error| self.reader.damaged("the effects", error);
-        let last = last_effect(connection).map_err(damaged)?;
+        let began = Instant::now();
+        let last = self.reader.effects()?.table.last_id();
         while for_reading(&self.indexes.effects).seen() < last {
             if began.elapsed() > budget {
                 return Ok(false);
             }
-            for_writing(&self.indexes.effects).refresh(connection, last).map_err(damaged)?;
+            for_writing(&self.indexes.effects).refresh(&self.reader, last)?;
         }
         Ok(true)
     }
-}
-
-/// Joins ranges that follow one another, downwards, up to a bound.
-fn joined(ranges: impl Iterator<Item = (i64, i64)>) -> Vec<(i64, i64)> {
-    let mut all: Vec<(i64, i64)> = Vec::new();
-    for (first, last) in ranges {
-        match all.last_mut() {
-            Some(above) if above.0 == last + 1 && above.1 - first < JOINED_EFFECTS_MAX => above.0 = first,
-            _ => all.push((first, last)),
-        }
-    }
-    all
-}
-
-/// The statement of a query among effects `first..=last`, and its values; it selects at most `count` rows, the newest first.
-fn select(query: &EventsQuery, (first, last): (i64, i64), count: usize) -> (String, Vec<Value>) {
-    let mut sql = format!("SELECT {COLUMNS} FROM effect WHERE id BETWEEN ? AND ? AND t_ns BETWEEN ? AND ?");
-    let mut values: Vec<Value> = vec![
-        first.into(),
-        last.into(),
-        query.from_ns.unwrap_or(i64::MIN).into(),
-        query.to_ns.unwrap_or(i64::MAX).into(),
-    ];
-    if !query.kinds.is_empty() {
-        sql.push_str(&format!(" AND kind IN ({})", vec!["?"; query.kinds.len()].join(", ")));
-        values.extend(query.kinds.iter().map(|kind| Value::from(kind.clone())));
-    }
-    if let Some(task) = query.task {
-        sql.push_str(" AND task = ?");
-        values.push(task.cast_signed().into());
-    }
-    if let Some(find) = query.find.as_deref().filter(|find| !find.is_empty()) {
-        sql.push_str(" AND (instr(lower(subject), lower(?)) > 0 OR instr(lower(text), lower(?)) > 0)");
-        values.extend([Value::from(find.to_owned()), Value::from(find.to_owned())]);
-    }
-    sql.push_str(&format!(" ORDER BY id DESC LIMIT {count}"));
-    (sql, values)
 }

@@ -1,16 +1,15 @@
 //! The holders of resources over time, kept in memory and grown with the record.
 
-use super::index::task_number;
+use crate::error::RecordError;
+use crate::record::RecordReader;
 use apex_model::cause::Cause;
 use apex_model::effect::{DecisionKind, Effect};
 use apex_model::task::TaskState;
-use rusqlite::Connection;
 use std::collections::BTreeMap;
 
 /// All holdings, kept in memory and grown with the record. Bound: each transition is read once.
 #[derive(Default)]
 pub(super) struct HoldingIndex {
-    seen_effect: i64,
     /// Number of the last effect that was read or skipped.
     read_to: i64,
     resources: Vec<(String, Vec<Held>)>,
@@ -38,34 +37,30 @@ impl HoldingIndex {
         self.read_to
     }
 
-    /// Reads the rows that were written since the last call, up to effect `last`.
-    pub(super) fn refresh(&mut self, connection: &Connection, last: i64) -> rusqlite::Result<()> {
-        let sql = "SELECT id, t_ns, task, to_state, body FROM effect WHERE id > ?1 AND id <= ?2 AND kind = 'transition' ORDER BY id";
-        let mut statement = connection.prepare_cached(sql)?;
-        let mut rows = statement.query([self.seen_effect.max(self.read_to), last])?;
-        while let Some(row) = rows.next()? {
-            self.seen_effect = row.get(0)?;
-            let at_ns: i64 = row.get(1)?;
-            let Some(task) = task_number(row, 2)? else { continue };
+    /// Reads the effects that were written since the last call, up to effect `last`.
+    pub(super) fn refresh(&mut self, reader: &RecordReader, last: i64) -> Result<(), RecordError> {
+        let effects = reader.effects()?;
+        for place in effects.table.place_after(self.read_to)..effects.table.place_after(last) {
+            let Some(kind) = effects.table.kind(place).filter(|kind| kind.word == "transition") else { continue };
+            let Some(task) = effects.table.task(place) else { continue };
             // Leaving the state gives everything back.
-            for (resource, place) in self.held.remove(&task).unwrap_or_default() {
-                let slot = self.resources.get_mut(resource).and_then(|(_, list)| list.get_mut(place));
+            for (resource, held) in self.held.remove(&task).unwrap_or_default() {
+                let slot = self.resources.get_mut(resource).and_then(|(_, list)| list.get_mut(held));
                 if let Some(held) = slot {
-                    held.to_ns = Some(at_ns);
+                    held.to_ns = Some(effects.at(place).0);
                 }
             }
-            if row.get::<_, Option<String>>(3)?.as_deref() == Some("ongoing") {
-                let body: Vec<u8> = row.get(4)?;
-                self.grant(task, at_ns, &body);
+            if kind.grants {
+                self.grant(task, effects.at(place).0, effects.effect(place)?);
             }
         }
         self.read_to = self.read_to.max(last);
         Ok(())
     }
 
-    /// Keeps what a transition to `ongoing` granted. The row of another version says nothing.
-    fn grant(&mut self, task: u64, at_ns: i64, body: &[u8]) {
-        let Ok(Effect::Decided(decision)) = postcard::from_bytes(body) else { return };
+    /// Keeps what a transition to `ongoing` granted.
+    fn grant(&mut self, task: u64, at_ns: i64, effect: Effect) {
+        let Effect::Decided(decision) = effect else { return };
         let DecisionKind::Transition { to: TaskState::Ongoing, .. } = decision.kind else { return };
         let Cause::ResourcesGranted { resources } = decision.because.cause else { return };
         for share in resources {

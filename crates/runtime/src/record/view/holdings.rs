@@ -58,12 +58,7 @@ impl RecordView {
         let end_ns = self.reader.span()?.map_or(0, |(_, end)| end.0);
         let at_ns = at_ns.unwrap_or(i64::MAX).min(end_ns);
         let (from_ns, to_ns) = (from_ns.unwrap_or(i64::MIN), to_ns.unwrap_or(i64::MAX).min(at_ns));
-        let index = self.current(
-            "the holders of resources",
-            &self.indexes.holdings,
-            HoldingIndex::read_to,
-            HoldingIndex::refresh,
-        )?;
+        let index = self.current(&self.indexes.holdings, HoldingIndex::read_to, HoldingIndex::refresh)?;
         let known = |list: &Vec<Held>| list.first().is_some_and(|first| first.from_ns <= at_ns);
         let row = |(resource, list): &(String, Vec<Held>)| {
             let shown = |held: &Held| {

@@ -1,10 +1,12 @@
 //! The states of all tasks over time, kept in memory and grown with the record.
 //!
-//! Bound: each effect row is read once; memory is one small entry per state change.
+//! Bound: each effect is read once; memory is one small entry per state change.
 
 use super::state::StateWord;
+use crate::error::RecordError;
+use crate::record::{EffectKind, Effects, RecordReader};
+use apex_model::effect::{Decision, DecisionKind, Effect};
 use apex_model::task::TaskState;
-use rusqlite::{Connection, Row};
 use std::collections::BTreeMap;
 
 /// A task and what became known of it when, oldest first. Parent, tag and place are those of its creation.
@@ -33,16 +35,9 @@ pub(super) struct Change {
 /// All tasks by number.
 #[derive(Default)]
 pub(super) struct TaskIndex {
-    seen_effect: i64,
     /// Number of the last effect that was read or skipped.
     read_to: i64,
-    seen_task: i64,
     tasks: BTreeMap<u64, IndexedTask>,
-}
-
-/// Reads a task's number; SQLite knows signed numbers only.
-pub(super) fn task_number(row: &Row<'_>, column: usize) -> Result<Option<u64>, rusqlite::Error> {
-    Ok(row.get::<_, Option<i64>>(column)?.map(i64::cast_unsigned))
 }
 
 /// A stretch of time in one state; the last one of a task that has not ended is open.
@@ -69,53 +64,25 @@ impl TaskIndex {
         self.read_to
     }
 
-    /// Reads the rows that were written since the last call, up to effect `last`.
-    pub(super) fn refresh(&mut self, connection: &Connection, last: i64) -> Result<(), rusqlite::Error> {
-        self.read_tasks(connection)?;
-        let mut statement = connection.prepare_cached(
-            "SELECT id, t_ns, kind, task, to_state, outcome, subject, method FROM effect WHERE id > ?1 \
-             AND id <= ?2 AND task IS NOT NULL AND kind IN ('created', 'transition', 'selected') ORDER BY id",
-        )?;
-        let mut rows = statement.query([self.seen_effect.max(self.read_to), last])?;
-        while let Some(row) = rows.next()? {
-            let (at_ns, kind): (i64, String) = (row.get(1)?, row.get(2)?);
-            let Some(id) = task_number(row, 3)? else { continue };
+    /// Reads the effects that were written since the last call, up to effect `last`.
+    pub(super) fn refresh(&mut self, reader: &RecordReader, last: i64) -> Result<(), RecordError> {
+        let effects = reader.effects()?;
+        let places = effects.table.place_after(self.read_to)..effects.table.place_after(last);
+        effects.scan(places, EffectKind::wanted_of_tasks, |found| {
+            let Some(id) = found.task else { return Ok(()) };
+            let at_ns = found.at.0;
             let task = self.tasks.entry(id).or_default();
-            match kind.as_str() {
-                "created" => {
-                    task.created_ns = at_ns;
-                    task.changes.push(Change { at_ns, state: StateWord(TaskState::Pending), outcome: None });
-                    task.set_goal(at_ns, row.get::<_, Option<String>>(6)?.unwrap_or_default());
+            match found.effect {
+                None => {
+                    let state = StateWord(found.kind.to.unwrap_or(TaskState::Pending));
+                    task.change(Change { at_ns, state, outcome: found.kind.outcome.map(Box::from) });
                 }
-                "transition" => {
-                    let outcome = row.get::<_, Option<Box<str>>>(5)?.filter(|word| !word.is_empty());
-                    task.change(Change { at_ns, state: row.get(4)?, outcome });
-                }
-                _ => {
-                    task.set_goal(at_ns, row.get::<_, Option<String>>(6)?.unwrap_or_default());
-                    let method = row.get::<_, Option<Box<str>>>(7)?.filter(|method| !method.is_empty());
-                    task.methods.push((at_ns, method));
-                }
+                Some(Effect::Decided(decision)) => task.decide(at_ns, &decision, &effects),
+                Some(_) => {}
             }
-            self.seen_effect = row.get(0)?;
-        }
+            Ok(())
+        })?;
         self.read_to = self.read_to.max(last);
-        Ok(())
-    }
-
-    /// Reads what new tasks were created with; what they select later is among the effects.
-    fn read_tasks(&mut self, connection: &Connection) -> Result<(), rusqlite::Error> {
-        let sql = "SELECT position, id, parent, tag, place FROM task WHERE position > ?1 ORDER BY position";
-        let mut statement = connection.prepare_cached(sql)?;
-        let mut rows = statement.query([self.seen_task])?;
-        while let Some(row) = rows.next()? {
-            let Some(id) = task_number(row, 1)? else { continue };
-            let task = self.tasks.entry(id).or_default();
-            task.parent = task_number(row, 2)?;
-            task.tag = row.get::<_, Option<String>>(3)?.unwrap_or_default();
-            task.place = row.get::<_, Option<String>>(4)?.filter(|place| !place.is_empty());
-            self.seen_task = row.get(0)?;
-        }
         Ok(())
     }
 }
@@ -127,6 +94,25 @@ fn last_known<T>(known: &[(i64, T)], at_ns: i64) -> Option<&T> {
 }
 
 impl IndexedTask {
+    /// Takes its creation or a selection.
+    fn decide(&mut self, at_ns: i64, decision: &Decision, effects: &Effects<'_>) {
+        match &decision.kind {
+            DecisionKind::Created { parent, tag, goal, .. } => {
+                self.parent = parent.map(|parent| parent.0);
+                self.tag = tag.to_string();
+                self.place = effects.place(decision);
+                self.created_ns = at_ns;
+                self.changes.push(Change { at_ns, state: StateWord(TaskState::Pending), outcome: None });
+                self.set_goal(at_ns, goal.to_string());
+            }
+            DecisionKind::Selected { method, goal, .. } => {
+                self.set_goal(at_ns, goal.to_string());
+                self.methods.push((at_ns, Some(effects.method(method).into_boxed_str())));
+            }
+            _ => {}
+        }
+    }
+
     fn set_goal(&mut self, at_ns: i64, goal: String) {
         if self.goals.last().is_none_or(|(_, known)| **known != *goal) {
             self.goals.push((at_ns, goal.into_boxed_str()));

@@ -51,6 +51,7 @@ pub use track::{Track, TrackQuery};
 pub use trouble_index::{Trouble, TroubleKind}; // english: allow
 pub use troubles::Troubles; // english: allow
 
+use super::effect_access::Effects;
 use super::reader::RecordReader;
 use crate::error::RecordError;
 use announcements::Announcements;
@@ -114,31 +115,32 @@ impl RecordView {
 
     /// The task index, up to date with the record.
     fn tasks_index(&self) -> Result<RwLockReadGuard<'_, TaskIndex>, RecordError> {
-        self.current("the tasks", &self.indexes.tasks, TaskIndex::read_to, |index, connection, last| {
-            index.refresh(connection, last)
-        })
+        self.current(&self.indexes.tasks, TaskIndex::read_to, TaskIndex::refresh)
     }
 
     /// An index, brought up to date with the last effect; `read_to` says how far it is. Only a view that finds it behind
     /// excludes the others meanwhile.
     fn current<'a, T>(
         &self,
-        what: &str,
         lock: &'a RwLock<T>,
         read_to: fn(&T) -> i64,
-        refresh: impl FnOnce(&mut T, &Connection, i64) -> rusqlite::Result<()>,
+        refresh: impl FnOnce(&mut T, &RecordReader, i64) -> Result<(), RecordError>,
     ) -> Result<RwLockReadGuard<'a, T>, RecordError> {
         self.reader.check_growth()?;
-        let connection = &self.reader.connection;
-        let damaged = |error| self.reader.damaged(what, error);
-        let last = last_effect(connection).map_err(damaged)?;
+        let last = self.reader.effects()?.table.last_id();
         let index = for_reading(lock);
         if read_to(&index) >= last {
             return Ok(index);
         }
         drop(index);
-        refresh(&mut for_writing(lock), connection, last).map_err(damaged)?;
+        refresh(&mut for_writing(lock), &self.reader, last)?;
         Ok(for_reading(lock))
+    }
+
+    /// The effects of the agent, up to date with the record.
+    fn effects(&self) -> Result<Effects<'_>, RecordError> {
+        self.reader.check_growth()?;
+        self.reader.effects()
     }
 
     /// Runs queries; `what` names in errors what they read.
@@ -146,12 +148,6 @@ impl RecordView {
         self.reader.check_growth()?;
         read(&self.reader.connection).map_err(|error| self.reader.damaged(what, error))
     }
-}
-
-/// The number of the last effect of all agents.
-fn last_effect(connection: &Connection) -> rusqlite::Result<i64> {
-    let mut statement = connection.prepare_cached("SELECT ifnull(max(id), 0) FROM main.effect")?;
-    statement.query_row([], |row| row.get(0))
 }
 
 /// A lock for reading. A panic while it was written leaves an index that the next refresh continues.

@@ -2,10 +2,11 @@
 
 use super::RecordView;
 use crate::error::RecordError;
-use apex_model::effect::{DecisionKind, Effect};
+use crate::record::Effects;
+use apex_model::effect::{Decision, DecisionKind, Effect};
 use apex_model::problem::{LeftOut, Plan, Position};
 use apex_model::time::Time;
-use rusqlite::{Connection, OptionalExtension};
+use rusqlite::OptionalExtension;
 use serde::Serialize;
 
 /// The plan in force at an instant.
@@ -67,21 +68,17 @@ impl RecordView {
     /// # Errors
     /// [`RecordError::Damaged`].
     pub fn plans(&self, at_ns: Option<i64>) -> Result<Plans, RecordError> {
-        let at_ns = at_ns.unwrap_or(i64::MAX);
-        let sql = "SELECT count(*) FROM effect WHERE kind = 'procedure-added' AND t_ns <= ?1";
-        let count = |connection: &Connection| connection.query_row(sql, [at_ns], |row| row.get::<_, i64>(0));
-        let total = self.query("the plans", count)?;
+        let effects = self.effects()?;
+        let added = added(&effects, at_ns.unwrap_or(i64::MAX));
+        let total = added.len() as i64;
         let first = (total - PLANS_MAX).max(0) + 1;
         let mut plans = Vec::new();
-        for number in first..=total {
-            let adopted = self.query("the plans", |connection| adopted(connection, at_ns, Some(number)))?;
-            plans.extend(adopted.map(|adopted| {
-                let mut plan = in_force(adopted);
-                if number + 1 < total {
-                    plan.route = Vec::new();
-                }
-                plan
-            }));
+        for (number, place) in (1..).zip(added).skip(usize::try_from(first - 1).unwrap_or(0)) {
+            let mut plan = in_force(self.adopted(&effects, place, number)?);
+            if number + 1 < total {
+                plan.route = Vec::new();
+            }
+            plans.push(plan);
         }
         Ok(Plans { plans, left_out: first - 1 })
     }
@@ -91,9 +88,27 @@ impl RecordView {
     /// # Errors
     /// [`RecordError::Damaged`].
     pub fn plan(&self, at_ns: Option<i64>) -> Result<Option<PlanInForce>, RecordError> {
-        let at_ns = at_ns.unwrap_or(i64::MAX);
-        let adopted = self.query("the plans", |connection| adopted(connection, at_ns, None))?;
-        Ok(adopted.map(in_force))
+        let effects = self.effects()?;
+        let added = added(&effects, at_ns.unwrap_or(i64::MAX));
+        let last = added.last().map(|place| self.adopted(&effects, *place, added.len() as i64));
+        Ok(last.transpose()?.map(in_force))
+    }
+
+    /// The plan whose adoption is at a place among the effects.
+    fn adopted(&self, effects: &Effects<'_>, place: usize, number: i64) -> Result<Adopted, RecordError> {
+        let (request, summary) = match effects.effect(place)? {
+            Effect::Decided(Decision { kind: DecisionKind::ProcedureAdded { request, summary, .. }, .. }) => {
+                (request.0.cast_signed(), summary)
+            }
+            _ => return Err(self.reader.garbled("the adoption of a plan is missing".into())),
+        };
+        let plan = self.query("the plans", |connection| {
+            connection
+                .prepare_cached("SELECT plan FROM answer WHERE request = ?1 ORDER BY position DESC LIMIT 1")?
+                .query_row([request], |row| row.get::<_, Option<String>>(0))
+                .optional()
+        })?;
+        Ok((number, effects.at(place).0, summary, plan.flatten()))
     }
 }
 
@@ -114,32 +129,10 @@ fn in_force((number, adopted_ns, summary, text): Adopted) -> PlanInForce {
 
 type Adopted = (i64, i64, String, Option<String>);
 
-/// The plan with a number from 1, or the last one, of those adopted by `at_ns`.
-fn adopted(connection: &Connection, at_ns: i64, number: Option<i64>) -> rusqlite::Result<Option<Adopted>> {
-    let sql = "WITH added AS (SELECT id, t_ns, subject, body, row_number() OVER (ORDER BY id) AS number FROM effect \
-               WHERE kind = 'procedure-added' AND t_ns <= ?1) \
-               SELECT t_ns, subject, body, number FROM added WHERE ?2 IS NULL OR number = ?2 ORDER BY number DESC LIMIT 1";
-    let last = connection
-        .prepare_cached(sql)?
-        .query_row(rusqlite::params![at_ns, number], |row| {
-            let body: Vec<u8> = row.get(2)?;
-            Ok((row.get::<_, i64>(0)?, row.get::<_, String>(1)?, body, row.get::<_, i64>(3)?))
-        })
-        .optional()?;
-    let Some((adopted_ns, summary, body, number)) = last else { return Ok(None) };
-    let request = match postcard::from_bytes(&body) {
-        Ok(Effect::Decided(decision)) => match decision.kind {
-            DecisionKind::ProcedureAdded { request, .. } => Some(request.0.cast_signed()),
-            _ => None,
-        },
-        // A record of another version: the line about the plan remains.
-        Ok(_) | Err(_) => None,
-    };
-    let plan = connection
-        .prepare_cached("SELECT plan FROM answer WHERE request = ?1 ORDER BY position DESC LIMIT 1")?
-        .query_row([request], |row| row.get::<_, Option<String>>(0))
-        .optional()?;
-    Ok(Some((number, adopted_ns, summary, plan.flatten())))
+/// The adoptions of plans up to `at_ns`, as places among the effects.
+fn added(effects: &Effects<'_>, at_ns: i64) -> Vec<usize> {
+    let is_added = |place: &usize| effects.table.kind(*place).is_some_and(|kind| kind.word == "procedure-added");
+    (0..effects.table.place_later(Time(at_ns))).filter(is_added).collect()
 }
 
 type Shown = (Vec<PlannedVisit>, Vec<[f64; 2]>, Vec<LeftOutTarget>);

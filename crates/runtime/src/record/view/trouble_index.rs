@@ -1,7 +1,8 @@
 //! An index of failures, interruptions and faults, shared by all views of a record and grown with it. (english: allow)
 
-use super::index::task_number;
-use rusqlite::Connection;
+use crate::error::RecordError;
+use crate::record::{EffectKind, RecordReader};
+use apex_model::task::TaskState;
 use serde::Serialize;
 
 /// Kind of the effects that report faults.
@@ -63,25 +64,17 @@ impl TroubleIndex {
     }
 
     /// Reads effects up to `last`. Of the tasks that one decision interrupts at an instant, the first is kept.
-    pub(super) fn refresh(&mut self, connection: &Connection, last: i64) -> rusqlite::Result<()> {
-        let sql = "SELECT t_ns, kind, task, to_state, subject, text FROM effect WHERE id > ?1 AND id <= ?2 AND (kind = ?3 \
-                   OR (kind = 'transition' AND (outcome = 'failure' OR to_state = 'interrupted'))) ORDER BY id";
-        let mut statement = connection.prepare_cached(sql)?;
-        let mut rows = statement.query((self.read_to, last, FAULT))?;
-        while let Some(row) = rows.next()? {
-            let word: String = row.get(1)?;
-            let state: Option<String> = row.get(3)?;
-            let kind = match (word.as_str(), state.as_deref()) {
-                (FAULT, _) => TroubleKind::Fault,
-                (_, Some("interrupted")) => TroubleKind::Interrupted,
-                _ => TroubleKind::Failed,
-            };
+    pub(super) fn refresh(&mut self, reader: &RecordReader, last: i64) -> Result<(), RecordError> {
+        let effects = reader.effects()?;
+        for place in effects.table.place_after(self.read_to)..effects.table.place_after(last) {
+            let Some(kind) = effects.table.kind(place).and_then(kind_of) else { continue };
+            let told = effects.told(place)?;
             let trouble = Trouble {
-                t_ns: row.get(0)?,
+                t_ns: told.at.0,
                 kind,
-                subject: row.get::<_, Option<String>>(4)?.unwrap_or_default(),
-                cause: row.get::<_, Option<String>>(5)?.unwrap_or_default(),
-                task: task_number(row, 2)?,
+                subject: told.row.subject,
+                cause: told.row.text,
+                task: told.row.task.map(|task| task.0),
                 target: None,
             };
             let is_same = |before: &Trouble| {
@@ -94,5 +87,15 @@ impl TroubleIndex {
         }
         self.read_to = self.read_to.max(last);
         Ok(())
+    }
+}
+
+/// The kind of the entry that an effect makes; none if it makes none.
+fn kind_of(kind: &EffectKind) -> Option<TroubleKind> {
+    match (kind.word, kind.to, kind.outcome) {
+        (FAULT, ..) => Some(TroubleKind::Fault),
+        ("transition", Some(TaskState::Interrupted), _) => Some(TroubleKind::Interrupted),
+        ("transition", _, Some("failure")) => Some(TroubleKind::Failed),
+        _ => None,
     }
 }

@@ -27,7 +27,7 @@ impl RecordView {
         let mission = self.mission(at_ns)?;
         let targets = self.targets(at_ns)?.targets;
         let until = at_ns.unwrap_or(i64::MAX);
-        let index = self.current("the effects", &self.indexes.faults, TroubleIndex::read_to, TroubleIndex::refresh)?;
+        let index = self.current(&self.indexes.faults, TroubleIndex::read_to, TroubleIndex::refresh)?;
         let mut troubles = index.until(until).to_vec();
         drop(index);
         for target in targets {

@@ -8,13 +8,16 @@
 use super::sample::StoredSample;
 use crate::error::RecordError;
 use crate::record::reader::RecordReader;
+use crate::record::{EffectKind, EffectNeed};
 use apex_model::condition::{Condition, ConditionKind, Constraint, Relation, VariablePattern};
+use apex_model::effect::Effect;
 use apex_model::event::StateVariable;
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::library::Library;
 use apex_model::pattern::Pattern;
 use apex_model::print::Style;
 use apex_model::symbol::Symbol;
+use apex_model::time::Time;
 use apex_model::value::Value;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -274,17 +277,27 @@ impl Raised {
         limits: &[SignalLimit],
         at_ns: i64,
     ) -> Result<Raised, RecordError> {
-        let read = || -> rusqlite::Result<Raised> {
-            let sql = "SELECT t_ns FROM effect WHERE kind = 'satisfied' AND place = ?1 AND t_ns <= ?2 ORDER BY id";
-            let mut statement = reader.connection.prepare_cached(sql)?;
-            let mut raised = Raised::default();
-            for limit in limits {
-                let times = statement.query_map((&limit.place, at_ns), |row| row.get(0))?;
-                raised.0.insert(limit.place.clone(), times.collect::<rusqlite::Result<_>>()?);
+        let mut raised = Raised::default();
+        for limit in limits {
+            raised.0.insert(limit.place.clone(), Vec::new());
+        }
+        if limits.is_empty() {
+            return Ok(raised);
+        }
+        let effects = reader.effects()?;
+        let places = 0..effects.table.place_later(Time(at_ns));
+        let satisfied =
+            |kind: &EffectKind| if kind.word == "satisfied" { EffectNeed::Effect } else { EffectNeed::Nothing };
+        effects.scan(places, satisfied, |found| {
+            if let Some(Effect::Decided(decision)) = &found.effect
+                && let Some(place) = effects.place(decision)
+                && let Some(times) = raised.0.get_mut(&place)
+            {
+                times.push(found.at.0);
             }
-            Ok(raised)
-        };
-        read().map_err(|error| reader.damaged("the decisions", error))
+            Ok(())
+        })?;
+        Ok(raised)
     }
 
     /// The first one in `from..=to`.

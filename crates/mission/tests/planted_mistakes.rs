@@ -1,0 +1,149 @@
+//! Mistakes planted in shipped missions, one at a time: the check must name each, at the right line. Slips of names, units, types and
+//! arguments as authors make them; the mission without a mistake must stay without a message.
+
+use apex_mission::Mission;
+use apex_mission::error::MissionResult;
+use apex_mission::names::check_names;
+use apex_mission::program::check_program_with;
+use apex_pdl::{Diagnostic, Severity};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Text before and after the slip.
+type Slip = (&'static str, &'static str);
+
+const STRUCTURE_WATCH: &[Slip] = &[
+    ("return to home at 110m", "return to hmoe at 110m"),
+    ("take off to 110m", "take off to 110"),
+    ("take off to 110m", "take off to 110s"),
+    ("take off to 110m", "take off too 110m"),
+    ("(step clock (wait ?time))", "(step clock (wait 55m))"),
+    ("(step clock (wait ?time))", "(step clock (wait \"55min\"))"),
+    ("(step clock (wait ?time))", "(step clock (wait ?tiem))"),
+    ("+forecast-wind+ 6m/s", "+forecast-wind+ 6m/"),
+    ("(> +forecast-wind+)", "(> +forecast-winds+)"),
+    (":value (> +forecast-wind+)", ":value (> 6m)"),
+    ("(wind-speed rotorcraft-1)", "(wind-sped rotorcraft-1)"),
+    ("(wind-speed rotorcraft-1)", "(wind-speed rotorcraft-2)"),
+    ("(waitfor (smoke-seen ?site))", "(waitfor (smoke-sen ?site))"),
+    ("(waitfor (fire-sighted ?site))", "(waitfor (fire-sighted ?site ?when))"),
+    ("(waitfor (fire-sighted ?site))", "(waitfor (fire-sited ?site))"),
+    ("(waitfor (end ?up))", "(waitfor (end ?upp))"),
+    ("(waitfor (end ?clock))", "(waitfor (ended ?clock))"),
+    ("(guard the flight)", "(guard the fligt)"),
+    ("(keep in touch over 900MHzModem)", "(keep in touch with 900MHzModem)"),
+    ("(keep in touch over 900MHzModem)", "(keep in touch over 90MHzModem)"),
+    (":station home", ":station hom"),
+    (":model rmax", ":model rmacks"),
+    (":at home", ":at house"),
+    ("\"sites.geojson\"", "\"site.geojson\""),
+    ("\"obstacles.geojson\"", "\"obstacle.geojson\""),
+    (":weather \"winds-actual.csv\"", ":weather \"winds-real.csv\""),
+    ("\"world.json\"", "\"wrld.json\""),
+    ("\"scenario.jsonl\"", "\"scenarios.jsonl\""),
+    (":end-margin", ":end-margins"),
+    (":duration 1h", ":duration 1"),
+    (":duration 1h", ":duration -1h"),
+    ("2026-08-18T21:00:00Z", "2026-08-38T21:00:00Z"),
+    (":type native-sim", ":type nativ-sim"),
+    (":full-level 1500m", ":full-level 1500s"),
+    ("solver auto", "solver atuo"),
+    (":budget 500ms", ":budget 500m"),
+    ("(solver auto (index (patrol the structures))", "(solver auto (index (patrol the structure))"),
+    (":initial-task (watch the structures for 55min)", ":initial-task (watch the structure for 55min)"),
+    ("for 55min)))", "for 55m)))"),
+    ("\"replanning\"", "\"replaning\""),
+    ("(new-likelihood ?site 0.8))))\n\n;; Smoke", "(new-likelihood ?sit 0.8))))\n\n;; Smoke"),
+    ("(new-likelihood ?site 0.8))))\n\n;; Smoke", "(new-likelihood 0.8))))\n\n;; Smoke"),
+    ("(new-likelihood ?site 0.8))))\n\n;; Smoke", "(new-likelihood ?site high))))\n\n;; Smoke"),
+    (":default fire)", ":default fires)"),
+    (":by 90s", ":by 90m"),
+    (":duration (> 1min)", ":duration (> 1m)"),
+    (":quality (:no-constraints)", ":qualty (:no-constraints)"),
+    (":options (fire barbecue)", ":options (fire barbeque)"),
+    ("(index (believe barbecue at ?site))", "(index (believe barbecu at ?site))"), // english: allow
+    ("(restart-when (new plan))", "(restart-when (new plans))"),
+    ("(priority 10)", "(priority high)"),
+    ("(priority 10)", "(priorty 10)"),
+    ("(agent rotorcraft-1 ", "(agent rotorcraft-2 "),
+    ("(step take (believe ?answer at ?site))", "(step take (believe ?anser at ?site))"), // english: allow
+    ("within 2min", "within 2m"),
+];
+
+const WESTERN_STATES: &[Slip] = &[
+    ("return to edwards at 7000m", "return to edward at 7000m"),
+    ("return to edwards at 7000m", "return to edwards at 7000kg"),
+    (":at edwards", ":at edwads"),
+    (":landing-distance 220nm", ":landing-distance 220kt"),
+    ("(keep in touch over satellite-link)", "(keep in touch over satelite-link)"),
+    ("(off-schedule ?what)", "(of-schedule ?what)"),
+    ("(observed ?)", "(observed)"),
+    ("(new-target ?what)", "(new-targets ?what)"),
+];
+
+fn mission_path(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions").join(name).join("mission.pdl")
+}
+
+/// The lines of all that is said about the mission with this text, warnings and errors; and the words of it.
+fn said_about(path: &Path, text: &str) -> (Vec<u32>, Vec<String>) {
+    let mut read = |file: &Path| -> MissionResult<String> {
+        if file == path { Ok(text.to_string()) } else { apex_mission::files::read_text(file) }
+    };
+    let mut checked = check_program_with(path, false, &mut read).expect("the text is given");
+    let mut of_data = None;
+    if !checked.has_errors() {
+        match Mission::of_program(path, Arc::new(checked.library.clone())) {
+            Ok(mission) => checked.diagnostics.extend(check_names(&mission, &apex_solvers::shipped())),
+            Err(error) => of_data = Some(error),
+        }
+    }
+    let serious: Vec<&Diagnostic> = checked.diagnostics.iter().filter(|each| each.severity != Severity::Note).collect();
+    let mut lines: Vec<u32> = Vec::new();
+    let mut words: Vec<String> = Vec::new();
+    for diagnostic in serious {
+        let spans = std::iter::once(diagnostic.span).chain(diagnostic.labels.iter().map(|label| label.span));
+        lines.extend(spans.filter(|span| span.file == 0).map(|span| span.line));
+        words.push(format!("{} {}", diagnostic.code, diagnostic.message));
+    }
+    if let Some(error) = of_data {
+        let all = error.to_string();
+        // `mission.pdl:7:3`, in the headline or the reason.
+        let places = all.split("mission.pdl:").skip(1);
+        lines.extend(places.filter_map(|rest| rest.split(':').next()?.parse::<u32>().ok()));
+        words.push(all);
+    }
+    (lines, words)
+}
+
+/// Plants each slip; returns those that stay silent, and those named at another line.
+fn planted(mission: &str, slips: &[Slip]) -> (Vec<String>, Vec<String>) {
+    let path = mission_path(mission);
+    let text = std::fs::read_to_string(&path).expect("the mission ships");
+    assert_eq!(said_about(&path, &text).1, Vec::<String>::new(), "{mission} has no mistake");
+    let (mut silent, mut elsewhere) = (Vec::new(), Vec::new());
+    for (before, after) in slips {
+        let at = text.find(before).unwrap_or_else(|| panic!("{mission} has no `{before}`"));
+        let same = before.bytes().zip(after.bytes()).take_while(|(one, other)| one == other).count();
+        let line = u32::try_from(text[..at + same].matches('\n').count() + 1).expect("few lines");
+        let (lines, words) = said_about(&path, &text.replacen(before, after, 1));
+        if words.is_empty() {
+            silent.push((*after).to_string());
+        } else if !lines.contains(&line) {
+            elsewhere.push(format!("{after} (line {line}): {lines:?} {words:?}"));
+        }
+    }
+    (silent, elsewhere)
+}
+
+#[test]
+fn slips_in_missions_are_named_at_their_line() {
+    let (mut silent, mut elsewhere) = planted("structure-watch", STRUCTURE_WATCH);
+    let more = planted("western-states", WESTERN_STATES);
+    silent.extend(more.0);
+    elsewhere.extend(more.1);
+    let count = STRUCTURE_WATCH.len() + WESTERN_STATES.len();
+    assert!(count >= 60);
+    assert_eq!(silent, Vec::<String>::new(), "of {count} slips");
+    assert!(elsewhere.len() * 20 <= count, "{} of {count} slips:\n{}", elsewhere.len(), elsewhere.join("\n"));
+}

@@ -1,0 +1,179 @@
+//! Messages about arguments of the wrong type, and about too few or too many of them.
+
+use super::calls::{Call, Calls, Receiver};
+use super::findings::Findings;
+use super::types::Types;
+use crate::analysis::kinds::{Kind, Kinds, is_zero};
+use crate::codes;
+use crate::diagnostic::{Diagnostic, Severity};
+use crate::fix::Fix;
+use crate::matching::View;
+use crate::suggest::renames;
+use apex_model::expression::Template;
+use apex_model::interface::{ArgumentType, InterfaceDeclaration, NameKind};
+use apex_model::library::Library;
+use apex_model::quantity::Dimension;
+use apex_model::symbol::Symbol;
+use apex_model::value::Value;
+
+/// Words that replace a place in commands: the present position, and straight below it.
+const PLACE_WORDS: &[&str] = &["here", "down"];
+
+pub(super) fn check(library: &Library, calls: &Calls<'_>, types: &Types<'_>, findings: &mut Findings<'_>) {
+    for call in &calls.all {
+        if let Receiver::Declared(declaration) = &call.receiver {
+            count(call, declaration, findings);
+        }
+        for number in 1..call.items.len() {
+            let Some(wanted) = types.wanted(call, number) else { continue };
+            let Some(item) = call.items.get(number) else { continue };
+            if let Some(found) = mismatch(library, &wanted, *item) {
+                argument(call, number, &wanted, found, findings);
+            }
+        }
+    }
+}
+
+/// An argument that is not of the wanted type.
+pub(super) enum Mismatch {
+    /// It is certainly something else: as text.
+    Other(String),
+    /// A number without unit, where a quantity is wanted.
+    Bare(String),
+    /// Not one of the words.
+    Word(Symbol),
+}
+
+/// Returns the difference between an argument and its type; none where it does not, or where its value is not known.
+fn mismatch(library: &Library, wanted: &ArgumentType, item: View<'_>) -> Option<Mismatch> {
+    let kind = match item {
+        View::Template(Template::Hole(expr)) if is_zero(expr) => return None,
+        View::Template(Template::Hole(expr)) => Kinds::of(library, expr),
+        _ => Kind::Unknown,
+    };
+    let value = item.value();
+    let other = |what: &str| Some(Mismatch::Other(what.to_string()));
+    match wanted {
+        ArgumentType::Any => None,
+        ArgumentType::Quantity(dimension) => match (value, kind) {
+            (Some(value), _) => quantity(*dimension, value),
+            (None, Kind::Number(found)) if found != *dimension && found != Dimension::NONE => {
+                Some(Mismatch::Other(Kind::Number(found).words()))
+            }
+            (None, Kind::Instant) if *dimension != Dimension::TIME => other("an instant"),
+            (None, Kind::Other(what)) => other(what),
+            _ => None,
+        },
+        ArgumentType::Text => match (value, kind) {
+            (Some(Value::Text(_)), _) | (None, Kind::Unknown | Kind::Other("a text")) => None,
+            (Some(value), _) => Some(Mismatch::Other(format!("`{value}`"))),
+            (None, kind) => Some(Mismatch::Other(kind.words())),
+        },
+        ArgumentType::List => match value {
+            Some(Value::List(_)) | None => None,
+            Some(value) => Some(Mismatch::Other(format!("`{value}`"))),
+        },
+        ArgumentType::OneOf(words) => match value? {
+            Value::Symbol(word) if words.contains(word) => None,
+            Value::Symbol(word) => Some(Mismatch::Word(word.clone())),
+            value => Some(Mismatch::Other(format!("`{value}`"))),
+        },
+        ArgumentType::Named(name_kind) => match (value, kind) {
+            (Some(Value::Symbol(_)), _) => None,
+            (Some(Value::List(_)), _) if *name_kind == NameKind::Place => None,
+            (Some(value), _) => Some(Mismatch::Other(format!("`{value}`"))),
+            (None, Kind::Number(_) | Kind::Instant | Kind::Other("a text")) => Some(Mismatch::Other(kind.words())),
+            (None, _) => None,
+        },
+    }
+}
+
+fn quantity(wanted: Dimension, value: &Value) -> Option<Mismatch> {
+    match value.as_number() {
+        Some((number, _)) if number == 0.0 => None,
+        Some((_, found)) if found == wanted => None,
+        Some((_, Dimension::NONE)) => Some(Mismatch::Bare(value.to_string())),
+        Some((_, found)) => Some(Mismatch::Other(format!("`{value}`, {}", Kind::Number(found).words()))),
+        None if matches!(value, Value::Time(_)) && wanted == Dimension::TIME => None,
+        None if *value == Value::nil() => None,
+        None => Some(Mismatch::Other(format!("`{value}`"))),
+    }
+}
+
+/// The unit that a bare number most likely has: that of the type's own documentation.
+fn usual_unit(wanted: &ArgumentType) -> Option<&'static str> {
+    match wanted {
+        ArgumentType::Quantity(Dimension::LENGTH) => Some("m"),
+        ArgumentType::Quantity(Dimension::TIME) => Some("s"),
+        ArgumentType::Quantity(Dimension::SPEED) => Some("m/s"),
+        ArgumentType::Quantity(Dimension::ANGLE) => Some("deg"),
+        _ => None,
+    }
+}
+
+fn argument(call: &Call<'_>, number: usize, wanted: &ArgumentType, found: Mismatch, findings: &mut Findings<'_>) {
+    let span = call.argument_span(&mut findings.locator, number);
+    let head = call.head().map_or("", Symbol::printed);
+    let diagnostic = match found {
+        Mismatch::Other(what) => Diagnostic::error(
+            codes::ARGUMENT_TYPE,
+            span,
+            format!("`({head} ..)` takes {} here, but this is {what}", wanted.described()),
+        ),
+        Mismatch::Word(word) => {
+            let ArgumentType::OneOf(words) = wanted else { return };
+            let message = format!("`({head} ..)` takes {} here, but this is `{word}`", wanted.described());
+            Diagnostic::error(codes::ARGUMENT_TYPE, span, message).fixes(renames(
+                span,
+                word.printed(),
+                words.iter().map(Symbol::printed),
+            ))
+        }
+        Mismatch::Bare(number) => {
+            let message = format!("`{number}` has no unit, but `({head} ..)` takes {} here", wanted.described());
+            let diagnostic = Diagnostic::new(Severity::Warning, codes::ARGUMENT_TYPE, span, message);
+            match usual_unit(wanted) {
+                Some(unit) => {
+                    let fix = Fix::look(format!("write `{number}{unit}`")).insert_after(span, unit);
+                    diagnostic
+                        .reason(format!("a bare number counts in {unit}, whatever its writer has in mind"))
+                        .fix(fix)
+                }
+                None => diagnostic,
+            }
+        }
+    };
+    findings.add(diagnostic);
+}
+
+/// Too few or too many arguments.
+fn count(call: &Call<'_>, declaration: &InterfaceDeclaration, findings: &mut Findings<'_>) {
+    let is_keyword =
+        |item: &&View<'_>| item.value().and_then(Value::as_symbol).is_some_and(|name| name.folded().starts_with(':'));
+    // Options are not counted.
+    let before = call.items.iter().skip(1).position(|item| is_keyword(&item));
+    let given = before.filter(|_| !declaration.options.is_empty()).unwrap_or(call.items.len().saturating_sub(1));
+    let most = declaration.parameters.len();
+    let is_enough = given >= declaration.required || !call.is_complete;
+    if is_enough && (declaration.is_open || given <= most) {
+        return;
+    }
+    let span = call.argument_span(&mut findings.locator, 0);
+    let head = call.head().map_or("", Symbol::printed);
+    let takes = match (declaration.required, most) {
+        (least, most) if least == most => most.to_string(),
+        (least, _) if declaration.is_open => format!("at least {least}"),
+        (least, most) => format!("{least} to {most}"),
+    };
+    let message = format!("`({head} ..)` is given {given} arguments, but takes {takes}");
+    let parameters: Vec<String> = declaration.parameters.iter().map(|each| format!("?{}", each.name)).collect();
+    let declared = findings.locator.span(declaration.place);
+    findings.add(Diagnostic::error(codes::ARGUMENT_TYPE, span, message).label(declared, "declared here").help(
+        format!("its arguments are {}", if parameters.is_empty() { "none".to_string() } else { parameters.join(" ") }),
+    ));
+}
+
+/// True for words that need no place of this name.
+pub(super) fn is_place_word(word: &str) -> bool {
+    PLACE_WORDS.contains(&word)
+}

@@ -1,0 +1,27 @@
+//! Messages of these checks, with the texts in which their places are found.
+
+use crate::diagnostic::Diagnostic;
+use crate::locate::Locator;
+use apex_model::source::SourceFile;
+
+/// Maximum number of messages: the first ones.
+const MESSAGES_MAX: usize = 200;
+
+/// Collects messages.
+pub(super) struct Findings<'l> {
+    pub(super) locator: Locator<'l>,
+    pub(super) diagnostics: Vec<Diagnostic>,
+}
+
+impl<'l> Findings<'l> {
+    /// None yet, about these texts.
+    pub(super) fn new(sources: &'l [SourceFile]) -> Findings<'l> {
+        Findings { locator: Locator::new(sources), diagnostics: Vec::new() }
+    }
+
+    pub(super) fn add(&mut self, diagnostic: Diagnostic) {
+        if self.diagnostics.len() < MESSAGES_MAX {
+            self.diagnostics.push(diagnostic);
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! Kinds of effects: what is known of an effect by its shape alone.
+
+use crate::effect_describer::outcome_word;
+use apex_model::cause::Cause;
+use apex_model::effect::{Decision, DecisionKind, Effect};
+use apex_model::task::{TaskId, TaskState};
+
+/// Part of an effect that a scan needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum EffectNeed {
+    Nothing,
+    /// Kind, task and instant, which cost little.
+    Kind,
+    Effect,
+}
+
+/// Kind of an effect: all effects of a shape have the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct EffectKind {
+    /// `transition`, `command`, ..: `docs/reference/flight-record.md` lists them.
+    pub(crate) word: &'static str,
+    /// State after, for `transition`.
+    pub(crate) to: Option<TaskState>,
+    /// `success`, `failure` or `cut`, for the transition to `terminated`.
+    pub(crate) outcome: Option<&'static str>,
+    /// Resources are granted by it.
+    pub(crate) grants: bool,
+    /// It is about a task.
+    pub(in crate::record) has_task: bool,
+}
+
+impl EffectKind {
+    /// Part of an effect of this kind that a list of tasks needs.
+    pub(crate) fn wanted_of_tasks(&self) -> EffectNeed {
+        match self.word {
+            "created" | "selected" => EffectNeed::Effect,
+            "transition" => EffectNeed::Kind,
+            _ => EffectNeed::Nothing,
+        }
+    }
+
+    /// True if the effect says what the task's goal is.
+    pub(in crate::record) fn tells_goal(&self) -> bool {
+        matches!(self.word, "created" | "selected")
+    }
+
+    /// The kind of `effect`.
+    pub(in crate::record) fn of(effect: &Effect) -> EffectKind {
+        let mut kind = EffectKind { word: word(effect), to: None, outcome: None, grants: false, has_task: false };
+        kind.has_task = EffectKind::task_of(effect).is_some();
+        if let Effect::Decided(Decision { kind: DecisionKind::Transition { to, outcome, .. }, because, .. }) = effect {
+            kind.to = Some(*to);
+            kind.outcome = outcome.as_ref().map(outcome_word);
+            kind.grants = matches!(because.cause, Cause::ResourcesGranted { .. });
+        }
+        kind
+    }
+
+    /// The task that an effect is about.
+    pub(in crate::record) fn task_of(effect: &Effect) -> Option<TaskId> {
+        match effect {
+            Effect::Decided(decision) => decision.task,
+            Effect::Solve(request) => Some(request.task),
+            Effect::Command { task, .. }
+            | Effect::Inform { task, .. }
+            | Effect::Publish { task, .. }
+            | Effect::Print { task, .. }
+            | Effect::Ask { task, .. }
+            | Effect::Tell { task, .. } => Some(*task),
+            Effect::WithdrawCommand { .. }
+            | Effect::CancelSolve(_)
+            | Effect::WithdrawQuestion { .. }
+            | Effect::AgentEnded { .. }
+            | Effect::EndApplication { .. } => None,
+        }
+    }
+}
+
+/// The word of an effect's kind, as the describer says it.
+fn word(effect: &Effect) -> &'static str {
+    match effect {
+        Effect::Decided(decision) => match decision.kind {
+            DecisionKind::Created { .. } => "created",
+            DecisionKind::Transition { .. } => "transition",
+            DecisionKind::Satisfied { .. } => "satisfied",
+            DecisionKind::Bound { .. } => "bound",
+            DecisionKind::Selected { .. } => "selected",
+            DecisionKind::Refused { .. } => "refused",
+            DecisionKind::ProcedureAdded { .. } => "procedure-added",
+            DecisionKind::Trouble { .. } => "trouble", // english: allow
+        },
+        Effect::Command { .. } => "command",
+        Effect::WithdrawCommand { .. } => "withdraw",
+        Effect::Solve(_) => "solve",
+        Effect::CancelSolve(_) => "cancel-solve",
+        Effect::Inform { .. } => "inform",
+        Effect::Publish { .. } => "publish",
+        Effect::Print { .. } => "print",
+        Effect::Ask { .. } => "ask",
+        Effect::WithdrawQuestion { .. } => "withdraw-question",
+        Effect::Tell { .. } => "tell",
+        Effect::AgentEnded { .. } => "agent-ended",
+        Effect::EndApplication { .. } => "end-application",
+    }
+}
