@@ -67,7 +67,7 @@ impl AppState {
 
     /// Another connection to the record, for work that takes a while. The record was checked when the server began; to open it as a
     /// new one would read the whole file.
-    pub(crate) fn reader(&self) -> Answer<RecordReader> {
+    pub(crate) fn reader(&self) -> ApiResult<RecordReader> {
         self.read(|view| Ok(view.reader().of_agent(self.agent)?))
     }
 
