@@ -43,7 +43,7 @@ fn impossible_coordinates_are_named_with_file_and_feature() {
         ":at (37.4150 -122.0480)",
         ":at (97.4150 -122.0480)",
         &[
-            "m/mission.pdl:3:1: the vehicle's start `:at (97.415 -122.048)` is not a place",
+            "m/mission.pdl:6:3: the vehicle's start `:at (97.415 -122.048)` is not a place",
             "(LATITUDE LONGITUDE)",
             "hangar-1",
         ],
@@ -86,7 +86,7 @@ fn missing_data_are_told_with_who_names_them_and_what_is_there() {
         &desk,
         &[
             "cannot read m/target.geojson",
-            "m/mission.pdl:3:1 names it as `:targets \"target.geojson\"`",
+            "m/mission.pdl:8:3 names it as `:targets \"target.geojson\"`",
             "help: m holds targets.geojson",
         ],
     );
@@ -144,33 +144,37 @@ fn scripted_events_are_checked_before_the_flight() {
 
 #[test]
 fn options_of_the_application_are_told_with_their_place() {
-    let place = "m/mission.pdl:3:1: ";
+    let (vehicle, duration, targets) = ("m/mission.pdl:6:3: ", "m/mission.pdl:7:3: ", "m/mission.pdl:8:3: ");
     let change = |from: &str, to: &str, phrases: &[&str]| picture("mission.pdl", from, to, phrases);
     change(
         ":duration",
         ":duratoin",
         &["m/mission.pdl:7:3", "no option `:duratoin`", "replace `:duratoin` by `:duration`"],
     );
-    change(":duration", ":how-long", &[place, "unknown option :how-long", "known are :vehicle"]);
+    change(":duration", ":how-long", &[duration, "unknown option :how-long", "known are :vehicle"]);
     change("15min", "15m", &["m/mission.pdl:7:13", "a duration is needed here, but this is length"]);
-    change("15min", "-15min", &[place, "`:duration", "cannot be read"]);
-    change(":duration 15min", ":seed pi", &[place, "`:seed pi` cannot be read", "whole number"]);
-    change(":duration 15min", ":start \"noon\"", &[place, "`:start \"noon\"` cannot be read", "2007-09-08"]);
-    change("\"targets.geojson\"", "targets", &[place, "`:targets targets` cannot be read", "a string"]);
-    change("(sim :model rmax", "(mavlink :model rmax", &[place, "unknown kind of vehicle `mavlink`", "`sim`"]);
+    change("15min", "-15min", &[duration, "`:duration", "cannot be read"]);
+    change(":duration 15min", ":seed pi", &[duration, "`:seed pi` cannot be read", "whole number"]);
+    change(":duration 15min", ":start \"noon\"", &[duration, "`:start \"noon\"` cannot be read", "2007-09-08"]);
+    change("\"targets.geojson\"", "targets", &[targets, "`:targets targets` cannot be read", "a string"]);
+    change("(sim :model rmax", "(mavlink :model rmax", &[vehicle, "unknown kind of vehicle `mavlink`", "`sim`"]);
     change(
         ":model rmax",
         ":model concorde",
-        &[place, "unknown", "`concorde`", "fixed-wing-mapper, global-hawk, predator-b, quadrotor, rmax"],
+        &[vehicle, "unknown", "`concorde`", "fixed-wing-mapper, global-hawk, predator-b, quadrotor, rmax"],
     );
-    change(":at (37.4150 -122.0480))", ":at moffett)", &[place, "`:at moffett` is not a place", "wind-tunnel"]);
-    change(":at (37.4150 -122.0480))", ")", &[place, ":vehicle", "(sim :model NAME :at PLACE)"]);
-    change(":vehicle (sim :model rmax :at (37.4150 -122.0480))", "", &[place, "names no vehicle", "`apex run`"]);
+    change(":at (37.4150 -122.0480))", ":at moffett)", &[vehicle, "`:at moffett` is not a place", "wind-tunnel"]);
+    change(":at (37.4150 -122.0480))", ")", &[vehicle, ":vehicle", "(sim :model NAME :at PLACE)"]);
+    change(
+        ":vehicle (sim :model rmax :at (37.4150 -122.0480))",
+        "",
+        &["m/mission.pdl:3:1: ", "names no vehicle", "`apex run`"],
+    );
 }
 
 #[test]
 fn figures_of_the_application_are_checked() {
-    let place = "m/mission.pdl:3:1: ";
+    let place = "m/mission.pdl:7:19: ";
     let add = |option: &str, phrases: &[&str]| {
         picture("mission.pdl", ":duration 15min", &format!(":duration 15min {option}"), phrases);
     };

@@ -149,7 +149,7 @@ fn an_unknown_library_is_answered_with_the_shipped_ones() {
     said.told(&[
         "mission.pdl:5:15",
         "no library `vehicel`",
-        "aerial-observation, contingencies, lost-link-figures, manoeuvres, replanning, requirements, vehicle, vehicle-figures",
+        "aerial-observation, contingencies, interface, lost-link-figures, manoeuvres, replanning, requirements, vehicle, vehicle-figures",
     ]);
 }
 

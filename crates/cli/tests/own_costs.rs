@@ -118,7 +118,7 @@ fn functions_that_are_no_costs_are_told() {
     let told = |costs: &str, functions: &str, phrases: &[&str]| {
         with_program(costs, functions).apex(&["plan", "m"]).complained(2, phrases);
     };
-    let place = "m/mission.pdl:3:1: `:costs` names ";
+    let place = "m/mission.pdl:8:3: `:costs` names ";
     told("((shed hay-cost))", HAY, &[place, "`shed`, which is not a structure", "structures are: farmhouse, barn"]);
     told("((home hay-cost))", HAY, &[place, "`home`, which is not a structure"]);
     told("((barn straw-cost))", "", &[place, "`straw-cost`, which is not a function", "help: write for example"]);

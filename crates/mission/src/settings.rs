@@ -129,6 +129,8 @@ const KNOWN: &[&str] = &[
 impl Settings {
     /// The place of an option, else that of the application: `mission.pdl:7:3`.
     pub fn place_of(&self, option: &str) -> &str {
+        // A key of `:vehicle`.
+        let option = if option == "model" { "vehicle" } else { option };
         let place = self.option_places.iter().find(|(known, _)| known == option);
         place.map_or(self.place.as_str(), |(_, place)| place.as_str())
     }

@@ -67,7 +67,7 @@ pub(crate) fn load(source: &ModelSource, files: &mut Files<'_>) -> MissionResult
             Ok(model)
         }
         ModelSource::File(name) => {
-            let file = files.read("vehicle", &Some(name.clone()), |file| Ok((file.place.clone(), file.text()?)))?;
+            let file = files.read("model", &Some(name.clone()), |file| Ok((file.place.clone(), file.text()?)))?;
             let (place, text) =
                 file.ok_or_else(|| MissionError::new(ErrorKind::Vehicle, format!("{name}: no vehicle model")))?;
             with_sensors(&place, &text, files)
