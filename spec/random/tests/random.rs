@@ -31,7 +31,7 @@ fn the_executive_and_the_reference_do_the_same() {
         ("pending -> terminated", 5_000),
         ("enabled -> terminated", 500),
         ("ongoing -> terminated", 50_000),
-        ("interrupted -> terminated", 500),
+        ("interrupted -> terminated", 400),
         ("because outranked by", 300),
         ("because a resource is exhausted", 20),
         ("because handled by", 200),

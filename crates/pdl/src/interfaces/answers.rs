@@ -65,7 +65,7 @@ fn time_limit(library: &Library, by: &Expr, findings: &mut Findings<'_>) {
     };
     let message = format!("`:by` takes a span of time or an instant, but this is {found}");
     let span = findings.locator.span(by.place);
-    findings.add(Diagnostic::error(codes::ARGUMENT_TYPE, span, message));
+    findings.add(Diagnostic::new(Severity::Warning, codes::ARGUMENT_TYPE, span, message));
 }
 
 fn default_among(step: &Step, options: &[&Value], default: Option<&Value>, findings: &mut Findings<'_>) {

@@ -90,7 +90,7 @@ fn mismatch(library: &Library, wanted: &ArgumentType, item: View<'_>) -> Option<
 
 fn quantity(wanted: Dimension, value: &Value) -> Option<Mismatch> {
     match value.as_number() {
-        Some((number, _)) if number == 0.0 => None,
+        Some((0.0, _)) => None,
         Some((_, found)) if found == wanted => None,
         Some((_, Dimension::NONE)) => Some(Mismatch::Bare(value.to_string())),
         Some((_, found)) => Some(Mismatch::Other(format!("`{value}`, {}", Kind::Number(found).words()))),

@@ -41,7 +41,7 @@ impl KnownNames {
         let listed: Vec<&str> = known.iter().map(Symbol::printed).take(NAMES_SHOWN).collect();
         let more = if known.len() > listed.len() { ", .." } else { "" };
         let help = || match listed.as_slice() {
-            [] => format!("it has none at all: declare one in the data of the mission"),
+            [] => "it has none at all: declare one in the data of the mission".to_string(),
             _ => format!("it has {}{more}", listed.join(", ")),
         };
         let fixes = renames(span, name.printed(), known.iter().map(Symbol::printed));

@@ -26,7 +26,7 @@ const MISSIONS: [&str; 3] = [
 /// Generated from vehicle files and missions: no author makes mistakes in them.
 const GENERATED: [&str; 2] = ["library/vehicle-figures.pdl", "library/lost-link-figures.pdl"];
 /// Required by libraries and missions, and correct: mistakes are made in the other libraries.
-const REQUIRED: [&str; 2] = ["library/requirements.pdl", "library/replanning.pdl"];
+const REQUIRED: [&str; 3] = ["library/interface.pdl", "library/requirements.pdl", "library/replanning.pdl"];
 const LIBRARIES: [&str; 3] = ["library/aerial-observation.pdl", "library/contingencies.pdl", "library/vehicle.pdl"];
 
 impl Corpus {
