@@ -319,8 +319,8 @@ fn targets_that_make_no_sense_are_refused_by_name() {
         (r#""looks": [{"id": "night", "value": 1, "colour": 3}]"#, "unknown property `colour`"),
         (r#""looks": [{"id": "a", "value": 1}, {"id": "a", "value": 2}]"#, "which another has"),
         (r#""value": 2, "looks": [{"id": "a", "value": 1}]"#, "`value` has no meaning together with `looks`"),
-        (r#""overpass": {"tle": ["1", "2"]}"#, "no orbit"),
-        (r#""overpass": {"omm": {"EPOCH": "2007-09-07T00:00:00"}}"#, "no orbit"),
+        (r#""overpass": {"tle": ["1", "2"]}"#, "not an orbit"),
+        (r#""overpass": {"omm": {"EPOCH": "2007-09-07T00:00:00"}}"#, "not an orbit"),
         (
             r#""overpass": {"tle": ["1 00005U 58002B   00179.78495062  .00000023  00000-0  28098-4 0  4753", "2 00005  34.2682 348.7242 1859667 331.7664  19.3264 10.82419157413667"]}"#,
             "not of the time of the mission",

@@ -107,7 +107,7 @@ fn times_that_let_somebody_overtake_are_refused() {
         apex_planning::validate::surveillance(&problem).unwrap_err()
     };
     let why = refused(&|travel| travel.later[3].between_s[0][1] += 500.0);
-    assert!(why.contains("who would be there earlier"), "{why}");
+    assert!(why.contains("would arrive earlier"), "{why}");
     let why = refused(&|travel| travel.later[3].depart_s = 1.0);
     assert!(why.contains("by rising time"), "{why}");
     let why = refused(&|travel| travel.later[3].depart_s = f64::NAN);
