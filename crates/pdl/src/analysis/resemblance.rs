@@ -6,7 +6,7 @@ use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::matching::{View, pattern_head};
 use crate::suggest::{is_certain, near, renames};
-use apex_model::condition::ConditionKind;
+use apex_model::condition::{ConditionKind, VariablePattern};
 use apex_model::expression::{Expr, ExprKind, Template};
 use apex_model::procedure::{Activity, BuiltInActivity, ResourceNeed};
 use apex_model::source::Place;
@@ -125,12 +125,7 @@ fn state_variables(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     let mut used: Uses<'_> = BTreeMap::new();
     for procedure in &program.library.procedures {
         walk::conditions_of(procedure, &mut |condition| {
-            let attribute = match &condition.kind {
-                ConditionKind::Measurement(measurement) => &measurement.variable.attribute,
-                ConditionKind::Episode(episode) => &episode.variable.attribute,
-                ConditionKind::Cyclic(cyclic) => &cyclic.variable.attribute,
-                _ => return,
-            };
+            let Some(VariablePattern { attribute, .. }) = walk::variable_of(condition) else { return };
             used.entry(attribute).or_default().push(condition.place);
         });
         for policy in &procedure.log {

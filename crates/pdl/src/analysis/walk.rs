@@ -1,6 +1,6 @@
 //! Walks over what is nested: expressions in expressions, conditions in conditions, and everything in a definition.
 
-use apex_model::condition::{Condition, ConditionKind, Constraint, Estimation, Quality, Timing};
+use apex_model::condition::{Condition, ConditionKind, Constraint, Estimation, Quality, Timing, VariablePattern};
 use apex_model::expression::{Expr, ExprKind, Template};
 use apex_model::library::Library;
 use apex_model::pattern::Pattern;
@@ -295,6 +295,16 @@ pub(crate) fn probes<'l>(procedure: &'l Procedure, visit: &mut dyn FnMut(Place, 
             visit(condition.place, goal);
         }
     });
+}
+
+/// The state variable that a condition watches, unless it watches something else.
+pub(crate) fn variable_of(condition: &Condition) -> Option<&VariablePattern> {
+    match &condition.kind {
+        ConditionKind::Measurement(measurement) => Some(&measurement.variable),
+        ConditionKind::Episode(episode) => Some(&episode.variable),
+        ConditionKind::Cyclic(cyclic) => Some(&cyclic.variable),
+        _ => None,
+    }
 }
 
 /// Every condition of a procedure, outer ones before inner ones.

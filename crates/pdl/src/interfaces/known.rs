@@ -9,7 +9,6 @@ use crate::analysis::walk::QUERIES;
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity, Span};
 use crate::suggest::renames;
-use apex_model::condition::ConditionKind;
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::interface::{ArgumentType, NameKind};
 use apex_model::library::Library;
@@ -73,12 +72,7 @@ pub(super) fn objects(library: &Library, known: &KnownNames, findings: &mut Find
     let mut uses: Vec<(NameKind, &Symbol, apex_model::source::Place)> = Vec::new();
     for procedure in &library.procedures {
         walk::conditions_of(procedure, &mut |condition| {
-            let variable = match &condition.kind {
-                ConditionKind::Measurement(measurement) => &measurement.variable,
-                ConditionKind::Episode(episode) => &episode.variable,
-                ConditionKind::Cyclic(cyclic) => &cyclic.variable,
-                _ => return,
-            };
+            let Some(variable) = walk::variable_of(condition) else { return };
             if let (Some(kind), Pattern::Literal(Value::Symbol(name))) =
                 (library.objects.get(&variable.attribute), &variable.object)
             {

@@ -5,7 +5,6 @@ use super::calls::{Call, Calls, Receiver};
 use crate::analysis::methods::{Method, Methods};
 use crate::analysis::walk;
 use crate::matching::View;
-use apex_model::condition::ConditionKind;
 use apex_model::expression::{Expr, ExprKind, Template};
 use apex_model::interface::{ArgumentType, NameKind};
 use apex_model::library::Library;
@@ -85,12 +84,7 @@ impl<'l> Types<'l> {
         for (number, procedure) in library.procedures.iter().enumerate() {
             let mut uses: Vec<(NameKind, &'l Symbol)> = Vec::new();
             walk::conditions_of(procedure, &mut |condition| {
-                let variable = match &condition.kind {
-                    ConditionKind::Measurement(measurement) => &measurement.variable,
-                    ConditionKind::Episode(episode) => &episode.variable,
-                    ConditionKind::Cyclic(cyclic) => &cyclic.variable,
-                    _ => return,
-                };
+                let Some(variable) = walk::variable_of(condition) else { return };
                 if let (Some(kind), Pattern::Variable(name) | Pattern::BoundVariable(name)) =
                     (library.objects.get(&variable.attribute), &variable.object)
                 {
