@@ -351,8 +351,8 @@ def trace(record: str | Path) -> list[dict[str, Any]]:
     Returns
     -------
     list of dict
-        One for each line, with the keys of ``docs/reference/trace.md``: ``t``, ``kind``, ``task`` and more. ``pandas.DataFrame``
-        takes the list as it is.
+        One for each line, with the keys of ``docs/reference/trace.md``: ``t``, ``kind``, ``task`` and
+        more. ``pandas.DataFrame`` takes the list as it is.
 
     Raises
     ------

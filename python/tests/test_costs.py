@@ -138,7 +138,7 @@ def test_mistakes_are_told():
         expected_cost(given, {"SingleVisit": {}})
     with pytest.raises(InputError, match=f"the cost of {name} is 7, which cannot be called"):
         expected_cost(given, [], costs={name: 7})
-    with pytest.raises(PlanningError, match=r"the problem:1:.*no planning problem"):
+    with pytest.raises(PlanningError, match=r"the problem:1:.*not a planning problem"):
         expected_cost({"Surveillance": 7}, [])
     with pytest.raises(InputError, match="oldest age is 0 s"):
         cost_table(smoke, horizon_s=0)

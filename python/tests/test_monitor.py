@@ -158,7 +158,7 @@ def test_wrong_input_is_refused_and_changes_nothing():
     monitor = Monitor("(:and (a x > 1) (b x > 1))")
     with pytest.raises(InputError, match=r"say which variable .* \(a x\) \(b x\)"):
         monitor.push(1, 2)
-    with pytest.raises(InputError, match="no state variable"):
+    with pytest.raises(InputError, match="not a state variable"):
         monitor.push(1, 2, variable="(((")
     with pytest.raises(InputError, match="PDL has no value like"):
         monitor.push(1, object(), variable="(a x)")

@@ -167,7 +167,7 @@ def test_mistakes_are_told():
     given = problem("small-fixed-uniform-6-globular@2")
     with pytest.raises(PlanningError, match="there is no solver `magic`"):
         plan(given, planner="magic")
-    with pytest.raises(PlanningError, match=r"the problem:1:.*no planning problem"):
+    with pytest.raises(PlanningError, match=r"the problem:1:.*not a planning problem"):
         plan({"Surveillance": {"targets": 7}})
     given["Surveillance"]["horizon_s"] = -1
     with pytest.raises(PlanningError, match="The horizon is -1"):
