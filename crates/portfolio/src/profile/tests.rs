@@ -43,7 +43,7 @@ fn broken_profiles_are_refused_with_their_place() {
         ("format 1", "format 9", "2:8: format cannot be used (1 is read)"),
         ("missions 3", "missions many", "4:10: missions cannot be used (from 1 to 10000)"),
         ("budgets 1000 10000", "budgets 1000 10", "5:14: 10 is not a budget (budgets are work units above 0, rising)"),
-        ("planner slow", "planner quick", "7:9: quick is there twice (each planner has one line)"),
+        ("planner slow", "planner quick", "7:9: quick is there twice (each planner has one line)"), // english: allow
         ("cell large-", "cell huge-", "8:6: huge-clustered-clustered-4-two-cluster is not a cell"),
         ("quick 1000 1.000000e2", "quick 1000 cheap", "9:12: cheap is not a cost (costs are finite numbers above 0)"),
         ("quick 1000 1.000000e2", "quick 1000 -1", "9:12: -1 is not a cost"),
