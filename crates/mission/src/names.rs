@@ -8,7 +8,7 @@ use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 use apex_pdl::{Diagnostic, KnownNames};
 use apex_planning::Registry;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Compares the names in a mission's program with its data, and its solvers with `registry`.
 ///
@@ -34,16 +34,11 @@ fn known_names(mission: &Mission, registry: &Registry) -> KnownNames {
         EventKind::Occurrence(Value::List(items)) => items.first()?.as_symbol().cloned(),
         _ => None,
     });
-    KnownNames {
-        names: [
-            (NameKind::Place, places),
-            (NameKind::Camera, cameras),
-            (NameKind::Modem, modems),
-            (NameKind::Aircraft, aircraft),
-        ]
-        .into_iter()
-        .collect(),
-        solvers,
-        messages: heads.collect(),
+    let mut names =
+        BTreeMap::from([(NameKind::Place, places), (NameKind::Camera, cameras), (NameKind::Aircraft, aircraft)]);
+    // `:modems` are the radios of the built-in simulator; another world may have others.
+    if mission.library.application.as_ref().is_none_or(|application| application.kind.is("native-sim")) {
+        names.insert(NameKind::Modem, modems);
     }
+    KnownNames { names, solvers, messages: heads.collect() }
 }

@@ -21,8 +21,11 @@ use libm::{atan, atan2, cos, sin, sqrt, tan};
 use serde::Serialize;
 use std::fmt;
 
-/// Height over ground that must be kept under way, unless requirement `terrain` asks for less: fixed wing, rotorcraft.
+/// Height over ground that must be kept under way: by large fixed wings; by rotorcraft and small aircraft. It does not depend on the
+/// requirements of the mission, which the flight itself kept to.
 const GROUND_MARGIN_M: (f64, f64) = (300.0, 30.0);
+/// A small unmanned aircraft has less than this mass (14 CFR 107.3: 55 lb), and works at most 122 m above the ground (14 CFR 107.51).
+const SMALL_AIRCRAFT_KG: f64 = 25.0;
 /// Phases of flight in which the ground may be near.
 const NEAR_GROUND: [&str; 8] =
     ["parked", "taking-off", "climbing", "approaching", "landing", "hovering", "gliding", "crashed"];
@@ -130,9 +133,8 @@ impl FlightCheck {
         let is_place = |target: &&crate::Target| matches!(target.kind, TargetKind::Base);
         let bases = mission.targets.iter().filter(is_place).map(|base| base.position);
         let fixed_wing = mission.model.airframe == Airframe::FixedWing;
-        let usual_m = if fixed_wing { GROUND_MARGIN_M.0 } else { GROUND_MARGIN_M.1 };
-        // A small aircraft works lower than a large one may fly.
-        let ground_margin_m = mission.requirements.terrain_clearance_m.map_or(usual_m, |asked_m| asked_m.min(usual_m));
+        let is_large = fixed_wing && mission.model.mass_kg >= SMALL_AIRCRAFT_KG;
+        let ground_margin_m = if is_large { GROUND_MARGIN_M.0 } else { GROUND_MARGIN_M.1 };
         FlightCheck {
             zones: mission.zones.clone(),
             landing_places: mission.airfields.iter().map(|field| field.position).chain(bases).collect(),

@@ -155,3 +155,21 @@ fn slips_in_missions_are_named_at_their_line() {
     assert_eq!(silent, Vec::<String>::new(), "of {count} slips");
     assert!(elsewhere.len() * 20 <= count, "{} of {count} slips:\n{}", elsewhere.len(), elsewhere.join("\n"));
 }
+
+/// A vehicle with commands of other arguments declares them: its declaration counts, not that of the library.
+#[test]
+fn a_program_replaces_the_declaration_of_a_library() {
+    let said = |declaration: &str| {
+        let text = format!(
+            "(require-apex-library \"vehicle\")\n{declaration}\n(procedure :sequential (index (do-domain))\n  (step down (come down)))\n\
+             (primitive (index (come down)) (on-start (command (land))))\n"
+        );
+        let source = apex_pdl::SourceText { name: "own.pdl".to_string(), text };
+        let checked = apex_mission::program::check_texts(vec![source], Path::new("."));
+        let serious = checked.diagnostics.into_iter().filter(|each| each.severity == Severity::Error);
+        serious.map(|each| each.code).collect::<Vec<_>>()
+    };
+    assert_eq!(said(""), ["E0313"]);
+    assert_eq!(said("(declare-command (land))"), Vec::<&str>::new());
+    assert_eq!(said("(declare-command (land)) (declare-command (land))"), ["E0105"]);
+}

@@ -13,7 +13,7 @@ use apex_model::procedure::{Activity, BuiltInActivity};
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The receiver of arguments.
 pub(super) enum Receiver<'l> {
@@ -112,6 +112,12 @@ impl<'l> Calls<'l> {
     /// Messages that are handed on as arguments of goals: what the callers of those goals give is sent.
     fn follow(&mut self, library: &'l Library, methods: &Methods<'l>) {
         let mut seen: BTreeSet<(Method, &'l Symbol)> = BTreeSet::new();
+        let mut reaching: BTreeMap<Method, Vec<usize>> = BTreeMap::new();
+        for (number, call) in self.all.iter().enumerate() {
+            if let Receiver::Goal(serving) = &call.receiver {
+                serving.iter().for_each(|method| reaching.entry(*method).or_default().push(number));
+            }
+        }
         while let Some((method, variable)) = self.forwarded.pop() {
             if !seen.insert((method, variable)) {
                 continue;
@@ -120,13 +126,9 @@ impl<'l> Calls<'l> {
                 self.is_wild = true;
                 return;
             };
-            let given = |call: &Call<'l>| match &call.receiver {
-                Receiver::Goal(serving) if serving.contains(&method) => {
-                    Some((call.owner, call.items.get(position).copied(), call.place))
-                }
-                _ => None,
-            };
-            let given: Vec<_> = self.all.iter().filter_map(given).collect();
+            let callers = reaching.get(&method).into_iter().flatten().filter_map(|number| self.all.get(*number));
+            let given: Vec<_> =
+                callers.map(|call| (call.owner, call.items.get(position).copied(), call.place)).collect();
             for (owner, item, place) in given {
                 match item {
                     Some(View::Template(Template::Hole(expr))) => self.message(library, owner, Some(expr), place),

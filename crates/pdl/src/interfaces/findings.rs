@@ -2,7 +2,8 @@
 
 use crate::diagnostic::Diagnostic;
 use crate::locate::Locator;
-use apex_model::source::SourceFile;
+use apex_model::library::Library;
+use apex_model::source::{Place, SourceFile};
 
 /// Maximum number of messages: the first ones.
 const MESSAGES_MAX: usize = 200;
@@ -24,4 +25,10 @@ impl<'l> Findings<'l> {
             self.diagnostics.push(diagnostic);
         }
     }
+}
+
+/// True for a text that came from the libraries of Apex.
+pub(super) fn is_shipped(library: &Library, place: Place) -> bool {
+    let source = usize::try_from(place.file).ok().and_then(|file| library.sources.get(file));
+    source.is_some_and(|source| source.name.starts_with("library/"))
 }

@@ -1,7 +1,7 @@
 //! Messages that steps wait for and that can never come: nothing sends them, or not with these arguments.
 
 use super::calls::{Call, Calls};
-use super::findings::Findings;
+use super::findings::{Findings, is_shipped};
 use super::known::KnownNames;
 use crate::analysis::walk;
 use crate::codes;
@@ -63,12 +63,6 @@ pub(super) fn check(library: &Library, known: &KnownNames, calls: &Calls<'_>, fi
             never_so(declared, of_program, head, place, findings);
         }
     }
-}
-
-/// True for a text that came from the libraries of Apex.
-fn is_shipped(library: &Library, place: Place) -> bool {
-    let source = usize::try_from(place.file).ok().and_then(|file| library.sources.get(file));
-    source.is_some_and(|source| source.name.starts_with("library/"))
 }
 
 /// True unless no message of this declaration matches.
