@@ -6,6 +6,7 @@ use crate::tree::{self, Text};
 /// Packages that must be deterministic and never panic.
 const CORE: &[&str] = &[
     "crates/model",
+    "crates/forms",
     "crates/pdl",
     "crates/executive",
     "crates/geo",

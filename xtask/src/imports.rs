@@ -9,9 +9,10 @@ use crate::workspace::{self, Workspace};
 /// Rows of packages that do not exist yet have no effect.
 const ALLOWED: &[(&str, &[&str])] = &[
     ("crates/model", &[]),
-    ("crates/pdl", &["apex-model"]),
+    ("crates/forms", &["apex-model"]),
+    ("crates/pdl", &["apex-model", "apex-forms"]),
     ("crates/geo", &["apex-model"]),
-    ("crates/executive", &["apex-model"]),
+    ("crates/executive", &["apex-model", "apex-forms"]),
     ("crates/vehicle", &[]),
     ("crates/diagnosis", &[]),
     ("crates/observation", &["apex-model", "apex-geo"]),
@@ -39,7 +40,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         ],
     ),
     ("crates/simulation", &["apex-model", "apex-mission", "apex-portfolio", "apex-runtime", "apex-sim"]),
-    ("crates/runtime", &["apex-model", "apex-executive", "apex-planning"]),
+    ("crates/runtime", &["apex-model", "apex-forms", "apex-executive", "apex-planning"]),
     ("adapters/*", &["apex-model", "apex-executive", "apex-runtime", "apex-geo", "apex-vehicle"]),
     (
         "crates/server",

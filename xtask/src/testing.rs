@@ -1,5 +1,5 @@
 //! `cargo xtask test ARGUMENTS..`: builds tests as `cargo test` does and runs their programs several at a time. `cargo test` runs one after
-//! another, so a program with one long test leaves all other processors idle.
+//! another, so a program with one long test leaves all other processors idle. The longest programs begin first, and each says its time.
 
 use serde::Deserialize;
 use std::collections::VecDeque;
@@ -7,6 +7,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::sync::Mutex;
 use std::thread;
+use std::time::Instant;
 
 /// A line of `cargo test --no-run --message-format=json`.
 #[derive(Deserialize)]
@@ -22,6 +23,9 @@ struct ArtifactProfile {
     test: bool,
 }
 
+/// Names of the programs that take longest, which begin first: a long program that begins last keeps one processor busy alone.
+const LONGEST: &[&str] = &[];
+
 /// A program of tests.
 struct TestProgram {
     executable: String,
@@ -34,7 +38,9 @@ struct TestProgram {
 /// # Errors
 /// A build that fails; the programs whose tests fail.
 pub(crate) fn run(root: &Path, arguments: &[&str]) -> Result<String, String> {
-    let programs = build(root, arguments)?;
+    let mut programs = build(root, arguments)?;
+    // The sort is stable: all others keep the order of cargo.
+    programs.sort_by_key(|program| rank(&program.executable));
     let count = programs.len();
     let at_once = thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let (open, failed) = (Mutex::new(VecDeque::from(programs)), Mutex::new(Vec::new()));
@@ -58,12 +64,21 @@ pub(crate) fn run(root: &Path, arguments: &[&str]) -> Result<String, String> {
     }
 }
 
+/// The place of a program in [`LONGEST`]; that of all others is behind them.
+fn rank(executable: &str) -> usize {
+    let file = Path::new(executable).file_name().map(|name| name.to_string_lossy()).unwrap_or_default();
+    // Cargo appends a hash to the name of the target.
+    let name = file.rsplit_once('-').map_or(file.as_ref(), |(name, _)| name);
+    LONGEST.iter().position(|long| *long == name).unwrap_or(LONGEST.len())
+}
+
 fn next(open: &Mutex<VecDeque<TestProgram>>) -> Option<TestProgram> {
     open.lock().ok()?.pop_front()
 }
 
 /// Runs one program; true if all of its tests pass.
 fn passes(program: &TestProgram) -> bool {
+    let begin = Instant::now();
     let output = Command::new(&program.executable)
         .arg("--quiet")
         .current_dir(&program.folder)
@@ -73,7 +88,8 @@ fn passes(program: &TestProgram) -> bool {
     match output {
         Ok(output) => {
             let text = [output.stdout, output.stderr].concat();
-            println!("{}\n{}", program.executable, String::from_utf8_lossy(&text).trim());
+            let seconds = begin.elapsed().as_secs_f64();
+            println!("{} ({seconds:.1} s)\n{}", program.executable, String::from_utf8_lossy(&text).trim());
             output.status.success()
         }
         Err(error) => {

@@ -6,7 +6,6 @@
 //! This crate imports no other crate of Apex. It holds no clock, no I/O, no randomness.
 
 pub mod agent_limits;
-pub mod awaited;
 pub mod because;
 pub mod builtins;
 pub mod cause;
@@ -27,7 +26,6 @@ pub mod library;
 pub mod limits;
 pub mod pattern;
 pub mod planned;
-pub mod print;
 pub mod probing;
 pub mod problem;
 pub mod procedure;
@@ -37,4 +35,3 @@ pub mod symbol;
 pub mod task;
 pub mod time;
 pub mod value;
-pub mod variables;

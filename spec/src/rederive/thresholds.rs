@@ -1,6 +1,7 @@
 //! Values of computed thresholds: from numbers, constants, arithmetic, and the goal of the procedure.
 
 use super::world::World;
+use apex_forms::variables;
 use apex_model::effect::Method;
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::pattern::Pattern;
@@ -9,7 +10,6 @@ use apex_model::quantity::Dimension;
 use apex_model::symbol::Symbol;
 use apex_model::task::TaskId;
 use apex_model::value::Value;
-use apex_model::variables;
 
 /// Definitions that are followed into each other.
 const DEPTH_MAX: u32 = 20;

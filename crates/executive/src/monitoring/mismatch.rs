@@ -9,8 +9,8 @@
 
 use crate::expression::EvalContext;
 use crate::state::bindings::Bindings;
+use apex_forms::print::Style::Brief;
 use apex_model::pattern::Pattern;
-use apex_model::print::Style::Brief;
 use apex_model::value::Value;
 
 /// The first place where `value` does not fit `pattern`; none when no single place is to blame.

@@ -1,5 +1,6 @@
 //! Outcomes of steps that the clauses of a procedure name, `(failed ?s)`. Derived from the procedure alone.
 
+use apex_forms::variables::of_pattern;
 use apex_model::condition::{Condition, ConditionKind};
 use apex_model::expression::ExprKind;
 use apex_model::pattern::Pattern;
@@ -7,7 +8,6 @@ use apex_model::procedure::{Procedure, Step, Transitions};
 use apex_model::symbol::Symbol;
 use apex_model::task::{FAILURE_STATES, OUTCOME_STATES, TaskId};
 use apex_model::value::Value;
-use apex_model::variables::of_pattern;
 
 /// Tag and word of `(failed ?tag)`, which is `(state ?tag = failed)`; none for every other condition.
 fn outcome_named(condition: &Condition) -> Option<(&Symbol, &Symbol)> {

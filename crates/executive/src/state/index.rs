@@ -4,7 +4,7 @@
 use crate::state::awaited_outcomes as outcomes;
 use crate::state::step_clauses::StepClauses;
 use crate::state::walk;
-use apex_model::awaited::Awaited;
+use apex_forms::awaited::Awaited;
 use apex_model::condition::{Condition, ConditionKind};
 use apex_model::event::COMMAND_STATE;
 use apex_model::expression::{Expr, ExprKind};

@@ -6,13 +6,13 @@ use super::{FindingCollector, Program, walk};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::lookup::Lookup;
+use apex_forms::variables;
 use apex_model::condition::{Condition, ConditionKind};
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::pattern::Pattern;
 use apex_model::procedure::{Procedure, ProcedureKind, Step};
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
-use apex_model::variables;
 use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {

@@ -11,6 +11,7 @@ use crate::fix::Fix;
 use crate::locate::closing;
 use crate::matching::{View, must_match};
 use crate::print::{pattern_text, template_text};
+use apex_forms::variables;
 use apex_model::condition::{ConditionKind, Timing};
 use apex_model::expression::{Expr, ExprKind, Template};
 use apex_model::limits::TASK_DEPTH_MAX;
@@ -18,7 +19,6 @@ use apex_model::pattern::Pattern;
 use apex_model::procedure::{Activity, BuiltInActivity, Procedure, ProcedureKind, Repetition, Step};
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
-use apex_model::variables;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Yields the procedures that surely lead into a recursion without end.

@@ -5,13 +5,13 @@ use super::impossible::number;
 use super::{FindingCollector, Program, walk};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
+use apex_forms::variables;
 use apex_model::condition::{Condition, ConditionKind};
 use apex_model::expression::{Expr, ExprKind, Template};
 use apex_model::procedure::{Procedure, Step};
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
-use apex_model::variables;
 use std::collections::BTreeSet;
 
 pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {

@@ -8,7 +8,8 @@ use super::horn::{Horn, HornAtom, Solution};
 use super::impossible::impossible;
 use super::walk;
 use crate::lookup::Lookup;
-use apex_model::awaited::Awaited;
+use apex_forms::awaited::Awaited;
+use apex_forms::variables;
 use apex_model::condition::{Condition, ConditionKind};
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::library::Library;
@@ -16,7 +17,6 @@ use apex_model::pattern::Pattern;
 use apex_model::procedure::{Procedure, ProcedureKind, Step};
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
-use apex_model::variables;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// On what a step waits.

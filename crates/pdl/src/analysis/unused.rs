@@ -9,6 +9,7 @@ use crate::fix::Fix;
 use crate::locate::each;
 use crate::print::pattern_text;
 use crate::suggest::{is_certain, near};
+use apex_forms::variables;
 use apex_model::condition::{Condition, ConditionKind, Constraint};
 use apex_model::expression::{Expr, ExprKind, Template};
 use apex_model::library::Library;
@@ -17,7 +18,6 @@ use apex_model::procedure::{Activity, BuiltInActivity, Procedure};
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
-use apex_model::variables;
 use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {

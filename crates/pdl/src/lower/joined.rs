@@ -6,6 +6,7 @@
 use super::Lowering;
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
+use apex_forms::variables;
 use apex_model::condition::{
     Condition, ConditionKind, Constraint, EpisodeCondition, MeasurementCondition, Relation, Timing,
 };
@@ -13,7 +14,6 @@ use apex_model::expression::{Expr, ExprKind};
 use apex_model::pattern::Pattern;
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
-use apex_model::variables;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 

@@ -4,10 +4,10 @@ mod procedure;
 
 pub use procedure::{PrintedPlan, print_plan, print_primitive, print_procedure};
 
+use apex_forms::print::Style;
 use apex_model::condition::Condition;
 use apex_model::expression::{Expr, Template};
 use apex_model::pattern::Pattern;
-use apex_model::print::Style;
 
 /// The condition as PDL.
 pub fn print_condition(condition: &Condition) -> String {

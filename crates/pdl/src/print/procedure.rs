@@ -1,9 +1,9 @@
 //! Procedures, primitives and plans as text.
 
 use super::{expression_text, laid_out, laid_out_steps, pattern_text, template_text};
+use apex_forms::print::{Style, form_text, joined, list_text};
 use apex_model::condition::Condition;
 use apex_model::expression::{Expr, ExprKind};
-use apex_model::print::{Style, form_text, joined, list_text};
 use apex_model::procedure::{
     Activity, BuiltInActivity, Hooks, LogPolicy, Primitive, PriorityClause, Procedure, ProcedureKind, Repetition,
     ResourceNeed, Step, Transitions,

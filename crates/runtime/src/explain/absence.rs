@@ -8,7 +8,7 @@ use super::snapshot::place_text;
 use crate::limits::MISSING_STEPS_MAX;
 use apex_executive::Agent;
 use apex_executive::explanation;
-use apex_model::print::Style::Brief;
+use apex_forms::print::Style::Brief;
 
 use apex_executive::state::controller::MethodBinding;
 use apex_executive::state::task::{Origin, ProcedureRef, StepRef, Task};

@@ -1,9 +1,9 @@
 //! Phrases: goals, activities and indexes as words, so that a question can be compared with what is written, variables
 //! standing for anything. Words of a question are read loosely: outer parentheses may be missing, case does not matter.
 
+use apex_forms::print::Style::Brief;
 use apex_model::expression::Template;
 use apex_model::pattern::Pattern;
-use apex_model::print::Style::Brief;
 use apex_model::procedure::Activity;
 
 /// A goal as text.

@@ -9,7 +9,7 @@ use super::{target, things, why};
 use crate::error::RecordError;
 use crate::record::TaskRow;
 use apex_executive::Agent;
-use apex_model::print::Style::Brief;
+use apex_forms::print::Style::Brief;
 use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;
 

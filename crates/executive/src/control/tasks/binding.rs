@@ -15,6 +15,7 @@ use crate::state::clause::Level;
 use crate::state::controller::Controller;
 use crate::state::step_clauses::StepClauses;
 use crate::state::task::{Origin, StepRef};
+use apex_forms::variables::of_expr;
 use apex_model::because::{Because, Cause, Evidence};
 use apex_model::effect::DecisionKind;
 use apex_model::evidence_list::EvidenceList;
@@ -24,7 +25,6 @@ use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use apex_model::task::TaskId;
 use apex_model::value::Value;
-use apex_model::variables::of_expr;
 
 /// Binds `name` among the task's own variables.
 pub(crate) fn bind_locally(

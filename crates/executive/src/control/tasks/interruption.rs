@@ -14,13 +14,13 @@ use crate::state::controller::{Controller, MethodBinding};
 use crate::state::monitors::monitor::Window;
 use crate::state::step_clauses::StepClauses;
 use crate::state::task::{Origin, ProcedureRef, Task};
+use apex_forms::variables::of_condition;
 use apex_model::because::{Because, Cause};
 use apex_model::condition::Condition;
 use apex_model::evidence_list::EvidenceList;
 use apex_model::procedure::{Hooks, Transitions};
 use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;
-use apex_model::variables::of_condition;
 
 /// The task lost a resource: only it stops, and claims again.
 pub(crate) fn outrank(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {

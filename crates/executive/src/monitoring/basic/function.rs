@@ -12,9 +12,9 @@ use crate::expression::{EvalContext, evaluate};
 use crate::monitoring::part::ConditionFaults;
 use crate::state::bindings::Bindings;
 use crate::state::monitors::monitor::{FunctionPart, Satisfaction};
+use apex_forms::print::Style::Brief;
 use apex_model::because::Evidence;
 use apex_model::evidence_list::EvidenceList;
-use apex_model::print::Style::Brief;
 
 /// Evaluates the expression again: it holds at this instant, or it does not, whatever was before.
 pub(crate) fn advance(part: &mut FunctionPart, context: &dyn EvalContext, troubles: &mut ConditionFaults) {

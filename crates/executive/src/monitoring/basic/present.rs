@@ -14,12 +14,12 @@ use crate::monitoring::pattern_matching::match_pattern;
 use crate::monitoring::samples::known_variable;
 use crate::state::bindings::Bindings;
 use crate::state::guards::Reads;
+use apex_forms::print::Style::Brief;
 use apex_model::because::Evidence;
 use apex_model::condition::{Condition, ConditionKind, Constraint, MeasurementCondition};
 use apex_model::evidence_list::EvidenceList;
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::pattern::Pattern;
-use apex_model::print::Style::Brief;
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 

@@ -20,10 +20,10 @@ use crate::state::monitors::monitor::{
     AbsentPart, AllenPart, Composite, EpisodePart, EventPart, MeasurementPart, Part, PartKind, Test, TimePart, Unmet,
     Window,
 };
+use apex_forms::print::Style::Brief;
 use apex_model::condition::Relation;
 use apex_model::event::StateVariable;
 use apex_model::pattern::Pattern;
-use apex_model::print::Style::Brief;
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use apex_model::task::TaskId;

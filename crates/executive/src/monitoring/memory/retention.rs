@@ -13,6 +13,7 @@ use crate::monitoring::memory::histories::obey;
 use crate::monitoring::memory::reach;
 use crate::state::histories::history::Histories;
 use crate::state::index::{LibraryIndex, ProcedureIndex};
+use apex_forms::print::Style::Brief;
 use apex_model::condition::{
     Condition, ConditionKind, Constraint, EpisodeCondition, Estimation, MeasurementCondition, Quality, Timing,
     VariablePattern,
@@ -21,7 +22,6 @@ use apex_model::derivation::{Derivation, Join};
 use apex_model::expression::{Expr, ExprKind, Template};
 use apex_model::library::{Library, StateVariableDeclaration};
 use apex_model::pattern::Pattern;
-use apex_model::print::Style::Brief;
 use apex_model::procedure::{
     Activity, Hooks, LogPolicy, Primitive, PriorityClause, Procedure, Repetition, Step, Transitions,
 };

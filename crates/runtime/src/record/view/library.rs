@@ -2,9 +2,9 @@
 
 use super::RecordView;
 use crate::error::RecordError;
+use apex_forms::print::Style::Brief;
 use apex_model::condition::{Condition, ConditionKind};
 use apex_model::library::{Library, ResourceKind};
-use apex_model::print::Style::Brief;
 use apex_model::procedure::{Activity, Procedure, ProcedureKind, Step};
 use rusqlite::OptionalExtension;
 use serde::Serialize;

@@ -1,12 +1,12 @@
 //! Pattern variables that a clause mentions, from which information dependencies between steps follow.
 
-use crate::condition::{
+use apex_model::condition::{
     Condition, ConditionKind, Constraint, EpisodeCondition, Estimation, MeasurementCondition, Timing,
 };
-use crate::expression::{Expr, ExprKind, Template};
-use crate::pattern::Pattern;
-use crate::procedure::Activity;
-use crate::symbol::Symbol;
+use apex_model::expression::{Expr, ExprKind, Template};
+use apex_model::pattern::Pattern;
+use apex_model::procedure::Activity;
+use apex_model::symbol::Symbol;
 
 /// Receives every variable in order of writing, as often as it is written.
 type Sink<'a> = &'a mut dyn FnMut(&Symbol);

@@ -1,12 +1,13 @@
 //! Expressions, templates, patterns and activities as text.
 
+use super::layout::{joined, list_text};
+use super::style::Style;
 use super::value::value_text;
-use super::{Style, joined, list_text};
-use crate::expression::{Expr, ExprKind, Parameters, Template};
-use crate::pattern::Pattern;
-use crate::procedure::Activity;
-use crate::symbol::Symbol;
-use crate::value::Value;
+use apex_model::expression::{Expr, ExprKind, Parameters, Template};
+use apex_model::pattern::Pattern;
+use apex_model::procedure::Activity;
+use apex_model::symbol::Symbol;
+use apex_model::value::Value;
 
 /// Functions whose first argument is a datum with holes.
 const FORM_FIRST: &[&str] = &["cogevent", "command", "inform", "publish"];

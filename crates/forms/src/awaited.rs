@@ -1,8 +1,8 @@
 //! Results of steps that other steps of the same procedure wait for.
 
-use crate::procedure::{Procedure, ProcedureKind};
-use crate::symbol::Symbol;
 use crate::variables;
+use apex_model::procedure::{Procedure, ProcedureKind};
+use apex_model::symbol::Symbol;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Results of steps that other steps of the same procedure wait for.

@@ -1,8 +1,8 @@
 //! Cyclic conditions as text.
 
-use super::Style;
-use super::list_text;
-use crate::condition::CyclicCondition;
+use super::layout::list_text;
+use super::style::Style;
+use apex_model::condition::CyclicCondition;
 
 impl Style {
     /// A cyclic condition as text.

@@ -1,14 +1,14 @@
 //! Values as text that reads back as exactly the same value.
 
-use crate::quantity::{Quantity, Unit, format_rounded};
-use crate::symbol::Symbol;
-use crate::value::Value;
+use apex_model::quantity::{Quantity, Unit, format_rounded};
+use apex_model::symbol::Symbol;
+use apex_model::value::Value;
 
 /// The value as a datum.
 pub(super) fn value_text(value: &Value) -> String {
     match value {
         Value::Quantity(quantity) => quantity_text(quantity),
-        Value::List(items) if !items.is_empty() => super::list_text("", items.iter().map(value_text)),
+        Value::List(items) if !items.is_empty() => super::layout::list_text("", items.iter().map(value_text)),
         Value::Real(real) if real.is_infinite() => if *real > 0.0 { "1e999" } else { "-1e999" }.to_string(),
         other => other.to_string(),
     }
@@ -42,7 +42,7 @@ fn looks_like_hole(symbol: &Symbol) -> bool {
 pub(super) fn literal_text(value: &Value) -> String {
     match value {
         Value::Symbol(symbol) if looks_like_hole(symbol) => format!("'{symbol}"),
-        Value::List(items) if !items.is_empty() => super::list_text("", items.iter().map(literal_text)),
+        Value::List(items) if !items.is_empty() => super::layout::list_text("", items.iter().map(literal_text)),
         other => value_text(other),
     }
 }

@@ -1,14 +1,15 @@
 //! Conditions as text, in one canonical form each.
 
-use super::{Style, joined, list_text};
-use crate::condition::{
+use super::layout::{joined, list_text};
+use super::style::Style;
+use apex_model::condition::{
     Condition, ConditionKind, Constraint, EpisodeCondition, Estimation, MeasurementCondition, Quality, Relation,
     Timing, VariablePattern,
 };
-use crate::expression::Expr;
-use crate::pattern::Pattern;
-use crate::symbol::Symbol;
-use crate::value::Value;
+use apex_model::expression::Expr;
+use apex_model::pattern::Pattern;
+use apex_model::symbol::Symbol;
+use apex_model::value::Value;
 
 /// The tag and the `:probing` option of a condition, as text; both empty for most.
 #[derive(Default)]
