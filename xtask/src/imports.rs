@@ -46,6 +46,10 @@ const ALLOWED: &[(&str, &[&str])] = &[
         "crates/server",
         &["apex-model", "apex-executive", "apex-runtime", "apex-metrics", "apex-mission", "apex-simulation"],
     ),
+    (
+        "crates/log-monitor",
+        &["apex-model", "apex-pdl", "apex-executive", "apex-mission", "apex-runtime", "apex-logs", "apex-tables"],
+    ),
     ("crates/cli", &["*"]),
     ("spec", &["*"]),
     // The second witness shares nothing with the first.

@@ -1,24 +1,16 @@
 //! Operators and programs that send lines while a run continues: lines from standard input or a port, questions on the terminal,
 //! Ctrl-C.
 
-mod complaints;
-mod hearing;
-
 use crate::error::{CliError, CliResult};
 use crate::output;
 use apex_runtime::Control;
-use apex_runtime::live::{LiveSources, SourceClass};
+use apex_runtime::live::{LineReader, LiveSources, SourceClass, hear_connections, hear_lines};
 use apex_runtime::live_lines::OpenQuestions;
-use hearing::{Hearing, hear, hear_connection};
 use std::net::{Ipv4Addr, TcpListener};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, sync_channel};
 
 /// Words to the run that wait for it: wake-ups, the end of standard input, Ctrl-C.
 const WAITING_MAX: usize = 100;
-/// Connections at a time, those included that the run has not admitted: each has a thread.
-const CONNECTIONS_MAX: usize = 96;
 
 /// Listens to standard input, or to `port`, and to Ctrl-C; what is said comes out of the sources, and the rest of the receiver.
 ///
@@ -37,13 +29,18 @@ pub fn listen(open: &OpenQuestions, stdin: bool, port: Option<u16>) -> CliResult
     let wake = say.clone();
     // A full channel has woken the run already.
     let sources = LiveSources::new(move || wake.try_send(Control::Look).unwrap_or_default());
+    let reader = LineReader {
+        open: open.clone(),
+        read_value: |text| apex_pdl::read_value(text).map_err(|diagnostic| diagnostic.message),
+        note: |line| output::print_error(line),
+    };
     if let Some(port) = port {
-        accept(bind(port)?, &sources, open);
+        hear_connections(bind(port)?, &sources, &reader);
     }
-    let (open, others, heard) = (open.clone(), port.is_some(), sources.clone());
+    let (others, heard) = (port.is_some(), sources.clone());
     std::thread::spawn(move || {
         if stdin && let Ok(source) = heard.admit(SourceClass::Operator) {
-            hear(std::io::stdin().lock(), &Hearing { source: &source, open: &open, answers: None });
+            hear_lines(std::io::stdin().lock(), &source, &reader);
         }
         if !others {
             // The run may be over: then the line is dropped.
@@ -51,25 +48,6 @@ pub fn listen(open: &OpenQuestions, stdin: bool, port: Option<u16>) -> CliResult
         }
     });
     Ok((sources, controls))
-}
-
-/// Hears every connection on a separate thread, up to the limit.
-fn accept(listener: TcpListener, sources: &LiveSources, open: &OpenQuestions) {
-    let (sources, open, connections) = (sources.clone(), open.clone(), Arc::new(AtomicUsize::new(0)));
-    std::thread::spawn(move || {
-        for stream in listener.incoming().flatten() {
-            let (sources, open, connections) = (sources.clone(), open.clone(), Arc::clone(&connections));
-            if connections.fetch_add(1, Ordering::AcqRel) >= CONNECTIONS_MAX {
-                connections.fetch_sub(1, Ordering::AcqRel);
-                hearing::refuse(&stream, &format!("{CONNECTIONS_MAX} connections are open, which is the limit"));
-                continue;
-            }
-            std::thread::spawn(move || {
-                hear_connection(&stream, &sources, &open);
-                connections.fetch_sub(1, Ordering::AcqRel);
-            });
-        }
-    });
 }
 
 /// A port of this machine; says which one it is.

@@ -1,6 +1,5 @@
 //! Errors of the command line: one type, two exit codes, human-readable messages.
 
-use apex_logs::MappingError;
 use apex_mission::error::{ErrorKind, MissionError};
 use apex_mission::files;
 use std::fmt;
@@ -72,14 +71,9 @@ pub type CliResult<T = ()> = Result<T, CliError>;
 
 impl From<MissionError> for CliError {
     fn from(error: MissionError) -> CliError {
-        let of_user = !matches!(error.kind, ErrorKind::Flight | ErrorKind::Record | ErrorKind::Output);
+        let of_user =
+            !matches!(error.kind, ErrorKind::Flight | ErrorKind::Record | ErrorKind::Output | ErrorKind::Input);
         CliError { of_user, message: error.headline(), reason: error.reason, help: error.help }
-    }
-}
-
-impl From<MappingError> for CliError {
-    fn from(error: MappingError) -> CliError {
-        CliError { of_user: true, message: error.message, reason: error.reason, help: error.help }
     }
 }
 
@@ -89,9 +83,4 @@ impl From<MappingError> for CliError {
 /// Says which file, why it cannot be read, and what to do.
 pub fn read_text(path: &Path) -> CliResult<String> {
     Ok(files::read_text(path)?)
-}
-
-/// The error of a file that does not exist or cannot be read.
-pub fn unreadable(path: &Path, error: &std::io::Error) -> CliError {
-    files::unreadable(path, error).into()
 }

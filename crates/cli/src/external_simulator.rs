@@ -4,7 +4,6 @@
 use crate::console;
 use crate::error::{CliError, CliResult};
 use apex_model::library::Library;
-use apex_model::value::Value;
 use apex_runtime::RunEnd;
 use apex_runtime::foreign::{Cues, ForeignEnd, SimulatorLink};
 use std::io::{BufRead, BufReader, Write};
@@ -26,7 +25,7 @@ pub fn run(library: &Library, port: Option<u16>, recorded: bool, episode: &mut E
             (Box::new(BufReader::new(stream.try_clone().map_err(lost)?)), Box::new(stream))
         }
     };
-    let mut cues = cues(library);
+    let mut cues = Cues::of(library);
     loop {
         let mut link = SimulatorLink {
             input: &mut *input,
@@ -39,23 +38,6 @@ pub fn run(library: &Library, port: Option<u16>, recorded: bool, episode: &mut E
         if !ended.reset {
             return Ok(ended.end);
         }
-        cues.init = forms(library, "reset");
-    }
-}
-
-fn cues(library: &Library) -> Cues {
-    let of = |name: &str| forms(library, name);
-    Cues { init: of("init"), start: of("start"), step: of("step"), stop: of("stop") }
-}
-
-/// The forms of an option: one form, or a list of them.
-fn forms(library: &Library, option: &str) -> Vec<Value> {
-    let Some(value) = library.application.as_ref().and_then(|application| application.option(option)) else {
-        return Vec::new();
-    };
-    match value.as_list() {
-        Some([]) => Vec::new(),
-        Some(items) if items.iter().all(|item| item.as_list().is_some()) => items.to_vec(),
-        _ => vec![value.clone()],
+        cues = cues.after_reset(library);
     }
 }

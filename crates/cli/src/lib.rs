@@ -8,12 +8,10 @@
 
 #![expect(unreachable_pub, reason = "except for `main` it has no public face; `pub` says that another module uses it")]
 
-mod access;
 mod commands;
 mod console;
 mod error;
 mod external_simulator;
-mod monitor;
 mod options;
 mod output;
 mod recording;

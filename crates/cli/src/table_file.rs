@@ -29,8 +29,5 @@ pub fn created(path: &Path) -> CliResult<BufWriter<File>> {
 
 /// The error of a table that could not be written; without a path it is on standard output.
 pub fn unwritten(path: Option<&Path>, error: &std::io::Error) -> CliError {
-    let name = path.map_or_else(|| "standard output".to_string(), |path| path.display().to_string());
-    CliError::failure(format!("cannot write {name}"))
-        .because(error)
-        .help("the table is incomplete; check its folder and the free space there")
+    apex_log_monitor::unwritten_table(path, error).into()
 }

@@ -22,6 +22,8 @@ pub enum ErrorKind {
     Record,
     /// A file that cannot be written.
     Output,
+    /// An input that cannot be read to its end.
+    Input,
     /// The flight.
     Flight,
 }

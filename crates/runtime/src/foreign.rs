@@ -16,6 +16,7 @@ use crate::unique_json;
 use apex_executive::{Agent, step};
 use apex_model::effect::{CommandId, Effect};
 use apex_model::event::Batch;
+use apex_model::library::Library;
 use apex_model::time::Time;
 use apex_model::value::Value;
 use serde_json::{Map, Value as Json, json};
@@ -34,6 +35,31 @@ pub struct Cues {
     pub step: Vec<Value>,
     /// Said with the last answer.
     pub stop: Vec<Value>,
+}
+
+impl Cues {
+    /// Those of a program's application.
+    pub fn of(library: &Library) -> Cues {
+        let forms = |name: &str| forms(library, name);
+        Cues { init: forms("init"), start: forms("start"), step: forms("step"), stop: forms("stop") }
+    }
+
+    /// Those of the next episode, after a reset: its greeting is the application's `:reset`.
+    pub fn after_reset(self, library: &Library) -> Cues {
+        Cues { init: forms(library, "reset"), ..self }
+    }
+}
+
+/// The forms of an option: one form, or a list of them.
+fn forms(library: &Library, option: &str) -> Vec<Value> {
+    let Some(value) = library.application.as_ref().and_then(|application| application.option(option)) else {
+        return Vec::new();
+    };
+    match value.as_list() {
+        Some([]) => Vec::new(),
+        Some(items) if items.iter().all(|item| item.as_list().is_some()) => items.to_vec(),
+        _ => vec![value.clone()],
+    }
 }
 
 /// Connection of a simulator: its requests and the answers.

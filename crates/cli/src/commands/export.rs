@@ -1,11 +1,11 @@
 //! `apex export`: the samples and events of a flight record, a log or lines of JSON as a table.
 
 use crate::error::{CliError, CliResult, read_text};
-use crate::monitor::input::Source;
 use crate::options::{ExportFormat, ExportOptions};
 use crate::output::Listened;
 use crate::{sources, table_file};
 use apex_executive::MonitorSession;
+use apex_log_monitor::Source;
 use apex_model::library::Library;
 use apex_pdl::SourceText;
 use apex_tables::{CsvWriter, ParquetWriter, SampleTable, TableWriter};
@@ -14,7 +14,8 @@ use std::sync::Arc;
 
 /// Writes every sample and event with its use.
 pub fn run(options: &ExportOptions) -> CliResult {
-    let mut source = Source::of(&options.inputs, options.mapping.as_deref(), options.log_time)?;
+    let note = |line: &str| crate::output::print_error(line);
+    let mut source = Source::of(&options.inputs, options.mapping.as_deref(), options.log_time, &note)?;
     let library = Arc::new(library(options, &mut source)?);
     let session = MonitorSession::new(Arc::clone(&library), sources::host_functions())
         .map_err(|reason| CliError::user("the library cannot be used").because(reason))?;
@@ -41,7 +42,7 @@ pub fn run(options: &ExportOptions) -> CliResult {
         }
     };
     let mut table = SampleTable::new(session, writer);
-    let fed = source.feed(&library, None, &mut |at, kind| {
+    let fed = source.feed(&library, None, &note, &mut |at, kind| {
         table.write(at, kind).map_err(|error| table_file::unwritten(out, &error))
     });
     if gone.get() {

@@ -2,10 +2,10 @@
 
 use crate::error::{CliError, CliResult};
 use crate::options::ServeOptions;
-use crate::{access, output, recording, sources};
+use crate::{output, recording, sources};
 use apex_mission::deliberation::PlanningResources;
 use apex_planning::Registry;
-use apex_server::{AccessOptions, FlightDoor, FlightOptions, ReadDatum};
+use apex_server::{AccessFiles, AccessOptions, FlightDoor, FlightOptions, ReadDatum};
 use std::net::{IpAddr, SocketAddr};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -30,7 +30,12 @@ pub fn run(options: &ServeOptions, planners: &Arc<Registry>) -> CliResult {
         apex_mission::recording::protect(other);
     }
     let served = Served { record, door: None, others: options.with.clone(), flights };
-    let (access, said) = access::access(options, address)?;
+    let files = AccessFiles {
+        tokens: options.tokens.as_deref(),
+        certificate: options.tls_cert.as_deref().zip(options.tls_key.as_deref()),
+        host_names: &options.host_name,
+    };
+    let (access, said) = files.prepare(address)?;
     serve(served, planners, access, SocketAddr::new(address, options.port), move |url| {
         // The page is served whether this line is read or not.
         output::print_line(format_args!("Sherpa: {url}  (Ctrl-C ends it)")).ok();

@@ -50,7 +50,7 @@ impl From<MissionError> for Failure {
 impl From<MissionError> for ApiError {
     fn from(error: MissionError) -> ApiError {
         let status = match error.kind {
-            ErrorKind::Record | ErrorKind::RecordFile | ErrorKind::Output | ErrorKind::Flight => {
+            ErrorKind::Record | ErrorKind::RecordFile | ErrorKind::Output | ErrorKind::Input | ErrorKind::Flight => {
                 StatusCode::INTERNAL_SERVER_ERROR
             }
             _ => StatusCode::UNPROCESSABLE_ENTITY,

@@ -1,25 +1,26 @@
 //! Messages about lines that cannot be understood: the first ones, then as many as an operator can read, and the number of the rest.
 
-use crate::output;
-use apex_runtime::limits::INPUT_MESSAGES_MAX;
-use apex_runtime::live::RateLimit;
+use super::rate_limit::RateLimit;
+use crate::limits::INPUT_MESSAGES_MAX;
 use std::time::Instant;
 
 /// Messages per second of one source, after the first ones.
 const PER_SECOND: f64 = 2.0;
 
 /// The messages about one source.
-pub(super) struct Complaints {
+pub(super) struct FaultMessages {
+    /// Prints a line.
+    note: fn(&str),
     limit: RateLimit,
     began: Instant,
     hidden: u64,
 }
 
-impl Complaints {
-    /// No message yet.
-    pub(super) fn new() -> Complaints {
+impl FaultMessages {
+    /// No message yet; `note` prints them.
+    pub(super) fn new(note: fn(&str)) -> FaultMessages {
         let limit = RateLimit::with_burst(PER_SECOND, INPUT_MESSAGES_MAX as f64);
-        Complaints { limit, began: Instant::now(), hidden: 0 }
+        FaultMessages { note, limit, began: Instant::now(), hidden: 0 }
     }
 
     /// True if a message may be printed; otherwise it is counted.
@@ -33,7 +34,7 @@ impl Complaints {
     pub(super) fn print(&mut self, name: Option<&str>, fault: &str) {
         self.print_hidden(name);
         let of = name.map(|name| format!("source {name}: ")).unwrap_or_default();
-        output::print_error(format_args!("  {of}{fault}"));
+        (self.note)(&format!("  {of}{fault}"));
     }
 
     /// Prints how many messages were not shown since the last one.
@@ -41,7 +42,7 @@ impl Complaints {
         let hidden = std::mem::take(&mut self.hidden);
         if hidden > 0 {
             let name = name.unwrap_or("without a name");
-            output::print_error(format_args!("  source {name}: {hidden} more lines were not understood"));
+            (self.note)(&format!("  source {name}: {hidden} more lines were not understood"));
         }
     }
 }

@@ -1,8 +1,9 @@
-//! Inputs of `apex monitor` and `apex export`: a log, a flight record, or lines of JSON, as measurements and events in order of time.
+//! Sources of measurements and events: a log, a flight record, or lines of JSON.
 
-use crate::error::{CliError, CliResult, read_text, unreadable};
-use crate::{output, recording, sources};
-use apex_logs::{Format, LogError, LogFile, MappingFile, ReadErrors};
+use apex_logs::{Format, LogError, LogFile, MappingError, MappingFile, ReadErrors};
+use apex_mission::error::{ErrorKind, MissionError, MissionResult};
+use apex_mission::files::{read_text, unreadable};
+use apex_mission::{recording, scenario};
 use apex_model::event::{EventKind, StateVariable};
 use apex_model::library::Library;
 use apex_model::source::SourceFile;
@@ -16,6 +17,12 @@ use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{BufRead, Read};
 use std::path::{Path, PathBuf};
+
+/// Receives lines that the user should read: warnings and notes.
+pub type Note<'a> = &'a dyn Fn(&str);
+
+/// Receives each measurement and event.
+pub type SampleSink<'a, E> = &'a mut dyn FnMut(Time, EventKind) -> Result<(), E>;
 
 /// Source of the data.
 pub enum Source {
@@ -33,21 +40,27 @@ pub enum Source {
 const RECORD_MAGIC: &[u8] = b"SQLite format 3\0";
 
 impl Source {
-    /// Finds out what `path` is. `mapping` is for logs; with `own_time` their own clock counts.
-    pub fn of(path: &Path, mapping: Option<&Path>, own_time: bool) -> CliResult<Source> {
+    /// Finds out what `path` is. `mapping` is for logs; with `own_time` their own clock counts. `note` receives what the user
+    /// should know of the source.
+    ///
+    /// # Errors
+    /// The file cannot be read, is in no known format, or has no use for a mapping that is given.
+    pub fn of(path: &Path, mapping: Option<&Path>, own_time: bool, note: Note<'_>) -> MissionResult<Source> {
         let mapping = mapping.map(read_mapping).transpose()?;
         if path.as_os_str() == "-" {
             return no_mapping(Source::Lines, mapping.is_some());
         }
         if path.is_dir() {
-            return Err(CliError::user(format!("{} is a folder", path.display())).help("name a file in it"));
+            return Err(MissionError::data(format!("{} is a folder", path.display())).help("name a file in it"));
         }
         let mut first = vec![0; 512];
         let mut file = File::open(path).map_err(|error| unreadable(path, &error))?;
         let length = file.read(&mut first).map_err(|error| unreadable(path, &error))?;
         first.truncate(length);
         if first.starts_with(RECORD_MAGIC) {
-            return no_mapping(Source::Record(Box::new(recording::open(path)?)), mapping.is_some());
+            let (reader, warning) = recording::open(path)?;
+            warning.into_iter().for_each(|warning| note(&format!("warning: {warning}")));
+            return no_mapping(Source::Record(Box::new(reader)), mapping.is_some());
         }
         let extension = path.extension().map(|extension| extension.to_string_lossy().into_owned()).unwrap_or_default();
         let lines = ["json", "jsonl", "ndjson"].contains(&extension.to_ascii_lowercase().as_str());
@@ -63,7 +76,7 @@ impl Source {
             return no_mapping(Source::LinesFile(path.to_path_buf()), mapping.is_some());
         }
         let Some(format) = Format::of(&first, &extension) else {
-            return Err(CliError::user(format!("{} is in no format that is known here", path.display()))
+            return Err(MissionError::data(format!("{} is in no format that is known here", path.display()))
                 .because("neither its first bytes nor its name's ending say what it is")
                 .help("known are JSON lines, flight records, .ulg, .bin, .log, .tlog, .mcap and .csv"));
         };
@@ -71,11 +84,14 @@ impl Source {
     }
 
     /// Texts that declare the state variables of the source, next to those of `library`.
-    pub fn declarations(&mut self, library: &Library) -> CliResult<Option<SourceText>> {
+    ///
+    /// # Errors
+    /// A log without a mapping, or one that cannot be read.
+    pub fn declarations(&mut self, library: &Library) -> MissionResult<Option<SourceText>> {
         let Source::Log(log) = self else { return Ok(None) };
         let (path, format) = (log.path().to_path_buf(), log.format());
         let Some(mapping) = log.mapping(&read_form).map_err(|error| unread(&path, format, error))? else {
-            return Err(CliError::user(format!("{} needs a mapping", path.display()))
+            return Err(MissionError::data(format!("{} needs a mapping", path.display()))
                 .because(format!("nothing says what the fields of a log in {} mean", format.name()))
                 .help("`--fields` lists them; write (map \"TOPIC.FIELD\" (ATTRIBUTE OBJECT)) for those you need into a file, and name it with `--mapping`"));
         };
@@ -84,36 +100,40 @@ impl Source {
     }
 
     /// The PDL in a flight record, where it is `wanted`: it declares the record's state variables.
-    pub fn recorded_texts(&self, wanted: bool) -> CliResult<Vec<SourceText>> {
+    ///
+    /// # Errors
+    /// The record is damaged.
+    pub fn recorded_texts(&self, wanted: bool) -> MissionResult<Vec<SourceText>> {
         let Source::Record(reader) = self else { return Ok(Vec::new()) };
         if !wanted {
             return Ok(Vec::new());
         }
-        let recorded = reader.pdl_sources().map_err(|error| CliError::failure(error.to_string()))?;
+        let recorded = reader.pdl_sources().map_err(|error| MissionError::new(ErrorKind::Input, error.to_string()))?;
         let text = |source: SourceFile| SourceText { name: source.name.to_string(), text: source.text.to_string() };
         Ok(recorded.into_iter().map(text).collect())
     }
 
-    /// Hands everything over, in order of time.
+    /// Hands everything over, in order of time. `note` receives what cannot be read of a log.
     ///
     /// With `wanted` samples of other attributes may be left out; their first and last instant are handed over all the same.
     /// Returns the state variables of a log.
-    pub fn feed(
+    ///
+    /// # Errors
+    /// The source cannot be read; those of `sink`.
+    pub fn feed<E: From<MissionError>>(
         self,
         library: &Library,
         wanted: Option<&BTreeSet<Symbol>>,
-        sink: &mut dyn FnMut(Time, EventKind) -> CliResult,
-    ) -> CliResult<Vec<StateVariable>> {
-        if let Source::Log(log) = self {
-            return feed_log(*log, library, wanted, sink);
-        }
+        note: Note<'_>,
+        sink: SampleSink<'_, E>,
+    ) -> Result<Vec<StateVariable>, E> {
         match self {
+            Source::Log(log) => return feed_log(*log, library, wanted, note, sink),
             Source::Lines => feed_lines(sink),
             Source::LinesFile(path) => {
-                sources::held_inputs_of(&path)?.into_iter().try_for_each(|input| sink(input.at, input.kind))
+                scenario::read(&path)?.into_iter().try_for_each(|input| sink(input.at, input.kind))
             }
             Source::Record(reader) => feed_record(&reader, sink),
-            Source::Log(_) => Ok(()),
         }?;
         Ok(Vec::new())
     }
@@ -122,9 +142,9 @@ impl Source {
     ///
     /// # Errors
     /// The input is not a log, or does not say it.
-    pub fn utc_of_zero(&self) -> CliResult<i64> {
+    pub fn utc_of_zero(&self) -> MissionResult<i64> {
         let unknown = |why: String| {
-            CliError::user("`--utc`: the civil time of this input is not known")
+            MissionError::data("`--utc`: the civil time of this input is not known")
                 .because(why)
                 .help("leave the option out; instants then count from the beginning of the input")
         };
@@ -138,45 +158,46 @@ impl Source {
     ///
     /// # Errors
     /// The input is not a log, or has no mapping.
-    pub fn mapping_text(&mut self) -> CliResult<String> {
+    pub fn mapping_text(&mut self) -> MissionResult<String> {
         self.declarations(&Library::default())?;
         match self {
             Source::Log(log) => Ok(log.known_mapping().map(MappingFile::to_pdl).unwrap_or_default()),
-            _ => Err(CliError::user("`--show-mapping` is for logs")
+            _ => Err(MissionError::data("`--show-mapping` is for logs")
                 .because("lines of JSON and flight records name state variables themselves")
                 .help("name a log with `--inputs`")),
         }
     }
 }
 
-fn no_mapping(source: Source, mapped: bool) -> CliResult<Source> {
+fn no_mapping(source: Source, mapped: bool) -> MissionResult<Source> {
     if mapped {
-        return Err(CliError::user("`--mapping` has no meaning for this input")
+        return Err(MissionError::data("`--mapping` has no meaning for this input")
             .because("its lines name state variables themselves")
             .help("leave the option out"));
     }
     Ok(source)
 }
 
-fn feed_lines(sink: &mut dyn FnMut(Time, EventKind) -> CliResult) -> CliResult {
+fn feed_lines<E: From<MissionError>>(sink: SampleSink<'_, E>) -> Result<(), E> {
     let read_value = |text: &str| apex_pdl::read_value(text).map_err(|diagnostic| diagnostic.message);
     let mut now = Time::ZERO;
     for (number, line) in std::io::stdin().lock().lines().enumerate() {
-        let line = line.map_err(|error| CliError::failure("cannot read standard input").because(error))?;
+        let line =
+            line.map_err(|error| MissionError::new(ErrorKind::Input, "cannot read standard input").because(error))?;
         let text = line.trim();
         if text.is_empty() || text.starts_with('#') {
             continue;
         }
         let input = read_live(text, now, &read_value)
-            .map_err(|fault| CliError::user(format!("<standard input>:{}: {fault}", number + 1)))?;
+            .map_err(|fault| MissionError::data(format!("<standard input>:{}: {fault}", number + 1)))?;
         now = now.max(input.at);
         sink(input.at, input.kind)?;
     }
     Ok(())
 }
 
-fn feed_record(reader: &RecordReader, sink: &mut dyn FnMut(Time, EventKind) -> CliResult) -> CliResult {
-    let failed = |error: apex_runtime::RecordError| CliError::failure(error.to_string());
+fn feed_record<E: From<MissionError>>(reader: &RecordReader, sink: SampleSink<'_, E>) -> Result<(), E> {
+    let failed = |error: apex_runtime::RecordError| MissionError::new(ErrorKind::Input, error.to_string());
     for step in reader.steps().map_err(failed)?.without_effects() {
         for event in step.map_err(failed)?.batch.events {
             sink(event.at, event.kind)?;
@@ -185,12 +206,13 @@ fn feed_record(reader: &RecordReader, sink: &mut dyn FnMut(Time, EventKind) -> C
     Ok(())
 }
 
-fn feed_log(
+fn feed_log<E: From<MissionError>>(
     log: LogFile,
     library: &Library,
     wanted: Option<&BTreeSet<Symbol>>,
-    sink: &mut dyn FnMut(Time, EventKind) -> CliResult,
-) -> CliResult<Vec<StateVariable>> {
+    note: Note<'_>,
+    sink: SampleSink<'_, E>,
+) -> Result<Vec<StateVariable>, E> {
     let path = log.path().to_path_buf();
     let format = log.format();
     let mut measured = |at, sample: Option<(StateVariable, Value)>| match sample {
@@ -198,51 +220,61 @@ fn feed_log(
         None => sink(at, EventKind::Woken),
     };
     let fed = log.feed(library, wanted, &mut measured).map_err(|error| unread(&path, format, error))?;
-    tell_damages(&path, &fed.damages);
+    tell_damages(&path, &fed.damages, note);
     Ok(fed.variables)
 }
 
-/// Prints what the log holds.
-pub fn list_fields(log: &LogFile, json: bool) -> CliResult {
-    let (fields, span, damages) = log.fields().map_err(|error| unread(log.path(), log.format(), error))?;
-    output::print(apex_logs::field_list(log.format(), &fields, span, log.known_mapping(), json))?;
-    tell_damages(log.path(), &damages);
-    Ok(())
+/// The list of what the log holds, as text or JSON.
+///
+/// # Errors
+/// The log cannot be read.
+pub fn field_list(log: &LogFile, json: bool, note: Note<'_>) -> MissionResult<String> {
+    let (fields, span, damages) =
+        log.fields().map_err(|error| unread::<MissionError>(log.path(), log.format(), error))?;
+    tell_damages(log.path(), &damages, note);
+    Ok(apex_logs::field_list(log.format(), &fields, span, log.known_mapping(), json))
 }
 
-fn read_mapping(path: &Path) -> CliResult<MappingFile> {
+fn read_mapping(path: &Path) -> MissionResult<MappingFile> {
     let text = read_text(path)?;
-    Ok(MappingFile::parse(&path.display().to_string(), &text, &read_form)?)
+    MappingFile::parse(&path.display().to_string(), &text, &read_form).map_err(of_mapping)
 }
 
 fn read_form(text: &str) -> Result<Value, (u32, String)> {
     apex_pdl::read_value(text).map_err(|diagnostic| (diagnostic.span.line, diagnostic.message))
 }
 
-fn unread(path: &Path, format: Format, error: LogError<CliError>) -> CliError {
-    match error {
+fn unread<E: From<MissionError>>(path: &Path, format: Format, error: LogError<E>) -> E {
+    let error = match error {
         LogError::Open(error) => unreadable(path, &error),
-        LogError::Read(error) => CliError::failure(format!("cannot read {} to its end", path.display())).because(error),
-        LogError::Mapping(error) => error.into(),
+        LogError::Read(error) => {
+            MissionError::new(ErrorKind::Input, format!("cannot read {} to its end", path.display())).because(error)
+        }
+        LogError::Mapping(error) => of_mapping(error),
         LogError::NotALog(first) => {
             let name = format.name();
-            let error = CliError::user(format!("{} is not a {name} with any message", path.display()));
-            let error = first.into_iter().fold(error, CliError::because);
+            let error = MissionError::data(format!("{} is not a {name} with any message", path.display()));
+            let error = first.into_iter().fold(error, MissionError::because);
             error.help(
                 "name another file, or rename it to the ending of its format: .ulg, .bin, .log, .tlog, .mcap or .csv",
             )
         }
-        LogError::Sink(error) => error,
-    }
+        LogError::Sink(error) => return error,
+    };
+    error.into()
+}
+
+fn of_mapping(error: MappingError) -> MissionError {
+    MissionError { reason: error.reason, help: error.help, ..MissionError::data(error.message) }
 }
 
 /// Says what could not be read.
-fn tell_damages(path: &Path, damages: &ReadErrors) {
+fn tell_damages(path: &Path, damages: &ReadErrors, note: Note<'_>) {
     for what in &damages.first {
-        output::print_error(format_args!("note: {}: {what}", path.display()));
+        note(&format!("note: {}: {what}", path.display()));
     }
     let more = damages.count.saturating_sub(damages.first.len() as u64);
     if more > 0 {
-        output::print_error(format_args!("note: {}: and {more} more places like these", path.display()));
+        note(&format!("note: {}: and {more} more places like these", path.display()));
     }
 }

@@ -1,18 +1,25 @@
 //! One source that is heard: its lines become inputs, groups of them at once where it sends more than one at a time.
 
-use super::complaints::Complaints;
+use super::class::SourceClass;
+use super::fault_messages::FaultMessages;
+use super::introduction::Introduction;
+use super::queue::LiveInput;
+use super::sources::{LiveSource, LiveSources};
+use crate::limits::INPUT_LINE_BYTES_MAX;
+use crate::live_lines::OpenQuestions;
+use crate::terms::Control;
 use apex_model::value::Value;
-use apex_runtime::Control;
-use apex_runtime::limits::INPUT_LINE_BYTES_MAX;
-use apex_runtime::live::{Introduction, LiveInput, LiveSource, LiveSources, SourceClass};
-use apex_runtime::live_lines::OpenQuestions;
 use serde_json::json;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, Read, Write};
-use std::net::TcpStream;
+use std::net::{TcpListener, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
+/// Connections at a time, those included that the run has not admitted: each has a thread.
+const CONNECTIONS_MAX: usize = 96;
 /// Inputs that are said to the run at once.
 const GROUP_MAX: usize = 256;
 /// Texts of state variables that a source repeats.
@@ -24,16 +31,51 @@ const READ_BYTES: usize = 64 << 10;
 /// Time that an answer to a source may take; a source that does not read gets none.
 const ANSWER_PATIENCE: Duration = Duration::from_millis(20);
 
+/// Means to read lines of sources, and the destination of messages about them.
+#[derive(Clone)]
+pub struct LineReader {
+    /// The questions that an answer may be to.
+    pub open: OpenQuestions,
+    /// Reads a value in PDL.
+    pub read_value: fn(&str) -> Result<Value, String>,
+    /// Prints a message about lines that are not understood.
+    pub note: fn(&str),
+}
+
 /// A source with its answers.
-pub(super) struct Hearing<'a> {
-    pub(super) source: &'a LiveSource,
-    pub(super) open: &'a OpenQuestions,
+struct Hearing<'a> {
+    source: &'a LiveSource,
+    reader: &'a LineReader,
     /// The connection, for answers to a source that has introduced itself.
-    pub(super) answers: Option<&'a TcpStream>,
+    answers: Option<&'a TcpStream>,
+}
+
+/// Hears lines without a connection, such as those of standard input, from a source that has no answers.
+pub fn hear_lines(lines: impl Read, source: &LiveSource, reader: &LineReader) {
+    hear(lines, &Hearing { source, reader, answers: None });
+}
+
+/// Hears every connection to `listener` on a separate thread, up to the limit.
+pub fn hear_connections(listener: TcpListener, sources: &LiveSources, reader: &LineReader) {
+    let (sources, reader, connections) = (sources.clone(), reader.clone(), Arc::new(AtomicUsize::new(0)));
+    std::thread::spawn(move || {
+        for stream in listener.incoming().flatten() {
+            let (sources, reader, connections) = (sources.clone(), reader.clone(), Arc::clone(&connections));
+            if connections.fetch_add(1, Ordering::AcqRel) >= CONNECTIONS_MAX {
+                connections.fetch_sub(1, Ordering::AcqRel);
+                refuse(&stream, &format!("{CONNECTIONS_MAX} connections are open, which is the limit"));
+                continue;
+            }
+            std::thread::spawn(move || {
+                hear_connection(&stream, &sources, &reader);
+                connections.fetch_sub(1, Ordering::AcqRel);
+            });
+        }
+    });
 }
 
 /// Hears a connection to the port.
-pub(super) fn hear_connection(stream: &TcpStream, sources: &LiveSources, open: &OpenQuestions) {
+fn hear_connection(stream: &TcpStream, sources: &LiveSources, reader: &LineReader) {
     stream.set_write_timeout(Some(ANSWER_PATIENCE)).unwrap_or_default();
     let Ok(reading) = stream.try_clone() else { return };
     let mut lines = BufReader::with_capacity(READ_BYTES, reading);
@@ -45,7 +87,7 @@ pub(super) fn hear_connection(stream: &TcpStream, sources: &LiveSources, open: &
     };
     match sources.admit(class) {
         Ok(source) => {
-            let hearing = Hearing { source: &source, open, answers: Some(stream) };
+            let hearing = Hearing { source: &source, reader, answers: Some(stream) };
             hear(first.as_bytes().chain(b"\n".as_slice()).chain(lines), &hearing);
         }
         Err(fault) => refuse(stream, &fault),
@@ -53,7 +95,7 @@ pub(super) fn hear_connection(stream: &TcpStream, sources: &LiveSources, open: &
 }
 
 /// Tells a connection why it is not heard.
-pub(super) fn refuse(stream: &TcpStream, fault: &str) {
+fn refuse(stream: &TcpStream, fault: &str) {
     stream.set_write_timeout(Some(ANSWER_PATIENCE)).unwrap_or_default();
     // Whether the peer reads it or not.
     let mut stream = stream;
@@ -77,9 +119,9 @@ fn next_line(lines: &mut impl BufRead) -> Option<String> {
 }
 
 /// Hears a source until it has nothing more to say, or the run is over.
-pub(super) fn hear(lines: impl Read, hearing: &Hearing<'_>) {
+fn hear(lines: impl Read, hearing: &Hearing<'_>) {
     let mut lines = BufReader::with_capacity(READ_BYTES, lines);
-    let (mut complaints, known) = (Complaints::new(), KnownTexts::default());
+    let (mut messages, known) = (FaultMessages::new(hearing.reader.note), KnownTexts::new(hearing.reader.read_value));
     let mut group = Vec::new();
     let mut not_understood = 0;
     while let Some(line) = next_line(&mut lines) {
@@ -88,9 +130,9 @@ pub(super) fn hear(lines: impl Read, hearing: &Hearing<'_>) {
                 Ok(control) => group.extend(control),
                 Err(fault) => {
                     not_understood += 1;
-                    if complaints.admits() {
+                    if messages.admits() {
                         let name = hearing.source.name();
-                        complaints.print(name.as_deref(), &fault);
+                        messages.print(name.as_deref(), &fault);
                         if name.is_some() {
                             answer(hearing, &json!({"error": fault}));
                         }
@@ -108,7 +150,7 @@ pub(super) fn hear(lines: impl Read, hearing: &Hearing<'_>) {
             }
         }
     }
-    complaints.print_hidden(hearing.source.name().as_deref());
+    messages.print_hidden(hearing.source.name().as_deref());
 }
 
 /// Reads a line; returns none for an introduction.
@@ -119,7 +161,7 @@ fn understand(line: &str, hearing: &Hearing<'_>, known: &KnownTexts) -> Result<O
         answer(hearing, &json!({"source": introduction.name, "class": introduction.class.word()}));
         return Ok(None);
     }
-    let control = hearing.open.understand(line, &|text| known.read(text))?;
+    let control = hearing.reader.open.understand(line, &|text| known.read(text))?;
     Ok(match control {
         Control::Input(kind) => Some(LiveInput::Event(None, kind)),
         Control::InputFor(agent, kind) => Some(LiveInput::Event(Some(agent), kind)),
@@ -137,16 +179,22 @@ fn answer(hearing: &Hearing<'_>, line: &serde_json::Value) {
 }
 
 /// Texts that a source repeats, with what they say: a source measures the same variables again and again.
-#[derive(Default)]
-struct KnownTexts(RefCell<BTreeMap<String, Value>>);
+struct KnownTexts {
+    known: RefCell<BTreeMap<String, Value>>,
+    read_value: fn(&str) -> Result<Value, String>,
+}
 
 impl KnownTexts {
+    fn new(read_value: fn(&str) -> Result<Value, String>) -> KnownTexts {
+        KnownTexts { known: RefCell::default(), read_value }
+    }
+
     fn read(&self, text: &str) -> Result<Value, String> {
-        if let Some(value) = self.0.borrow().get(text) {
+        if let Some(value) = self.known.borrow().get(text) {
             return Ok(value.clone());
         }
-        let value = apex_pdl::read_value(text).map_err(|diagnostic| diagnostic.message)?;
-        let mut known = self.0.borrow_mut();
+        let value = (self.read_value)(text)?;
+        let mut known = self.known.borrow_mut();
         if text.len() <= KNOWN_TEXT_BYTES_MAX {
             if known.len() >= KNOWN_TEXTS_MAX {
                 known.clear();

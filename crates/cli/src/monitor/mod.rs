@@ -1,3 +1,0 @@
-//! Inputs of all kinds for `apex monitor` and `apex export`.
-
-pub mod input;

@@ -1,0 +1,225 @@
+//! Conditions watched over one input: their results as lines, rows of a table and a picture, and their verdicts.
+
+use crate::source::{Note, Source};
+use apex_executive::state::clause::MonitorId;
+use apex_executive::{MonitorSession, ResultEvent};
+use apex_mission::error::{MissionError, MissionResult};
+use apex_mission::monitor_report::{Style, placed, verdict_word};
+use apex_mission::program::host_functions;
+use apex_model::condition::Condition;
+use apex_model::event::{EventKind, StateVariable};
+use apex_model::library::Library;
+use apex_model::time::Time;
+use apex_tables::ResultWriter;
+use std::collections::BTreeSet;
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::Path;
+use std::sync::Arc;
+
+/// A table of results in a file.
+pub type ResultTable = ResultWriter<BufWriter<File>>;
+
+const OPEN: ResultEvent = ResultEvent::Recognised { open: true };
+
+/// Conditions to watch with their library, span and style.
+pub struct LogMonitorTerms {
+    /// The declarations and functions that the conditions use.
+    pub library: Arc<Library>,
+    /// The conditions.
+    pub conditions: Vec<Condition>,
+    /// The instant from which they are watched; none is that of the first input.
+    pub created: Option<Time>,
+    /// First and last instant of what counts.
+    pub span: (Option<Time>, Option<Time>),
+    /// Style of the lines.
+    pub style: Style,
+    /// True keeps samples and intervals for a picture.
+    pub is_drawn: bool,
+}
+
+/// Destinations of results.
+pub struct Destinations<'a> {
+    /// Receives the lines.
+    pub out: &'a mut dyn Write,
+    /// The input's name, where there are several: each line begins with it.
+    pub name: Option<String>,
+    /// The table with its file.
+    pub table: Option<(&'a mut ResultTable, &'a Path)>,
+    /// Receives warnings.
+    pub note: Note<'a>,
+}
+
+/// Conditions that are watched over one input.
+pub struct LogMonitor<'a> {
+    session: MonitorSession,
+    terms: LogMonitorTerms,
+    to: Destinations<'a>,
+    /// The final intervals of all results, for a picture.
+    intervals: Vec<(Time, Time)>,
+    /// The state variables that the input is known to have.
+    known: Vec<StateVariable>,
+    heard: bool,
+    /// Something in the input came after the span: the input continues beyond it.
+    over: bool,
+}
+
+impl<'a> LogMonitor<'a> {
+    /// A watch that has seen nothing yet.
+    ///
+    /// # Errors
+    /// The library needs functions that this program does not have.
+    pub fn new(terms: LogMonitorTerms, to: Destinations<'a>) -> MissionResult<LogMonitor<'a>> {
+        let session = MonitorSession::new(Arc::clone(&terms.library), host_functions())
+            .map_err(|reason| MissionError::data("the library cannot be used").because(reason))?
+            .with_gaps();
+        let session = if terms.style.live { session } else { session.over_a_log() };
+        let session = if terms.is_drawn { session.keeping_samples() } else { session };
+        Ok(LogMonitor { session, terms, to, intervals: Vec::new(), known: Vec::new(), heard: false, over: false })
+    }
+
+    /// Watches `source` to its end and returns the verdicts, one word for each condition. Results of what was read before a
+    /// fault are reported all the same; a file that is not a log has none.
+    ///
+    /// # Errors
+    /// The source cannot be read; a condition cannot be watched; results cannot be written.
+    pub fn run(&mut self, source: Source) -> MissionResult<Vec<String>> {
+        let wanted = self.session.attributes_read(&self.terms.conditions);
+        let (library, note) = (Arc::clone(&self.terms.library), self.to.note);
+        let fed = source.feed(&library, wanted.as_ref(), note, &mut |at, kind| self.take(at, kind));
+        if !self.heard && fed.is_err() {
+            return fed.map(|_| Vec::new());
+        }
+        self.known = fed.as_ref().map(Clone::clone).unwrap_or_default();
+        let verdicts = self.end()?;
+        fed.map(|_| verdicts)
+    }
+
+    /// True once something of the input counted, or the watch ended.
+    pub fn has_begun(&self) -> bool {
+        self.heard
+    }
+
+    /// A picture (SVG) of what was watched; none where no sample is a number.
+    ///
+    /// # Errors
+    /// The picture cannot be drawn.
+    pub fn picture(&self) -> Result<Option<String>, Box<dyn std::error::Error>> {
+        apex_tables::plot(&self.session, &self.terms.conditions, &self.intervals)
+    }
+
+    fn take(&mut self, at: Time, kind: EventKind) -> MissionResult {
+        let (from, until) = self.terms.span;
+        let over = until.is_some_and(|until| at > until);
+        self.over |= over;
+        if over || from.is_some_and(|from| at < from) {
+            return Ok(());
+        }
+        if !self.heard {
+            self.begin(self.terms.created.unwrap_or(at))?;
+        }
+        self.session.take(kind, at);
+        self.tell()
+    }
+
+    fn begin(&mut self, created_at: Time) -> MissionResult {
+        self.heard = true;
+        for condition in self.terms.conditions.clone() {
+            self.session.watch(condition, created_at).map_err(|error| {
+                MissionError::data(placed(&error.message, error.place, self.session.library()))
+                    .because("it must be known when the condition begins to be watched")
+            })?;
+        }
+        Ok(())
+    }
+
+    fn tell(&mut self) -> MissionResult {
+        for error in self.session.take_troubles() {
+            let message = placed(&error.message, error.place, self.session.library());
+            (self.to.note)(&format!("warning: at {}: {message}", error.at));
+        }
+        for result in self.session.take_results() {
+            if let Some((table, path)) = &mut self.to.table {
+                table.write(self.to.name.as_deref(), &result).map_err(|error| unwritten_table(Some(path), &error))?;
+            }
+            if self.terms.is_drawn && result.telling != OPEN {
+                self.intervals.push(result.result.interval);
+            }
+            if let Some(text) = self.terms.style.result(&result) {
+                self.write(&text)?;
+            }
+        }
+        if self.terms.style.live {
+            self.flush()?;
+        }
+        Ok(())
+    }
+
+    /// Reports the remaining results, the verdicts, and the variables without samples.
+    fn end(&mut self) -> MissionResult<Vec<String>> {
+        let created = self.terms.created.unwrap_or(Time::ZERO);
+        if !self.heard {
+            self.begin(created)?;
+        }
+        let now = self.session.now().max(created);
+        // The input may end before.
+        let now = self.terms.span.1.filter(|_| self.over).map_or(now, |until| now.max(until));
+        self.session.advance(now);
+        self.session.finish();
+        self.tell()?;
+        let mut verdicts = Vec::new();
+        for number in 0..self.terms.conditions.len() as u64 {
+            let Some(judgement) = self.session.verdict(MonitorId(number)) else { continue };
+            verdicts.push(verdict_word(&judgement.verdict).to_string());
+            let text = self.terms.style.verdict(number + 1, &judgement, now);
+            self.write(&text)?;
+        }
+        self.flush()?;
+        self.note_missing_samples();
+        Ok(verdicts)
+    }
+
+    /// Notes each variable that the conditions read and the input has no sample of.
+    fn note_missing_samples(&self) {
+        let histories = self.session.histories();
+        let measured = histories.iter().map(|(variable, _)| variable).chain(&self.known);
+        let listed: BTreeSet<String> = measured.map(|variable| variable.to_string()).collect();
+        let listed: Vec<String> = listed.into_iter().take(30).collect();
+        let listed = if listed.is_empty() { "none at all".to_string() } else { listed.join(" ") };
+        for missing in self.session.without_samples() {
+            (self.to.note)(&format!("note: there is no sample of {missing} in this input; it has {listed}"));
+        }
+    }
+
+    fn write(&mut self, text: &str) -> MissionResult {
+        let named = match &self.to.name {
+            None => text.to_string(),
+            Some(name) => named(name, text, self.terms.style.json),
+        };
+        self.to.out.write_all(named.as_bytes()).map_err(unwritten)
+    }
+
+    fn flush(&mut self) -> MissionResult {
+        self.to.out.flush().map_err(unwritten)
+    }
+}
+
+/// A result or verdict with the name of its input: the first member of an object, or in front of the first line.
+fn named(name: &str, text: &str, json: bool) -> String {
+    match text.strip_prefix('{').filter(|_| json) {
+        Some(members) => format!("{{\"input\":{},{members}", serde_json::Value::from(name)),
+        None => format!("{name}: {text}"),
+    }
+}
+
+fn unwritten(error: std::io::Error) -> MissionError {
+    MissionError::output("cannot write to standard output").because(error)
+}
+
+/// The error of a table that could not be written; without a path it is on standard output.
+pub fn unwritten_table(path: Option<&Path>, error: &std::io::Error) -> MissionError {
+    let name = path.map_or_else(|| "standard output".to_string(), |path| path.display().to_string());
+    MissionError::output(format!("cannot write {name}"))
+        .because(error)
+        .help("the table is incomplete; check its folder and the free space there")
+}
