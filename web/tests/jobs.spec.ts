@@ -8,6 +8,7 @@ import { existsSync, mkdtempSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { dirname, join } from 'node:path';
 import { expect, type Page, test } from '@playwright/test';
+import type { ScoreSoFar } from '../src/record/seen';
 import type { Mission, Targets, Timeline, Troubles } from '../src/record/types';
 import { COLOURS } from '../src/theme/colours';
 import { expectNoFaults } from './axe';
@@ -63,7 +64,14 @@ test('P1: at T+0 nothing is shown that was known later', async ({ page }) => {
   await expect(page.getByTestId('progress')).toContainText('of 23 targets');
   await open(page, '?t=18001');
   await expect(page.getByTestId('progress')).toContainText('of 24 targets');
+  // The score so far is that of the record's steps until then, and gives way to the report's at the end.
+  const soFar = await ask<ScoreSoFar>('score?at=18001000000000');
+  const last = await ask<ScoreSoFar>(`score?at=${mission.end_ns}`);
+  expect(soFar.score).toBeLessThan(last.score);
+  expect(last.score).toBeCloseTo(mission.score ?? Number.NaN, 6);
+  await expect(page.getByTestId('score-so-far')).toHaveText(soFar.score.toFixed(0));
   await page.keyboard.press('End');
+  await expect(page.getByTestId('score-so-far')).toHaveCount(0);
   await expect(page.getByTestId('score')).toHaveText(String(mission.score?.toFixed(0)));
 });
 

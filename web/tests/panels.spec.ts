@@ -5,7 +5,7 @@ import { readFileSync } from 'node:fs';
 import { expect, type Page, test } from '@playwright/test';
 import { parquetReadObjects } from 'hyparquet';
 import type { Footprints } from '../src/record/seen';
-import type { Holdings, Mission, PlanInForce, Plans, Targets } from '../src/record/types';
+import type { Holdings, Mission, PlanInForce, Plans, Targets, Tasks } from '../src/record/types';
 import { COLOURS } from '../src/theme/colours';
 import { expectNoFaults } from './axe';
 import { countColours } from './pixels';
@@ -248,6 +248,15 @@ test('plans are compared, and panels are exported', async ({ page }) => {
   expect(await saved(page, 'export-plans').then(String)).toContain(
     'plan,adopted_s,target,begin_s,end_s,left_out',
   );
+  // The agenda has a row for each task that the server lists.
+  const { tasks } = await ask<Tasks>('tasks?at=70000000000000&ended=true');
+  const agenda = (await saved(page, 'export-agenda')).toString().trimEnd().split('\r\n');
+  expect(agenda[0]).toBe('task,parent,depth,state,outcome,tag,goal');
+  expect(agenda.length).toBe(tasks.length + 1);
+  await page.locator('[data-task]').nth(2).click();
+  await page.getByTestId('tab-why').click();
+  const explained = await page.locator('[data-task]').nth(2).getAttribute('data-task');
+  expect((await saved(page, 'export-why')).toString()).toContain(`T${explained} (`);
   await page.getByTestId('tab-signals').click();
   await expect(page.getByTestId('signals').locator('canvas').first()).toBeVisible();
   png(await saved(page, 'export-plots'));

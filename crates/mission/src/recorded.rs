@@ -121,6 +121,15 @@ fn damaged(reader: &RecordReader, fault: impl std::fmt::Display) -> MissionError
     MissionError::record_file(format!("the flight record {} is damaged", reader.path().display())).because(fault)
 }
 
+/// The report as if the recorded flight had ended at `at`, computed from its steps until then.
+///
+/// # Errors
+/// A record that cannot be read.
+pub fn report_until(reader: &RecordReader, mission: &Mission, at: Time) -> MissionResult<Report> {
+    let (situation, flown) = folded_until(reader, mission, at)?;
+    Ok(report(mission, &situation, told(&flown), (at, "the flight was under way".to_string())))
+}
+
 /// The report of the recorded flight, computed from its steps.
 ///
 /// # Errors

@@ -131,6 +131,11 @@ impl TargetLooks {
         self.last = Vec::new();
     }
 
+    /// Number of looks that cells have received until now. Bound: O(passes).
+    pub fn count(&self) -> usize {
+        self.passes.iter().map(|pass| pass.looks.len()).sum()
+    }
+
     /// True if a pass is being recorded.
     pub fn is_recording(&self) -> bool {
         !self.last.is_empty()

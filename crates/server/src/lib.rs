@@ -17,6 +17,7 @@ mod operation;
 mod params;
 mod prepared_access;
 mod router;
+mod scored_flight;
 mod seen;
 mod seen_ground;
 mod serve;

@@ -1,4 +1,5 @@
-//! `/api/footprints` and `/api/plans`: the ground that the sensors have seen, and all plans, as known at an instant.
+//! `/api/footprints`, `/api/score` and `/api/plans`: the ground that the sensors have seen, the score so far, and all plans, as known at an
+//! instant.
 
 use crate::answer::ApiResult;
 use crate::params::{AtParams, WindowParams};
@@ -23,6 +24,7 @@ pub(crate) fn routes() -> Router<Arc<AppState>> {
         .route("/api/plans", get(plans))
         .route("/api/facts", get(facts))
         .route("/api/holdings", get(holdings))
+        .route("/api/score", get(score))
 }
 
 async fn footprints(State(state): Shared, params: QueryParams<WindowParams>) -> ApiResult<Response> {
@@ -34,6 +36,17 @@ async fn footprints(State(state): Shared, params: QueryParams<WindowParams>) -> 
     })
     .await?;
     Ok(Json(seen).into_response())
+}
+
+/// The score at an instant, the last one by default; `null` for missions that are not measured by a score.
+async fn score(State(state): Shared, params: QueryParams<AtParams>) -> ApiResult<Response> {
+    let at = checked(params)?.at.map_or(Time::END, Time);
+    let score = blocking(move || {
+        let reader = state.reader()?.of_agent(0)?;
+        state.score.at(&reader, at)
+    })
+    .await?;
+    Ok(Json(score).into_response())
 }
 
 async fn plans(State(state): Shared, params: QueryParams<AtParams>) -> ApiResult<Response> {

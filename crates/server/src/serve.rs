@@ -5,6 +5,7 @@ use crate::flights::{FlightOptions, Tower};
 use crate::listening::{TlsError, TlsIdentity, serve_connections};
 use crate::operation::{FlightDoor, ReadDatum};
 use crate::router::router;
+use crate::scored_flight::ScoredFlight;
 use crate::seen_ground::SeenGround;
 use crate::shelf::Shelf;
 use crate::state::{AppState, LoadSources, Views};
@@ -158,6 +159,7 @@ pub fn serve(options: ServeOptions) -> Result<(), ServeError> {
             program: OnceLock::new(),
             door,
             seen: SeenGround::default(),
+            score: ScoredFlight::default(),
             tower,
             routes: router,
             shelf,

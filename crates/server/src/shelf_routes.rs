@@ -2,6 +2,7 @@
 //! about the first.
 
 use crate::answer::{ApiError, ApiResult};
+use crate::scored_flight::ScoredFlight;
 use crate::seen_ground::SeenGround;
 use crate::shelf::{Shelf, rows};
 use crate::state::{AppState, Shared, Views, blocking, no_record};
@@ -69,6 +70,7 @@ fn routes_of(state: &Arc<AppState>, id: usize) -> ApiResult<Router> {
         program: OnceLock::new(),
         door: state.door.clone().filter(|_| is_same),
         seen: SeenGround::default(),
+        score: ScoredFlight::default(),
         tower: None,
         routes: state.routes,
         shelf: Shelf::default(),

@@ -4,6 +4,7 @@ use crate::access::Sessions;
 use crate::answer::{ApiError, ApiResult};
 use crate::flights::Tower;
 use crate::operation::FlightDoor;
+use crate::scored_flight::ScoredFlight;
 use crate::seen_ground::SeenGround;
 use crate::shelf::Shelf;
 use crate::what_if::WhatIf;
@@ -41,6 +42,8 @@ pub(crate) struct AppState {
     pub(crate) door: Option<FlightDoor>,
     /// The ground that the record's sensors have seen, as far as it was asked for.
     pub(crate) seen: SeenGround,
+    /// The score of the record's flight, as far as it was asked for.
+    pub(crate) score: ScoredFlight,
     /// The flights of this server, if it may fly.
     pub(crate) tower: Option<Arc<Tower>>,
     /// The routes on a state; for the records on the shelf.

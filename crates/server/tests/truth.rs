@@ -8,7 +8,9 @@ use apex_executive::state::histories::history::Sample;
 use apex_mission::Mission;
 use apex_mission::deliberation::PlanningResources;
 use apex_mission::flight::MissionFlight;
-use apex_mission::recorded::load_program;
+use apex_mission::recorded::{load_program, mission_of, report_until};
+use apex_mission::report::MissionValue;
+use apex_mission::score::ScoreHistory;
 use apex_model::source::SourceFile;
 use apex_model::task::TaskState;
 use apex_model::time::Time;
@@ -20,6 +22,7 @@ use apex_runtime::record::{RecordReader, seal_rows};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde_json::{Value, json};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -151,6 +154,29 @@ fn compare_with_agent(record: &Path, agent: usize, count: u64) {
     }
 }
 
+/// Compares the score so far with that of a report which is made of the steps until then alone.
+fn compare_score(record: &Path, count: u64) {
+    let reader = RecordReader::open(record).unwrap();
+    let mission = mission_of(&reader).unwrap().unwrap();
+    let mut history = ScoreHistory::new(mission_of(&reader).unwrap().unwrap()).unwrap().unwrap();
+    for step in reader.steps_between(Time::BEGINNING, Time::END).unwrap() {
+        let step = step.unwrap();
+        history.observe(0, &step.batch, &step.decoded_effects().unwrap());
+    }
+    let mut scores = BTreeSet::new();
+    for at_ns in instants(&reader, count) {
+        let shown = history.at(Time(at_ns)).unwrap();
+        assert!(shown.counted_ns <= at_ns, "{shown:?} at {at_ns}");
+        let counted = history.at(Time(shown.counted_ns)).unwrap();
+        let report = report_until(&reader, &mission, Time(shown.counted_ns)).unwrap();
+        let MissionValue::Score(score) = report.value else { panic!("a mission of fires has a score") };
+        assert_eq!(counted.benefits, score.benefits, "at {at_ns}");
+        assert!((counted.score - score.score).abs() < 1e-9, "{counted:?} at {at_ns}: {}", score.score);
+        scores.insert(score.benefits.to_bits());
+    }
+    assert!(scores.len() > 3, "the score grows during a flight");
+}
+
 /// All answers about an instant, without how far the record has grown.
 fn answers(record: &Path, agent: usize, at_ns: i64) -> Value {
     let mut view = RecordView::open(record, agent).unwrap();
@@ -232,6 +258,7 @@ fn western_states_shows_what_was_known() {
     let record = flown(folder.path(), "western-states", 5.5);
     compare_with_agent(&record, 0, 200);
     compare_with_cut(&record, 0, 8);
+    compare_score(&record, 10);
     let mut view = RecordView::open(&record, 0).unwrap();
     let known = |view: &mut RecordView, hours: i64| {
         let targets = view.targets(Some(hours * 3_600_000_000_000)).unwrap().targets;

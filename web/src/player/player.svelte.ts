@@ -464,6 +464,7 @@ export class Player {
     });
     const task = this.selectedTask;
     this.scenery.askPlans(this.atNs);
+    this.scenery.askScore(this.atNs);
     this.other.ask(this.atNs);
     clearTimeout(this.sceneryTimer);
     this.sceneryTimer = setTimeout(() => {

@@ -4,7 +4,7 @@
  */
 
 import { LatestOnly } from '../record/latest';
-import { airSignals, type Footprints, type MissionFacts } from '../record/seen';
+import { airSignals, type Footprints, type MissionFacts, type ScoreSoFar } from '../record/seen';
 import type { HoldingsQuery, RecordSource } from '../record/source';
 import type { Holdings, Plans, SignalWindow } from '../record/types';
 
@@ -19,11 +19,14 @@ export class Scenery {
   links = $state.raw<SignalWindow[]>([]);
   facts = $state.raw<MissionFacts | null>(null);
   holdings = $state.raw<Holdings | null>(null);
+  /** The score with the instant that it belongs to; null while none is known. */
+  score = $state.raw<{ atNs: number; score: ScoreSoFar } | null>(null);
   /** What cannot be read, in one sentence, for the map. */
   trouble = $state<string | null>(null);
   private readonly questions: LatestOnly<number, void>;
   private readonly planQuestions: LatestOnly<number, Plans>;
   private readonly holdingQuestions: LatestOnly<HoldingsQuery, Holdings>;
+  private readonly scoreQuestions: LatestOnly<number, ScoreSoFar | null>;
   private asked = false;
 
   constructor(private readonly source: RecordSource) {
@@ -44,6 +47,13 @@ export class Scenery {
       },
       fail,
     );
+    this.scoreQuestions = new LatestOnly(
+      atNs => source.score(atNs),
+      (score, atNs) => {
+        this.score = score === null ? null : { atNs, score };
+      },
+      fail,
+    );
     this.holdingQuestions = new LatestOnly(
       query => source.holdings(query),
       holdings => {
@@ -51,6 +61,11 @@ export class Scenery {
       },
       fail,
     );
+  }
+
+  /** The score belongs to every instant. */
+  askScore(atNs: number): void {
+    this.scoreQuestions.put(atNs);
   }
 
   /** Who held which resource, where that is shown. */

@@ -20,6 +20,15 @@ export interface Footprints {
   pictures: { t_ns: number; corners: Pair[] }[];
 }
 
+/** The mission score if the flight ended at the instant that was asked for, in points. */
+export interface ScoreSoFar {
+  /** Observations count that were made until this instant. */
+  counted_ns: number;
+  benefits: number;
+  costs: number;
+  score: number;
+}
+
 /** What the mission's files say, known from the start. */
 export interface MissionFacts {
   kind: 'fixed-wing' | 'rotorcraft';

@@ -1,6 +1,6 @@
 /** The one way to a flight record: questions to the server, and updates of its growth. */
 
-import type { Footprints, MissionFacts } from './seen';
+import type { Footprints, MissionFacts, ScoreSoFar } from './seen';
 import type {
   Events,
   Growth,
@@ -76,6 +76,8 @@ export interface RecordSource {
   footprints(atNs: number): Promise<Footprints>;
   /** Who held which resource. */
   holdings(query: HoldingsQuery): Promise<Holdings>;
+  /** Null for missions that are not measured by a score. */
+  score(atNs: number): Promise<ScoreSoFar | null>;
   /** Null if the record is not of a mission. */
   facts(): Promise<MissionFacts | null>;
   troubles(atNs: number): Promise<Troubles>;
@@ -148,6 +150,7 @@ export class ServedRecord implements RecordSource {
       to: whole(query.toNs),
       at: whole(query.atNs),
     });
+  score = (atNs: number): Promise<ScoreSoFar | null> => this.get('score', { at: whole(atNs) });
   facts = (): Promise<MissionFacts | null> => this.get('facts', {});
   troubles = (atNs: number): Promise<Troubles> => this.get('troubles', { at: whole(atNs) }); // english: allow
   targets = async (atNs: number): Promise<Target[]> =>

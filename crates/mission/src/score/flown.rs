@@ -12,6 +12,7 @@ use apex_model::value::Value;
 use apex_observation::attitude::Vector;
 use apex_observation::flown::{FlightSample, FlownObservation, FlownSettings, Picture, SensorState};
 use apex_observation::grid::GridSettings;
+use apex_observation::looks::TargetLooks;
 use apex_observation::result::TargetResult;
 use apex_observation::sensor::camera::sight_of;
 use apex_observation::sensor::{CameraSetting, ExposureMotion};
@@ -237,6 +238,16 @@ impl FlownScore {
         }
         let sample = self.flight_sample(at, position, altitude_m);
         self.observation.sample(sample, &self.ground);
+    }
+
+    /// True while the scanner is on.
+    pub(super) fn is_scanning(&self) -> bool {
+        self.latest.is_on
+    }
+
+    /// Number of looks that cells of a target have received until now.
+    pub(super) fn look_count_of(&self, target: &str) -> usize {
+        self.observation.looks(target).map_or(0, TargetLooks::count)
     }
 
     /// Returns the observations until now.

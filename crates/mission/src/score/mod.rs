@@ -4,6 +4,7 @@
 mod flown;
 mod footprints;
 mod samples;
+mod so_far;
 mod telling;
 mod value;
 
@@ -11,5 +12,6 @@ pub use crate::predicted::Predicted;
 pub use flown::FlownScore;
 pub(crate) use flown::told;
 pub use footprints::{Footprints, SeenLine, SeenPicture, Swath};
+pub use so_far::{ScoreHistory, ScoreSoFar};
 pub(crate) use value::flight_score;
 pub use value::{Cost, CostKind, FlightScore, ScoredLook};

@@ -5,7 +5,7 @@ use crate::predicted::Predicted;
 use crate::situation::Situation;
 use crate::{Mission, Target, TargetKind};
 use apex_metrics::mission_score::{crew_hours, failure_cost, failure_probability};
-use apex_observation::result::LookResult;
+use apex_observation::result::{LookResult, TargetResult};
 
 /// `M = sum_j v_j c_j r_j s_j o_j(t) - (sum_k H_k W_k + P (R C_v + M C_m))` of a flight, in points.
 #[derive(Clone, Debug, PartialEq)]
@@ -86,40 +86,67 @@ pub(crate) fn flight_score(
     flown: Result<&FlownScore, &str>,
     hours: f64,
 ) -> FlightScore {
-    let mut looks = Vec::new();
-    let mut costs = Vec::new();
-    let mut benefits = 0.0;
     let results = flown.map(FlownScore::results).unwrap_or_default();
+    let Benefits { looks: valued, points: benefits, missed } = benefits_of(mission, results);
+    let mut looks = Vec::new();
+    for (target, id, flown) in valued {
+        let visit = situation.observed().filter(|visit| visit.target == id).last();
+        if flown.seen.seen > 0.0 || visit.is_some() {
+            let several = id != target.id;
+            let name = if several { format!("{} {}", target.name, flown.name) } else { target.name.clone() };
+            let predicted = visit.and_then(|visit| visit.predicted.clone());
+            looks.push(ScoredLook { id, name, flown, predicted });
+        }
+    }
+    let (running, failure_probability) = running_costs(mission, hours);
+    let costs = [missed, running].concat();
+    let score = benefits - costs.iter().map(Cost::points).sum::<f64>();
+    let trouble = flown.err().unwrap_or_default().to_string();
+    FlightScore { looks, benefits, costs, failure_probability, score, trouble }
+}
+
+/// The wanted looks of a mission with their results.
+pub(super) struct Benefits<'a> {
+    /// Each look with its target and its name in plans.
+    looks: Vec<(&'a Target, String, LookResult)>,
+    /// Points of all of them.
+    pub(super) points: f64,
+    /// Costs of looks that must not be missed and were.
+    pub(super) missed: Vec<Cost>,
+}
+
+/// The benefits of what was seen; the values of targets are those that `mission` has.
+pub(super) fn benefits_of(mission: &Mission, results: Vec<TargetResult>) -> Benefits<'_> {
+    let mut benefits = Benefits { looks: Vec::new(), points: 0.0, missed: Vec::new() };
     for result in results {
         let Some(target) = mission.targets.iter().find(|target| target.id == result.name) else { continue };
         for (id, flown) in looks_of(target, result.looks) {
-            benefits += flown.points;
+            benefits.points += flown.points;
             if let Some(price) = flown.must_missed {
-                costs.push(Cost { kind: CostKind::Missed, name: id.clone(), quantity: 1.0, price });
+                benefits.missed.push(Cost { kind: CostKind::Missed, name: id.clone(), quantity: 1.0, price });
             }
-            let visit = situation.observed().filter(|visit| visit.target == id).last();
-            if flown.seen.seen > 0.0 || visit.is_some() {
-                let several = id != target.id;
-                let name = if several { format!("{} {}", target.name, flown.name) } else { target.name.clone() };
-                let predicted = visit.and_then(|visit| visit.predicted.clone());
-                looks.push(ScoredLook { id, name, flown, predicted });
-            }
+            benefits.looks.push((target, id, flown));
         }
     }
+    benefits
+}
+
+/// The costs that grow with the length of a flight, and its probability of failure.
+pub(super) fn running_costs(mission: &Mission, hours: f64) -> (Vec<Cost>, f64) {
     let crew = crew_hours(&mission.crew, hours).into_iter();
-    costs.extend(crew.map(|person| Cost {
-        kind: CostKind::Personnel,
-        name: person.role,
-        quantity: person.hours,
-        price: person.wage_per_hour,
-    }));
+    let mut costs: Vec<Cost> = crew
+        .map(|person| Cost {
+            kind: CostKind::Personnel,
+            name: person.role,
+            quantity: person.hours,
+            price: person.wage_per_hour,
+        })
+        .collect();
     let probability = failure_probability(&mission.failure, hours);
     let cost = failure_cost(&mission.failure, hours);
     let price = if probability > 0.0 { cost / probability } else { 0.0 };
     costs.push(Cost { kind: CostKind::Failure, name: "vehicle and mission".to_string(), quantity: probability, price });
-    let score = benefits - costs.iter().map(Cost::points).sum::<f64>();
-    let trouble = flown.err().unwrap_or_default().to_string();
-    FlightScore { looks, benefits, costs, failure_probability: probability, score, trouble }
+    (costs, probability)
 }
 
 /// The looks with their names in plans, worth what the target's looks are worth now.

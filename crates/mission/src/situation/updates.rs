@@ -206,6 +206,11 @@ impl MissionUpdates {
         believed
     }
 
+    /// Values of targets as said last, by target.
+    pub(crate) fn values(&self) -> &BTreeMap<String, f64> {
+        &self.values
+    }
+
     /// The mission with all of its targets, worth what has been said last, and the forecast that is assumed.
     pub fn valued(&self, mission: &Mission) -> Mission {
         let mut believed = mission.clone();

@@ -25,6 +25,7 @@ pub(crate) fn rows() -> Vec<RouteRow> {
         read("/api/signals"),
         read("/api/samples"),
         read("/api/report"),
+        read("/api/score"),
         read("/api/source"),
         read("/api/live"),
         read("/api/footprints"),

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { Task } from '../../record/types';
-import { counts, neighbour, rowsOf, slice, stateLabel, tone } from './view';
+import { counts, neighbour, rowsOf, slice, stateLabel, taskTable, tone } from './view';
 
 function task(
   id: number,
@@ -72,4 +72,11 @@ it('states without tasks are not counted', () => {
     { state: 'terminated', count: 1 },
   ]);
   expect(counts(null)).toEqual([]);
+});
+
+it('exports every task, folded or not', () => {
+  const table = taskTable(tasks);
+  expect(table[0]).toEqual(['task', 'parent', 'depth', 'state', 'outcome', 'tag', 'goal']);
+  expect(table.slice(1).map(row => row[0])).toEqual([1, 2, 4, 3, 5]);
+  expect(table[3]).toEqual([4, 2, 2, 'terminated', null, 's4', '(goal 4)']);
 });

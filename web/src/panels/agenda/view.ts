@@ -86,3 +86,21 @@ export function neighbour(rows: readonly Row[], selected: number | null, by: 1 |
   if (at < 0) return rows[0]?.task.id ?? null;
   return rows[Math.min(Math.max(at + by, 0), rows.length - 1)]?.task.id ?? null;
 }
+
+/** The tasks as a table, in reading order with their depth; closed branches are in it, too. */
+export function taskTable(tasks: readonly Task[]): (string | number | null)[][] {
+  const rows = rowsOf(tasks, new Map(), true);
+  const head = ['task', 'parent', 'depth', 'state', 'outcome', 'tag', 'goal'];
+  return [
+    head,
+    ...rows.map(({ task, depth }) => [
+      task.id,
+      task.parent,
+      depth,
+      task.state,
+      task.outcome,
+      task.tag,
+      task.goal,
+    ]),
+  ];
+}

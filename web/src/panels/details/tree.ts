@@ -183,3 +183,14 @@ export function treeRows(nodes: readonly Node[], closed: ReadonlySet<string>, de
 export function behindOf(nodes: readonly Node[]): Behind[] {
   return nodes.flatMap(one => [...(one.behind ? [one.behind] : []), ...behindOf(one.children)]);
 }
+
+/** The whole tree as text: two blanks for each level, the instant after the words. */
+export function treeText(nodes: readonly Node[], depth = 0): string {
+  return nodes
+    .map(node => {
+      const at = node.atNs === null ? '' : `  ${missionTime(node.atNs)}`;
+      const line = `${'  '.repeat(depth)}${node.glyph} ${node.full || node.text}${at}\n`;
+      return line + treeText(node.children, depth + 1);
+    })
+    .join('');
+}

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { EventRow, Moment, TaskExplanation, Why } from '../../record/types';
-import { whyTree } from './tree';
+import { treeText, whyTree } from './tree';
 import { flownTargets, hasSource, logLines, reportView, snippetLines, toneOf, whyView } from './view';
 
 function moment(id: number, more: Partial<Moment> = {}): Moment {
@@ -139,6 +139,9 @@ describe('why', () => {
       why.now,
       'camera is with T9 (pan), priority 7 + interrupt cost 0.1 against 3',
     ]);
+    const text = treeText(whyTree(full.explanation, new Map()));
+    expect(text.split('\n').filter(line => line.startsWith('○ it waits for')).length).toBe(1);
+    expect(text).toMatch(/^ {2}\S/m);
     const waits = whyTree(full.explanation, new Map()).find(node => node.id === 'waits');
     expect(waits?.children.map(leaf => [leaf.glyph, leaf.text, leaf.place])).toEqual([
       ['○', 'on camera 1: off', 'a.pdl:4:2'],

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { addable, commitForms, movedVisit } from './view';
+import { addable, commitForms, draftTable, movedVisit } from './view';
 
 describe('a draft', () => {
   it('moves visits within its ends', () => {
@@ -20,4 +20,14 @@ describe('a draft', () => {
       ),
     ).toEqual(['c']);
   });
+});
+
+it('exports a draft with the times that a validated plan gives it', () => {
+  const plan = { visits: [{ begin_ns: 60e9, end_ns: 90e9 }] } as never;
+  expect(draftTable(['a', 'b'], plan)).toEqual([
+    ['visit', 'target', 'begin_s', 'end_s'],
+    [1, 'a', 60, 90],
+    [2, 'b', null, null],
+  ]);
+  expect(draftTable(['a'], null)[1]).toEqual([1, 'a', null, null]);
 });

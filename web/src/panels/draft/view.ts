@@ -1,6 +1,7 @@
 /** A drawn plan: the order of visits and the messages that commit it; pure. */
 
-import type { Target } from '../../record/types';
+import type { PlanInForce, Target } from '../../record/types';
+import { NANOSECONDS_PER_SECOND } from '../../time/format';
 
 /** `visits` with the one at `from` at another place. */
 export function movedVisit(visits: readonly string[], from: number, by: 1 | -1): string[] {
@@ -18,4 +19,19 @@ export function commitForms(visits: readonly string[]): string[] {
 /** Targets that can still be visited and are not in the draft. */
 export function addable(targets: readonly Target[], visits: readonly string[]): Target[] {
   return targets.filter(target => target.state !== 'observed' && !visits.includes(target.id));
+}
+
+/** The draft as a table: visits with the times of the validated plan, where there is one. */
+export function draftTable(
+  visits: readonly string[],
+  plan: PlanInForce | null,
+): (string | number | null)[][] {
+  const rows = visits.map((target, index) => {
+    const visit = plan?.visits[index];
+    const times = visit
+      ? [visit.begin_ns, visit.end_ns].map(ns => ns / NANOSECONDS_PER_SECOND)
+      : [null, null];
+    return [index + 1, target, ...times];
+  });
+  return [['visit', 'target', 'begin_s', 'end_s'], ...rows];
 }

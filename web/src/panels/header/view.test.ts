@@ -1,6 +1,6 @@
 import { expect, it } from 'vitest';
 import type { Mission } from '../../record/types';
-import { headerView } from './view';
+import { headerView, scoreSoFar } from './view';
 
 const mission: Mission = {
   mission: 'western-states',
@@ -53,4 +53,18 @@ it('shows a failure, an unfinished record and the distance from the live end', (
   const live: Mission = { ...unended, status: 'live' };
   expect(headerView(live, 7200e9, true).statusText).toBe('live');
   expect(headerView(live, 7080e9).statusText).toBe('live, 2 min 00 s behind');
+});
+
+it('shows the score of an instant at that instant alone', () => {
+  const score = { counted_ns: 3_600e9, benefits: 250.4, costs: 50.25, score: 200.15 };
+  const known = { atNs: 3_660e9, score };
+  expect(scoreSoFar(known, 3_660e9, 0)).toMatchObject({ text: '200' });
+  expect(scoreSoFar(known, 3_660e9, 0)?.help).toContain(
+    '250 points of observations until T+1:00:00, less costs of 50.3',
+  );
+  // Not before: it was not known then. Not much later: it is not the score of that instant.
+  expect(scoreSoFar(known, 3_659e9, 0)).toBeNull();
+  expect(scoreSoFar(known, 3_800e9, 0)).toBeNull();
+  expect(scoreSoFar(known, 3_800e9, 600)).not.toBeNull();
+  expect(scoreSoFar(null, 0, 0)).toBeNull();
 });

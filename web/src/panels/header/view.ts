@@ -1,5 +1,6 @@
 /** What the header says. */
 
+import type { ScoreSoFar } from '../../record/seen';
 import type { Mission } from '../../record/types';
 import { civilTime, missionTime, NANOSECONDS_PER_SECOND, span } from '../../time/format';
 
@@ -19,6 +20,29 @@ export interface HeaderView {
   time: string;
   civil: string | null;
   end: string;
+}
+
+/** Mission time for which a score is shown after its instant, at least. */
+const SCORE_AGE_NS = 60 * NANOSECONDS_PER_SECOND;
+
+export interface ShownScore {
+  text: string;
+  help: string;
+}
+
+/** The score if the flight ended now; null where the newest one known belongs to another instant. `speed` is that of the cursor. */
+export function scoreSoFar(
+  known: { atNs: number; score: ScoreSoFar } | null,
+  atNs: number,
+  speed: number,
+): ShownScore | null {
+  const ageNs = known ? atNs - known.atNs : 0;
+  if (!known || ageNs < 0 || ageNs > Math.max(SCORE_AGE_NS, speed * NANOSECONDS_PER_SECOND)) return null;
+  const { counted_ns, benefits, costs, score } = known.score;
+  return {
+    text: scoreText(score),
+    help: `mission score if the flight ended now: ${scoreText(benefits)} points of observations until ${missionTime(counted_ns)}, less costs of ${scoreText(costs)}`,
+  };
 }
 
 /** Records shorter than this are watched in tenths of seconds. */
