@@ -177,7 +177,7 @@ pub(crate) fn read_time(text: &str) -> Result<Time, String> {
 
 fn last_line(end: &RunEnd) -> String {
     let word = match end.reason {
-        EndReason::Application(_) => "end",
+        EndReason::Application { .. } => "end",
         EndReason::Until => "until",
         EndReason::Quiescent => "quiet",
         EndReason::Stopped => "stopped",

@@ -8,6 +8,7 @@ use crate::error::RunError;
 use crate::inbox::Inbox;
 use crate::limits::CONVERSATION_ROUNDS_MAX;
 use crate::ports::Input;
+use crate::terms::EndReason;
 use apex_executive::Agent;
 use apex_model::effect::{CommandId, QuestionId, SolveRequestId};
 use apex_model::event::{Batch, EventKind, Message};
@@ -91,6 +92,13 @@ impl<'a> AgentGroup<'a> {
                 Some(format!("all agents are done; {}", words.join("; ")))
             }
         }
+    }
+
+    /// The end of the application for `reason`: a failure if the initial task of an agent failed.
+    pub(crate) fn ended(&self, reason: String) -> EndReason {
+        let initial_task = |agent: &Agent| agent.tasks.iter().next().and_then(|(_, task)| task.outcome.clone());
+        let failed = self.agents.iter().any(|agent| initial_task(agent).is_some_and(|outcome| outcome.is_failure()));
+        EndReason::Application { reason, failed }
     }
 
     /// The next instant at which an agent wants to be woken.

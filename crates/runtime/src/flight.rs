@@ -136,7 +136,7 @@ impl<'a, 'o> Flight<'a, 'o> {
         }
         loop {
             if let Some(reason) = self.group.finish() {
-                return Ok(EndReason::Application(reason));
+                return Ok(self.group.ended(reason));
             }
             let Some(instant) = self.next_instant() else { return Ok(EndReason::Quiescent) };
             let beyond = instant > self.until;
@@ -175,7 +175,7 @@ impl<'a, 'o> Flight<'a, 'o> {
                 return Ok(Some(reason));
             }
             if let Some(reason) = self.group.finish() {
-                return Ok(Some(EndReason::Application(reason)));
+                return Ok(Some(self.group.ended(reason)));
             }
         }
         self.now = self.now.max(to);
@@ -272,7 +272,7 @@ impl<'a, 'o> Flight<'a, 'o> {
                 anything = true;
                 if let Some(reason) = self.execute(index, &batch)? {
                     self.stop_all(Some(index), &reason)?;
-                    return Ok(Some(EndReason::Application(reason)));
+                    return Ok(Some(self.group.ended(reason)));
                 }
             }
             forced = false;

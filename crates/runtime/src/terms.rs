@@ -98,8 +98,13 @@ pub enum Control {
 /// Reason for the end of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum EndReason {
-    /// `(end-application)` or the end of the root task, with the agent's reason.
-    Application(String),
+    /// `(end-application)` or the end of the initial task.
+    Application {
+        /// The agent's reason.
+        reason: String,
+        /// True if the initial task of an agent failed, whatever the words of the reason are.
+        failed: bool,
+    },
     /// The time limit.
     Until,
     /// Nothing would ever happen again: no wake, no report, no answer, no input.
@@ -111,13 +116,13 @@ pub enum EndReason {
 impl EndReason {
     /// True if the application ended without an order and its initial task did not fail.
     pub fn is_success(&self) -> bool {
-        matches!(self, EndReason::Application(reason) if !reason.contains("failed"))
+        matches!(self, EndReason::Application { failed: false, .. })
     }
 
     /// The reason as text, as stored under `end_reason` in the record.
     pub fn text(&self) -> String {
         match self {
-            EndReason::Application(reason) => reason.clone(),
+            EndReason::Application { reason, .. } => reason.clone(),
             EndReason::Until => "the time limit was reached".into(),
             EndReason::Quiescent => "nothing more can happen: no wake, report, answer or input is left".into(),
             EndReason::Stopped => "it was stopped from outside".into(),

@@ -10,8 +10,8 @@ use apex_mission::report::MissionValue;
 use apex_mission::verification::{CheckResult, FlightCheck};
 use apex_model::time::Time;
 use apex_portfolio::parallel;
+use apex_runtime::Control;
 use apex_runtime::ports::Observer;
-use apex_runtime::{Control, EndReason};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -119,7 +119,7 @@ impl RunRow {
             MissionValue::Score(_) | MissionValue::None => {}
         }
         let reason = flight.end.reason.text();
-        let is_done = matches!(&flight.end.reason, EndReason::Application(reason) if !reason.contains("failed"));
+        let is_done = flight.end.reason.is_success();
         RunRow {
             seed,
             outcome: if is_done { RunOutcome::Completed } else { RunOutcome::Lost },

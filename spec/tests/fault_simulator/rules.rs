@@ -42,14 +42,14 @@ pub(crate) fn kept_by_all(story: &Story, end: &RunEnd, _check: &CheckResult) -> 
 
 /// An application that ends leaves no vehicle in the air, and an initial task fails for a reason that was reported.
 fn end_explained(story: &Story, end: &RunEnd) -> Vec<String> {
-    let EndReason::Application(reason) = &end.reason else { return Vec::new() };
+    let EndReason::Application { reason, failed } = &end.reason else { return Vec::new() };
     let end_s = end.at.seconds();
     let mut rules = Vec::new();
     if story.airborne {
         rules.push(format!("at {end_s:.0} s it ended in the air: {reason}"));
     }
     let reported = story.reported.iter().any(|(at_s, _)| *at_s <= end_s && end_s - at_s <= EXPLAINED_S_MAX);
-    if reason.contains("failed") && !reported {
+    if *failed && !reported {
         rules.push(format!("at {end_s:.0} s, without a report before: {reason}"));
     }
     rules

@@ -113,9 +113,7 @@ fn print_flight(flight: &FlightOutcome, seconds: f64, path: &Path, json: bool) -
     output::print_line(format_args!("Next: apex serve {path} --open      Sherpa, the web page, on this flight"))?;
     output::print_line(format_args!("      apex trace {path} --type transition,plan,trouble"))?; // english: allow // english: allow
     match &flight.end.reason {
-        EndReason::Application(reason) if reason.contains("failed") => {
-            output::print_line(format_args!("      apex why {path} T0"))
-        }
+        EndReason::Application { failed: true, .. } => output::print_line(format_args!("      apex why {path} T0")),
         _ => output::print_line(format_args!("      apex replay {path}")),
     }
 }

@@ -201,7 +201,7 @@ impl Run<'_> {
 }
 
 fn tell_end(end: &RunEnd) {
-    if !matches!(end.reason, EndReason::Application(_)) {
+    if !matches!(end.reason, EndReason::Application { .. }) {
         output::print_error(format_args!("note: the run ended at {} because {}", end.at, end.reason.text()));
     }
     if end.late.steps > 0 {

@@ -179,7 +179,7 @@ impl Recorder {
         self.store.path()
     }
 
-    /// Closes the record properly: it is complete from now on. `reason` is [`crate::EndReason::text`] or a fault.
+    /// Closes the record properly: it is complete from now on. `reason` is [`crate::EndReason::text`].
     ///
     /// # Errors
     /// [`RecordError`] when the file cannot be written.

@@ -24,7 +24,7 @@ fn transitions(reader: &RecordReader) -> String {
 #[test]
 fn a_program_runs_without_a_vehicle_and_its_trace_tells_why() {
     let flight = camera();
-    assert!(matches!(flight.end.reason, EndReason::Application(_)), "{:?}", flight.end);
+    assert!(matches!(flight.end.reason, EndReason::Application { .. }), "{:?}", flight.end);
     assert_eq!(flight.end.at, Time::from_seconds(20.0));
     let text = transitions(&flight.reader());
     for line in [

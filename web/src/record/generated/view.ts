@@ -34,7 +34,7 @@ export type Ending = {
  */
 reason: string, 
 /**
- * True if its initial task failed, or a fault ended it.
+ * True if its initial task failed.
  */
 failed: boolean, };
 

@@ -49,7 +49,7 @@ pub struct Growth {
 pub struct Ending {
     /// Reason.
     pub reason: String,
-    /// True if its initial task failed, or a fault ended it.
+    /// True if its initial task failed.
     pub failed: bool,
 }
 
@@ -112,8 +112,7 @@ impl RecordView {
             record: file_name.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default(),
             epoch_utc: meta("epoch_utc")?,
             from_ns: self.first_ns()?,
-            // The executive's reason for the end of a failed initial task contains the word (`apex fly` exits by it).
-            ending: reason.map(|reason| Ending { failed: root_failed || reason.contains("failed"), reason }),
+            ending: reason.map(|reason| Ending { failed: root_failed, reason }),
             tasks,
             targets: targets.len(),
             observed: targets.iter().filter(|target| target.state.as_deref() == Some("observed")).count(),
