@@ -40,8 +40,10 @@ CI_PROFILE := --profile ci
 # One selection of packages for tests, the command and the Python module: with another one, features of third parties
 # differ and half of the workspace is compiled again. Measurements are compiled by `rust-lints` and `bench` only.
 CI_SELECTION := --workspace --exclude apex-benches
-CI_BUILD := cargo build --locked --quiet $(CI_PROFILE) $(CI_SELECTION) --lib --tests --examples
+CI_BUILD := cargo build --locked --quiet $(CI_PROFILE) $(CI_SELECTION) --lib --tests --examples --bin xtask
 CI_APEX := $(TARGET)/ci/apex
+# In the profile of all else: `cargo xtask` would compile its packages for development, too.
+CI_XTASK := $(TARGET)/ci/xtask
 FLIGHTS := $(TARGET)/flights
 RECORD ?= $(MISSION).apex
 EXTREMITY = $(TARGET)/extremity/bin/python -W ignore benches/peers/extremity_peer.py
@@ -273,7 +275,8 @@ web/dist/index.html: web/node_modules/.installed $(WEB_SOURCES)
 # The server embeds web/dist when it is compiled, so the page comes first.
 rust-lints: web/dist/index.html
 	cargo fmt --all --check
-	cargo xtask tidy
+	cargo build --locked --quiet $(CI_PROFILE) $(CI_SELECTION) --bin xtask
+	$(CI_XTASK) tidy
 	cargo clippy --locked --quiet $(CI_PROFILE) --workspace --all-targets -- -D warnings
 
 # Libraries, the Python module among them, tests, and the command, which its tests run.
@@ -283,7 +286,7 @@ rust-build: web/dist/index.html
 
 # No package has documentation tests; looking for them would take a run of rustdoc for each.
 rust-tests: rust-build
-	cargo xtask test --locked --quiet $(CI_PROFILE) $(CI_SELECTION) --lib --tests --examples
+	$(CI_XTASK) test --locked --quiet $(CI_PROFILE) $(CI_SELECTION) --lib --tests --examples
 
 web-checks: web/node_modules/.installed
 	cd web && npm run --silent check
