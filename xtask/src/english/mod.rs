@@ -52,6 +52,7 @@ fn findings(texts: &[Text]) -> Vec<Finding> {
     let mut findings: Vec<Finding> =
         texts.iter().flat_map(|text| per_text.iter().flat_map(|rule| rule(text))).collect();
     findings.extend(homonyms::check(texts));
+    findings.extend(titles::check_index(texts));
     findings
 }
 
