@@ -303,6 +303,7 @@ fn the_smoke_is_filmed_from_all_sides_and_from_above_without_entering_it() {
     let MissionValue::Score(score) = &flight.report.value else { panic!("of another kind") };
     assert!(score.looks[0].flown.points > 99.0, "{text}");
     assert!(text.contains("acquire") || flight.report.plans > 0, "{text}");
+    assert!(!text.contains("was not observed"), "the reported place is photographed\n{text}");
     let (reader, _) = apex_mission::recording::open(&path).unwrap();
     assert_eq!(apex_mission::recorded::replay(&reader).unwrap().difference, None);
     let checked = apex_mission::verification::verify(&reader, &mission).unwrap();
