@@ -38,7 +38,7 @@ pub fn read_value(text: &str) -> Result<Value, Diagnostic> {
         [one] => Ok(one.to_value()),
         [] => {
             let span = Span { line: 1, column: 1, ..Span::default() };
-            Err(Diagnostic::error(codes::NOT_ONE_DATUM, span, "there is no value here"))
+            Err(Diagnostic::error(codes::NOT_ONE_DATUM, span, "expected a value, found none"))
         }
         [_, second, ..] => Err(Diagnostic::error(codes::NOT_ONE_DATUM, second.span, "a second value follows")
             .reason("exactly one value is expected")

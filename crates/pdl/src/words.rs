@@ -132,7 +132,7 @@ fn of_library(word: &str, name: &str, library: &str, text: &mut String) {
                     }
                     ("inform" | "cogevent", Some(message)) if message.head_name() == word => {
                         let goal = written(library, index);
-                        say(format!("{}: a message, said by what serves {goal}", written(library, message)));
+                        say(format!("{}: a message, sent for the goal {goal}", written(library, message)));
                     }
                     _ => {}
                 });

@@ -338,7 +338,7 @@ fn report_branch(
             let span = report.locator.use_of_variable(place, name);
             let diagnostic =
                 Diagnostic::error(codes::UNBOUND_VARIABLE, span, format!("`?{name}` never has a value here"))
-                    .reason("what is matched under a negation is not there, so it binds nothing")
+                    .reason("a negated condition holds if nothing matches, so it binds no variable")
                     .help("bind the variable in the index, a select, or another condition");
             match negated {
                 Some(negated) => diagnostic.label(report.locator.span(*negated), "this binds nothing"),

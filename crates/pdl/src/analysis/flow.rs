@@ -183,7 +183,7 @@ fn report_endless(
         diagnostic = diagnostic
             .label(place, why)
             .reason(format!("{waits_in_words}, which does not end on its own"))
-            .help(format!("give {other} an `end-when`, or let what it does come to an end"));
+            .help(format!("give {other} an `end-when`, or an activity that ends"));
     }
     report.add(diagnostic);
 }

@@ -92,7 +92,7 @@ fn never(
         Constraint::Compare { relation: Relation::GreaterOrEqual, right, tolerance: None }
     }));
     let reason = match (contradiction(constraints, library), contradiction(&all, library), least) {
-        (None, Some(_), Some(1.0)) => "is never below 1: nothing is said of no sample".to_string(),
+        (None, Some(_), Some(1.0)) => "is never below 1: without a sample the condition is unknown".to_string(),
         (None, Some(_), _) => "is never negative".to_string(),
         (found, ..) => found?,
     };

@@ -49,7 +49,7 @@ fn repetitions(program: &Program<'_>, number: usize, procedure: &Procedure, repo
         let span = report.locator.clause(step.place, "repeating");
         let diagnostic =
             Diagnostic::new(severity, codes::ENDLESS_REPETITION, span, "this step repeats without end at one instant")
-                .label(report.locator.activity(step.place), "nothing in what serves this takes any time")
+                .label(report.locator.activity(step.place), "the procedures and primitives that serve this take no time")
                 .help("add `:with-min-interval D`, `:until T`, or a waitfor");
         let fix = Fix::look("let time pass between repetitions").insert_before(closing(span), " :with-min-interval 1s");
         report.add(diagnostic.fix(fix));
@@ -212,11 +212,11 @@ fn report_recursion(
             diagnostic = diagnostic.label(report.locator.activity(step.place), label);
         }
     }
-    let reason = format!("each begins the next one below itself, and tasks are nested {TASK_DEPTH_MAX} deep at most");
+    let reason = format!("each task begins the next one as its subtask, and tasks are nested {TASK_DEPTH_MAX} deep at most");
     diagnostic = diagnostic.reason(reason).help(if at_once {
-        "write a procedure for the goal with which it ends, or let the step wait for something"
+        "write a procedure for the case in which the recursion ends, or let the step wait for a condition"
     } else {
-        "to do something again and again, let a step repeat: `(repeating)`"
+        "to repeat an activity, give its step the clause `(repeating)`"
     });
     report.add(diagnostic);
 }
@@ -291,9 +291,9 @@ fn report_answers(
     };
     let span = report.locator.clause(first.place, "waitfor");
     let mut diagnostic = Diagnostic::error(codes::ENDLESS_REPETITION, span, message)
-        .label(report.locator.activity(first.place), "this says what is answered");
+        .label(report.locator.activity(first.place), "this sends a message that the step answers");
     for other in others {
-        diagnostic = diagnostic.label(report.locator.clause(other.place, "waitfor"), "and answered again here");
+        diagnostic = diagnostic.label(report.locator.clause(other.place, "waitfor"), "this step answers that message");
     }
     report.add(diagnostic.help("let the answer be another message, or add `:for-new ?x` or `:while TEST`"));
 }

@@ -89,7 +89,7 @@ fn shortage(
             let diagnostic = Diagnostic::error(
                 codes::RESOURCE_SHORT,
                 report.locator.span(need.place),
-                format!("less than nothing is asked of `{resource}`"),
+                format!("a negative amount is needed of `{resource}`"),
             );
             report.add(diagnostic.help("write an amount that is not negative"));
         }
@@ -191,8 +191,8 @@ fn starved(program: &Program<'_>, number: usize, procedure: &Procedure, report: 
         let span = report.locator.activity(step.place);
         let message = format!("`{}` never gets `{resource}`", step.tag);
         let diagnostic = Diagnostic::new(Severity::Warning, codes::STARVED, span, message)
-            .label(report.locator.activity(keeper.place), "this holds it and does not end on its own")
-            .reason("among equals the one that has a resource keeps it")
+            .label(report.locator.activity(keeper.place), "this step holds the resource and does not end by itself")
+            .reason("of tasks with equal priority, the holder keeps the resource")
             .help("give the step a `(priority N)`, or let the other one end");
         report.add(diagnostic);
     }

@@ -76,7 +76,7 @@ fn default_among(step: &Step, options: &[&Value], default: Option<&Value>, findi
     let words = options.iter().filter_map(|option| option.as_symbol()).map(Symbol::printed);
     let diagnostic =
         Diagnostic::new(Severity::Warning, codes::UNSERVED_ANSWER, span, format!("`{word}` is none of the options"))
-            .reason("the operator cannot choose what counts without an answer")
+            .reason("without an answer the default counts, so it must be an answer that the operator can choose")
             .fixes(renames(span, word.printed(), words));
     findings.add(diagnostic);
 }

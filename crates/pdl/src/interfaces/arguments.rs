@@ -140,7 +140,7 @@ fn argument(call: &Call<'_>, number: usize, wanted: &ArgumentType, found: Mismat
                 Some(unit) => {
                     let fix = Fix::look(format!("write `{number}{unit}`")).insert_after(span, unit);
                     diagnostic
-                        .reason(format!("a bare number counts in {unit}, whatever its writer has in mind"))
+                        .reason(format!("a bare number counts in {unit}, whichever unit its author intended"))
                         .fix(fix)
                 }
                 None => diagnostic,

@@ -120,7 +120,7 @@ pub(super) fn solvers(library: &Library, known: &KnownNames, findings: &mut Find
         let names: Vec<&str> = known.solvers.iter().map(Symbol::printed).collect();
         let message = format!("no planner is called `{}`", solver.name);
         let diagnostic = Diagnostic::new(Severity::Warning, codes::UNKNOWN_SOLVER, span, message)
-            .reason("only a solver program that is given with `--solver` can have this name")
+            .reason("only a solver program that is given with `--solver-program` can have this name")
             .fixes_or_help(renames(span, solver.name.printed(), names.iter().copied()), || {
                 format!("planners are {}", names.join(", "))
             });

@@ -115,7 +115,7 @@ impl Lowering {
         let stray =
             options.iter().find(|group| CUES.contains(&group.name) && !(group.name == "start" && is_text(group)));
         let Some(group) = stray else { return Some(()) };
-        let message = format!("`:{}` is said to an outside simulator, and this application has none", group.name);
+        let message = format!("`:{}` is sent to an outside simulator, and this application has none", group.name);
         let diagnostic = Diagnostic::error(codes::UNKNOWN_OPTION, group.span, message)
             .reason(format!("its type is {kind}"))
             .help("write `:type foreign-sim`, or let a step of the initial task do it");

@@ -52,7 +52,7 @@ impl Lowering {
             lowering.literal_duration(datum).filter(|limit| {
                 let positive = *limit > Duration::ZERO;
                 if !positive {
-                    let message = format!("a limit of {limit} joins nothing");
+                    let message = format!("the limit of `:join` is {limit}, expected a duration above zero");
                     let help = "write a duration above zero: `:join (:hold 1s)`";
                     lowering.report(Diagnostic::error(codes::DERIVATION, datum.span, message).help(help));
                 }

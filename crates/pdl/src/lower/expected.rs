@@ -237,8 +237,8 @@ impl Lowering {
         let Some(found) = dimension_of(expr) else { return Some(()) };
         if let ExpectedKind::Instant = expected.kind {
             let diagnostic =
-                Diagnostic::error(codes::DIMENSION, span, format!("{found} stands where an instant is needed"))
-                    .reason("durations and numbers have no place on the time line")
+                Diagnostic::error(codes::DIMENSION, span, format!("{found} is used where an instant is needed"))
+                    .reason("a duration or a number is not an instant")
                     .fixes(self.since_start(span, found))
                     .help("add it to an instant: `(+ (start-of +this-task+) P10S)`");
             return self.refuse(diagnostic);
@@ -333,7 +333,7 @@ impl Lowering {
         {
             let message = format!("{duration} is a negative span of time");
             let diagnostic = Diagnostic::error(codes::DURATION_EXPECTED, datum.span, message)
-                .reason("what is waited for lies ahead")
+                .reason("a wait ends now or later")
                 .help("write a duration of at least 0");
             return self.refuse(diagnostic);
         }

@@ -29,7 +29,7 @@ impl Lowering {
                 let message = format!("`{text}` is served twice in one bundle");
                 let diagnostic = Diagnostic::error(codes::DUPLICATE_INDEX, each.span, message)
                     .label(first, "the same goals are served here")
-                    .reason("nothing would tell which of the two to choose")
+                    .reason("the executive could not decide which of the two to choose")
                     .help("remove one, make its index more specific, or put it into another bundle");
                 self.report(diagnostic);
                 continue;

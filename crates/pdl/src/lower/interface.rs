@@ -65,7 +65,7 @@ impl Lowering {
         match datum.as_symbol() {
             Some(name) if SOURCES.contains(&name.folded()) => Some(name.clone()),
             name => {
-                let diagnostic = Diagnostic::error(codes::MALFORMED, datum.span, "nothing of this name sends messages");
+                let diagnostic = Diagnostic::error(codes::MALFORMED, datum.span, "unknown source of messages");
                 let fixes = renames(datum.span, name.map_or("", Symbol::printed), SOURCES.iter().copied());
                 self.refuse(diagnostic.fixes_or_help(fixes, || format!("sources are {}", SOURCES.join(" "))))
             }

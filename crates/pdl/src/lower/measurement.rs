@@ -150,7 +150,7 @@ impl Lowering {
             }
             Some("linear-regression") => self.regression(&options, datum.span, expected),
             _ => {
-                let diagnostic = Diagnostic::error(codes::MALFORMED_CONDITION, datum.span, "no estimator is called so")
+                let diagnostic = Diagnostic::error(codes::MALFORMED_CONDITION, datum.span, "unknown estimator")
                     .help("estimators are `:persist`, `(:persist :with-timeout D)` and `:linear-regression`");
                 self.refuse(diagnostic)
             }

@@ -178,7 +178,7 @@ impl Lowering {
             return None;
         }
         if let Some(bound) = first_bound(datum) {
-            let diagnostic = Diagnostic::error(codes::NEVER_BOUND, bound.span, "nothing is bound before the index")
+            let diagnostic = Diagnostic::error(codes::NEVER_BOUND, bound.span, "no variable has a value before the index is matched")
                 .reason("`<?x>` must have a value already; an index gives variables their first values")
                 .help("write `?x`");
             return self.refuse(diagnostic);

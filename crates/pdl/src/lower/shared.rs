@@ -220,7 +220,7 @@ impl Lowering {
         if span > Duration::ZERO {
             return Some(span);
         }
-        let message = format!("a limit of {span} leaves nothing to keep, or limits nothing");
+        let message = format!("the limit of a log is {span}, expected a duration above zero");
         let help = "leave it out, or write a duration above zero: `:frequency-limit 1s`, `:time-limit P10M`";
         self.refuse(Diagnostic::error(codes::NOTHING_TO_LOG, datum.span, message).help(help))
     }

@@ -130,7 +130,7 @@ impl Lowering {
         }) else {
             return false;
         };
-        let message = format!("nothing is called `{head}` of a step");
+        let message = format!("a step has no `{head}`");
         let fix = Fix::safe(format!("replace `{head}` by `{meant}`")).replace(datum.head_span(), meant);
         self.report(Diagnostic::error(codes::UNKNOWN_CONDITION, datum.head_span(), message).fix(fix));
         true
@@ -151,7 +151,7 @@ impl Lowering {
             let fix = Fix::safe(format!("write `(VARIABLE {name} VALUE)`"));
             let message = "a comparison begins with the state variable";
             let diagnostic = Diagnostic::error(codes::MALFORMED_CONDITION, relation.span, message)
-                .reason("as it stands it is an event with these words, which never comes")
+                .reason("as written, it is an event with these words, which never occurs")
                 .fix(fix.replace(opening, "").replace(closing, format!(" {name}")));
             self.report(diagnostic);
             return true;
@@ -167,7 +167,7 @@ impl Lowering {
         let fix = Fix::safe(format!("replace `{name}` by `{own}`")).replace(span, own);
         self.report(
             Diagnostic::error(codes::MALFORMED_CONDITION, span, format!("no relation is called `{name}`"))
-                .reason("as it stands this is an event with these words, which never comes")
+                .reason("as written, this is an event with these words, which never occurs")
                 .fix(fix),
         );
         true
@@ -185,7 +185,7 @@ impl Lowering {
             let message = format!("`{sign}` is part of the word `{name}`");
             self.report(
                 Diagnostic::error(codes::MALFORMED_CONDITION, item.span, message)
-                    .reason("words end at spaces: as it stands this is an event with these words, which never comes")
+                    .reason("words end at spaces: as written, this is an event with these words, which never occurs")
                     .fix(fix),
             );
             return true;

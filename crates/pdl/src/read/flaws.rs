@@ -81,13 +81,13 @@ fn about(file: u32, text: &str, form: &Repaired) -> Diagnostic {
                 format!("a `)` is missing after this: `{head} ..` is never closed"),
             )
             .label(locate(file, text, opened, opened + 1), "this list")
-            .reason("so the indentation and the shapes of the forms around it say")
+            .reason("the indentation and the shapes of the forms around it show this")
             .fix(fix("add `)` here").insert_after(span, ")"))
         }
         Repair::Remove { at } => {
             let span = locate(file, text, at, at + 1);
             Diagnostic::error(codes::UNMATCHED_CLOSE, span, "this `)` is too many")
-                .reason("with it a list ends earlier than the indentation and the shapes of the forms around it say")
+                .reason("it closes a list earlier than the indentation and the shapes of the forms around it show")
                 .fix(fix("remove this `)`").replace(span, ""))
         }
         Repair::Open { at } => {
@@ -95,7 +95,7 @@ fn about(file: u32, text: &str, form: &Repaired) -> Diagnostic {
                 text.get(at..).unwrap_or_default().chars().take_while(|c| !c.is_whitespace() && *c != ')').collect();
             let span = locate(file, text, at, at + word.len());
             Diagnostic::error(codes::UNMATCHED_CLOSE, span, format!("a `(` is missing before `{word}`"))
-                .reason("there is one `)` too many, and here a list begins by the shapes of the forms around it")
+                .reason("there is one `)` too many, and the shapes of the forms around it show that a list begins here")
                 .fix(fix("add `(` here").insert_before(span, "("))
         }
     }
