@@ -107,7 +107,7 @@ pub fn integrate(
         let value: f64 = pieces.iter().map(|piece| piece.value).sum();
         let error: f64 = pieces.iter().map(|piece| piece.error).sum();
         if !value.is_finite() || !error.is_finite() {
-            return Err(format!("The function has no finite integral between {from} and {until}."));
+            return Err(format!("the function has no finite integral between {from} and {until}"));
         }
         if error <= tolerance * value.abs().max(1.0) {
             return Ok(value);
@@ -127,7 +127,7 @@ pub fn integrate(
         pieces.push(rule(function, piece.from, middle));
         pieces.push(rule(function, middle, piece.until));
     }
-    Err(format!("The integral between {from} and {until} does not settle; name the places of its jumps."))
+    Err(format!("the integral between {from} and {until} does not settle; name the places of its jumps"))
 }
 
 #[cfg(test)]

@@ -166,7 +166,7 @@ impl<'a> AgentGroup<'a> {
         self.agents.iter().position(|agent| agent.name == *name).ok_or_else(|| {
             let names: Vec<&str> = self.agents.iter().map(|agent| agent.name.printed()).collect();
             RunError::Options(format!(
-                "An input is for the agent {name}, which does not exist; there is {}.",
+                "an input is for the agent {name}, which does not exist; there is {}",
                 names.join(", ")
             ))
         })

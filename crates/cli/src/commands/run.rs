@@ -96,7 +96,7 @@ pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> CliResult {
     })?;
     tell_end(&end);
     let unexpected = options.expect.is_some() && !end.reason.is_success();
-    let message = format!("the run was to succeed, and ended because {}", end.reason.text());
+    let message = format!("expected the run to succeed, but it ended because {}", end.reason.text());
     finish(end, report, recorder)?;
     if unexpected { Err(CliError::failure(message)) } else { Ok(()) }
 }

@@ -95,7 +95,7 @@ pub(crate) fn drawn(
 }
 
 fn no_polygon(name: &str, corners: usize) -> String {
-    format!("Zone {name} has {corners} corners, of which fewer than three differ; a polygon needs three.")
+    format!("zone {name} has {corners} corners, of which fewer than three differ; a polygon needs three")
 }
 
 fn corners(zone: &AirspaceZone, plane: &Plane) -> Result<Vec<Point>, String> {
@@ -103,7 +103,7 @@ fn corners(zone: &AirspaceZone, plane: &Plane) -> Result<Vec<Point>, String> {
     let flat = zone.corners.iter().map(|corner| {
         plane.project(*corner).ok_or_else(|| {
             let (latitude, longitude) = (corner.latitude_deg, corner.longitude_deg);
-            format!("Zone {name} has a corner at ({latitude} {longitude}), too far from the mission.")
+            format!("zone {name} has a corner at ({latitude} {longitude}), too far from the mission")
         })
     });
     let flat: Vec<Point> = flat.collect::<Result<_, String>>()?;
@@ -112,7 +112,7 @@ fn corners(zone: &AirspaceZone, plane: &Plane) -> Result<Vec<Point>, String> {
     }
     if let Some((first, second)) = crossing(&flat) {
         return Err(format!(
-            "Zone {name} crosses itself: its edge from corner {} and its edge from corner {} meet. Give its corners in order around it.",
+            "zone {name} crosses itself: its edge from corner {} and its edge from corner {} meet; give its corners in order around it",
             first + 1,
             second + 1
         ));

@@ -210,7 +210,7 @@ impl Arc {
         let limit = |figure, unit| Limit { manoeuvre: Self::NAME, figure, unit };
         let figures = self.figures(camera.high_deg);
         let most = camera.mount.rate_deg_s;
-        limit("a tilt rate", "deg/s").at_most(figures.tilt_rate_deg_s, most, "the mount tilts no faster", || {
+        limit("a tilt rate", "deg/s").at_most(figures.tilt_rate_deg_s, most, "the mount cannot tilt faster", || {
             format!("a speed of {:.1} m/s works", self.speed_mps * most / figures.tilt_rate_deg_s)
         })?;
         let drift = limit("an angle flown while turning", "degrees");

@@ -83,8 +83,8 @@ impl Pirouette {
         };
         let (low, high) = camera.mount.tilt_deg;
         let tilt = limit("a tilt", "degrees");
-        tilt.at_least(-self.depression_deg, low, "the mount tilts no lower", || format!("{low:.0} degrees works"))?;
-        tilt.at_most(-self.depression_deg, high, "the mount tilts no higher", || format!("{high:.0} degrees works"))
+        tilt.at_least(-self.depression_deg, low, "the mount cannot tilt lower", || format!("{low:.0} degrees works"))?;
+        tilt.at_most(-self.depression_deg, high, "the mount cannot tilt higher", || format!("{high:.0} degrees works"))
     }
 
     pub(crate) fn track(

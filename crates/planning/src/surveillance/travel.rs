@@ -92,21 +92,21 @@ impl SurveillanceTravel {
         let changes_s: Vec<f64> = air.changes_s().iter().map(|change_s| change_s - begin_s).collect();
         let mut network = Network::new(&setting, air)?;
         let mut end = |position: Position, name: &str| {
-            let place = network.add(position).map_err(|trouble| format!("The {name} cannot be used: {trouble}."))?;
+            let place = network.add(position).map_err(|trouble| format!("the {name} cannot be used: {trouble}"))?;
             match network.place_trouble(place, (begin_s, begin_s)) {
-                Some(trouble) => Err(format!("The {name} cannot be used: {trouble}.")),
+                Some(trouble) => Err(format!("the {name} cannot be used: {trouble}")),
                 None => Ok(place),
             }
         };
         let (start, base) = (end(start, "start")?, end(base, "base")?);
         network.circle(start);
         if !network.has_room_to_circle(start) {
-            return Err(format!("The start cannot be used: {}.", TravelError::NoRoomToTurn));
+            return Err(format!("the start cannot be used: {}", TravelError::NoRoomToTurn));
         }
         let mut troubles = Vec::with_capacity(targets.len());
         let mut places: Vec<EndpointId> = Vec::with_capacity(targets.len());
         for position in targets {
-            let place = network.add(*position).map_err(|trouble| format!("A target cannot be used: {trouble}."))?;
+            let place = network.add(*position).map_err(|trouble| format!("a target cannot be used: {trouble}"))?;
             network.circle(place);
             let trouble = network.place_trouble(place, (begin_s, begin_s));
             troubles

@@ -72,7 +72,7 @@ fn old_tables() -> (Layout, Vec<Option<Table>>) {
 pub fn convert(from: &Path, to: &Path) -> Result<i64, RecordError> {
     let (source, _, _copy) = connect_to(from, CONVERTIBLE_VERSION).map_err(|error| match error {
         RecordError::Newer { path, found: SCHEMA_VERSION, .. } => RecordError::Question(format!(
-            "{} is written in version {SCHEMA_VERSION} of the record format already: there is nothing to convert.",
+            "{} is written in version {SCHEMA_VERSION} of the record format already: there is nothing to convert",
             path.display()
         )),
         other => other,

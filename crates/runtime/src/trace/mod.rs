@@ -161,7 +161,7 @@ impl<W: Write> Observer for Tracer<W> {
 }
 
 fn unwritable(error: &io::Error) -> String {
-    format!("The trace cannot be written: {error}. Check where it goes, and the space there.")
+    format!("the trace cannot be written: {error}; check where it goes, and the space there")
 }
 
 /// Writes the trace of a recorded flight to `out`.

@@ -94,13 +94,13 @@ impl<'a> Schedule<'a> {
         let mut travel = Travel::new(problem)?;
         let (limit_s, limit_name) = limit(problem);
         if limit_s <= problem.start_s {
-            return Err(format!("There is no time to fly: {limit_name} is used up when the plan begins."));
+            return Err(format!("there is no time to fly: {limit_name} is used up when the plan begins"));
         }
         let ends = [(Some(problem.start), "start"), (problem.base, "base")];
         for (position, name) in ends.into_iter().filter_map(|(position, name)| Some((position?, name))) {
             let trouble = if problem.travel.is_none() { travel.place_trouble(position)? } else { None };
             if let Some(trouble) = trouble {
-                return Err(format!("The {name} cannot be used: {trouble}."));
+                return Err(format!("the {name} cannot be used: {trouble}"));
             }
         }
         let index = |name: &String| problem.targets.iter().position(|target| target.name == *name);
@@ -205,11 +205,11 @@ impl<'a> Schedule<'a> {
     pub(crate) fn no_plan(&self, idle: &Infeasibility) -> String {
         match idle {
             Infeasibility::TooLate { over_s } => format!(
-                "There is no plan: the flight back to the base alone, without a visit, ends {over_s:.0} s after what {} allows.",
+                "there is no plan: the flight back to the base alone, without a visit, ends {over_s:.0} s after what {} allows",
                 self.limit_name
             ),
-            Infeasibility::Impossible(why) => format!("There is no plan: {why}."),
-            Infeasibility::Order => "There is no plan: the order of the targets cannot be kept.".to_string(),
+            Infeasibility::Impossible(why) => format!("there is no plan: {why}"),
+            Infeasibility::Order => "there is no plan: the order of the targets cannot be kept".to_string(),
         }
     }
 

@@ -53,7 +53,7 @@ fn measure(profile: &mut Profile, planner: &dyn Solver, work: &ProfileWorkOption
     let missions = usize::try_from(profile.missions).unwrap_or(usize::MAX);
     let before_s = cpu_s();
     let measured = measuring::each(work, planner.name(), profile.rows.len() * missions, |task| {
-        let row = profile.rows.get(task / missions).ok_or("there is no such cell")?;
+        let row = profile.rows.get(task / missions).ok_or("the index of the cell is out of range")?;
         measure::mission(&row.cell, (task % missions) as u64, planner, &profile.budgets)
     })?;
     let used: u64 = measured.iter().map(|one| one.used).sum();

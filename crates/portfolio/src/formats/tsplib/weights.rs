@@ -72,7 +72,7 @@ pub(super) fn read(
 ) -> Result<Vec<f64>, FormatError> {
     let layout = header.layout.as_deref().unwrap_or("");
     let order = cells(layout, count).ok_or_else(|| {
-        let reason = "read are FULL_MATRIX, UPPER_ROW, LOWER_ROW, UPPER_DIAG_ROW, LOWER_DIAG_ROW and their _COL twins";
+        let reason = "supported formats are FULL_MATRIX, UPPER_ROW, LOWER_ROW, UPPER_DIAG_ROW, LOWER_DIAG_ROW and their _COL twins";
         at.trouble(format!("EDGE_WEIGHT_FORMAT {layout:?} is not known"), reason, HELP)
     })?;
     let mut matrix = vec![0.0; count * count];

@@ -33,7 +33,7 @@ impl RecordView {
     ) -> Result<SignalWindows, RecordError> {
         if query.names.len() > SIGNALS_MAX {
             return Err(RecordError::Question(format!(
-                "{} signals at a time are asked for; ask for at most {SIGNALS_MAX}.",
+                "{} signals at a time are asked for; ask for at most {SIGNALS_MAX}",
                 query.names.len()
             )));
         }
@@ -47,7 +47,7 @@ impl RecordView {
         let mut windows = Vec::with_capacity(query.names.len());
         for name in &query.names {
             let known = index.called(name).ok_or_else(|| {
-                RecordError::Question(format!("No state variable `{name}` was measured in this record."))
+                RecordError::Question(format!("no state variable `{name}` was measured in this record"))
             })?;
             let Some(series) = index.series(known.number).filter(|_| known.first_ns <= at_ns) else { continue };
             let signal = known.signal(program);

@@ -88,7 +88,7 @@ fn nothing_feasible_names_what_binds() {
     assert!(message.contains("emergency landing place"), "{message}");
     let mut closed = few(2, 40_000.0);
     closed.zones = vec![examples::restricted("R-2515", 34.0, 36.0, -119.0, -117.0)];
-    assert_eq!(solve(&closed, 1000).unwrap_err(), "The start cannot be used: inside restricted area R-2515.");
+    assert_eq!(solve(&closed, 1000).unwrap_err(), "the start cannot be used: inside restricted area R-2515");
     let mut wrong = few(2, 40_000.0);
     wrong.targets[1].position = Position::new(f64::NAN, 0.0);
     assert!(solve(&wrong, 1000).unwrap_err().contains("not on the map"));
