@@ -53,7 +53,7 @@ const RANKED: [(&str, &str); 4] = [
     ("ranked steps, two resources, priorities", "(profile camera link) (priority 4)"),
 ];
 
-/// The program of a kind: each competitor is an item of a `forall`.
+/// Returns the program of a kind: each competitor is an item of a `forall`.
 fn competitors(kind: &str, declared: &str, served: &str, count: usize) -> String {
     let priority = if kind == "urgency" { "(priority :urgency 3 :importance 5)" } else { "" };
     format!(
@@ -66,7 +66,7 @@ fn competitors(kind: &str, declared: &str, served: &str, count: usize) -> String
     )
 }
 
-/// The same as steps of one ranked procedure, with these clauses.
+/// Returns the same as steps of one ranked procedure, with these clauses.
 fn ranked(count: usize, clauses: &str) -> String {
     let step = |number| format!("  (step s{number} (use {number}) {clauses})\n");
     let steps: String = (0..count).map(step).collect();
@@ -118,7 +118,7 @@ fn interrupt_and_resume(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// The time of so many hand-offs from a holder that ends to the next of `count` competitors.
+/// Returns the time of so many hand-offs from a holder that ends to the next of `count` competitors.
 fn hand_offs(library: &Arc<Library>, count: usize, iterations: u64) -> Duration {
     let (mut total, mut done) = (Duration::ZERO, 0);
     while done < iterations {

@@ -60,7 +60,7 @@ fn family_title(family: &str) -> &'static str {
     }
 }
 
-/// The row of one service.
+/// Returns the row of one service.
 fn entry(text: &Text, module: &str) -> String {
     let sections = headers::sections(&text.body);
     let cell = |heading: &str| {

@@ -89,7 +89,7 @@ pub struct Sampler {
 }
 
 impl Sampler {
-    /// A sampler for a log.
+    /// Returns a sampler for a log.
     pub fn new(mapping: Mapping) -> Sampler {
         let (counts, chosen) = (vec![0; mapping.entries.len()], vec![None; mapping.entries.len()]);
         let wanted = vec![true; mapping.entries.len()];
@@ -101,17 +101,17 @@ impl Sampler {
         self.wanted = self.mapping.entries.iter().map(|entry| attributes.contains(&entry.variable.attribute)).collect();
     }
 
-    /// First and last instant at which something was measured that makes no samples.
+    /// Returns the first and last instant at which something was measured that makes no samples.
     pub fn unwanted(&self) -> Option<LogInterval> {
         self.unwanted
     }
 
-    /// The state variables that fields of the log make, so far.
+    /// Returns the state variables that fields of the log make, so far.
     pub fn variables(&self) -> impl Iterator<Item = &StateVariable> {
         self.chosen.iter().flatten().filter_map(|entry| self.mapping.entries.get(*entry)).map(|entry| &entry.variable)
     }
 
-    /// The mapping.
+    /// Returns the mapping.
     pub fn mapping(&self) -> &Mapping {
         &self.mapping
     }
@@ -155,7 +155,7 @@ impl Sampler {
         }
     }
 
-    /// The entries that this topic serves, unless another field serves their variables already.
+    /// Returns the entries that this topic serves, unless another field serves their variables already.
     fn fields_of(&mut self, topic: &Topic) -> Vec<Source> {
         let mut found = Vec::new();
         for (number, entry) in self.mapping.entries.iter().enumerate() {
@@ -172,7 +172,7 @@ impl Sampler {
 }
 
 impl Entry {
-    /// The index of its field among those of `topic`.
+    /// Returns the index of its field among those of `topic`.
     fn field_in(&self, topic: &Topic) -> Option<usize> {
         let wanted = self.field.strip_prefix(&topic.name).and_then(|rest| rest.strip_prefix('.'));
         // The only topic of a table has no separate name.
@@ -216,7 +216,7 @@ impl Entry {
         Some(Value::Real(number * source.scale + self.offset))
     }
 
-    /// A text of the log: a symbol where it is one word, so that conditions can name it.
+    /// Returns a text of the log: a symbol where it is one word, so that conditions can name it.
     fn word_for(&self, text: &str) -> Value {
         let one_word =
             !text.is_empty() && text.chars().all(|letter| letter.is_ascii_alphanumeric() || "-_".contains(letter));

@@ -85,7 +85,7 @@ const COMMANDS: &[CommandForm] = &[
     command("wait", "(wait DURATION)", (1, 1), &[]),
 ];
 
-/// Names of all commands, for documentation and checks.
+/// Returns names of all commands, for documentation and checks.
 pub fn command_names() -> impl Iterator<Item = &'static str> {
     COMMANDS.iter().map(|command| command.name)
 }

@@ -54,7 +54,7 @@ fn check_secrecy(_: &Path) -> CliResult {
     Ok(())
 }
 
-/// A token of this run, called like its role.
+/// Returns a token of this run, called like its role.
 fn made(role: ActorRole, said: &mut Vec<String>) -> CliResult<AccessToken> {
     let generated = AccessToken::generate(Actor { name: role.word().into(), role });
     let (token, secret) = generated.map_err(|error| CliError::failure("no tokens can be made").because(error))?;

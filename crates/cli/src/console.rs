@@ -72,7 +72,7 @@ fn accept(listener: TcpListener, sources: &LiveSources, open: &OpenQuestions) {
     });
 }
 
-/// A port of this machine; says which one it is.
+/// Returns a port of this machine; says which one it is.
 ///
 /// # Errors
 /// Another program has it.

@@ -31,7 +31,7 @@ impl CliError {
         CliError { of_user: false, message: message.into(), reason: None, help: None }
     }
 
-    /// An error whose diagnostics are printed already: only its exit code counts.
+    /// Returns an error whose diagnostics are printed already: only its exit code counts.
     pub fn already_reported() -> CliError {
         CliError::user("")
     }
@@ -91,7 +91,7 @@ pub fn read_text(path: &Path) -> CliResult<String> {
     Ok(files::read_text(path)?)
 }
 
-/// The error of a file that does not exist or cannot be read.
+/// Returns the error of a file that does not exist or cannot be read.
 pub fn unreadable(path: &Path, error: &std::io::Error) -> CliError {
     files::unreadable(path, error).into()
 }

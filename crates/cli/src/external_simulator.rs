@@ -48,7 +48,7 @@ fn cues(library: &Library) -> Cues {
     Cues { init: of("init"), start: of("start"), step: of("step"), stop: of("stop") }
 }
 
-/// The forms of an option: one form, or a list of them.
+/// Returns the forms of an option: one form, or a list of them.
 fn forms(library: &Library, option: &str) -> Vec<Value> {
     let Some(value) = library.application.as_ref().and_then(|application| application.option(option)) else {
         return Vec::new();

@@ -72,7 +72,7 @@ pub fn print_error_rendered(text: impl fmt::Display) {
     let _ = writeln!(io::stderr().lock(), "{text}");
 }
 
-/// Standard output; on a terminal, control characters are escaped.
+/// Returns the standard output; on a terminal, control characters are escaped.
 fn standard() -> Box<dyn Write> {
     let out = io::stdout();
     if out.is_terminal() { Box::new(Escaped::new(out)) } else { Box::new(out) }
@@ -92,7 +92,7 @@ pub struct Listened {
 }
 
 impl Listened {
-    /// Standard output.
+    /// Returns the standard output.
     pub fn standard() -> Listened {
         Listened::new(standard())
     }

@@ -37,7 +37,7 @@ pub fn load_mission(path: &Path) -> CliResult<Mission> {
     Ok(Mission::of_program(path, library)?)
 }
 
-/// All scripted inputs of a file, or of standard input for `-`, in memory.
+/// Returns all scripted inputs of a file, or of standard input for `-`, in memory.
 ///
 /// # Errors
 /// The inputs cannot be read, or are not scripted inputs.
@@ -91,7 +91,7 @@ pub fn parse_time(text: &str, option: &str) -> CliResult<Time> {
     }
 }
 
-/// A length above 0 in metres, written as in PDL.
+/// Returns a length above 0 in metres, written as in PDL.
 ///
 /// # Errors
 /// Says what was given and what is understood.

@@ -69,7 +69,7 @@ pub fn sweep_lines(
     Ok(from_nearest_corner(lines, approach))
 }
 
-/// The corners of the ground; those of a circle hold all of it.
+/// Returns the corners of the ground; those of a circle hold all of it.
 ///
 /// # Errors
 /// An error message if the ground is invalid.
@@ -165,7 +165,7 @@ fn from_nearest_corner(mut lines: Vec<(Position, Position)>, approach: Position)
     lines
 }
 
-/// Radius of a level turn.
+/// Returns the radius of a level turn.
 pub fn turn_radius_m(true_airspeed_mps: f64, bank_deg: f64) -> f64 {
     true_airspeed_mps * true_airspeed_mps / (STANDARD_GRAVITY_MPS2 * libm::tan(bank_deg * RAD_PER_DEG))
 }

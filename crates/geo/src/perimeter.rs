@@ -12,7 +12,7 @@ pub const PERIMETER_LINES_MAX: usize = 1_000;
 /// either side is left for the vehicle's own deviations.
 pub const OUTLINE_SHARE_OF_SWATH: f64 = 0.25;
 
-/// Lines along the outline given by `corners` (in order, not closed), once around, from the corner nearest to
+/// Returns lines along the outline given by `corners` (in order, not closed), once around, from the corner nearest to
 /// `approach` back to it. Every point of the outline lies within a quarter of `swath_m` of a line.
 ///
 /// # Errors
@@ -52,7 +52,7 @@ pub fn perimeter_lines(
     Ok(turns.iter().zip(next).map(|(from, to)| (*from, *to)).collect())
 }
 
-/// The corners of a closed outline that are needed to stay within `tolerance_m` of all of it.
+/// Returns the corners of a closed outline that are needed to stay within `tolerance_m` of all of it.
 fn simplified(points: &[Point], tolerance_m: f64) -> Vec<Point> {
     // Cut at the two corners that are far apart: each half is an open line with ends that stay.
     let far_from = |from: Point| {

@@ -40,7 +40,7 @@ const COMPARED: [(f64, f64); 2] = [(-1.0, 0.009), (1.0, 0.009)];
 /// next piece.
 const END_SHARE: f64 = 1e-13;
 
-/// The nodes of a piece, with those of its other half.
+/// Returns the nodes of a piece, with those of its other half.
 fn nodes() -> impl Iterator<Item = f64> + Clone {
     NODES.iter().map(|node| -node).chain([0.0]).chain(NODES.iter().rev().copied())
 }
@@ -85,7 +85,7 @@ fn rule(function: &mut dyn FnMut(f64) -> f64, from: f64, until: f64) -> Subinter
     Subinterval { from, until, value: kronrod * half, error: error * half }
 }
 
-/// The integral of `function` from `from` to `until`, to `tolerance` relative to the integral (or absolute below 1).
+/// Returns the integral of `function` from `from` to `until`, to `tolerance` relative to the integral (or absolute below 1).
 /// `breaks` are places of kinks and jumps, where known; without them the result is as good but slower.
 ///
 /// # Errors

@@ -22,7 +22,7 @@ pub const LEAST_SHARE: f64 = 1e-3;
 /// A jump lies between two points that are so near each other, as a share of the oldest age: forty halvings.
 pub const JUMP_SHARE: f64 = 1.0 / (1_u64 << 40) as f64;
 
-/// Points `(age_s, cost)` by rising age from 0 to `oldest_s`, for `CostFunction::Table`.
+/// Returns points `(age_s, cost)` by rising age from 0 to `oldest_s`, for `CostFunction::Table`.
 ///
 /// # Errors
 /// An error message with the age at which the function has no cost, a negative one, one that is not finite, or falls;

@@ -26,7 +26,7 @@ pub struct UserCost<'a> {
     pub jumps_s: Vec<f64>,
 }
 
-/// The function's cost at `age_s`.
+/// Returns the function's cost at `age_s`.
 ///
 /// # Errors
 /// An error message if it has no cost, or one that is negative or not finite.
@@ -44,7 +44,7 @@ pub(crate) fn falls((young_s, young): (f64, f64), (old_s, old): (f64, f64)) -> S
     format!("the cost of an event falls from {young} at {young_s} s to {old} at {old_s} s; cost never falls with age")
 }
 
-/// Expected cost of ignorance of flying `visits`, in any order, where targets named in `own` have those costs instead of
+/// Returns the expected cost of ignorance of flying `visits`, in any order, where targets named in `own` have those costs instead of
 /// their families: by quadrature to [`eci::QUADRATURE_TOLERANCE`]. `likelihoods` of events are added up or survived.
 ///
 /// # Errors
@@ -78,7 +78,7 @@ pub fn expected_cost_with(
     Ok(ExpectedCost { total: targets.iter().map(|target| target.expected_cost).sum(), targets })
 }
 
-/// The cost of a target with a family of the model's.
+/// Returns the cost of a target with a family of the model's.
 fn target_cost(
     target: &SurveillanceTarget,
     ends_s: Vec<f64>,

@@ -9,7 +9,7 @@ use apex_model::library::{AgentDeclaration, Library};
 use apex_model::source::SourceFile;
 use std::sync::Arc;
 
-/// The functions of a mission: ways to places keep out of its zones, inside its permitted area and within its landing distance.
+/// Returns the functions of a mission: ways to places keep out of its zones, inside its permitted area and within its landing distance.
 pub fn host_functions_of(mission: &Mission) -> HostFunctions {
     let mut functions = program::host_functions();
     register(Limits::of(mission), &mut functions);
@@ -17,7 +17,7 @@ pub fn host_functions_of(mission: &Mission) -> HostFunctions {
     functions
 }
 
-/// The agents of a mission's program, ready for their first steps, in the order of their declarations.
+/// Returns the agents of a mission's program, ready for their first steps, in the order of their declarations.
 ///
 /// # Errors
 /// A host function that is declared and not there.

@@ -47,7 +47,7 @@ pub struct MissionError {
 pub type MissionResult<T = ()> = Result<T, MissionError>;
 
 impl MissionError {
-    /// A failure of this kind.
+    /// Returns a failure of this kind.
     pub fn new(kind: ErrorKind, message: impl Into<String>) -> MissionError {
         MissionError { kind, place: None, message: message.into(), reason: None, help: None, diagnostics: None }
     }

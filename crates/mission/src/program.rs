@@ -24,7 +24,7 @@ pub fn host_signatures() -> Vec<HostSignature> {
     apex_geo::functions::host_signatures().into_iter().map(HostSignature::pure).collect()
 }
 
-/// The functions that the command registers for PDL.
+/// Returns the functions that the command registers for PDL.
 pub fn host_functions() -> HostFunctions {
     apex_geo::functions::host_functions()
 }
@@ -110,7 +110,7 @@ pub fn check_conditions(texts: Vec<SourceText>, conditions: Vec<SourceText>, fol
     apex_pdl::check_conditions(texts, conditions, apex_pdl::CheckOptions { fragment: false, host: &host, resolve })
 }
 
-/// A required text among `known` ones, else next to them, else one that ships.
+/// Returns a required text among `known` ones, else next to them, else one that ships.
 fn resolve_among(known: &[SourceText], folder: &Path, requirement: Requirement) -> Result<SourceText, String> {
     let wanted = match &requirement {
         Requirement::File { name, .. } => name.clone(),
@@ -160,7 +160,7 @@ pub fn load_recorded(sources: &[SourceFile]) -> Result<(Arc<Library>, AgentDecla
     Ok((Arc::new(checked.library), declaration, host_functions()))
 }
 
-/// The agents of a program, ready for their first steps, in the order of their declarations.
+/// Returns the agents of a program, ready for their first steps, in the order of their declarations.
 ///
 /// # Errors
 /// A host function that is declared and not there.
@@ -179,7 +179,7 @@ pub(crate) fn crew_with(library: &Arc<Library>, functions: &HostFunctions) -> Mi
     crew.map_err(|reason| MissionError::program("the program cannot be executed").because(reason))
 }
 
-/// The agent that flies the vehicle: the first that is declared.
+/// Returns the agent that flies the vehicle: the first that is declared.
 pub fn agent_of(library: &Library) -> AgentDeclaration {
     library.agents.first().cloned().unwrap_or_else(AgentDeclaration::of_program)
 }

@@ -84,7 +84,7 @@ pub fn release(path: &Path) {
     HELD.lock().unwrap_or_else(PoisonError::into_inner).retain(|(held, _)| held != path);
 }
 
-/// A record that another run still writes or serves must not be taken away from it.
+/// Returns a record that another run still writes or serves must not be taken away from it.
 fn refuse_when_held(path: &Path) -> MissionResult {
     let Ok(file) = File::open(path) else { return Ok(()) };
     match file.try_lock() {
@@ -172,7 +172,7 @@ pub fn open(path: &Path) -> MissionResult<(RecordReader, Option<String>)> {
     Ok((reader, warning))
 }
 
-/// A record that cannot be written, with the exit code that it deserves.
+/// Returns a record that cannot be written, with the exit code that it deserves.
 pub fn written(error: RecordError) -> MissionError {
     match error {
         RecordError::NotARecord { .. } => MissionError::record_file(error.to_string()),
@@ -180,7 +180,7 @@ pub fn written(error: RecordError) -> MissionError {
     }
 }
 
-/// A record that cannot be read: the user gave the file.
+/// Returns a record that cannot be read: the user gave the file.
 pub fn read(error: RecordError) -> MissionError {
     match error {
         RecordError::NotARecord { path, found } => {

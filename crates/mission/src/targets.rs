@@ -86,7 +86,7 @@ impl Fire {
         self.wanted.looks.iter().map(|look| look.value).sum()
     }
 
-    /// The wanted looks with their names in plans: the target's where it has one look only, else `TARGET/LOOK`.
+    /// Returns the wanted looks with their names in plans: the target's where it has one look only, else `TARGET/LOOK`.
     pub fn looks(&self) -> impl Iterator<Item = (String, &WantedLook)> {
         let alone = self.wanted.looks.len() == 1;
         let name = move |look: &WantedLook| match alone {
@@ -148,7 +148,7 @@ impl Target {
         self.id == name || of_look()
     }
 
-    /// True for what is to be observed.
+    /// Returns true for what is to be observed.
     pub fn is_observable(&self) -> bool {
         !matches!(self.kind, TargetKind::Base)
     }
@@ -268,7 +268,7 @@ fn grid(
     })
 }
 
-/// A point, a line or an area that a camera observes. A point is at the height of the thing itself.
+/// Returns a point, a line or an area that a camera observes. A point is at the height of the thing itself.
 fn inspection(feature: &NamedFeature, polygons: &[Vec<Position>], terms: Terms<'_>) -> MissionResult<Fire> {
     let position = feature.position()?;
     let line = feature.line()?;

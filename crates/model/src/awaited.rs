@@ -35,7 +35,7 @@ impl<'p> Awaited<'p> {
         self.mentioned(step, true)
     }
 
-    /// The variables that the procedure's steps bind by `=>`, in order.
+    /// Returns the variables that the procedure's steps bind by `=>`, in order.
     pub fn into_produced(self) -> impl Iterator<Item = Symbol> {
         self.producers.into_keys()
     }

@@ -97,7 +97,7 @@ impl Aggregate {
     }
 }
 
-/// A computed value without the last bits, which say nothing.
+/// Returns a computed value without the last bits, which say nothing.
 pub fn computed(value: &Value) -> String {
     match value {
         Value::Real(real) => format_rounded(*real),

@@ -15,7 +15,7 @@ impl EvidenceList {
         EvidenceList(Some(Arc::from([evidence])))
     }
 
-    /// The facts of both, those of `self` first.
+    /// Returns the facts of both, those of `self` first.
     pub fn joined(&self, other: &EvidenceList) -> EvidenceList {
         match (self.is_empty(), other.is_empty()) {
             (true, _) => other.clone(),

@@ -49,7 +49,7 @@ pub struct Location {
 }
 
 impl Location {
-    /// The PDL value `(LATITUDE LONGITUDE ALTITUDE)`.
+    /// Returns the PDL value `(LATITUDE LONGITUDE ALTITUDE)`.
     pub fn value(&self) -> Value {
         let Position { latitude_deg, longitude_deg } = self.position;
         Value::list([latitude_deg, longitude_deg, self.altitude_m].map(Value::Real))
@@ -149,7 +149,7 @@ pub enum PlannedActivity {
 }
 
 impl PlannedActivity {
-    /// The target that the activity observes; `None` for a transit.
+    /// Returns the target that the activity observes; `None` for a transit.
     pub fn target(&self) -> Option<&str> {
         match self {
             PlannedActivity::Observe { target, .. }
@@ -163,7 +163,7 @@ impl PlannedActivity {
         }
     }
 
-    /// The goal that the step pursues.
+    /// Returns the goal that the step pursues.
     pub fn goal(&self) -> Value {
         let word = Value::symbol;
         match self {

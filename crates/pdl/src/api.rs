@@ -9,12 +9,12 @@ use crate::read::read_file;
 use apex_model::condition::Condition;
 use apex_model::value::Value;
 
-/// All codes of messages, in order.
+/// Returns all codes of messages, in order.
 pub fn error_codes() -> &'static [ErrorCode] {
     TABLE
 }
 
-/// The code written as `text`, in any case and also without its zeros: `E0203`, `e203`.
+/// Returns the code written as `text`, in any case and also without its zeros: `E0203`, `e203`.
 pub fn error_code(text: &str) -> Option<&'static ErrorCode> {
     let key = |code: &str| {
         let digits = code.trim_start_matches(|letter: char| letter.is_ascii_alphabetic());

@@ -28,7 +28,7 @@ pub struct SourceText {
 }
 
 impl HostSignature {
-    /// A pure function called `name` of `parameters_min` to `parameters_max` arguments.
+    /// Returns a pure function called `name` of `parameters_min` to `parameters_max` arguments.
     pub fn pure((name, parameters_min, parameters_max): (&str, usize, Option<usize>)) -> HostSignature {
         HostSignature { name: name.to_string(), parameters_min, parameters_max, pure: true }
     }
@@ -69,7 +69,7 @@ pub struct Checked {
 }
 
 impl Checked {
-    /// True if any message is an error.
+    /// Returns true if any message is an error.
     pub fn has_errors(&self) -> bool {
         self.diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
     }
@@ -204,7 +204,7 @@ impl Loader {
         renames_marked(span, name, words, |name| if quoted { format!("\"{name}\"") } else { name.to_string() })
     }
 
-    /// The library of all texts; `texts` are those that [`Loader::split_off`] held back, and hold conditions.
+    /// Returns the library of all texts; `texts` are those that [`Loader::split_off`] held back, and hold conditions.
     pub(crate) fn finish(
         mut self,
         names: Names,

@@ -46,7 +46,7 @@ fn is_condition(form: &Datum) -> bool {
     headed || measured || form.head_name() == "waitfor"
 }
 
-/// A step that does nothing but wait for the condition.
+/// Returns a step that does nothing but wait for the condition.
 fn waiting_step(condition: Datum) -> Datum {
     let span = condition.span;
     let waitfor = if condition.head_name() == "waitfor" {
@@ -57,7 +57,7 @@ fn waiting_step(condition: Datum) -> Datum {
     list(span, vec![symbol(span, "step"), list(span, vec![symbol(span, "terminate")]), waitfor])
 }
 
-/// The procedure that the clauses of `run` may have been taken from; none for no clauses. Additions are in empty
+/// Returns the procedure that the clauses of `run` may have been taken from; `None` for no clauses. Additions are in empty
 /// spans before and after them: equal spans mean the same clause to the rest of the front end.
 fn procedure(run: Vec<Datum>, number: &mut i64) -> Option<Datum> {
     let (first, last) = (run.first()?.span, run.last()?.span);

@@ -62,7 +62,7 @@ pub(crate) fn is_certain(name: &str, found: &[Near<'_>]) -> bool {
         && first.cost <= if letters >= 6 { 2 * EDIT } else { EDIT }
 }
 
-/// The known name nearest to `name`, if it is near enough to be meant. Ties go to the first.
+/// Returns the known name nearest to `name`, if it is near enough to be meant. Ties go to the first.
 pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     near(name, known).first().map(|near| near.name)
 }
@@ -96,7 +96,7 @@ pub(crate) fn unit_renames(span: Span, name: &str, mark: impl Fn(&str) -> String
     renames_marked(span, name, near_units(name), mark)
 }
 
-/// The best spelling of each unit that is near, nearest first.
+/// Returns the best spelling of each unit that is near, nearest first.
 pub(crate) fn near_units(name: &str) -> Vec<&'static str> {
     let spelling = |unit: &'static Unit| {
         let spellings = std::iter::once(unit.name).chain(unit.aliases.iter().copied());
@@ -111,7 +111,7 @@ pub(crate) fn near_units(name: &str) -> Vec<&'static str> {
     likely.map(|near| near.name).collect()
 }
 
-/// Names of several words that differ in the order of the words, in the marks between them, or in both.
+/// Returns names of several words that differ in the order of the words, in the marks between them, or in both.
 fn distance_by_words(a: &[char], b: &[char]) -> Option<u32> {
     let is_mark = |c: &char| matches!(c, '-' | '_' | '/' | ' ');
     let words = |name: &[char]| -> Vec<String> {

@@ -72,7 +72,7 @@ pub fn explain_word(word: &str) -> Option<String> {
     (!text.is_empty()).then_some(text)
 }
 
-/// The row of the table of mission options for an option: its cells after the name.
+/// Returns the row of the table of mission options for an option: its cells after the name.
 fn mission_option(name: &str) -> Option<String> {
     let page = include_str!("../../../docs/reference/mission-data.md");
     let option = format!("`:{name}`");
@@ -84,7 +84,7 @@ fn mission_option(name: &str) -> Option<String> {
     page.lines().find_map(of_row)
 }
 
-/// The known word nearest to `word`.
+/// Returns the known word nearest to `word`.
 pub fn nearest_word(word: &str) -> Option<&'static str> {
     let functions = BUILT_INS.iter().map(|each| each.name);
     let words = VOCABULARY.iter().flat_map(|words| words.words.iter().copied());

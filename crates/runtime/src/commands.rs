@@ -72,7 +72,7 @@ impl Ticket {
         true
     }
 
-    /// The end, if there is one.
+    /// Returns the end, if there is one.
     pub fn end(&self) -> Option<CommandEnd> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
@@ -94,7 +94,7 @@ pub struct Command {
 }
 
 impl Command {
-    /// The event that records the command with its end.
+    /// Returns the event that records the command with its end.
     pub(crate) fn entry(&self, end: &CommandEnd) -> EventKind {
         let number = Value::Integer(i64::try_from(self.number).unwrap_or(i64::MAX));
         let mut parts = vec![Value::symbol(HEAD), number, Value::text(&self.words)];

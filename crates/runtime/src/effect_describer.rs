@@ -65,13 +65,13 @@ pub struct EffectDescriber {
 }
 
 impl EffectDescriber {
-    /// A describer for a run of `library`, from the run's first step on.
+    /// Returns a describer for a run of `library`, from the run's first step on.
     pub fn new(library: &Library) -> EffectDescriber {
         let library = Library { sources: library.sources.clone(), ..Library::default() };
         EffectDescriber { library, goals: BTreeMap::new(), ended: VecDeque::new(), ends: 0, plans: BTreeMap::new() }
     }
 
-    /// A describer of single effects, whose places are in `sources`; plans among them.
+    /// Returns a describer of single effects, whose places are in `sources`; plans among them.
     pub(crate) fn of_sources(sources: Vec<SourceFile>) -> EffectDescriber {
         EffectDescriber::new(&Library { sources, ..Library::default() })
     }
@@ -86,7 +86,7 @@ impl EffectDescriber {
         self.library.describe_place(place)
     }
 
-    /// The goal of `task` as known now.
+    /// Returns the goal of `task` as known now.
     pub fn goal(&self, task: TaskId) -> Arc<str> {
         self.goals.get(&task).map(|goal| Arc::clone(&goal.text)).unwrap_or_default()
     }
@@ -246,7 +246,7 @@ impl EffectDescriber {
     }
 }
 
-/// The cause with its evidence, without the place, which has a separate column.
+/// Returns the cause with its evidence, without the place, which has a separate column.
 pub fn cause_text(because: &Because) -> String {
     let mut text = because.cause.text();
     for (index, evidence) in because.evidence.iter().enumerate() {

@@ -79,7 +79,7 @@ enum Waited {
 }
 
 impl<'a, 'o> Flight<'a, 'o> {
-    /// A flight that has not begun.
+    /// Returns a flight that has not begun.
     pub(crate) fn new(
         step: StepFunction,
         agents: &'a mut [Agent],
@@ -182,12 +182,12 @@ impl<'a, 'o> Flight<'a, 'o> {
         Ok(None)
     }
 
-    /// The next instant at which the agents want to be stepped, if nothing comes in before.
+    /// Returns the next instant at which the agents want to be stepped, if nothing comes in before.
     pub(crate) fn next_wake(&self) -> Option<Time> {
         self.next_instant()
     }
 
-    /// The names of the agents.
+    /// Returns the names of the agents.
     pub(crate) fn names(&self) -> Vec<String> {
         (0..self.group.len()).filter_map(|index| Some(self.group.agent(index)?.name.printed().to_string())).collect()
     }
@@ -223,7 +223,7 @@ impl<'a, 'o> Flight<'a, 'o> {
         Ok(())
     }
 
-    /// The next instant at which something happens, never before now. None: nothing ever will.
+    /// Returns the next instant at which something happens, never before now. None: nothing ever will.
     fn next_instant(&self) -> Option<Time> {
         let report = self.vehicle.next_report();
         let poll = self.poll.filter(|_| report.is_none()).map(|poll| self.now + poll.max(Duration(1)));

@@ -137,7 +137,7 @@ enum SimulatorRequest {
     Reset,
 }
 
-/// The next line; none at the end of the simulator's words. Empty lines are skipped.
+/// Returns the next line; `None` at the end of the simulator's words. Empty lines are skipped.
 fn read_request(link: &mut SimulatorLink<'_>, now: Time) -> Result<Option<String>, RunError> {
     loop {
         let mut bytes = Vec::new();
@@ -240,7 +240,7 @@ fn texts(forms: &[Value]) -> Json {
     forms.iter().map(|form| Json::from(form.to_string())).collect()
 }
 
-/// Seconds with all of their decimals.
+/// Returns seconds with all of their decimals.
 fn seconds(time: Time) -> Json {
     serde_json::from_str(&seconds_text(time)).unwrap_or(Json::Null)
 }

@@ -242,7 +242,7 @@ impl Past {
     }
 }
 
-/// An event with its numbers as outside of the agents.
+/// Returns an event with its numbers as outside of the agents.
 fn outside(kind: &EventKind, numbering: Numbering) -> EventKind {
     match kind {
         EventKind::CommandAcknowledged(command, result) => {

@@ -13,7 +13,7 @@ const SLEEP_MAX: Duration = Duration::from_secs(3600);
 
 /// A clock by which a pace is kept.
 pub trait Clock: fmt::Debug + Send + Sync {
-    /// Time since an instant of the clock's own.
+    /// Returns the time since an instant of the clock's own.
     fn elapsed(&self) -> Duration;
     /// Waits.
     fn sleep(&self, span: Duration);
@@ -129,7 +129,7 @@ impl Pacer {
         self.clock.sleep(span);
     }
 
-    /// True when steps wait for the wall clock.
+    /// Returns true when steps wait for the wall clock.
     pub fn is_paced(&self) -> bool {
         self.pace.is_some()
     }
@@ -158,7 +158,7 @@ impl Pacer {
         Duration::try_from_secs_f64(self.elapsed_s() - due_s.max(0.0)).unwrap_or(Duration::ZERO)
     }
 
-    /// Mission time by the wall clock, within `from ..= to`.
+    /// Returns mission time by the wall clock, within `from ..= to`.
     pub fn now(&self, from: Time, to: Time) -> Time {
         let Some(pace) = self.pace else { return to };
         let passed_s = self.elapsed_s() * pace;

@@ -28,7 +28,7 @@ pub struct Input {
 }
 
 impl Input {
-    /// An input for every agent.
+    /// Returns an input for every agent.
     pub fn new(at: Time, kind: EventKind) -> Input {
         Input { at, kind, agent: None, command_form: None }
     }
@@ -52,7 +52,7 @@ pub trait Vehicle {
     /// Withdraws a command that is still being carried out.
     fn withdraw(&mut self, command: CommandId, at: Time);
 
-    /// True if a command has effects outside of this program at once. The observers then keep the step safe first
+    /// Returns true if a command has effects outside of this program at once. The observers then keep the step safe first
     /// ([`Observer::flush`]): what a vehicle obeys is in the record, whatever happens next. False for simulated vehicles and
     /// for links that keep commands until they are flushed themselves.
     fn acts_outside(&self) -> bool {
@@ -89,12 +89,12 @@ pub trait Deliberator {
     /// Poses the problem that answers `request`, made at `at`. Must not change the situation.
     fn pose(&mut self, request: &SolveRequest, at: Time) -> Posed;
 
-    /// The situation now, encoded for a snapshot; `None` without a mission.
+    /// Returns the situation now, encoded for a snapshot; `None` without a mission.
     fn snapshot(&self) -> Option<Vec<u8>> {
         None
     }
 
-    /// All changes of targets' states so far, in order.
+    /// Returns all changes of targets' states so far, in order.
     fn target_changes(&self) -> &[TargetChange] {
         &[]
     }
@@ -109,7 +109,7 @@ pub struct Posed {
 }
 
 impl Posed {
-    /// A problem with the job that solves it.
+    /// Returns a problem with the job that solves it.
     pub fn new(problem: String, job: impl FnOnce(&CancelToken) -> SolverAnswer + Send + 'static) -> Posed {
         Posed { problem, job: Box::new(job) }
     }
@@ -158,7 +158,7 @@ pub trait SolverQueue {
 pub struct CancelToken(Arc<AtomicBool>);
 
 impl CancelToken {
-    /// A token that is not cancelled.
+    /// Returns a token that is not cancelled.
     pub fn new() -> CancelToken {
         CancelToken::default()
     }

@@ -25,7 +25,7 @@ use tower_http::compression::CompressionLayer;
 /// Bytes of a message from a client of `/api/live`, which has nothing to say.
 const LIVE_MESSAGE_MAX_BYTES: usize = 1 << 10;
 
-/// All routes. From outside to inside: headers of answers, the site that asks, compression, the body, the caller's role.
+/// Returns all routes. From outside to inside: headers of answers, the site that asks, compression, the body, the caller's role.
 pub(crate) fn router(state: Arc<AppState>) -> Router {
     Router::new()
         .route("/api/mission", get(mission))

@@ -40,7 +40,7 @@ pub fn create_durable_record(
     Ok(recorder)
 }
 
-/// The pace at which `mission` is flown: a mission in real time has pace 1 unless another is wished.
+/// Returns the pace at which `mission` is flown: a mission in real time has pace 1 unless another is wished.
 ///
 /// # Errors
 /// The clock of the mission belongs to an outside simulator.

@@ -27,7 +27,7 @@ fn feature(properties: &str, geometry: &str, coordinates: &str) -> String {
     )
 }
 
-/// A point, a line of two pieces and a field; with an oblique view of a second point for a vehicle that hovers.
+/// Returns a point, a line of two pieces and a field; with an oblique view of a second point for a vehicle that hovers.
 fn targets(hovers: bool, pixel_m: f64, scale: f64) -> Vec<String> {
     let wanted = |id: &str| format!(r#""id": "{id}", "kind": "inspection", "value": 100, "resolution_m": {pixel_m}"#);
     let at = |east: f64, north: f64| place(scale * east, scale * north);
@@ -58,7 +58,7 @@ fn targets(hovers: bool, pixel_m: f64, scale: f64) -> Vec<String> {
     all
 }
 
-/// A mission of one vehicle in a separate folder.
+/// Returns a mission of one vehicle in a separate folder.
 fn mission(folder: &Path, model: &str, winds: &str, targets: &[String]) -> Mission {
     let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
     write("targets.geojson", &format!(r#"{{"type": "FeatureCollection", "features": [{}]}}"#, targets.join(",\n")));
@@ -153,7 +153,7 @@ fn pictures_give_what_the_plan_predicted_in_the_time_that_it_predicted() {
     }
 }
 
-/// The reason why the only target that a mission does not observe is left out.
+/// Returns the reason why the only target that a mission does not observe is left out.
 fn reason(model: &str, targets: &[String]) -> String {
     let folder = tempfile::tempdir().unwrap();
     let pad = feature(r#""id": "pad", "kind": "base""#, "Point", &place(0.0, 0.0));

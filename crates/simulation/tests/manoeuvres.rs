@@ -21,7 +21,7 @@ fn place(east_m: f64, north_m: f64) -> String {
     format!("[{longitude:.7}, {latitude:.7}]")
 }
 
-/// A mission whose program performs one manoeuvre over a square field, with its middle so far east of the pad.
+/// Returns a mission whose program performs one manoeuvre over a square field, with its middle so far east of the pad.
 fn mission(folder: &Path, model: &str, winds: &str, away_m: f64, half_m: f64, goal: &str) -> Mission {
     let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
     let corner = |x: f64, y: f64| place(away_m + x * half_m, y * half_m);

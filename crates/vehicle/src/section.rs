@@ -50,7 +50,7 @@ impl<'a> Section<'a> {
         Ok(section)
     }
 
-    /// The file's name.
+    /// Returns the file's name.
     pub(crate) fn file(&self) -> FileName<'a> {
         self.file
     }
@@ -64,7 +64,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// An error at the member `name`.
+    /// Returns an error at the member `name`.
     pub(crate) fn wrong(&self, name: &str, expected: &str, found: impl Into<String>, help: &str) -> VehicleFileError {
         self.file.error(self.path_of(name), expected, found, help)
     }

@@ -18,7 +18,7 @@ pub(crate) struct Run<'a> {
     pub(crate) closed: bool,
 }
 
-/// Every interval of a run that is what the condition asks for.
+/// Returns every interval of a run that is what the condition asks for.
 pub(crate) fn ways(episode: &Episode, view: View<'_>) -> Ways {
     let mut found = Ways::default();
     let timed = !episode.start.is_empty() || !episode.end.is_empty();
@@ -65,7 +65,7 @@ pub(crate) fn ways(episode: &Episode, view: View<'_>) -> Ways {
     found
 }
 
-/// The samples that count: from the creation on, unless the condition says when its episode starts or ends (rule 2).
+/// Returns the samples that count: from the creation on, unless the condition says when its episode starts or ends (rule 2).
 fn windowed<'a>(episode: &Episode, series: &'a Series, view: View<'_>) -> &'a [Sample] {
     let timed = !episode.start.is_empty() || !episode.end.is_empty();
     let first = series.samples.iter().position(|sample| timed || in_window(sample.at, &[], view));
@@ -96,13 +96,13 @@ fn runs<'a>(episode: &Episode, samples: &'a [Sample], view: View<'_>) -> Vec<Run
     found
 }
 
-/// The first moment at which it is decided that the run is what is asked for.
+/// Returns the first moment at which it is decided that the run is what is asked for.
 fn begun(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Option<Way> {
     let parts = (1..=run.samples.len()).filter_map(|length| going_on(episode, run, length, bound, view));
     parts.min_by_key(|way| way.known).or_else(|| over(episode, run, bound))
 }
 
-/// The run, if its first samples show that it is what is asked for however it continues: only lower bounds can show that.
+/// Returns the run, if its first samples show that it is what is asked for however it continues: only lower bounds can show that.
 /// The interval is that of the whole run, as far as it is known.
 fn going_on(episode: &Episode, run: &Run<'_>, length: usize, bound: &Bindings, view: View<'_>) -> Option<Way> {
     let samples = run.samples.get(..length)?;
@@ -118,7 +118,7 @@ fn going_on(episode: &Episode, run: &Run<'_>, length: usize, bound: &Bindings, v
     fitting.then(|| way(run.samples, bound, first.at + needed))
 }
 
-/// The least instant or span that the relation allows, if it allows everything above.
+/// Returns the least instant or span that the relation allows, if it allows everything above.
 fn lower(relation: Relation, bound: i64) -> Option<i64> {
     match relation {
         Relation::GreaterOrEqual => Some(bound),
@@ -127,7 +127,7 @@ fn lower(relation: Relation, bound: i64) -> Option<i64> {
     }
 }
 
-/// The run, if it is over and was what is asked for, and only that could decide.
+/// Returns the run, if it is over and was what is asked for, and only that could decide.
 fn over(episode: &Episode, run: &Run<'_>, bound: &Bindings) -> Option<Way> {
     let bounded = |relation: &Relation| lower(*relation, 0).is_none();
     let until_the_end = episode.duration.iter().any(|(relation, _)| bounded(relation))
@@ -135,7 +135,7 @@ fn over(episode: &Episode, run: &Run<'_>, bound: &Bindings) -> Option<Way> {
     when_over(episode, run, bound).filter(|_| until_the_end)
 }
 
-/// The run, if it is over and was what is asked for. All bounds count between the first and the last sample, as the result
+/// Returns the run, if it is over and was what is asked for. All bounds count between the first and the last sample, as the result
 /// reports them.
 fn when_over(episode: &Episode, run: &Run<'_>, bound: &Bindings) -> Option<Way> {
     let (first, last) = (run.samples.first()?, run.samples.last()?);
@@ -172,7 +172,7 @@ fn way(samples: &[Sample], bound: &Bindings, known: Time) -> Way {
     Way::over(interval, known, bound.clone())
 }
 
-/// Every pair of samples of the run: what lies between two samples, and nothing that is only held.
+/// Returns every pair of samples of the run: what lies between two samples, and nothing that is only held.
 fn any(episode: &Episode, run: &Run<'_>, bound: &Bindings) -> Vec<Way> {
     let mut found = Vec::new();
     for end in 1..=run.samples.len() {
@@ -190,7 +190,7 @@ fn any(episode: &Episode, run: &Run<'_>, bound: &Bindings) -> Vec<Way> {
     found
 }
 
-/// The run as far as it is known. What its last value is, is known when it is over.
+/// Returns the run as far as it is known. What its last value is, is known when it is over.
 fn whole(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Option<Way> {
     if !episode.last_value.is_empty() {
         return when_over(episode, run, bound);

@@ -17,7 +17,7 @@ type Checked = Result<(), String>;
 /// Limits with their values, as their own file states them.
 const LIMITS: &str = include_str!("../../../crates/model/src/limits.rs");
 
-/// A decision about the whole agent.
+/// Returns a decision about the whole agent.
 pub(super) fn of_nobody(world: &World<'_>, step: &Step, because: &Because) -> Checked {
     match &because.cause {
         Cause::StrayAnswer { to } => {
@@ -53,7 +53,7 @@ fn of_expression_or_limit(world: &World<'_>, because: &Because, cause: &Cause) -
     }
 }
 
-/// The words after `:limits` in the text of the agent's declaration, two by two.
+/// Returns the words after `:limits` in the text of the agent's declaration, two by two.
 fn lowered(world: &World<'_>, agent: &AgentDeclaration) -> Vec<(String, String)> {
     let source = usize::try_from(agent.place.file).ok().and_then(|file| world.library.sources.get(file));
     let skipped = (agent.place.line as usize).saturating_sub(1);
@@ -101,7 +101,7 @@ fn circle(scene: &Scene<'_>, links: &[CircleLink]) -> Checked {
     Ok(())
 }
 
-/// The transition to terminated.
+/// Returns the transition to terminated.
 pub(super) fn ended(scene: &Scene<'_>, own: &Known, from: TaskState, outcome: Option<&Outcome>) -> Checked {
     let outcome = outcome.ok_or("it has no outcome")?;
     let (world, now) = (scene.world, scene.world.now);
@@ -148,7 +148,7 @@ pub(super) fn ended(scene: &Scene<'_>, own: &Known, from: TaskState, outcome: Op
     }
 }
 
-/// Ends that come from clauses, activities, operators, parents.
+/// Returns ends that come from clauses, activities, operators, parents.
 fn ended_from_outside(scene: &Scene<'_>, own: &Known, outcome: &Outcome) -> Checked {
     let (world, now) = (scene.world, scene.world.now);
     match &scene.because.cause {
@@ -210,7 +210,7 @@ fn ended_from_outside(scene: &Scene<'_>, own: &Known, outcome: &Outcome) -> Chec
     }
 }
 
-/// The end by a clause: with success, as skipped before the task has begun, as exited after that.
+/// Returns the end by a clause: with success, as skipped before the task has begun, as exited after that.
 fn by_clause(scene: &Scene<'_>, own: &Known, outcome: &Outcome) -> Checked {
     scene.clause_or_activity(own, &["end-when", "skip-when", "exit-when"], &[])?;
     let begun = matches!(own.state, TaskState::Ongoing | TaskState::Interrupted);
@@ -222,7 +222,7 @@ fn by_clause(scene: &Scene<'_>, own: &Known, outcome: &Outcome) -> Checked {
     }
 }
 
-/// The end of a step that waits for an outcome or a result of another one which has ended otherwise.
+/// Returns the end of a step that waits for an outcome or a result of another one which has ended otherwise.
 fn skipped(scene: &Scene<'_>, own: &Known, outcome: &Outcome) -> Checked {
     require(*outcome == Outcome::Skipped && own.state == TaskState::Pending, "it was not skipped")?;
     let (Cause::OutcomeMissed { task, .. } | Cause::ResultMissed { task, .. }) = &scene.because.cause else {
@@ -329,7 +329,7 @@ fn sent_by(world: &World<'_>, command: u64, task: TaskId) -> Result<apex_model::
     require(*sender == task, "another task sent that command").map(|()| *at)
 }
 
-/// The last one ended now, and no other lives but those for which no task waits.
+/// Returns the last one ended now, and no other lives but those for which no task waits.
 fn steps_ended(world: &World<'_>, id: TaskId, last: Option<TaskId>) -> Checked {
     if let Some(last) = last {
         let known = world.task(last)?;
@@ -346,7 +346,7 @@ fn steps_ended(world: &World<'_>, id: TaskId, last: Option<TaskId>) -> Checked {
     require(count == 0, &format!("{count} of its subtasks live"))
 }
 
-/// The plan came in with this step.
+/// Returns the plan came in with this step.
 pub(super) fn plan_arrived(step: &Step, cause: &Cause) -> Checked {
     let Cause::PlanArrived { request, solver } = cause else { return Err("it is not a plan".into()) };
     let came = step.batch.events.iter().any(|event| {

@@ -24,8 +24,7 @@ pub(super) fn check(text: &Text) -> Vec<Finding> {
 pub(super) fn check_index(texts: &[Text]) -> Vec<Finding> {
     let Some(index) = texts.iter().find(|text| text.path == INDEX) else { return Vec::new() };
     let entries = index.body.split("\n- ").skip(1).map(|entry| entry.split("\n#").next().unwrap_or_default());
-    let entries: Vec<String> =
-        entries.map(|entry| entry.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
+    let entries: Vec<String> = entries.map(|entry| entry.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
     let listed = |text: &&Text| {
         let file = text.path.strip_prefix(FOLDER).unwrap_or_default();
         let title = text.body.lines().next().unwrap_or_default().trim_start_matches("# ");
@@ -34,7 +33,9 @@ pub(super) fn check_index(texts: &[Text]) -> Vec<Finding> {
     };
     let records = texts.iter().filter(|text| text.path.starts_with(FOLDER) && text.path != INDEX);
     let missing = records.filter(|text| text.path.ends_with(".md") && !listed(text));
-    missing.map(|text| Finding::new(&text.path, 1, RULE, format!("{INDEX} must list the record once by its title"))).collect()
+    missing
+        .map(|text| Finding::new(&text.path, 1, RULE, format!("{INDEX} must list the record once by its title")))
+        .collect()
 }
 
 fn problem(title: &str) -> Option<String> {

@@ -46,7 +46,7 @@ pub(crate) struct Living {
 }
 
 impl Living {
-    /// The wind that blows, for the wind of the mission's weather.
+    /// Returns the wind that blows, for the wind of the mission's weather.
     pub(crate) fn wind(&self, wind: Wind, position: Position, altitude_m: f64, time_s: f64) -> Wind {
         let mut wind = match &self.wind_error {
             Some(error) => error.applied(wind, position, time_s),
@@ -61,7 +61,7 @@ impl Living {
         wind
     }
 
-    /// Energy drained in addition, as a factor and an amount for each second.
+    /// Returns the energy drained in addition, as a factor and an amount for each second.
     pub(crate) fn drain(&self, is_fuel: bool, now: Time) -> (f64, f64) {
         let leak = self.faults.find(FaultKind::Leak, "", now).and_then(|span| span.by).unwrap_or(0.0);
         (1.0 + self.ice_s / ICE_S_DOUBLING, if is_fuel { leak / 3_600.0 } else { leak })
@@ -71,7 +71,7 @@ impl Living {
         super::sky::is_in_cloud(&self.spec.clouds, position, altitude_m, time_s)
     }
 
-    /// True if ice forms on an aircraft here.
+    /// Returns true if ice forms on an aircraft here.
     pub(crate) fn is_icing(&self, position: Position, altitude_m: f64, temperature_k: f64, time_s: f64) -> bool {
         ICING_K.contains(&temperature_k) && self.is_in_cloud(position, altitude_m, time_s)
     }
@@ -91,7 +91,7 @@ impl Living {
         }
     }
 
-    /// The next instant at which something begins or ends.
+    /// Returns the next instant at which something begins or ends.
     pub(crate) fn next_due(&self, now: Time) -> Option<Time> {
         let fire = self.ignitions.as_ref().and_then(Ignitions::next_s);
         let fire = fire.map(|at_s| crate::instants::not_before(Time::from_seconds(at_s).max(Time::ZERO)));
@@ -99,7 +99,7 @@ impl Living {
     }
 }
 
-/// The next instant at which the living world changes, without any command.
+/// Returns the next instant at which the living world changes, without any command.
 pub(crate) fn next_due(living: Option<&Living>, now: Time) -> Option<Time> {
     living.and_then(|living| living.next_due(now))
 }

@@ -1,4 +1,5 @@
-//! The living part of a world, in addition to vehicle, wind and ground: failures, weather that moves, fires that break out, images on their way down.
+//! The living part of a world, in addition to vehicle, wind and ground: failures, weather that moves, fires that break out, images on their
+//! way down.
 //!
 //! Plain data as a world file states it, checked as a whole. `docs/reference/world.md` describes every field. Without a world file nothing
 //! here is active, and a flight is as it was without it.
@@ -96,7 +97,7 @@ impl FaultKind {
         FaultKind::Acknowledgements,
     ];
 
-    /// The word of world files and messages.
+    /// Returns the word of world files and messages.
     pub fn word(self) -> &'static str {
         match self {
             FaultKind::Engine => "engine",

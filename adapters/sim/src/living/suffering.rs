@@ -69,7 +69,7 @@ impl SimulatedWorld {
         rotors && !self.state.engine_running && self.flight.is_landing()
     }
 
-    /// True if a failure of this kind, of this object, holds now.
+    /// Returns true if a failure of this kind, of this object, holds now.
     pub(crate) fn suffers(&self, kind: FaultKind, of: &str) -> bool {
         self.living.as_ref().is_some_and(|living| living.faults.find(kind, of, self.now).is_some())
     }
@@ -238,7 +238,7 @@ impl SimulatedWorld {
         inputs.extend(said.into_iter().map(|form| Input::new(self.now, EventKind::Occurrence(form))));
     }
 
-    /// True if clouds hide the ground below from the scanner.
+    /// Returns true if clouds hide the ground below from the scanner.
     pub(crate) fn is_ground_hidden(&self) -> bool {
         self.living.as_ref().is_some_and(|living| {
             let sight = SightLine { place: self.state.position, altitude_m: self.state.altitude_m, off_nadir_rad: 0.0 };

@@ -326,7 +326,7 @@ impl Watching<'_> {
     }
 }
 
-/// A result or verdict with the name of its input: the first member of an object, or in front of the first line.
+/// Returns a result or verdict with the name of its input: the first member of an object, or in front of the first line.
 fn named(name: &str, text: &str, json: bool) -> String {
     match text.strip_prefix('{').filter(|_| json) {
         Some(members) => format!("{{\"input\":{},{members}", serde_json::Value::from(name)),

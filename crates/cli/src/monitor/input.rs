@@ -83,7 +83,7 @@ impl Source {
         Ok(Some(SourceText { name: mapping.name.clone(), text }))
     }
 
-    /// The PDL in a flight record, where it is `wanted`: it declares the record's state variables.
+    /// Returns the PDL in a flight record, where it is `wanted`: it declares the record's state variables.
     pub fn recorded_texts(&self, wanted: bool) -> CliResult<Vec<SourceText>> {
         let Source::Record(reader) = self else { return Ok(Vec::new()) };
         if !wanted {
@@ -134,7 +134,7 @@ impl Source {
         found.ok_or_else(|| unknown(why))
     }
 
-    /// The mapping of a log as PDL.
+    /// Returns the mapping of a log as PDL.
     ///
     /// # Errors
     /// The input is not a log, or has no mapping.

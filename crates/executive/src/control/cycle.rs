@@ -167,17 +167,17 @@ impl Work {
         }
     }
 
-    /// True when nothing is left to do at this instant.
+    /// Returns true when nothing is left to do at this instant.
     pub(crate) fn is_done(&self) -> bool {
         self.stimuli.is_empty() && self.has_only_stimuli()
     }
 
-    /// True when nothing is left to do but to begin and end probes.
+    /// Returns true when nothing is left to do but to begin and end probes.
     pub(crate) fn has_only_probings(&self) -> bool {
         self.stimuli.is_empty() && self.has_no_more_than_stimuli_and_probings()
     }
 
-    /// True when nothing is left to do but to notice what was recorded.
+    /// Returns true when nothing is left to do but to notice what was recorded.
     pub(crate) fn has_only_stimuli(&self) -> bool {
         self.probings.is_empty() && self.has_no_more_than_stimuli_and_probings()
     }
@@ -199,7 +199,7 @@ impl Work {
     }
 }
 
-/// A list of tasks in order of creation, each once: the order in which steps are written.
+/// Returns a list of tasks in order of creation, each once: the order in which steps are written.
 pub(crate) fn in_order(list: &mut TaskList) -> TaskList {
     if list.is_empty() {
         return TaskList::new();
@@ -246,17 +246,17 @@ impl<'a> Cycle<'a> {
         self.decide(task, DecisionKind::Trouble { message }, Because::new(cause, place));
     }
 
-    /// The view of `task` at `level`.
+    /// Returns the view of `task` at `level`.
     pub(crate) fn view(&self, task: TaskId, level: Level) -> View<'_> {
         View { agent: self.agent, task, level, now: self.now }
     }
 
-    /// The task, while it exists.
+    /// Returns the task, while it exists.
     pub(crate) fn task(&self, id: TaskId) -> Option<&Task> {
         self.agent.task(id)
     }
 
-    /// The task's state; terminated when it is gone.
+    /// Returns the task's state; terminated when it is gone.
     pub(crate) fn state(&self, id: TaskId) -> TaskState {
         self.agent.task(id).map_or(TaskState::Terminated, |task| task.state)
     }
@@ -267,7 +267,7 @@ impl<'a> Cycle<'a> {
         self.agent.task(id).is_some_and(|task| task.clauses.has(kinds))
     }
 
-    /// The step that `id` was made from, with whatever holds it.
+    /// Returns the step that `id` was made from, with whatever holds it.
     pub(crate) fn step_of(&self, id: TaskId) -> Option<StepHandle<'a>> {
         let step = self.task(id)?.step()?;
         let index = step.step as usize;
@@ -309,7 +309,7 @@ pub(crate) enum StepHandle<'a> {
 }
 
 impl StepHandle<'_> {
-    /// The step.
+    /// Returns the step.
     pub(crate) fn get(&self) -> Option<&Step> {
         match self {
             StepHandle::Stored(step) => Some(step),

@@ -82,7 +82,7 @@ pub(crate) fn bound(cycle: &mut Cycle<'_>, id: TaskId, value: &Value, place: Pla
     }
 }
 
-/// Bytes of large values and samples, each holder of a value counted.
+/// Returns bytes of large values and samples, each holder of a value counted.
 fn count(agent: &Agent) -> u64 {
     let values: u64 = agent
         .tasks
@@ -113,7 +113,7 @@ fn bindings_bytes(bindings: &Bindings) -> u64 {
     bindings.iter().map(|(_, value)| value_bytes(value)).filter(|bytes| *bytes >= LARGE_VALUE_BYTES).sum()
 }
 
-/// Bytes of a value with all that is in it; 0 for what has its space in its holder.
+/// Returns bytes of a value with all that is in it; 0 for what has its space in its holder.
 fn value_bytes(value: &Value) -> u64 {
     match value {
         Value::Text(text) => text.len() as u64,

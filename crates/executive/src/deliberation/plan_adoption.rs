@@ -131,7 +131,7 @@ fn retire(cycle: &mut Cycle<'_>, goal: &Value) {
     }
 }
 
-/// The plan as a sequential procedure indexed by its goal.
+/// Returns the plan as a sequential procedure indexed by its goal.
 fn translate(goal: &Value, plan: &PlannedProcedure, file: u32) -> Procedure {
     let steps = plan.steps.iter().map(|step| {
         let activity = Activity::Goal(Template::Constant(step.activity.goal()));

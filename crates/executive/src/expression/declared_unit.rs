@@ -7,7 +7,7 @@ use apex_model::quantity::{Dimension, Unit, unit_named};
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 
-/// The unit that samples of `attribute` are declared with.
+/// Returns the unit that samples of `attribute` are declared with.
 pub(crate) fn unit_of(attribute: &Symbol, library: &Library) -> Option<&'static Unit> {
     let declared = library.state_variables.get(attribute)?.unit.as_ref()?;
     unit_named(declared.printed())

@@ -166,7 +166,7 @@ fn aggregate<'a>(name: &str, samples: impl Iterator<Item = &'a Sample>) -> Funct
     }
 }
 
-/// Mean around the first value as anchor, so that large offsets cost no digits. Infinities do not count.
+/// Returns the mean around the first value as anchor, so that large offsets cost no digits. Infinities do not count.
 fn mean<'a>(samples: impl Iterator<Item = &'a Sample>) -> FunctionResult {
     let mut anchor: Option<(f64, &Value)> = None;
     let (mut sum, mut count) = (0.0, 0.0);

@@ -90,7 +90,7 @@ pub(super) fn cost(name: &str, arguments: &[Value]) -> u64 {
     }
 }
 
-/// The items of `value`.
+/// Returns the items of `value`.
 ///
 /// # Errors
 /// When it is not a list.
@@ -98,7 +98,7 @@ pub(super) fn items(value: &Value) -> Result<&[Value], String> {
     value.as_list().ok_or_else(|| format!("expected a list, found {value}"))
 }
 
-/// A list of `items`, within the limit.
+/// Returns a list of `items`, within the limit.
 ///
 /// # Errors
 /// When there are too many.

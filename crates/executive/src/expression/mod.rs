@@ -32,7 +32,7 @@ use apex_model::limits::TEXT_CHARACTERS_MAX;
 use apex_model::value::Value;
 use std::fmt::Write;
 
-/// The value of `expr`. Has no effect; a form that acts is an error here.
+/// Returns the value of `expr`. Has no effect; a form that acts is an error here.
 ///
 /// # Errors
 /// An error message when a variable is unbound, an argument is of the wrong kind or dimension, or a limit is reached.
@@ -40,7 +40,7 @@ pub(crate) fn evaluate(expr: &Expr, context: &dyn EvalContext) -> Result<Value, 
     Evaluator::new(context, None).value(expr)
 }
 
-/// The value of `template` with its holes filled.
+/// Returns the value of `template` with its holes filled.
 ///
 /// # Errors
 /// As [`evaluate`]; an unbound variable is an error.
@@ -48,7 +48,7 @@ pub(crate) fn instantiate(template: &Template, context: &dyn EvalContext) -> Res
     Evaluator::new(context, None).template(template, templates::place_of(template))
 }
 
-/// The value of `template` where a hole that has no value yet is shown as it is written (`?x`).
+/// Returns the value of `template` where a hole that has no value yet is shown as it is written (`?x`).
 pub(crate) fn instantiate_partially(template: &Template, context: &dyn EvalContext) -> Value {
     templates::partially(template, context)
 }
@@ -86,7 +86,7 @@ pub(crate) fn printed(values: &[Value]) -> String {
     text
 }
 
-/// A value in human-readable form: a string without its quotes. Ends with `..` where it is longer than a text may be.
+/// Returns a value in human-readable form: a string without its quotes. Ends with `..` where it is longer than a text may be.
 pub(crate) fn display(value: &Value) -> String {
     if let Value::Text(text) = value {
         return text.to_string();

@@ -48,7 +48,7 @@ pub(crate) fn prepare(
     prepare_as(constraints, RightSide::Value(unit), context)
 }
 
-/// The same, where right sides are read as `reading` says.
+/// Returns the same, where right sides are read as `reading` says.
 ///
 /// # Errors
 /// When a right side that never changes cannot be evaluated.

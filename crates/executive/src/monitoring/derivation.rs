@@ -86,7 +86,7 @@ pub(crate) fn derive(
     recordings
 }
 
-/// A value that was not computed, or refused, is counted as missing; the message of all but the first is dropped.
+/// Returns a value that was not computed, or refused, is counted as missing; the message of all but the first is dropped.
 fn first_trouble_only(mut recording: Recording, variable: &StateVariable, histories: &mut Histories) -> Recording {
     if recording.recorded.is_none() && histories.note_missing(variable) > 1 {
         recording.trouble = None;
@@ -94,7 +94,7 @@ fn first_trouble_only(mut recording: Recording, variable: &StateVariable, histor
     recording
 }
 
-/// The objects for which a sample of `input`, with the object `measured`, gives a value.
+/// Returns the objects for which a sample of `input`, with the object `measured`, gives a value.
 fn objects(derivation: &Derivation, input: &DerivationInput, measured: &Value, histories: &Histories) -> Vec<Value> {
     match &input.object {
         Pattern::Literal(wanted) if wanted.matches(measured) => {
@@ -118,7 +118,7 @@ fn history_of<'h>(input: &DerivationInput, object: &Value, histories: &'h Histor
     histories.get(&StateVariable::new(input.attribute.clone(), object))
 }
 
-/// The instants whose derived sample depends on the sample of `input` at `at`: its own; when it came late, or for a line,
+/// Returns the instants whose derived sample depends on the sample of `input` at `at`: its own; when it came late, or for a line,
 /// also those of other inputs up to its neighbours.
 fn affected(
     derivation: &Derivation,
@@ -163,7 +163,7 @@ fn with_older(
     instants
 }
 
-/// The derived value at an instant; none where an input has no value then.
+/// Returns the derived value at an instant; `None` if an input has no value then.
 fn value_at(
     derivation: &Derivation,
     variable: &StateVariable,
@@ -222,7 +222,7 @@ fn input_at(reads: Reading, join: Join, history: &History, at: Time) -> Option<V
     }
 }
 
-/// The value on the line between two samples; a value that is not a number holds.
+/// Returns the value on the line between two samples; a value that is not a number holds.
 fn interpolated(before: &Sample, after: &Sample, at: Time) -> Value {
     let (Some((low, dimension)), Some((high, same))) = (before.value.as_number(), after.value.as_number()) else {
         return before.value.clone();

@@ -23,7 +23,7 @@ pub(crate) struct Key {
 }
 
 impl Key {
-    /// The key of a result of `part`.
+    /// Returns the key of a result of `part`.
     pub(crate) fn of(part: Place, result: &Satisfaction) -> Key {
         let subject = result.evidence.iter().find_map(|evidence| match evidence {
             Evidence::Sample { variable, .. } | Evidence::Run { variable, .. } => Some(variable.object.clone()),

@@ -26,7 +26,7 @@ use apex_model::value::Value;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-/// The contend phase: what is to be committed.
+/// Returns the contend phase: what is to be committed.
 pub(crate) fn contend(cycle: &mut Cycle<'_>) -> Arbitration {
     let work = &cycle.work;
     let changed = work.priorities_changed || work.inheritance_changed;
@@ -217,7 +217,7 @@ fn look_behind(cycle: &mut Cycle<'_>, begun: &[TaskId], refused: &[Refusal]) {
     }
 }
 
-/// An amount of a resource for operators: whole units of a capacity, a quantity of a depletable.
+/// Returns an amount of a resource for operators: whole units of a capacity, a quantity of a depletable.
 fn amount(number: f64, dimension: Dimension) -> Value {
     if dimension == Dimension::NONE && libm::trunc(number) == number {
         return Value::Integer(number as i64);

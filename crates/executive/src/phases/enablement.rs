@@ -163,7 +163,7 @@ fn evidence_of(cycle: &Cycle<'_>, id: TaskId) -> Option<EvidenceList> {
     list.get(after.checked_sub(1)?).filter(|(task, _)| *task == id).map(|(_, evidence)| evidence.clone())
 }
 
-/// The step before the task's in a sequence, which has ended now.
+/// Returns the step before the task's in a sequence, which has ended now.
 fn predecessor(cycle: &Cycle<'_>, id: TaskId) -> Option<Cause> {
     let task = cycle.task(id)?;
     let Origin::Step(step) = task.origin else { return None };

@@ -70,7 +70,7 @@ fn begin(cycle: &mut Cycle<'_>, id: TaskId) {
     }
 }
 
-/// The chosen way, which begins; what its index bound moves from the selection into the controller.
+/// Returns the chosen way, which begins; what its index bound moves from the selection into the controller.
 fn take_way(cycle: &mut Cycle<'_>, id: TaskId) -> Option<MethodBinding> {
     let selection = cycle.agent.task_mut(id)?.selection.as_mut()?;
     selection.begun = true;

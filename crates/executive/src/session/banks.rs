@@ -255,7 +255,7 @@ impl MonitorSession {
         }
     }
 
-    /// The condition as if no bank stood between it and its samples.
+    /// Returns the condition as if no bank stood between it and its samples.
     pub(super) fn as_told(&self, id: MonitorId, watched: &WatchedCondition) -> Option<Monitor> {
         let mut monitor = watched.monitor.clone()?;
         if let Some(mut leaves) = watched.leaves.clone() {
@@ -326,7 +326,7 @@ impl MonitorSession {
     }
 }
 
-/// A wake that a bank has asked for, as the session keeps it.
+/// Returns a wake that a bank has asked for, as the session keeps it.
 fn wake_of(at: Time, leaf: LeafId) -> (Time, MonitorId, Option<u32>) {
     (at, leaf.monitor, Some(leaf.leaf))
 }

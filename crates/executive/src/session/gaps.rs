@@ -66,7 +66,7 @@ impl Spacings {
         }
     }
 
-    /// The largest gap of each run that the result rests on, where it is known; a run of one sample has none.
+    /// Returns the largest gap of each run that the result rests on, where it is known; a run of one sample has none.
     pub(super) fn of(&self, result: &Satisfaction) -> Vec<SamplingGap> {
         let of_run = |evidence: &Evidence| {
             let Evidence::Run { variable, start, end, .. } = evidence else { return None };
@@ -102,7 +102,7 @@ impl OfVariable {
         self.newest = at;
     }
 
-    /// The largest spacing between `start` and `end`, the later one of equals; none where it is not known.
+    /// Returns the largest spacing between `start` and `end`, the later one of equals; `None` if it is not known.
     fn largest(&self, start: Time, end: Time) -> Option<(Time, Time)> {
         let (before, _) = self.last?;
         if start < self.known_from || (end != self.newest && end != before) {

@@ -100,7 +100,7 @@ pub struct MonitorSession {
 }
 
 impl MonitorSession {
-    /// A session in terms of `library`: its declared state variables, functions, constants and indexicals.
+    /// Returns a session in terms of `library`: its declared state variables, functions, constants and indexicals.
     ///
     /// # Errors
     /// A message if a declared host function is not registered or a constant has no value.
@@ -205,7 +205,7 @@ impl MonitorSession {
         self.touch_all();
     }
 
-    /// A measurement, in the declared unit where it is a bare number. Returns its recording; `None` if it was refused; a
+    /// Returns a measurement, in the declared unit where it is a bare number. Returns its recording; `None` if it was refused; a
     /// condition fault holds the reason.
     pub fn sample(&mut self, variable: &StateVariable, value: Value, at: Time) -> Option<Recorded> {
         self.come_to(at);

@@ -41,7 +41,7 @@ pub(super) struct WatchedCondition {
 }
 
 impl WatchedCondition {
-    /// A condition that begins at `created_at`. Its monitor is made at once for a try, so that errors come at once.
+    /// Returns a condition that begins at `created_at`. Its monitor is made at once for a try, so that errors come at once.
     pub(super) fn new(
         condition: Condition,
         created_at: Time,

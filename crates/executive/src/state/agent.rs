@@ -253,13 +253,13 @@ impl Agent {
         self.finished.is_some()
     }
 
-    /// The task with this number, while a clause may still refer to it.
+    /// Returns the task with this number, while a clause may still refer to it.
     #[inline]
     pub fn task(&self, id: TaskId) -> Option<&Task> {
         self.tasks.get(id.0)
     }
 
-    /// The task with this number, to change it.
+    /// Returns the task with this number, to change it.
     #[inline]
     pub fn task_mut(&mut self, id: TaskId) -> Option<&mut Task> {
         self.tasks.get_mut(id.0)
@@ -273,7 +273,7 @@ impl Agent {
         true
     }
 
-    /// The procedure that `reference` names.
+    /// Returns the procedure that `reference` names.
     #[inline]
     pub fn procedure(&self, reference: ProcedureRef) -> Option<&Arc<Procedure>> {
         match reference {
@@ -300,7 +300,7 @@ impl Agent {
         }
     }
 
-    /// The tag of the step that a task was made from.
+    /// Returns the tag of the step that a task was made from.
     pub fn tag(&self, task: &Task) -> Symbol {
         let step = task.step().and_then(|step| {
             let procedure = self.procedure(step.procedure)?;
@@ -315,7 +315,7 @@ impl Agent {
         })
     }
 
-    /// The probings for the condition of `monitor`, in written order.
+    /// Returns the probings for the condition of `monitor`, in written order.
     pub fn probings_of(&self, monitor: MonitorId) -> impl Iterator<Item = (ProbingId, &Probing)> {
         let of = |part| ProbingId { monitor, part };
         self.probings.range(of(0)..=of(u32::MAX)).map(|(id, probing)| (*id, probing))

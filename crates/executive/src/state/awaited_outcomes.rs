@@ -53,7 +53,7 @@ fn conditions(clauses: &Transitions) -> impl Iterator<Item = &Condition> {
     ends.into_iter().chain(others).filter_map(|condition| condition.as_deref())
 }
 
-/// True if a clause of the procedure or of another step names the failure of step `number`.
+/// Returns true if a clause of the procedure or of another step names the failure of step `number`.
 pub(crate) fn is_failure_awaited(procedure: &Procedure, number: usize) -> bool {
     let Some(tag) = procedure.steps.get(number).map(|step| &step.tag) else { return false };
     let is_meant = |word: &Symbol| FAILURE_STATES.contains(&word.folded());
@@ -64,7 +64,7 @@ pub(crate) fn is_failure_awaited(procedure: &Procedure, number: usize) -> bool {
     conditions(&procedure.transitions).any(|each| names(each, tag, &is_meant)) || procedure.steps.iter().any(of_step)
 }
 
-/// The steps whose `waitfor` names an outcome of step `number`.
+/// Returns the steps whose `waitfor` names an outcome of step `number`.
 pub(crate) fn waiters(procedure: &Procedure, number: usize) -> Vec<u32> {
     let Some(tag) = procedure.steps.get(number).map(|step| &step.tag) else { return Vec::new() };
     let waits = |step: &Step| step.tag != *tag && step.waitfor.iter().any(|each| names(each, tag, &|_| true));

@@ -45,7 +45,7 @@ impl Children {
         self.places.binary_search_by_key(&child.0, |place| place & !GONE)
     }
 
-    /// True when `child` is among them.
+    /// Returns true when `child` is among them.
     pub fn contains(&self, child: TaskId) -> bool {
         self.place(child).is_ok_and(|index| self.places.get(index).is_some_and(|place| place & GONE == 0))
     }

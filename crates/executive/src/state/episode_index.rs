@@ -104,7 +104,7 @@ fn length(first: i64, last: i64) -> u64 {
     u64::try_from(last.saturating_sub(first).saturating_add(1)).unwrap_or_default()
 }
 
-/// The value as a plain number, where comparing it as a double is exact.
+/// Returns the value as a plain number, where comparing it as a double is exact.
 pub fn plain_number(value: &Value) -> Option<(f64, Dimension)> {
     match value {
         Value::Integer(integer) if integer.unsigned_abs() > EXACT_INTEGER_MAX.unsigned_abs() => None,
@@ -116,7 +116,7 @@ pub fn plain_number(value: &Value) -> Option<(f64, Dimension)> {
 }
 
 impl EpisodeIndex {
-    /// A bank without episodes, for numbers of `dimension`.
+    /// Returns a bank without episodes, for numbers of `dimension`.
     pub fn new(dimension: Dimension) -> EpisodeIndex {
         EpisodeIndex {
             dimension,

@@ -33,7 +33,7 @@ pub enum Side {
 }
 
 impl Threshold {
-    /// The threshold of `relation` to `right`; none where a sample of every size may satisfy it, or none can.
+    /// Returns the threshold of `relation` to `right`; `None` if a sample of every size may satisfy it, or none can.
     pub fn of(relation: Relation, right: &Value) -> Option<Threshold> {
         let (bound, dimension) = right.as_number().filter(|(bound, _)| !bound.is_nan())?;
         let side = match relation {

@@ -60,7 +60,7 @@ impl WakeQueue {
         self.entries.remove(&key);
     }
 
-    /// The earliest entry.
+    /// Returns the earliest entry.
     pub fn first(&self) -> Option<(WakeKey, Wake)> {
         self.entries.first_key_value().map(|(key, wake)| (*key, *wake))
     }

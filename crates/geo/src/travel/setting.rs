@@ -44,7 +44,7 @@ pub struct PlaneZone {
     pub active_s: Vec<(f64, f64)>,
 }
 
-/// A projection around the setting's positions on which all zones lie, kept away from by `room_m` next to the margin.
+/// Returns a projection around the setting's positions on which all zones lie, kept away from by `room_m` next to the margin.
 pub(crate) fn ground(setting: &Setting<'_>, room_m: f64) -> Result<PathConstraints, String> {
     let plane = Plane::around(setting.around);
     let (low_m, high_m) = setting.altitudes_m;
@@ -120,7 +120,7 @@ fn corners(zone: &AirspaceZone, plane: &Plane) -> Result<Vec<Point>, String> {
     Ok(flat)
 }
 
-/// The zone with its times inside `time_s`; none where it is never active then.
+/// Returns the zone with its times inside `time_s`; `None` if it is never active then.
 fn made(zone: &PlaneZone, (margin, turn_radius): (f64, f64), stretch: f64, time_s: Span) -> Option<Zone> {
     let (begin_s, end_s) = time_s;
     let inside = |(from_s, until_s): &(f64, f64)| {

@@ -240,7 +240,7 @@ fn judged(
     Ok(Predicted { candidate, scene, forecast, travel_s })
 }
 
-/// The factor that falls short of the goal most.
+/// Returns the factor that falls short of the goal most.
 fn short_of(goal: &AcquisitionGoal, forecast: &Forecast) -> Option<(&'static str, f64, f64)> {
     let factors = &forecast.factors;
     let least = |wanted: f64| wanted.max(1e-3);
@@ -254,7 +254,7 @@ fn short_of(goal: &AcquisitionGoal, forecast: &Forecast) -> Option<(&'static str
     short.max_by(|a, b| ((a.1 - a.2) / a.1).total_cmp(&((b.1 - b.2) / b.1)))
 }
 
-/// The restricted zone that the manoeuvre enters, or the permitted one that it leaves.
+/// Returns the restricted zone that the manoeuvre enters, or the permitted one that it leaves.
 fn closed_by<'a>(mission: &'a Mission, forecast: &Forecast, scene: &Scene, from_s: f64) -> Option<&'a AirspaceZone> {
     let plane = Plane::new(scene.target);
     mission.zones.iter().filter(|zone| zone.kind == ZoneKind::Restricted).find(|zone| {
@@ -270,7 +270,7 @@ fn closed_by<'a>(mission: &'a Mission, forecast: &Forecast, scene: &Scene, from_
     })
 }
 
-/// The Pareto front of worth, time, energy and turns; the chosen one first.
+/// Returns the Pareto front of worth, time, energy and turns; the chosen one first.
 fn front(meeting: Vec<Predicted>) -> Vec<Predicted> {
     let figures = |one: &Predicted| {
         let forecast = &one.forecast;

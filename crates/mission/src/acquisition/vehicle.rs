@@ -97,7 +97,7 @@ fn nearest_name<'a>(wrong: &str, known: &[&'a str]) -> Option<&'a str> {
     known.iter().copied().max_by_key(|name| shared(name)).filter(|name| shared(name) >= 1)
 }
 
-/// Level of the observed part above mean sea level: the observed ground, or the middle of a structure.
+/// Returns the level of the observed part above mean sea level: the observed ground, or the middle of a structure.
 pub(crate) fn elevation_m(target: &Target) -> f64 {
     match &target.kind {
         TargetKind::Fire(fire) => fire.wanted.elevation_m,
@@ -105,7 +105,7 @@ pub(crate) fn elevation_m(target: &Target) -> f64 {
     }
 }
 
-/// The scene of a manoeuvre `height_m` over a target, with the wind that `field` holds.
+/// Returns the scene of a manoeuvre `height_m` over a target, with the wind that `field` holds.
 pub(crate) fn scene_of(
     (position, elevation_m): (Position, f64),
     field: &WindField,

@@ -103,7 +103,7 @@ impl LostSegment {
         geodesy::distance_m(self.begin.position, self.until.position)
     }
 
-    /// True if the middle of this segment lies on `other`.
+    /// Returns true if the middle of this segment lies on `other`.
     fn is_on(&self, other: &LostSegment) -> bool {
         let middle = geodesy::midpoint(self.begin.position, self.until.position);
         let by_m =
@@ -122,7 +122,7 @@ impl LostSegments {
         self.open.extend(said.map(|lost| (now, lost)));
     }
 
-    /// The answers about the segments lost in the last step.
+    /// Returns the answers about the segments lost in the last step.
     pub(super) fn weigh(&mut self, known: (&Mission, &Situation), flown: &FlownScore) -> Vec<Input> {
         let open = std::mem::take(&mut self.open);
         open.into_iter().map(|(at, lost)| self.answer(known, flown, lost, at)).collect()
@@ -163,7 +163,7 @@ impl LostSegments {
     }
 }
 
-/// Both sides of the decision about a segment, lost at `at`.
+/// Returns both sides of the decision about a segment, lost at `at`.
 fn trade(
     (mission, situation): (&Mission, &Situation),
     flown: &FlownScore,
@@ -224,7 +224,7 @@ fn wanted<'a>(mission: &'a Mission, name: &str) -> Option<(&'a Target, &'a Fire)
     })
 }
 
-/// The lines that the observation still has to fly: the rest of this one, and those of which nothing has been seen.
+/// Returns the lines that the observation still has to fly: the rest of this one, and those of which nothing has been seen.
 fn rest_of_lines(situation: &Situation, lost: &LostSegment, here: Position) -> Vec<(Position, Position)> {
     let mut rest = vec![(here, lost.line_end.position)];
     let open = situation.visits.last().filter(|visit| visit.end.is_none() && visit.target == lost.target);
@@ -233,7 +233,7 @@ fn rest_of_lines(situation: &Situation, lost: &LostSegment, here: Position) -> V
     rest
 }
 
-/// A line that is flown from `from_s` on.
+/// Returns a line that is flown from `from_s` on.
 fn planned(mission: &Mission, (from, to): (Position, Position), altitude_m: f64, from_s: f64) -> PlannedLine {
     let airspeed_mps = mission.model.true_airspeed_m_s_cruise;
     let track_deg = geodesy::azimuth_deg(from, to);
@@ -244,7 +244,7 @@ fn planned(mission: &Mission, (from, to): (Position, Position), altitude_m: f64,
     PlannedLine { from, to, altitude_m, from_s, ground_speed_mps, crab_deg, on_ground_s: None }
 }
 
-/// Time for these lines and the turns between them.
+/// Returns the time for these lines and the turns between them.
 fn lines_s(mission: &Mission, lines: &[(Position, Position)], altitude_m: f64, from_s: f64) -> f64 {
     let each = lines.iter().map(|line| {
         let line = planned(mission, *line, altitude_m, from_s);
@@ -266,7 +266,7 @@ impl Conditions for PresentAir<'_> {
     }
 }
 
-/// Points that the segment adds to what has been seen, and to what the rest of the lines will see.
+/// Returns points that the segment adds to what has been seen, and to what the rest of the lines will see.
 fn gain(
     (mission, target, fire): (&Mission, &Target, &Fire),
     situation: &Situation,
@@ -322,13 +322,14 @@ fn price(
     Ok(((at_once.score - delayed.score).max(0.0), names.collect()))
 }
 
-/// The visits of the plan after the one that is observed; all of them where it is not in the plan.
+/// Returns the visits of the plan after the one that is observed; all of them where it is not in the plan.
 fn visits_ahead<'a>(plan: &'a SingleVisitPlan, observed: &str) -> impl Iterator<Item = &'a PlannedVisit> {
     let after = plan.visits.iter().position(|visit| visit.target == observed).map_or(0, |at| at + 1);
     plan.visits.iter().skip(after)
 }
 
-/// The visits of the plan that are still open, after the present one, with the manoeuvres of the problem that are nearest to theirs.
+/// Returns the visits of the plan that are still open, after the present one, with the manoeuvres of the problem that are nearest to
+/// theirs.
 fn ahead(problem: &SingleVisitProblem, plan: &SingleVisitPlan, observed: &str) -> Vec<OrderedVisit> {
     let visits = visits_ahead(plan, observed).filter_map(|visit| {
         let target = problem.targets.iter().position(|target| target.name == visit.target)?;

@@ -28,7 +28,7 @@ const TIMING_TOLERANCE: f64 = 1e-3;
 /// A step before it has a line in the procedure's text.
 type NamedActivity = (Symbol, PlannedActivity);
 
-/// The plan as a procedure for `goal`.
+/// Returns the plan as a procedure for `goal`.
 pub fn translate(solved: &Deliberation, goal: &Value, number: u32, mission: &Mission) -> PlannedProcedure {
     let (mut steps, repeat) = match (&solved.problem, &solved.plan) {
         (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) => (single_visit_steps(problem, plan), false),
@@ -47,7 +47,7 @@ pub fn translate(solved: &Deliberation, goal: &Value, number: u32, mission: &Mis
     }
 }
 
-/// The plan of a mission in progress for which nothing more can be planned: it ends, and the return begins.
+/// Returns the plan of a mission in progress for which nothing more can be planned: it ends, and the return begins.
 pub(super) fn nothing_more(goal: &Value, number: u32, reason: &str) -> PlannedProcedure {
     let summary = format!("nothing more to visit. {reason}");
     let head = format!("; {summary}\n");
@@ -58,7 +58,7 @@ pub(super) fn nothing_more(goal: &Value, number: u32, reason: &str) -> PlannedPr
     }
 }
 
-/// The steps with their text, of which `head` is the beginning.
+/// Returns the steps with their text, of which `head` is the beginning.
 fn procedure(goal: &Value, number: u32, head: &str, steps: Vec<NamedActivity>, repeat: bool) -> PlannedProcedure {
     let goals: Vec<(Symbol, Value)> = steps.iter().map(|(tag, activity)| (tag.clone(), activity.goal())).collect();
     let PrintedPlan { text, step_lines } = apex_pdl::print_plan(goal, &goals, repeat);
@@ -96,7 +96,7 @@ fn single_visit_steps(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> V
     steps
 }
 
-/// The step that observes the target of a visit: with the scanner, or with a camera.
+/// Returns the step that observes the target of a visit: with the scanner, or with a camera.
 fn observation(visit: &PlannedVisit, manoeuvre: &Manoeuvre) -> NamedActivity {
     let target = visit.target.clone();
     let due = Duration::from_seconds(visit.end_s.round());
@@ -215,7 +215,7 @@ fn surveillance_steps(
     (steps, repeat)
 }
 
-/// A location, rounded.
+/// Returns a location, rounded.
 fn at(position: Position, altitude_m: f64) -> Location {
     rounded(Location { position, altitude_m })
 }

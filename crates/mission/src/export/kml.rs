@@ -27,7 +27,7 @@ const STYLES: &[KmlStyle] = &[
     ("permitted", &[("LineStyle", &[("color", "ff00aa00")]), ("PolyStyle", &[("fill", "0")])]),
 ];
 
-/// The chart as a document of KML.
+/// Returns the chart as a document of KML.
 pub fn write(chart: &Chart) -> String {
     let mut xml = Xml::new(Vec::new());
     // Writing to memory cannot fail.

@@ -28,7 +28,7 @@ const TAKEOFF_PITCH_DEG: f64 = 15.0;
 /// Speed where none is known, as QGroundControl proposes it; autopilots fly by their own parameters.
 const SPEED_MPS_DEFAULT: f64 = 15.0;
 
-/// The chart as a plan file. Where the chart knows no altitudes, everything is flown at `height_m` above the start.
+/// Returns the chart as a plan file. Where the chart knows no altitudes, everything is flown at `height_m` above the start.
 ///
 /// # Errors
 /// A message: the plan visits nothing, or its altitudes are not known and no height is given.
@@ -90,7 +90,7 @@ impl Items {
         if self.relative_m.is_some() { 1 } else { 2 }
     }
 
-    /// The number that the next item gets.
+    /// Returns the number that the next item gets.
     fn next(&self) -> usize {
         self.items.len() + 1
     }

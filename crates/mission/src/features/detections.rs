@@ -114,7 +114,7 @@ fn joined(pixels: &[Pixel]) -> Vec<Vec<&Pixel>> {
 
 const METRES_PER_DEGREE: f64 = 111_195.0;
 
-/// The first pixel of the group of `index`. Leaders have lower numbers than their followers, so this ends.
+/// Returns the first pixel of the group of `index`. Leaders have lower numbers than their followers, so this ends.
 fn root(leader: &[usize], mut index: usize) -> usize {
     while let Some(next) = leader.get(index).copied().filter(|next| *next != index) {
         index = next;
@@ -122,7 +122,7 @@ fn root(leader: &[usize], mut index: usize) -> usize {
     index
 }
 
-/// A fire whose outline is the convex hull of its pixels.
+/// Returns a fire whose outline is the convex hull of its pixels.
 fn fire(place: &str, members: &[&Pixel], number: usize) -> MissionResult<PlacedFeature> {
     let here = format!("{place}:{}", members.first().map_or(0, |pixel| pixel.line));
     let centres: Vec<Position> = members.iter().map(|pixel| pixel.position).collect();

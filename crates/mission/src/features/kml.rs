@@ -245,7 +245,7 @@ impl Document<'_> {
     }
 }
 
-/// The text of `&name;`: the five entities of XML and character numbers.
+/// Returns the text of `&name;`: the five entities of XML and character numbers.
 fn reference(name: &quick_xml::events::BytesRef<'_>) -> Option<String> {
     if let Ok(Some(character)) = name.resolve_char_ref() {
         return Some(character.to_string());

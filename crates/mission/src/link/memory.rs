@@ -153,18 +153,18 @@ impl LinkMemory {
         }
     }
 
-    /// The mission with the weak links that are known when the vehicle is `here`: zones that are added, targets that are left out.
+    /// Returns the mission with the weak links that are known when the vehicle is `here`: zones that are added, targets that are left out.
     pub(crate) fn without_weak_links(&self, mission: Mission, here: Position) -> Mission {
         avoid::without_weak_links(mission, &|name| self.link(name), here)
     }
 
-    /// A link by its name.
+    /// Returns a link by its name.
     pub(crate) fn link(&self, name: &str) -> Option<&Learned> {
         self.links.get(&name.to_lowercase()).map(|link| &link.learned)
     }
 }
 
-/// The place of `:contingency`; else the nearest landing place whose link is not known to be weak, else the nearest; else where the
+/// Returns the place of `:contingency`; else the nearest landing place whose link is not known to be weak, else the nearest; else where the
 /// mission started.
 fn contingency_place(mission: &Mission, name: &str, learned: &Learned, here: Location) -> Value {
     if let Some(place) = &mission.lost_link.contingency {

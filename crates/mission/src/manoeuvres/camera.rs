@@ -27,7 +27,7 @@ pub(super) fn ways(wish: &Wish<'_>) -> Result<Vec<Manoeuvre>, String> {
     }
 }
 
-/// The camera that the target names, or the first that the vehicle carries.
+/// Returns the camera that the target names, or the first that the vehicle carries.
 fn camera(wish: &Wish<'_>) -> Result<CameraSetting, String> {
     let model = &wish.mission.model;
     let names = camera_names(model);

@@ -24,7 +24,7 @@ pub(super) struct Draft {
     pub(super) work: PictureWork,
 }
 
-/// The draft with its predicted factors; none if it is worth nothing.
+/// Returns the draft with its predicted factors; `None` if it is worth nothing.
 pub(super) fn predicted(wish: &Wish<'_>, draft: Draft) -> Option<Manoeuvre> {
     let wanted = ObservedTarget { looks: vec![wish.look.clone()], after: Vec::new(), ..wish.fire.wanted.clone() };
     let air = ForecastAir::new(wish.mission);

@@ -41,7 +41,7 @@ pub(super) fn ways(wish: &Wish<'_>, camera: &CameraSetting) -> Result<Vec<Manoeu
     })
 }
 
-/// Lines across a point, for a vehicle that cannot hover: along the way on which it comes.
+/// Returns lines across a point, for a vehicle that cannot hover: along the way on which it comes.
 ///
 /// # Errors
 /// Why there is none, with what comes nearest.
@@ -96,7 +96,7 @@ fn runs(
     }
 }
 
-/// The pieces of a line in order, from its nearer end.
+/// Returns the pieces of a line in order, from its nearer end.
 fn along(places: &[Position], approach: Position) -> Vec<(Position, Position)> {
     let far = |place: Option<&Position>| place.map_or(0.0, |place| geodesy::distance_m(*place, approach));
     let mut places = places.to_vec();
@@ -176,7 +176,7 @@ fn rounded(number: f64) -> f64 {
     (number * 10.0).round() / 10.0
 }
 
-/// The airspeed on the lines, and the greatest ground speed that it gives: no faster than the camera takes pictures and than
+/// Returns the airspeed on the lines, and the greatest ground speed that it gives: no faster than the camera takes pictures and than
 /// smear allows, no slower than the vehicle flies.
 fn airspeed(
     wish: &Wish<'_>,
@@ -219,7 +219,7 @@ fn airspeed(
     Ok((airspeed_mps, fastest_mps))
 }
 
-/// The pictures along the lines.
+/// Returns the pictures along the lines.
 fn planned(
     wish: &Wish<'_>,
     camera: &CameraSetting,

@@ -205,7 +205,7 @@ impl Findings {
     }
 }
 
-/// A number with [`DIGITS`] significant digits.
+/// Returns a number with [`DIGITS`] significant digits.
 fn rounded(number: f64) -> f64 {
     if number == 0.0 || !number.is_finite() {
         return number;

@@ -41,7 +41,7 @@ pub struct FlownScore {
     footprints: Option<FootprintLog>,
 }
 
-/// A site as a target of pictures: a point at the height of the thing itself, with one look of value 1.
+/// Returns a site as a target of pictures: a point at the height of the thing itself, with one look of value 1.
 fn of_site(target: &Target, site: &Site) -> ObservedTarget {
     ObservedTarget {
         name: target.id.clone(),
@@ -107,7 +107,7 @@ impl FlownScore {
         FlownScore { footprints: Some(FootprintLog::default()), ..self }
     }
 
-    /// The ground seen so far, with the swath under way up to its last kept line; empty without
+    /// Returns the ground seen so far, with the swath under way up to its last kept line; empty without
     /// [`FlownScore::only_footprints`].
     pub fn footprints(&self) -> Option<&Footprints> {
         self.footprints.as_ref().map(|log| &log.seen)
@@ -172,7 +172,7 @@ impl FlownScore {
         }
     }
 
-    /// A picture as recorded; none where the position or the angles of the mount are not known.
+    /// Returns a picture as recorded; `None` if the position or the angles of the mount are not known.
     fn picture(&mut self, camera: &CameraSetting, at: Time) -> Option<Picture> {
         self.latest.turn(at);
         let (position, altitude_m) = self.latest.place?;
@@ -244,12 +244,12 @@ impl FlownScore {
         &self.observation
     }
 
-    /// True if a picture of the target taken between two instants is worth something.
+    /// Returns true if a picture of the target taken between two instants is worth something.
     pub fn saw(&self, target: &str, from_s: f64, until_s: f64) -> bool {
         self.observation.valid_looks_s(target).into_iter().any(|time_s| (from_s..=until_s).contains(&time_s))
     }
 
-    /// The result of the looks of one target; none while nothing of it has been seen.
+    /// Returns the result of the looks of one target; none while nothing of it has been seen.
     pub fn result(&self, target: &str) -> Option<TargetResult> {
         self.observation.result(target)
     }

@@ -53,7 +53,7 @@ pub struct Footprints {
 }
 
 impl Footprints {
-    /// The part in `from_ns ..= to_ns`; nothing of it depends on what was seen later.
+    /// Returns the part in `from_ns ..= to_ns`; nothing of it depends on what was seen later.
     pub fn between(&self, from_ns: i64, to_ns: i64) -> Footprints {
         let is_in = |t_ns: i64| (from_ns..=to_ns).contains(&t_ns);
         let cut =

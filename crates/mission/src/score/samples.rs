@@ -120,7 +120,7 @@ impl Latest {
         libm::sqrt(rates.roll * rates.roll + rates.pitch * rates.pitch + rates.yaw * rates.yaw)
     }
 
-    /// Speed over ground at `at`; 0 if it is not in the record.
+    /// Returns the speed over ground at `at`; 0 if it is not in the record.
     pub(super) fn ground_speed_mps(&self, at: Time) -> f64 {
         known(self.speed_mps, at).unwrap_or(0.0)
     }

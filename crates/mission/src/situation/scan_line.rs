@@ -28,7 +28,7 @@ pub struct ScanLine {
 }
 
 impl ScanLine {
-    /// A line of which nothing has been seen.
+    /// Returns a line of which nothing has been seen.
     pub fn new(from: Position, to: Position) -> ScanLine {
         let middle_deg = 0.5 * (from.latitude_deg + to.latitude_deg);
         let metres_per_longitude = METRES_PER_DEGREE * libm::cos(middle_deg.to_radians());

@@ -126,7 +126,7 @@ fn start_of(arguments: &[Value]) -> Result<Option<Request>, String> {
     }))
 }
 
-/// A location, or a place by its name, with its altitude where the location states one.
+/// Returns a location, or a place by its name, with its altitude where the location states one.
 fn spot(limits: &Limits, value: &Value) -> Result<(Position, Option<f64>), String> {
     let name = match value {
         Value::Symbol(symbol) => Some(symbol.folded().to_string()),
@@ -142,7 +142,7 @@ fn spot(limits: &Limits, value: &Value) -> Result<(Position, Option<f64>), Strin
     }
 }
 
-/// The areas that the situation published as a value; what is not one of them is left out.
+/// Returns the areas that the situation published as a value; what is not one of them is left out.
 fn weak_areas(value: &Value) -> Vec<AirspaceZone> {
     let area = |item: &Value| {
         let [Value::Text(name), top, corners @ ..] = item.as_list()? else { return None };
@@ -185,7 +185,7 @@ fn to_place(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     Ok(with_option(answer(limits.best_way(&request), None), altitude))
 }
 
-/// An answer whose command has one more option.
+/// Returns an answer whose command has one more option.
 fn with_option(answer: Value, option: Option<(&str, Value)>) -> Value {
     let Some((name, value)) = option else { return answer };
     let items = answer.as_list().unwrap_or_default();
@@ -339,7 +339,7 @@ fn answer(way: Option<Way>, course_deg: Option<f64>) -> Value {
     }
 }
 
-/// A place on a way, to a decimetre.
+/// Returns a place on a way, to a decimetre.
 fn shown(position: Position, altitude_m: f64) -> Value {
     let round = |number: f64, per: f64| Value::Real(libm::round(number * per) / per);
     Value::list([round(position.latitude_deg, 1e6), round(position.longitude_deg, 1e6), round(altitude_m, 1.0)])

@@ -12,7 +12,7 @@ const PIECE_M: f64 = 250.0;
 const PIECES_MAX: f64 = 5_000.0;
 
 impl Limits {
-    /// Names of the restricted zones that the way comes within `clearance_m` of while they are active, in the mission's order, then
+    /// Returns names of the restricted zones that the way comes within `clearance_m` of while they are active, in the mission's order, then
     /// `permitted area` if it may leave that. Around both ends `clearance_m` is counted where the way has turns, else everywhere: there
     /// the vehicle chooses its turns itself. Bound: O(corners x pieces).
     pub(super) fn crossed(&self, request: &Request, way: &Way, (clearance_m, has_turns): (f64, bool)) -> Vec<String> {

@@ -58,7 +58,7 @@ pub struct Limits {
 const LEAD_IN_ROLLS: f64 = 8.0;
 const LEAD_IN_S: (f64, f64) = (16.0, 24.0);
 
-/// Seconds of straight flight before a line of a scanner or a camera.
+/// Returns seconds of straight flight before a line of a scanner or a camera.
 pub(crate) fn lead_in_s(model: &VehicleModel) -> f64 {
     (LEAD_IN_ROLLS * model.bank_deg_max / model.roll_rate_deg_s_max).clamp(LEAD_IN_S.0, LEAD_IN_S.1)
 }
@@ -79,7 +79,7 @@ const FIELD_M: f64 = 200.0;
 const APPROACH_STEP_M: f64 = 1_500.0;
 const APPROACH_WIDTH_M: f64 = 500.0;
 
-/// Height over ground that ways keep: that of the requirement where the ground is known.
+/// Returns the height over ground that ways keep: that of the requirement where the ground is known.
 fn ground_margin_m(mission: &Mission, is_fixed_wing: bool) -> f64 {
     let usual_m = if is_fixed_wing { GROUND_MARGIN_M.0 } else { GROUND_MARGIN_M.1 };
     let required_m = mission.requirements.terrain_clearance_m.filter(|_| mission.terrain.is_some());
@@ -92,7 +92,7 @@ const REQUIRED_SHARE: f64 = 1.1;
 const PATCH_M: f64 = 10_000.0;
 
 impl Limits {
-    /// The limits of a mission.
+    /// Returns the limits of a mission.
     pub fn of(mission: &Mission) -> Limits {
         let model = &mission.model;
         let is_fixed_wing = model.airframe == Airframe::FixedWing;
@@ -143,7 +143,7 @@ impl Limits {
         !self.weak.is_empty()
     }
 
-    /// The same limits with the areas that a flight has learned; as they are without any.
+    /// Returns the same limits with the areas that a flight has learned; as they are without any.
     pub(super) fn with_weak(&self, areas: Vec<AirspaceZone>) -> Cow<'_, Limits> {
         if areas.is_empty() { Cow::Borrowed(self) } else { Cow::Owned(Limits { weak: areas, ..self.clone() }) }
     }
@@ -166,7 +166,7 @@ impl Limits {
         place.map(|(_, position, elevation_m)| (*position, *elevation_m))
     }
 
-    /// Elevation of the ground at a position, as far as it is known.
+    /// Returns the elevation of the ground at a position, as far as it is known.
     pub(super) fn elevation_m_at(&self, position: Position) -> f64 {
         if let Some(elevation_m) = self.terrain.as_ref().and_then(|terrain| terrain.elevation_m_at(position)) {
             return elevation_m;
@@ -176,18 +176,18 @@ impl Limits {
         near.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.0, |(_, patch)| patch.elevation_m)
     }
 
-    /// The strongest wind of the forecast.
+    /// Returns the strongest wind of the forecast.
     pub(super) fn wind_mps_max(&self) -> f64 {
         apex_geo::wind::speed_mps_max(&self.wind)
     }
 
-    /// Radius over ground of a turn in the strongest wind: at the airspeed and the wind together.
+    /// Returns the radius over ground of a turn in the strongest wind: at the airspeed and the wind together.
     pub(super) fn turn_radius_m_over_ground(&self) -> f64 {
         let share = 1.0 + self.wind_mps_max() / self.true_airspeed_mps;
         self.turn_radius_m * share * share
     }
 
-    /// Radius of the circles that the vehicle flies where it holds.
+    /// Returns the radius of the circles that the vehicle flies where it holds.
     pub(super) fn circle_radius_m(&self) -> f64 {
         self.circle_width * self.turn_radius_m_over_ground()
     }
@@ -267,7 +267,7 @@ impl Limits {
     }
 }
 
-/// Distance of a place from the outline of a zone; 0 inside.
+/// Returns the distance of a place from the outline of a zone; 0 inside.
 fn distance_m(zone: &AirspaceZone, place: Position) -> f64 {
     let plane = Plane::new(place);
     let corners: Vec<Point> = zone.corners.iter().filter_map(|corner| plane.project(*corner)).collect();

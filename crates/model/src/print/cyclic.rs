@@ -5,7 +5,7 @@ use super::list_text;
 use crate::condition::CyclicCondition;
 
 impl Style {
-    /// A cyclic condition as text.
+    /// Returns a cyclic condition as text.
     pub fn cyclic(self, condition: &CyclicCondition) -> String {
         self.cyclic_with(condition, String::new())
     }

@@ -51,7 +51,7 @@ pub(super) struct LookWorth {
 }
 
 impl LookWorth {
-    /// Expected worth of this look alone.
+    /// Returns the expected worth of this look alone.
     pub(super) fn expected(&self) -> f64 {
         self.valid * self.clear * self.sro
     }
@@ -102,7 +102,7 @@ impl<'a> StripWorth<'a> {
         self.look.resolution.factor(f64::from(look.pixel_along_m), f64::from(look.pixel_across_m))
     }
 
-    /// The worth of a look; `interval` is the factor of the time since the previous look that counts.
+    /// Returns the worth of a look; `interval` is the factor of the time since the previous look that counts.
     pub(super) fn of(&self, pass: u32, look: &CellLook, strip: &StripFacts, interval: f64) -> LookWorth {
         let clear = clear_of(look, strip);
         let steady = strip.weights.steady() * f64::from(look.glint);
@@ -212,7 +212,7 @@ fn arrival_s(strip: &StripFacts, products: &[Product]) -> Option<f64> {
     received.chain(strip.on_ground_s).reduce(f64::min)
 }
 
-/// Direction of the sun at each strip, turning evenly between the ends of a pass.
+/// Returns the direction of the sun at each strip, turning evenly between the ends of a pass.
 fn suns(passes: &[&TargetPass], zero_unix_s: f64) -> Vec<Vec<[f64; 3]>> {
     let of_pass = |pass: &&TargetPass| {
         let (Some(first), Some(last)) = (pass.strips.first(), pass.strips.last()) else { return Vec::new() };

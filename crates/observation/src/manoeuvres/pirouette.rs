@@ -49,7 +49,7 @@ impl Pirouette {
         (radius(self.depression_deg + 0.5 * high_deg), radius(self.depression_deg - 0.5 * high_deg))
     }
 
-    /// Greatest yaw rate at which a picture smears by its limit: one pixel angle by the exposure time.
+    /// Returns the greatest yaw rate at which a picture smears by its limit: one pixel angle by the exposure time.
     pub fn yaw_rate_deg_s_max(&self, camera: &CameraSetting) -> f64 {
         let level = libm::cos(self.depression_deg * RAD_PER_DEG).max(1e-6);
         camera.smear.full_pixels * camera.pixel_rad() / (camera.exposure_s * level) / RAD_PER_DEG

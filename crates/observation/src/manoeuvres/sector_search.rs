@@ -23,12 +23,12 @@ impl SectorSearch {
     /// Name in PDL.
     pub const NAME: &'static str = "sector-search";
 
-    /// Length of all legs: `9 r`.
+    /// Returns the length of all legs: `9 r`.
     pub fn length_m(&self) -> f64 {
         9.0 * self.radius_m
     }
 
-    /// The ends of all legs, from datum to datum. Every turn is to the right by 120 degrees, except where two triangles
+    /// Returns the ends of all legs, from datum to datum. Every turn is to the right by 120 degrees, except where two triangles
     /// meet at the datum: there the search goes straight on.
     pub fn corners(&self, scene: &Scene) -> Vec<Point> {
         let mut track_deg = self.first_track_deg.or(scene.wind_from_deg()).unwrap_or(0.0);

@@ -76,7 +76,7 @@ impl fmt::Display for OrbitError {
 impl std::error::Error for OrbitError {}
 
 impl Satellite {
-    /// The satellite of a two-line element set.
+    /// Returns the satellite of a two-line element set.
     ///
     /// # Errors
     /// [`OrbitError`] if a line cannot be read or describes no orbit.
@@ -87,7 +87,7 @@ impl Satellite {
         Satellite::of(&elements)
     }
 
-    /// The satellite of an orbit mean-elements message (CCSDS 502.0-B) as a JSON object, with the keywords as its members.
+    /// Returns the satellite of an orbit mean-elements message (CCSDS 502.0-B) as a JSON object, with the keywords as its members.
     ///
     /// # Errors
     /// [`OrbitError`] if a keyword is missing or wrong, or describes no orbit.
@@ -112,13 +112,13 @@ impl Satellite {
         (unix_s - self.epoch_unix_s) / 86_400.0
     }
 
-    /// Position in true-equator, mean-equinox axes in km; none after the orbit has decayed.
+    /// Returns the position in true-equator, mean-equinox axes in km; `None` after the orbit has decayed.
     pub fn position_teme_km(&self, unix_s: f64) -> Option<[f64; 3]> {
         let minutes = sgp4::MinutesSinceEpoch((unix_s - self.epoch_unix_s) / 60.0);
         self.constants.propagate_afspc_compatibility_mode(minutes).ok().map(|prediction| prediction.position)
     }
 
-    /// Position in Earth-fixed axes in km.
+    /// Returns the position in Earth-fixed axes in km.
     fn position_fixed_km(&self, unix_s: f64) -> Option<[f64; 3]> {
         let [x, y, z] = self.position_teme_km(unix_s)?;
         let angle_rad = sidereal_rad(unix_s);
@@ -173,7 +173,7 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
-/// All passes above the horizon between `from_s` and `until_s`, by a scan in steps of 20 s and a golden-section search to
+/// Returns all passes above the horizon between `from_s` and `until_s`, by a scan in steps of 20 s and a golden-section search to
 /// 0.1 s. Passes outside the instrument's swath are included; [`PassLimits::sees`] tells them apart. A search stops after
 /// thirty days or where the orbit has decayed.
 pub fn passes(satellite: &Satellite, place: Position, zero_unix_s: f64, from_s: f64, until_s: f64) -> Vec<Pass> {
@@ -202,7 +202,7 @@ pub fn passes(satellite: &Satellite, place: Position, zero_unix_s: f64, from_s: 
     found
 }
 
-/// The least range between two instants by golden-section search to 0.1 s.
+/// Returns the least range between two instants by golden-section search to 0.1 s.
 fn nearest(look: &impl Fn(f64) -> Option<Pass>, low_s: f64, high_s: f64) -> Option<Pass> {
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
     let range_km = |time_s: f64| look(time_s).map_or(f64::INFINITY, |pass| pass.range_km);
@@ -226,7 +226,7 @@ fn nearest(look: &impl Fn(f64) -> Option<Pass>, low_s: f64, high_s: f64) -> Opti
 }
 
 impl PassLimits {
-    /// True if the instrument sees the place in this pass at an angle that is wanted.
+    /// Returns true if the instrument sees the place in this pass at an angle that is wanted.
     pub fn sees(&self, pass: &Pass) -> bool {
         pass.nadir_angle_deg <= self.half_scan_deg.min(self.nadir_angle_deg_max)
     }

@@ -52,14 +52,14 @@ pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     }
 }
 
-/// The resources of a circle, in a fixed order: each circle is reported once.
+/// Returns the resources of a circle, in a fixed order: each circle is reported once.
 fn key(circle: &[(usize, &AcquisitionOrder<'_>)]) -> Vec<String> {
     let mut names: Vec<String> = circle.iter().map(|(_, order)| order.held.0.folded().to_string()).collect();
     names.sort();
     names
 }
 
-/// The orders that arise below a step, before any resource is held.
+/// Returns the orders that arise below a step, before any resource is held.
 fn of_step<'l>(program: &Program<'l>, procedure: usize, step: usize) -> Vec<AcquisitionOrder<'l>> {
     let mut orders = Vec::new();
     if let Some(found) = program.library.procedures.get(procedure).and_then(|each| each.steps.get(step)) {

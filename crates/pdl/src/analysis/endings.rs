@@ -129,7 +129,7 @@ fn ends_strangers(procedure: &Procedure) -> bool {
     !targets.is_subset(&tags) || procedure.steps.iter().flat_map(walk::activities).any(strange)
 }
 
-/// The node of a goal: served by any of its methods; a fact if that is undecided.
+/// Returns the node of a goal: served by any of its methods; a fact if that is undecided.
 fn goal_node(horn: &mut Horn, methods: Option<&[Method]>, nodes: &Nodes, of_all: bool) -> HornAtom {
     let Some(methods) = methods.filter(|methods| !methods.is_empty()) else {
         return if of_all { horn.any() } else { horn.fact() };
@@ -258,7 +258,7 @@ fn instantaneous(library: &Library, methods: &Methods<'_>, reaches: &Reaching<'_
     (nodes, horn.solve())
 }
 
-/// The step whose end this condition waits for, and nothing else.
+/// Returns the step whose end this condition waits for, and nothing else.
 pub(crate) fn is_end_of(condition: &Condition) -> Option<&Symbol> {
     match &condition.kind {
         ConditionKind::TaskEnded(tag) => Some(tag),

@@ -99,7 +99,7 @@ fn never(
     Some(Impossible { place, reason: format!("the {} {reason}", name.folded()) })
 }
 
-/// The number that an expression always is, in SI units.
+/// Returns the number that an expression always is, in SI units.
 pub(super) fn number(expr: &Expr, library: &Library) -> Option<f64> {
     match &expr.kind {
         ExprKind::Constant(value) => value.as_number().map(|(number, _)| number),

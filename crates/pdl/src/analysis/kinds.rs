@@ -33,7 +33,7 @@ impl Kind {
         }
     }
 
-    /// The kind of both, where they agree.
+    /// Returns the kind of both, where they agree.
     fn join(self, other: Kind) -> Kind {
         if self == other { self } else { Kind::Unknown }
     }
@@ -54,7 +54,7 @@ pub(crate) struct Kinds<'l> {
 }
 
 impl<'l> Kinds<'l> {
-    /// The kind of `expr`, which stands outside of functions.
+    /// Returns the kind of `expr`, which stands outside of functions.
     pub(crate) fn of(library: &'l Library, expr: &'l Expr) -> Kind {
         Kinds { library, locals: Vec::new(), depth: 0, steps: 0 }.kind(expr)
     }
@@ -181,7 +181,7 @@ impl<'l> Kinds<'l> {
         Kind::Number(product)
     }
 
-    /// Values of a declared state variable.
+    /// Returns the values of a declared state variable.
     fn queried(&self, attribute: &Expr) -> Kind {
         let ExprKind::Constant(Value::Symbol(attribute)) = &attribute.kind else { return Kind::Unknown };
         match self.library.state_variables.get(attribute) {
@@ -201,7 +201,7 @@ fn of_value(value: &Value) -> Kind {
     }
 }
 
-/// The kind of a sum or difference whose parts agree.
+/// Returns the kind of a sum or difference whose parts agree.
 fn sum(is_difference: bool, kinds: &[Kind]) -> Kind {
     let instants = kinds.iter().filter(|kind| **kind == Kind::Instant).count();
     match (kinds, instants) {

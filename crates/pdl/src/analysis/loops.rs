@@ -49,7 +49,10 @@ fn repetitions(program: &Program<'_>, number: usize, procedure: &Procedure, repo
         let span = report.locator.clause(step.place, "repeating");
         let diagnostic =
             Diagnostic::new(severity, codes::ENDLESS_REPETITION, span, "this step repeats without end at one instant")
-                .label(report.locator.activity(step.place), "the procedures and primitives that serve this take no time")
+                .label(
+                    report.locator.activity(step.place),
+                    "the procedures and primitives that serve this take no time",
+                )
                 .help("add `:with-min-interval D`, `:until T`, or a waitfor");
         let fix = Fix::look("let time pass between repetitions").insert_before(closing(span), " :with-min-interval 1s");
         report.add(diagnostic.fix(fix));
@@ -212,7 +215,8 @@ fn report_recursion(
             diagnostic = diagnostic.label(report.locator.activity(step.place), label);
         }
     }
-    let reason = format!("each task begins the next one as its subtask, and tasks are nested {TASK_DEPTH_MAX} deep at most");
+    let reason =
+        format!("each task begins the next one as its subtask, and tasks are nested {TASK_DEPTH_MAX} deep at most");
     diagnostic = diagnostic.reason(reason).help(if at_once {
         "write a procedure for the case in which the recursion ends, or let the step wait for a condition"
     } else {

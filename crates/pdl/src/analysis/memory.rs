@@ -109,7 +109,7 @@ fn piling_up(step: &Step, ends: bool, report: &mut FindingCollector<'_>) {
     warn(
         report.locator.clause(step.place, "responding"),
         format!("tasks of `{}` pile up", step.tag),
-        "each response begins a new task, and the step's activity never ends by itself".to_string(),
+        "each response begins a new task, and the step's activity does not end".to_string(),
         "give the step an `end-when`, or use `repeating`, which has one task at a time",
         report,
     );

@@ -27,7 +27,7 @@ pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     outcomes(program, report);
 }
 
-/// The known name that `name` is certainly meant to be.
+/// Returns the known name that `name` is certainly meant to be.
 fn meant<'n>(name: &Symbol, known: impl IntoIterator<Item = &'n str>) -> Option<&'n str> {
     let found = near(name.printed(), known);
     // Names that differ in digits are names of different things.

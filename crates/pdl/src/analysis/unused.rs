@@ -76,7 +76,7 @@ fn variables_of(procedure: &Procedure, report: &mut FindingCollector<'_>) {
     walk::procedure(procedure, &mut |expr| unused_let(expr, report));
 }
 
-/// A variable that stands once in the procedure and is certainly a misspelling of `name`.
+/// Returns a variable that stands once in the procedure and is certainly a misspelling of `name`.
 fn misspelt_use(procedure: &Procedure, name: &Symbol, report: &mut FindingCollector<'_>) -> Option<(Span, Symbol)> {
     let datum = report.locator.datum(procedure.place)?;
     let mut found: BTreeMap<Symbol, (usize, Span)> = BTreeMap::new();

@@ -70,7 +70,7 @@ pub(crate) fn pattern<'l>(root: &'l Pattern, visit: Visit<'_, 'l>) {
     }
 }
 
-/// The parts of a condition that is made of conditions.
+/// Returns the parts of a condition that is made of conditions.
 pub(crate) fn parts(condition: &Condition) -> &[Condition] {
     match &condition.kind {
         ConditionKind::And(parts, _)
@@ -178,7 +178,7 @@ pub(crate) fn activities(step: &Step) -> impl Iterator<Item = &Activity> {
     std::iter::once(&step.activity).chain(step.on_failure.as_deref())
 }
 
-/// The conditions of transition clauses with the clauses' names.
+/// Returns the conditions of transition clauses with the clauses' names.
 pub(crate) fn transitions(transitions: &Transitions) -> impl Iterator<Item = (&'static str, &Condition)> {
     let Transitions {
         end_when,
@@ -216,13 +216,13 @@ pub(crate) fn hooks(hooks: &Hooks) -> [(&'static str, &[Expr]); 4] {
     ]
 }
 
-/// The expressions of `repeating` and `responding`.
+/// Returns the expressions of `repeating` and `responding`.
 pub(crate) fn repetition(clause: &Repetition) -> impl Iterator<Item = &Expr> {
     let Repetition { while_true, until, enabled, recovery, minimum_interval, for_new: _, drop_missed: _ } = clause;
     [while_true, until, enabled, recovery, minimum_interval].into_iter().flatten()
 }
 
-/// The expressions of priority clauses.
+/// Returns the expressions of priority clauses.
 pub(crate) fn priorities(clauses: &[PriorityClause]) -> impl Iterator<Item = &Expr> {
     clauses.iter().flat_map(|clause| match clause {
         PriorityClause::Number(number) => vec![number],
@@ -297,7 +297,7 @@ pub(crate) fn probes<'l>(procedure: &'l Procedure, visit: &mut dyn FnMut(Place, 
     });
 }
 
-/// The state variable that a condition watches, unless it watches something else.
+/// Returns the state variable that a condition watches, unless it watches something else.
 pub(crate) fn variable_of(condition: &Condition) -> Option<&VariablePattern> {
     match &condition.kind {
         ConditionKind::Measurement(measurement) => Some(&measurement.variable),

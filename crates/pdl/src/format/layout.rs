@@ -3,7 +3,7 @@
 use super::LINE_CHARACTERS_MAX;
 use super::items::{DatumNode, Entry, Piece};
 
-/// The laid-out text of top-level entries, and the line of each step in it, from 1.
+/// Returns the laid-out text of top-level entries, and the line of each step in it, from 1.
 pub(super) fn lay_out(entries: &[Entry]) -> (String, Vec<u32>) {
     let mut page = Page { text: String::new(), column: 0, line: 1, line_ended: false, steps: Vec::new() };
     for (index, entry) in entries.iter().enumerate() {

@@ -104,7 +104,7 @@ fn quantity(wanted: Dimension, value: &Value) -> Option<Mismatch> {
     }
 }
 
-/// The unit that a bare number most likely has: that of the type's own documentation.
+/// Returns the unit that a bare number most likely has: that of the type's own documentation.
 fn usual_unit(wanted: &ArgumentType) -> Option<&'static str> {
     match wanted {
         ArgumentType::Quantity(Dimension::LENGTH) => Some("m"),
@@ -177,7 +177,7 @@ fn count(call: &Call<'_>, declaration: &InterfaceDeclaration, findings: &mut Fin
     ));
 }
 
-/// True for words that need no place of this name.
+/// Returns true for words that need no place of this name.
 pub(super) fn is_place_word(word: &str) -> bool {
     PLACE_WORDS.contains(&word)
 }

@@ -44,12 +44,12 @@ pub(super) struct Call<'l> {
 }
 
 impl<'l> Call<'l> {
-    /// The first word.
+    /// Returns the first word.
     pub(super) fn head(&self) -> Option<&'l Symbol> {
         self.items.first().and_then(|item| item.value()).and_then(Value::as_symbol)
     }
 
-    /// The stretch of the argument with this number, else of the form.
+    /// Returns the stretch of the argument with this number, else of the form.
     pub(super) fn argument_span(&self, locator: &mut Locator<'_>, number: usize) -> Span {
         let mut found = None;
         if let (Some(datum), Some(head)) = (locator.datum(self.place), self.head()) {
@@ -186,7 +186,7 @@ impl<'l> Calls<'l> {
     }
 }
 
-/// The position of a variable in an index.
+/// Returns the position of a variable in an index.
 fn position(index: Option<&Pattern>, variable: &Symbol) -> Option<usize> {
     let Some(Pattern::List(parts)) = index else { return None };
     if parts.iter().any(|part| matches!(part, Pattern::Segment { .. } | Pattern::Guard(_))) {
@@ -210,7 +210,7 @@ fn parts(view: View<'_>) -> (Vec<View<'_>>, bool) {
     }
 }
 
-/// A literal form: `'(a b)` or `` `(a ,b) ``.
+/// Returns a literal form: `'(a b)` or `` `(a ,b) ``.
 fn view_of(expr: &Expr) -> Option<View<'_>> {
     match &expr.kind {
         ExprKind::Constant(value) => Some(View::Value(value)),

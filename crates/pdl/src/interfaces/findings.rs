@@ -27,7 +27,7 @@ impl<'l> Findings<'l> {
     }
 }
 
-/// True for a text that came from the libraries of Apex.
+/// Returns true for a text that came from the libraries of Apex.
 pub(super) fn is_shipped(library: &Library, place: Place) -> bool {
     let source = usize::try_from(place.file).ok().and_then(|file| library.sources.get(file));
     source.is_some_and(|source| source.name.starts_with("library/"))

@@ -29,7 +29,7 @@ pub struct KnownNames {
 }
 
 impl KnownNames {
-    /// A message about `name`, unless the mission has it or the kind is not known.
+    /// Returns a message about `name`, unless the mission has it or the kind is not known.
     fn unknown(&self, kind: NameKind, name: &Symbol, span: impl FnOnce() -> Span) -> Option<Diagnostic> {
         let known = self.names.get(&kind)?;
         if known.contains(name) || kind == NameKind::Place && is_place_word(name.folded()) {

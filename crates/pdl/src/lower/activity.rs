@@ -184,7 +184,7 @@ impl Lowering {
     }
 }
 
-/// An option of a result: nothing was asked for, or it could be lowered.
+/// Returns an option of a result: nothing was asked for, or it could be lowered.
 pub(crate) fn swap<T>(option: Option<Option<T>>) -> Option<Option<T>> {
     match option {
         None => Some(None),

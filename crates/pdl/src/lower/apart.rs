@@ -74,7 +74,7 @@ fn apart(items: &[Datum]) -> Vec<Apart> {
     items.windows(2).enumerate().filter_map(pair).collect()
 }
 
-/// The one blank between the two; a line end or a comment there is not for a program to remove.
+/// Returns the one blank between the two; a line end or a comment there is not for a program to remove.
 fn gap(number: &Datum, unit: &Datum) -> Option<Span> {
     let gap = Span { start: number.span.end, end: unit.span.start, ..number.span };
     (gap.end == gap.start.saturating_add(1) && number.span.line == unit.span.line).then_some(gap)

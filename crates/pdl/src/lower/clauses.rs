@@ -94,7 +94,7 @@ impl Lowering {
         self.report(diagnostic);
     }
 
-    /// The only value of an option or clause.
+    /// Returns the only value of an option or clause.
     pub(crate) fn only<'d>(&mut self, name: &str, values: &'d [Datum], span: Span) -> Option<&'d Datum> {
         match values {
             [one] => Some(one),
@@ -119,7 +119,7 @@ impl Lowering {
     }
 }
 
-/// The values of the group called `name`, or nothing.
+/// Returns the values of the group called `name`, or nothing.
 pub(crate) fn values_of<'d>(groups: &[KeywordGroup<'d>], name: &str) -> &'d [Datum] {
     groups.iter().find(|group| group.name == name).map_or(&[], |group| group.values)
 }

@@ -235,7 +235,7 @@ impl Lowering {
         self.conform(expr, datum.span, &Expected::plain("this instant", ExpectedKind::Instant))
     }
 
-    /// The end of the task that variable `name` holds.
+    /// Returns the end of the task that variable `name` holds.
     fn task_ended(&mut self, name: &Symbol, span: Span) -> Option<ConditionKind> {
         let is_known = self.scope.tags.contains(name) || self.scope.is_bound_everywhere(name);
         if !is_known {
@@ -275,12 +275,12 @@ impl Lowering {
         }
     }
 
-    /// True for the variable of a step.
+    /// Returns true for the variable of a step.
     fn is_step(&self, task: &Datum) -> bool {
         matches!(&task.kind, DatumKind::Variable(name) | DatumKind::Bound(name) if self.scope.tags.contains(name))
     }
 
-    /// A task by its variable or indexical.
+    /// Returns a task by its variable or indexical.
     fn task_named(&mut self, task: &Datum) -> Option<ExprKind> {
         match &task.kind {
             DatumKind::Indexical(name) => Some(self.indexical(name, task.span)),
@@ -308,7 +308,7 @@ impl Lowering {
         Some(ConditionKind::TaskState { task, state: self.pattern(state)? })
     }
 
-    /// A tag that may stand before the rest of a condition, and the rest.
+    /// Returns a tag that may stand before the rest of a condition, and the rest.
     pub(crate) fn condition_tag<'d>(&mut self, items: &'d [Datum]) -> (Option<Symbol>, &'d [Datum]) {
         match items {
             [tag, second, ..] if second.as_list().is_some() => {
@@ -324,7 +324,7 @@ impl Lowering {
         }
     }
 
-    /// True for expressions that are tasks by their form; used where a clause accepts either.
+    /// Returns true for expressions that are tasks by their form; used where a clause accepts either.
     pub(crate) fn is_task_expression(&self, datum: &Datum) -> bool {
         match &datum.kind {
             DatumKind::Variable(_) | DatumKind::Bound(_) => true,

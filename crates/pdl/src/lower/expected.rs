@@ -48,17 +48,17 @@ impl Expected {
         Expected::plain("the object", ExpectedKind::Anything)
     }
 
-    /// A pure number, such as a count.
+    /// Returns a pure number, such as a count.
     pub(crate) fn number(subject: &str) -> Expected {
         Expected::plain(subject, ExpectedKind::Measured(Dimension::NONE, None))
     }
 
-    /// A constraint of this kind that no declaration is about.
+    /// Returns a constraint of this kind that no declaration is about.
     pub(crate) fn plain(subject: &str, kind: ExpectedKind) -> Expected {
         Expected { subject: subject.to_string(), kind, declared: None, value_type: None }
     }
 
-    /// Values of the state variable with this attribute.
+    /// Returns the values of the state variable with this attribute.
     pub(crate) fn values_of(lowering: &Lowering, attribute: &Symbol) -> Expected {
         let subject = format!("`({attribute} ..)`");
         let Some((declaration, span)) = lowering.names.state_variables.get(attribute) else {
@@ -74,7 +74,7 @@ impl Expected {
         Expected { subject, kind, declared: Some(*span), value_type: declaration.value_type.clone() }
     }
 
-    /// The change per second of such values.
+    /// Returns the change per second of such values.
     pub(crate) fn rate(&self) -> Expected {
         let (dimension, unit) = match self.kind {
             ExpectedKind::Measured(dimension, unit) => (dimension, unit),
@@ -87,7 +87,7 @@ impl Expected {
         }
     }
 
-    /// The square of such values; bare numbers are squares of the unit.
+    /// Returns the square of such values; bare numbers are squares of the unit.
     pub(crate) fn square(&self) -> Expected {
         let kind = match self.kind {
             ExpectedKind::Measured(dimension, unit) if dimension != Dimension::NONE => {
@@ -98,7 +98,7 @@ impl Expected {
         Expected { kind, ..self.named("variance") }
     }
 
-    /// A statistic of such values, which has their dimension.
+    /// Returns a statistic of such values, which has their dimension.
     pub(crate) fn named(&self, name: &str) -> Expected {
         if let ExpectedKind::Undeclared = self.kind {
             return self.clone();
@@ -106,7 +106,7 @@ impl Expected {
         Expected { subject: format!("the {name} of {}", self.subject), ..self.clone() }
     }
 
-    /// A number that is computed: real, whatever the values are.
+    /// Returns a number that is computed: real, whatever the values are.
     pub(crate) fn real(&self) -> Expected {
         match self.value_type.as_ref().map(Symbol::folded) {
             Some("symbol" | "string" | "list") => self.clone(),
@@ -159,7 +159,7 @@ pub(crate) fn of_unit(number: f64, unit: &'static Unit) -> Value {
     }
 }
 
-/// The dimension of an expression as far as its text tells; bare numbers have none.
+/// Returns the dimension of an expression as far as its text tells; bare numbers have none.
 pub(crate) fn dimension_of(expr: &Expr) -> Option<Dimension> {
     match &expr.kind {
         ExprKind::Constant(value) => value.as_number().map(|(_, dimension)| dimension),
@@ -182,7 +182,7 @@ pub(crate) fn dimension_of(expr: &Expr) -> Option<Dimension> {
     }
 }
 
-/// The dimension of a sum. Next to a part that may be an instant, a duration does not make the sum a duration.
+/// Returns the dimension of a sum. Next to a part that may be an instant, a duration does not make the sum a duration.
 fn dimension_of_sum(parts: &[Expr]) -> Option<Dimension> {
     let known: Vec<Option<Dimension>> = parts.iter().map(dimension_of).collect();
     let found = known.iter().flatten().copied().find(|dimension| *dimension != Dimension::NONE);
@@ -278,7 +278,7 @@ impl Lowering {
         self.refuse(diagnostic)
     }
 
-    /// The declared state variable that was probably meant by an undeclared one.
+    /// Returns the declared state variable that was probably meant by an undeclared one.
     fn declared_like(&self, subject: &str) -> Option<String> {
         let name = subject.trim_start_matches("`(").split(' ').next()?;
         let declared = self.names.state_variables.keys().map(Symbol::printed);

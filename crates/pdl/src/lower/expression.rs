@@ -8,7 +8,7 @@ use apex_model::expression::{Expr, ExprKind, Template};
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 
-/// A constant where `span` stands.
+/// Returns a constant where `span` stands.
 pub(crate) fn constant(value: Value, span: Span) -> Expr {
     Expr { kind: ExprKind::Constant(value), place: span.place() }
 }
@@ -168,7 +168,7 @@ impl Lowering {
         Some(Expr { kind, place: datum.span.place() })
     }
 
-    /// An argument printed as FORM: a datum with holes unless it is quoted, backquoted or a variable.
+    /// Returns an argument printed as FORM: a datum with holes unless it is quoted, backquoted or a variable.
     pub(crate) fn form(&mut self, datum: &Datum) -> Option<Expr> {
         match &datum.kind {
             DatumKind::List(_) | DatumKind::Symbol(_) => self.template_expression(datum),

@@ -72,7 +72,7 @@ impl Lowering {
         }
     }
 
-    /// The parameters of a declaration.
+    /// Returns the parameters of a declaration.
     fn signature(&mut self, items: &[Datum], shape: &str) -> Option<InterfaceDeclaration> {
         let mut declaration = InterfaceDeclaration {
             parameters: Vec::new(),

@@ -20,7 +20,7 @@ use std::sync::Arc;
 type Names = BTreeSet<Symbol>;
 
 impl Lowering {
-    /// The conditions of a clause, which hold together: joined, and each use of a variable inspected.
+    /// Returns the conditions of a clause, which hold together: joined, and each use of a variable inspected.
     pub(crate) fn clause_conditions(&mut self, mut conditions: Vec<Condition>, clause: Span) -> Vec<Condition> {
         let constraints = join(&mut conditions);
         for condition in &conditions {
@@ -136,7 +136,7 @@ fn of_constraints(constraints: &[Constraint], names: &mut Names) {
     }
 }
 
-/// The variable that takes the value: `= ?v`.
+/// Returns the variable that takes the value: `= ?v`.
 fn taken(constraint: &Constraint) -> Option<&Symbol> {
     match constraint {
         Constraint::Compare {
@@ -312,7 +312,7 @@ fn each_leaf<'a>(condition: &'a Condition, act: &mut dyn FnMut(&'a Condition)) {
     }
 }
 
-/// The variables whose values a leaf needs to be judged, with their places.
+/// Returns the variables whose values a leaf needs to be judged, with their places.
 fn uses(leaf: &Condition) -> Vec<(Symbol, Place)> {
     let mut found = Vec::new();
     match &leaf.kind {

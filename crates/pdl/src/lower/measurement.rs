@@ -63,7 +63,7 @@ impl Lowering {
         Some(VariablePattern { attribute: attribute.clone(), object })
     }
 
-    /// A state variable alone, as episodes name it.
+    /// Returns a state variable alone, as episodes name it.
     pub(crate) fn plain_state_variable(&mut self, datum: &Datum) -> Option<VariablePattern> {
         let items = datum.as_list().unwrap_or_default();
         self.state_variable(datum, items)
@@ -111,7 +111,7 @@ impl Lowering {
         self.refuse(diagnostic)
     }
 
-    /// An estimator answers for every instant: it is asked for the first that satisfies the constraints, and these must
+    /// Returns an estimator answers for every instant: it is asked for the first that satisfies the constraints, and these must
     /// say which instants and, on a line, which values that are.
     fn check_solvable(&mut self, measurement: &MeasurementCondition, span: Span) -> Option<()> {
         let is_bound = |constraint: &Constraint| match constraint {
@@ -214,7 +214,7 @@ impl Lowering {
         self.pure(place, |lowering| lowering.expression(datum))
     }
 
-    /// A frequency as the interval between samples, or an interval as it is.
+    /// Returns a frequency as the interval between samples, or an interval as it is.
     pub(crate) fn interval_or_frequency(&mut self, datum: &Datum) -> Option<Expr> {
         use apex_model::quantity::Dimension;
         if let DatumKind::Quantity(quantity) = &datum.kind

@@ -107,7 +107,7 @@ fn has_segment(index: &[Datum]) -> bool {
     index.iter().any(|item| item.as_list().and_then(<[Datum]>::first).is_some_and(|head| head.as_variable().is_some()))
 }
 
-/// Every word of a goal or an index.
+/// Returns every word of a goal or an index.
 pub(super) fn words(datum: &Datum) -> impl Iterator<Item = &Symbol> {
     datum.as_list().unwrap_or_default().iter().filter_map(Datum::as_symbol)
 }

@@ -76,7 +76,7 @@ fn left_the_step(step: &Datum, rest: &[Datum]) -> usize {
     if certain == 0 { 0 } else { certain + rest.iter().skip(certain).take_while(indented).count() }
 }
 
-/// The `)` of a list.
+/// Returns the `)` of a list.
 fn closer(list: &Datum) -> Span {
     Span { start: list.span.end.saturating_sub(1).max(list.span.start), ..list.span }
 }

@@ -178,9 +178,13 @@ impl Lowering {
             return None;
         }
         if let Some(bound) = first_bound(datum) {
-            let diagnostic = Diagnostic::error(codes::NEVER_BOUND, bound.span, "no variable has a value before the index is matched")
-                .reason("`<?x>` must have a value already; an index gives variables their first values")
-                .help("write `?x`");
+            let diagnostic = Diagnostic::error(
+                codes::NEVER_BOUND,
+                bound.span,
+                "no variable has a value before the index is matched",
+            )
+            .reason("`<?x>` must have a value already; an index gives variables their first values")
+            .help("write `?x`");
             return self.refuse(diagnostic);
         }
         for item in datum.tail() {
@@ -333,7 +337,7 @@ fn is_bare_step(clause: &Datum) -> bool {
         && !super::step::is_meant_clause(name)
 }
 
-/// The step that ends a procedure with success.
+/// Returns the step that ends a procedure with success.
 fn terminate_step(tag: &str, place: apex_model::source::Place) -> Step {
     Step::plain(Symbol::new(tag), Activity::Terminate { task: None, outcome: None, value: None }, place)
 }

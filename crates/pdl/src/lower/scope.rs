@@ -76,7 +76,7 @@ impl Binders {
 }
 
 impl Scope {
-    /// The scope of a procedure or primitive.
+    /// Returns the scope of a procedure or primitive.
     pub(crate) fn of_tasks() -> Scope {
         Scope { has_variables: true, ..Scope::default() }
     }
@@ -149,7 +149,7 @@ impl Scope {
         self.binders.get(name).and_then(Binders::first)
     }
 
-    /// The use of `name` at `place`.
+    /// Returns the use of `name` at `place`.
     pub(crate) fn use_at(&self, name: &Symbol, place: Place) -> Option<Span> {
         self.uses.iter().find(|(used, _, span)| used == name && span.place() == place).map(|(.., span)| *span)
     }

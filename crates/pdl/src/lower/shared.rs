@@ -59,7 +59,7 @@ impl Lowering {
         Some(())
     }
 
-    /// The one condition of a clause; `:quality Q` may follow an episode.
+    /// Returns the one condition of a clause; `:quality Q` may follow an episode.
     fn clause_condition(&mut self, name: &str, items: &[Datum], clause: &Datum) -> Option<Condition> {
         let lowered = self.conditions(items)?;
         let mut lowered = self.clause_conditions(lowered, clause.span);
@@ -77,7 +77,7 @@ impl Lowering {
         }
     }
 
-    /// A hook: forms with effects.
+    /// Returns a hook: forms with effects.
     pub(crate) fn hook(&mut self, clause: &Datum, hooks: &mut Hooks) -> Option<()> {
         let forms = self.body(clause.tail())?;
         match clause.head_name() {
@@ -214,7 +214,7 @@ impl Lowering {
         }
     }
 
-    /// A limit of a log in time: more than nothing.
+    /// Returns a limit of a log in time: more than nothing.
     fn log_span(&mut self, datum: &Datum) -> Option<Duration> {
         let span = self.literal_duration(datum)?;
         if span > Duration::ZERO {
@@ -225,7 +225,7 @@ impl Lowering {
         self.refuse(Diagnostic::error(codes::NOTHING_TO_LOG, datum.span, message).help(help))
     }
 
-    /// A duration that is known at load time; a frequency means its interval.
+    /// Returns a duration that is known at load time; a frequency means its interval.
     pub(crate) fn literal_duration(&mut self, datum: &Datum) -> Option<Duration> {
         let expr: Expr = self.interval_or_frequency(datum)?;
         match expr.kind {

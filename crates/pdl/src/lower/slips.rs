@@ -194,7 +194,7 @@ impl Lowering {
     }
 }
 
-/// A relation as a word before something that can be compared.
+/// Returns a relation as a word before something that can be compared.
 fn relation_word(items: &[Datum]) -> Option<(Span, &Symbol, &'static str)> {
     items.windows(2).skip(1).find_map(|pair| {
         let [word, next] = pair else { return None };
@@ -213,7 +213,7 @@ fn relation_word(items: &[Datum]) -> Option<(Span, &Symbol, &'static str)> {
     })
 }
 
-/// A word with a relation in it, taken apart, where a number or a variable follows.
+/// Returns a word with a relation in it, taken apart, where a number or a variable follows.
 fn glued(name: &str) -> Option<(&str, &'static str, &'static str, &str)> {
     let at = name.find(['<', '>', '=', '/', '!'])?;
     let (before, rest) = name.split_at_checked(at)?;
@@ -224,7 +224,7 @@ fn glued(name: &str) -> Option<(&str, &'static str, &'static str, &str)> {
     (compared && !before.ends_with('-')).then_some((before, *sign, *own, after))
 }
 
-/// The message about a word of an index that was meant as the variable used at `used`.
+/// Returns the message about a word of an index that was meant as the variable used at `used`.
 pub(super) fn variable_without_mark(name: &Symbol, word: Span, used: Span) -> Diagnostic {
     let fix = Fix::safe(format!("write `?{name}`")).insert_before(Span { end: word.start, ..word }, "?");
     Diagnostic::error(codes::UNBOUND_VARIABLE, word, format!("`{name}` is a word here, and nothing binds `?{name}`"))

@@ -70,7 +70,7 @@ impl Lowering {
     }
 }
 
-/// Another tag for one of two steps with the same: the one that other steps wait for and no step has, or a new one.
+/// Returns another tag for one of two steps with the same: the one that other steps wait for and no step has, or a new one.
 fn other_tag(steps: &[StepSource<'_>], first: &StepSource<'_>, second: &StepSource<'_>) -> Option<Fix> {
     let tags: BTreeSet<&Symbol> = steps.iter().map(|step| &step.tag).collect();
     let mut missed: BTreeMap<&Symbol, Vec<usize>> = BTreeMap::new();

@@ -181,7 +181,7 @@ impl<'s, 'l> Search<'s, 'l> {
         diagnostic.fixes_or_help(fixes, || format!("write a procedure for it: `(procedure (index {text}) ..)`"))
     }
 
-    /// A procedure for the goal at the end of its file, which only says that it is still to be written.
+    /// Returns a procedure for the goal at the end of its file, which only says that it is still to be written.
     fn skeleton(&self, goal: &Datum) -> Option<Fix> {
         let text = &self.library.sources.get(usize::try_from(goal.span.file).ok()?)?.text;
         let items = goal.as_list()?.iter().enumerate();

@@ -55,7 +55,7 @@ fn is_plain_word(text: &str) -> bool {
     text.bytes().next().is_some_and(|first| first.is_ascii_alphabetic() && !matches!(first, b'P' | b'p' | b'F' | b'f'))
 }
 
-/// A number, or a number with a known unit behind it.
+/// Returns a number, or a number with a known unit behind it.
 fn number(text: &str) -> Option<Atom<'_>> {
     let length = number_length(text)?;
     let (digits, suffix) = text.split_at_checked(length)?;
@@ -88,7 +88,7 @@ fn measured(number: f64, unit: &'static Unit) -> Atom<'static> {
     }
 }
 
-/// Length of the number that `text` begins with.
+/// Returns the length of the number that `text` begins with.
 fn number_length(text: &str) -> Option<usize> {
     let bytes = text.as_bytes();
     let at = |index: usize| bytes.get(index).copied().unwrap_or(0);
@@ -180,18 +180,18 @@ fn nanoseconds(number: &str) -> Option<i128> {
     Some(whole * i128::from(NANOSECONDS_PER_SECOND) + fraction)
 }
 
-/// True for symbols that begin with a digit, such as `900MHzModem`.
+/// Returns true for symbols that begin with a digit, such as `900MHzModem`.
 pub(crate) fn is_number_like_symbol(symbol: &Symbol) -> bool {
     symbol.folded().starts_with(|first: char| first.is_ascii_digit()) && number_length(symbol.folded()).is_some()
 }
 
-/// The two parts of a number with a known unit, as they are written.
+/// Returns the two parts of a number with a known unit, as they are written.
 pub(crate) fn number_and_unit(text: &str) -> Option<(&str, &str)> {
     let parts = text.split_at_checked(number_length(text)?)?;
     unit_named(parts.1).map(|_| parts)
 }
 
-/// The number that `symbol` begins with and what follows it, if that probably misspells a unit: `35knt`. Nothing when the
+/// Returns the number that `symbol` begins with and what follows it, if that probably misspells a unit: `35knt`. Nothing when the
 /// rest is far from every unit.
 pub(crate) fn parse_unit_misspelt(symbol: &Symbol) -> Option<(String, String)> {
     let text = symbol.printed();

@@ -51,7 +51,7 @@ pub(super) fn brackets(file: u32, text: &str, found: &[Bracketed]) -> Vec<Diagno
     found.iter().filter_map(about).collect()
 }
 
-/// The message about a quotation mark.
+/// Returns the message about a quotation mark.
 fn about_quote(file: u32, text: &str, quote: Forgotten) -> Diagnostic {
     let fix = if quote.is_certain { Fix::safe("add `\"` here") } else { Fix::look("add `\"` here") };
     let last = text.get(..quote.at).and_then(|before| before.char_indices().next_back());
@@ -65,7 +65,7 @@ fn about_quote(file: u32, text: &str, quote: Forgotten) -> Diagnostic {
     diagnostic.fix(fix).help("a `\"` inside a string is written `\\\"`")
 }
 
-/// The message about one parenthesis.
+/// Returns the message about one parenthesis.
 fn about(file: u32, text: &str, form: &Repaired) -> Diagnostic {
     let fix = |title: &str| if form.is_certain { Fix::safe(title) } else { Fix::look(title) };
     match form.repair {
@@ -101,7 +101,7 @@ fn about(file: u32, text: &str, form: &Repaired) -> Diagnostic {
     }
 }
 
-/// The place of a byte range. Costs a walk over the text before it: for flaws only, which are few.
+/// Returns the place of a byte range. Costs a walk over the text before it: for flaws only, which are few.
 fn locate(file: u32, text: &str, start: usize, end: usize) -> Span {
     let before = text.get(..start).unwrap_or(text);
     let line = 1 + before.bytes().filter(|byte| *byte == b'\n').count();

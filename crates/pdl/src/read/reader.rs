@@ -204,7 +204,7 @@ fn measured_list(items: &[Datum]) -> Option<DatumKind> {
     Some(DatumKind::Quantity(quantity))
 }
 
-/// The characters of a string token: `\x` is x.
+/// Returns the characters of a string token: `\x` is x.
 fn unescape(token: &str) -> Arc<str> {
     let inner = token.strip_prefix('"').unwrap_or(token);
     if !inner.contains('\\') {

@@ -10,7 +10,7 @@ pub(super) struct Token<'t> {
     pub(super) unclosed: bool,
 }
 
-/// The tokens of `text` in order; their texts joined are `text`.
+/// Returns the tokens of `text` in order; their texts joined are `text`.
 pub(super) fn tokens(text: &str) -> impl Iterator<Item = Token<'_>> {
     let mut rest = text;
     std::iter::from_fn(move || {
@@ -52,7 +52,7 @@ fn length_until(rest: &str, wanted: impl Fn(char) -> bool) -> usize {
     ascii + after.find(wanted).unwrap_or(after.len())
 }
 
-/// True for characters that cannot be part of an atom.
+/// Returns true for characters that cannot be part of an atom.
 pub(crate) fn ends_atom(character: char) -> bool {
     character.is_whitespace() || matches!(character, '(' | ')' | '\'' | '`' | ',' | '"' | ';')
 }

@@ -57,7 +57,7 @@ const DEPARTURES_MAX: usize = 128;
 const NUMBERS_MAX: usize = 2_000_000;
 
 impl SurveillanceTravel {
-    /// The ways between `targets`, from `start` and to `base`.
+    /// Returns the ways between `targets`, from `start` and to `base`.
     ///
     /// # Errors
     /// An error message that names an invalid zone, or the start or base that is off the map or inside a zone.
@@ -119,7 +119,7 @@ impl SurveillanceTravel {
         Ok(ways)
     }
 
-    /// The times for leaving at the beginning and, where the wind changes, at as many later instants as it takes to read off
+    /// Returns the times for leaving at the beginning and, where the wind changes, at as many later instants as it takes to read off
     /// all others.
     fn at_departures(&mut self, changes_s: &[f64]) -> TravelTimes {
         let first = self.leaving_at(0.0);
@@ -189,7 +189,7 @@ impl SurveillanceTravel {
         self.positions(from.zip(to), depart_s)
     }
 
-    /// The same from a target to the base.
+    /// Returns the same from a target to the base.
     pub fn route_to_base(&mut self, from: usize, depart_s: f64) -> Vec<Position> {
         let ends = self.ends.targets.get(from).copied().map(|from| (from, self.ends.base));
         self.positions(ends, depart_s)
@@ -207,7 +207,7 @@ impl SurveillanceTravel {
         self.turns_between_s(from.zip(self.ends.targets.get(to).copied()), depart_s)
     }
 
-    /// The same from a target to the base.
+    /// Returns the same from a target to the base.
     pub fn turns_to_base_s(&mut self, from: usize, depart_s: f64) -> f64 {
         self.turns_between_s(self.ends.targets.get(from).map(|from| (*from, self.ends.base)), depart_s)
     }

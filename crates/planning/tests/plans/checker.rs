@@ -109,7 +109,7 @@ proptest! {
     }
 }
 
-/// A mission whose vehicle turns wide, with its plan.
+/// Returns a mission whose vehicle turns wide, with its plan.
 fn turning(seed: u64, turn_radius_m: f64) -> (Problem, Result<Plan, String>) {
     turning_over(fires::random(5, seed), seed, turn_radius_m)
 }

@@ -37,7 +37,7 @@ pub struct Map {
     legend: Vec<(&'static str, String)>,
 }
 
-/// The map of the best planner of each cell at `budget` (an index): strong where it is better than all others, weaker where
+/// Returns the map of the best planner of each cell at `budget` (an index): strong where it is better than all others, weaker where
 /// others do not differ from it, weakest and with a question mark where that is undecided.
 pub fn best(profile: &Profile, budget: usize) -> Map {
     let name = |planner: usize| profile.planners.get(planner).map_or("", |known| known.name.as_str());
@@ -125,7 +125,7 @@ pub fn svg(maps: &[Map]) -> String {
     out
 }
 
-/// The words of rows, each where it changes.
+/// Returns the words of rows, each where it changes.
 fn rows(out: &mut String) -> std::fmt::Result {
     for row in 0..SHAPE.1 {
         let Some(cell) = Cell::all().get(row * SHAPE.0).copied() else { continue };

@@ -51,7 +51,7 @@ impl Link {
         }
     }
 
-    /// True when something is left out anywhere below.
+    /// Returns true when something is left out anywhere below.
     pub fn is_cut(&self) -> bool {
         self.more || self.causes.iter().any(Link::is_cut)
     }

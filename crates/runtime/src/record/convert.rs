@@ -36,7 +36,7 @@ const INDEXES: [(&str, &str, &str); 2] = [
     ("index", "effect_task", "CREATE INDEX effect_task ON effect (task, id)"),
 ];
 
-/// The schema of version 6: that of this version with other tables for effects.
+/// Returns the schema of version 6: that of this version with other tables for effects.
 fn old_schema() -> Vec<(&'static str, &'static str, &'static str)> {
     let mut schema = Vec::new();
     for entry in SCHEMA {

@@ -25,7 +25,7 @@ impl RecordReader {
         load(&self.pdl_sources()?).map_err(|message| RecordError::Load { path: self.path.clone(), message })
     }
 
-    /// The agent after the last step not later than `at`. No solver and no vehicle is asked: their answers are in the
+    /// Returns the agent after the last step not later than `at`. No solver and no vehicle is asked: their answers are in the
     /// record.
     ///
     /// # Errors
@@ -65,7 +65,7 @@ impl RecordReader {
         Ok(agent)
     }
 
-    /// The agent before its first step.
+    /// Returns the agent before its first step.
     pub(crate) fn fresh_agent(&self, program: &RestoredProgram) -> Result<Agent, RecordError> {
         self.fresh_agent_number(program, self.agent)
     }

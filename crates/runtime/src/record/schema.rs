@@ -63,7 +63,7 @@ fn make_room(path: &Path) -> Result<(), RecordError> {
     Ok(())
 }
 
-/// The name of a file that SQLite keeps next to the record.
+/// Returns the name of a file that SQLite keeps next to the record.
 pub(super) fn sibling(path: &Path, suffix: &str) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(suffix);
@@ -117,7 +117,7 @@ pub(super) fn look(path: &Path) -> Result<FileState, RecordError> {
     })
 }
 
-/// The names of the agents in the record, in the order of their numbers.
+/// Returns the names of the agents in the record, in the order of their numbers.
 ///
 /// # Errors
 /// SQLite's own.

@@ -24,12 +24,12 @@ const PAGE_BYTES: u64 = 4096;
 /// A cell of a row, as SQLite stores it.
 pub(super) type SqlValue<'c> = ValueRef<'c>;
 
-/// A text, or nothing.
+/// Returns a text, or nothing.
 pub(super) fn text(text: Option<&str>) -> SqlValue<'_> {
     text.map_or(ValueRef::Null, |text| ValueRef::Text(text.as_bytes()))
 }
 
-/// A real number, or nothing.
+/// Returns a real number, or nothing.
 pub(super) fn real<'c>(number: Option<f64>) -> SqlValue<'c> {
     number.map_or(ValueRef::Null, ValueRef::Real)
 }
@@ -54,7 +54,7 @@ pub(super) trait RowStore: Send {
     /// Something that cannot be turned into bytes; nothing is stored after it.
     fn unstorable(&mut self, what: &str, reason: String) -> RecordError;
 
-    /// The file.
+    /// Returns the file.
     fn path(&self) -> &Path;
 
     /// Changes the largest size of the file.
@@ -73,7 +73,7 @@ pub(super) trait RowStore: Send {
         None
     }
 
-    /// The first row that differs from the stored one; for stores that compare.
+    /// Returns the first row that differs from the stored one; for stores that compare.
     fn difference(&self) -> Option<&RowDifference> {
         None
     }
@@ -384,7 +384,7 @@ fn limit_bytes(connection: &Connection, path: &Path, bytes: u64) -> Result<(), R
         .map_err(|error| write_error(path, "setting its largest size", error))
 }
 
-/// The reason in a few words.
+/// Returns the reason in a few words.
 fn reason_of(error: &RecordError) -> String {
     match error {
         RecordError::DiskFull { .. } => "the disk is full".into(),

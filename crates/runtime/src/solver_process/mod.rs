@@ -32,7 +32,7 @@ pub struct SolverProgram {
 }
 
 impl SolverProgram {
-    /// The planner `name`, which is the program `command` with its arguments. It is asked about problems of all kinds.
+    /// Returns the planner `name`, which is the program `command` with its arguments. It is asked about problems of all kinds.
     pub fn new(name: &str, command: Vec<OsString>) -> SolverProgram {
         SolverProgram { name: name.to_string(), command, serves: None }
     }

@@ -36,7 +36,7 @@ impl From<Time> for FieldValue {
 }
 
 impl From<&Value> for FieldValue {
-    /// A number for a plain number, PDL text for everything else.
+    /// Returns a number for a plain number, PDL text for everything else.
     fn from(value: &Value) -> FieldValue {
         match value {
             Value::Integer(integer) => FieldValue::Integer(*integer),
@@ -91,7 +91,7 @@ impl Formatter for LineFormatter {
     }
 }
 
-/// Seconds as the shortest exact decimal: `1.5`, `0.3`, `-2`, never `0.30000000000000004`.
+/// Returns seconds as the shortest exact decimal: `1.5`, `0.3`, `-2`, never `0.30000000000000004`.
 pub fn seconds_text(time: Time) -> String {
     let total = time.0.unsigned_abs();
     let second = NANOSECONDS_PER_SECOND.unsigned_abs();

@@ -58,7 +58,7 @@ struct Ancestry {
 }
 
 impl<W: Write> Tracer<W> {
-    /// A tracer for a run of `library` with all of its agents, from the run's first step on.
+    /// Returns a tracer for a run of `library` with all of its agents, from the run's first step on.
     pub fn new(out: W, format: TraceFormat, filter: TraceFilter, library: &Library) -> Tracer<W> {
         let several = library.has_several_agents();
         let agent = |agent: &AgentDeclaration| AgentTrace {

@@ -64,7 +64,7 @@ pub(crate) struct FlightState {
 }
 
 impl Flight {
-    /// A flight that has not begun. `door` leads to its run.
+    /// Returns a flight that has not begun. `door` leads to its run.
     pub(crate) fn new(id: u64, mission: String, record: PathBuf, seed: u64, door: FlightDoor) -> Flight {
         Flight { id, mission, record, seed, now_ns: AtomicI64::new(0), door, end: OnceLock::new() }
     }
@@ -111,7 +111,7 @@ impl Flight {
         self.door.stop();
     }
 
-    /// The way to its run.
+    /// Returns the way to its run.
     pub(crate) fn door(&self) -> &FlightDoor {
         &self.door
     }
@@ -121,7 +121,7 @@ impl Flight {
         self.end.get().is_none()
     }
 
-    /// The report, if the flight has ended with one.
+    /// Returns the report, if the flight has ended with one.
     pub(crate) fn report(&self) -> Option<&Report> {
         match self.end.get() {
             Some(End::Ended { report, .. }) => Some(report),
@@ -129,7 +129,7 @@ impl Flight {
         }
     }
 
-    /// The flight's state now.
+    /// Returns the flight's state now.
     pub(crate) fn state(&self) -> FlightState {
         let end = self.end.get();
         let (state, end_reason, sections, failure) = match end {
@@ -152,7 +152,7 @@ impl Flight {
 }
 
 impl FlightState {
-    /// The flight's number.
+    /// Returns the flight's number.
     pub(crate) fn id(&self) -> u64 {
         self.id
     }

@@ -68,7 +68,7 @@ pub(crate) fn state_at_least(
     contradiction::check(problem, plan)
 }
 
-/// The best bound found of plans that never wait. `problem` makes sense (`validate::surveillance`).
+/// Returns the best bound found of plans that never wait. `problem` makes sense (`validate::surveillance`).
 pub fn expected_cost_without_waiting(problem: &SurveillanceProblem) -> Bound {
     expected_cost_without_waiting_within(problem, &mut Meter::new(&mut WorkBudget::new(u64::MAX)))
 }
@@ -84,7 +84,7 @@ pub fn expected_cost_without_waiting_within(problem: &SurveillanceProblem, meter
     }
 }
 
-/// The best bound found of all plans. `problem` makes sense (`validate::surveillance`).
+/// Returns the best bound found of all plans. `problem` makes sense (`validate::surveillance`).
 pub fn expected_cost(problem: &SurveillanceProblem) -> Bound {
     expected_cost_within(problem, &mut Meter::new(&mut WorkBudget::new(u64::MAX)))
 }
@@ -108,7 +108,7 @@ pub fn expected_cost_within(problem: &SurveillanceProblem, meter: &mut Meter<'_>
     }
 }
 
-/// The problem with the least time of each leg over all departures, and with the rates that hold until the horizon. Its plans are
+/// Returns the problem with the least time of each leg over all departures, and with the rates that hold until the horizon. Its plans are
 /// more than those of the problem: a slow leg is a fast one and a wait, which no bound here forbids.
 fn simplified(problem: &SurveillanceProblem) -> Cow<'_, SurveillanceProblem> {
     let held = rates::held(problem);

@@ -184,7 +184,7 @@ impl<'a> Schedule<'a> {
         Ok(Judged { visits, end_s, score })
     }
 
-    /// A flight without visits: home, if the vehicle is elsewhere. Between given places, and from the base, it does not begin.
+    /// Returns a flight without visits: home, if the vehicle is elsewhere. Between given places, and from the base, it does not begin.
     ///
     /// # Errors
     /// No way leads home, or the flight would end too late.
@@ -213,7 +213,7 @@ impl<'a> Schedule<'a> {
         }
     }
 
-    /// The visit of `choice` of the vehicle that is ready to leave `node` at `ready_s`.
+    /// Returns the visit of `choice` of the vehicle that is ready to leave `node` at `ready_s`.
     pub(crate) fn visit(&mut self, node: PointKey, ready_s: f64, choice: Choice) -> Result<Timed, Infeasibility> {
         let entry = PointKey::Entry(choice.target, choice.manoeuvre);
         let Ok(Times { depart_s, arrive_s }) = self.travel.times(node, entry, ready_s) else {
@@ -234,7 +234,7 @@ impl<'a> Schedule<'a> {
         Ok(Timed { depart_s, arrive_s, begin_s, end_s, worth })
     }
 
-    /// The first time from `ready_s` on at which the observation may begin.
+    /// Returns the first time from `ready_s` on at which the observation may begin.
     fn begin_s(&self, choice: Choice, ready_s: f64) -> Result<f64, Infeasibility> {
         let windows = self.windows.get(choice.target).and_then(|windows| windows.get(choice.manoeuvre));
         let open = windows.into_iter().flatten().find(|window| ready_s <= window.until_s + SAME_S);
@@ -284,13 +284,13 @@ impl<'a> Schedule<'a> {
         self.costs.of_flight(later_s - start_s) - self.costs.of_flight(end_s - start_s)
     }
 
-    /// The spans in which the observation of a target by a manoeuvre may begin.
+    /// Returns the spans in which the observation of a target by a manoeuvre may begin.
     pub(crate) fn windows(&self, target: usize, manoeuvre: usize) -> &[TimeWindow] {
         let windows = self.windows.get(target).and_then(|windows| windows.get(manoeuvre));
         windows.map_or(&[], Vec::as_slice)
     }
 
-    /// The targets that must come before `target`.
+    /// Returns the targets that must come before `target`.
     pub(crate) fn earlier(&self, target: usize) -> &[usize] {
         self.earlier.get(target).map_or(&[], Vec::as_slice)
     }
@@ -321,7 +321,7 @@ impl Costs {
     }
 }
 
-/// Latest end of the flight and what sets it.
+/// Returns the latest end of the flight and what sets it.
 fn limit(problem: &SingleVisitProblem) -> (f64, &'static str) {
     let vehicle = &problem.vehicle;
     let mut limits = vec![(problem.start_s + vehicle.endurance_s - vehicle.endurance_reserve_s, "endurance")];
@@ -333,7 +333,7 @@ fn limit(problem: &SingleVisitProblem) -> (f64, &'static str) {
     limits.into_iter().min_by(|(a, _), (b, _)| a.total_cmp(b)).unwrap_or((problem.start_s, "endurance"))
 }
 
-/// The spans in which each observation may begin, both ends included: the target's windows, cut to the light that must last
+/// Returns the spans in which each observation may begin, both ends included: the target's windows, cut to the light that must last
 /// to its end.
 fn begin_windows(problem: &SingleVisitProblem, limit_s: f64) -> Vec<Vec<Vec<TimeWindow>>> {
     let of_target = |target: &apex_model::problem::SingleVisitTarget| {

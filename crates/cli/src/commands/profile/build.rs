@@ -70,7 +70,7 @@ fn measure(profile: &mut Profile, planner: &dyn Solver, work: &ProfileWorkOption
     Ok(())
 }
 
-/// The text of an older profile that may be written over; anything else is left alone, before anything is measured.
+/// Returns the text of an older profile that may be written over; anything else is left alone, before anything is measured.
 pub(super) fn refuse_other(path: &Path) -> CliResult<Option<String>> {
     if !path.exists() {
         return Ok(None);

@@ -83,7 +83,7 @@ pub(crate) fn is_eligible(agent: &Agent, id: TaskId) -> bool {
     !family.any(|task| task.suspended)
 }
 
-/// All claimants, best first, and what makes their order where ranks are stated.
+/// Returns all claimants, best first, and what makes their order where ranks are stated.
 pub(crate) fn in_order(
     agent: &Agent,
     now: Time,
@@ -116,7 +116,7 @@ struct Competitors {
     holders: BTreeSet<TaskId>,
 }
 
-/// All tasks that compete for the resources in `dirty` and for all that claimants need in addition, and holders too if
+/// Returns all tasks that compete for the resources in `dirty` and for all that claimants need in addition, and holders too if
 /// `through_holders`; without `orphans`.
 fn competitors(
     agent: &Agent,
@@ -154,7 +154,7 @@ pub(crate) fn as_claimant(cycle: &Cycle<'_>, id: TaskId) -> Claimant {
     claimant_in(cycle.agent, id, cycle.now)
 }
 
-/// The same outside of a cycle.
+/// Returns the same outside of a cycle.
 fn claimant_in(agent: &Agent, id: TaskId, now: Time) -> Claimant {
     let priority = priority::priority(agent, id, now);
     let begun = has_begun(agent, id);

@@ -82,7 +82,7 @@ pub(crate) fn next_look(
     [found, search.given_up.get()].into_iter().flatten().min()
 }
 
-/// False when time alone brings no crossing.
+/// Returns false when time alone brings no crossing.
 fn may_cross((own, other): &Contest<'_, '_>, now: Time) -> bool {
     let moving = own.moves() || other.curve.moves() || other.cost_moves;
     // Who is ahead and lost, lost because of others: to look again at once, and again, would be to stand still.
@@ -129,7 +129,7 @@ impl CrossingSearch<'_> {
         Some(own.high > other.low && (!fixed || self.ahead(contest, from)))
     }
 
-    /// The first instant after `from` and not after `to` at which a challenger is ahead.
+    /// Returns the first instant after `from` and not after `to` at which a challenger is ahead.
     fn first_in(&self, from: Time, to: Time, contests: &[Contest<'_, '_>]) -> Option<Time> {
         if self.is_over(from) {
             return None;
@@ -158,7 +158,7 @@ impl CrossingSearch<'_> {
         self.first_in(from, middle, &open).or_else(|| self.first_in(middle, to, &open))
     }
 
-    /// The least instant in `(low, high]` at which the challenger is ahead, which it is at `high`.
+    /// Returns the least instant in `(low, high]` at which the challenger is ahead, which it is at `high`.
     fn first(&self, contest: &Contest<'_, '_>, mut low: Time, mut high: Time) -> Time {
         while (high - low).0 > 1 {
             let middle = low + Duration((high - low).0 / 2);

@@ -158,7 +158,7 @@ impl<'a, 'c> Front<'a, 'c> {
         has_order.then_some(result)
     }
 
-    /// True if all that were placed need one and the same resource. Ranks put only those in order that share something:
+    /// Returns true if all that were placed need one and the same resource. Ranks put only those in order that share something:
     /// who of the others takes a turn first matters where holders are displaced.
     fn all_need_one(&self) -> bool {
         let needs = |task: &TaskId| as_claimant(self.cycle, *task).needs.into_iter().map(|need| need.resource);
@@ -196,7 +196,7 @@ impl<'a, 'c> Front<'a, 'c> {
         Some(())
     }
 
-    /// The first claimants that do not fit, whose priorities may rise above those of tasks in their way.
+    /// Returns the first claimants that do not fit, whose priorities may rise above those of tasks in their way.
     fn watched(&mut self, result: &Arbitration) -> Vec<PriorityWatch> {
         // Where no claimant was placed, nothing has been inspected.
         self.outside.iter().for_each(|(_, id)| self.field.load(*id));
@@ -225,7 +225,7 @@ impl<'a, 'c> Front<'a, 'c> {
         watched
     }
 
-    /// True if a task could end before one in front of it can begin. This requires free capacity that another task
+    /// Returns true if a task could end before one in front of it can begin. This requires free capacity that another task
     /// awaits, and a task with a known duration.
     fn may_leave_a_gap(&self, dirty: &BTreeSet<ResourceId>, result: &Arbitration) -> bool {
         let agent = &*self.cycle.agent;

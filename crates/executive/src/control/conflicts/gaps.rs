@@ -111,7 +111,7 @@ impl<'a, 'c> ClaimOrder<'a, 'c> {
         Some(next)
     }
 
-    /// True if neither `next` nor a later claimant can get anything: they beat no holder, and each needs something that is taken,
+    /// Returns true if neither `next` nor a later claimant can get anything: they beat no holder, and each needs something that is taken,
     /// or that is awaited for longer than a gap allows.
     fn is_over(&self, next: QueueKey) -> bool {
         if !self.losers.is_empty() {

@@ -40,7 +40,7 @@ struct OrderKey {
 }
 
 impl Precedence {
-    /// The order of `claimants`, holders among them.
+    /// Returns the order of `claimants`, holders among them.
     pub(crate) fn of(agent: &Agent, now: Time, claimants: Vec<Claimant>) -> Precedence {
         let with_path = |claimant: Claimant| {
             let path = rank_path(agent, claimant.id, now);
@@ -88,7 +88,7 @@ impl Precedence {
         }
     }
 
-    /// The first from `from` on that goes before `competitor` and has no place yet.
+    /// Returns the first from `from` on that goes before `competitor` and has no place yet.
     fn next_before(&self, competitor: &Competitor, from: usize) -> Option<usize> {
         let open = |other: &Competitor| !self.places.contains_key(&other.claimant.id) && other.goes_before(competitor);
         self.competitors.iter().skip(from).position(open).map(|index| index + from)
@@ -102,7 +102,7 @@ impl Precedence {
         }
     }
 
-    /// The priority that counts for a task whose own one is `own`.
+    /// Returns the priority that counts for a task whose own one is `own`.
     pub(crate) fn lifted(&self, id: TaskId, own: f64) -> f64 {
         self.places.get(&id).map_or(own, |place| own.max(place.priority))
     }
@@ -113,7 +113,7 @@ impl Precedence {
         self.places.get(&id).filter(|place| place.priority > own).map(|place| place.whom)
     }
 
-    /// All whose priorities may count for the task: itself, those that it goes before, those that they go before.
+    /// Returns all whose priorities may count for the task: itself, those that it goes before, those that they go before.
     pub(crate) fn stands_for(&self, id: TaskId) -> Rc<[TaskId]> {
         if !self.varies {
             return Rc::new([id]);
@@ -166,7 +166,7 @@ fn begun_first(competitors: &[Competitor]) -> Vec<bool> {
     counts
 }
 
-/// The task and its ancestors from the root down, with their ranks.
+/// Returns the task and its ancestors from the root down, with their ranks.
 fn rank_path(agent: &Agent, id: TaskId, now: Time) -> Vec<(TaskId, Option<f64>)> {
     let family = std::iter::successors(agent.task(id), |task| agent.task(task.parent?));
     let mut path: Vec<_> = family.map(|task| (task.id, priority::rank(agent, task.id, now))).collect();

@@ -25,7 +25,7 @@ use apex_model::value::Value;
 /// Added to the priority of an ongoing task when it defends a resource, if nothing else is stated.
 pub(crate) const INTERRUPT_COST_DEFAULT: f64 = 0.1;
 
-/// The priority of `id` at `at`: the greatest of its clauses and of its ancestors that are not interrupted.
+/// Returns the priority of `id` at `at`: the greatest of its clauses and of its ancestors that are not interrupted.
 pub(crate) fn priority(agent: &Agent, id: TaskId, at: Time) -> f64 {
     let mut greatest: Option<f64> = None;
     let mut next = Some(id);
@@ -93,7 +93,7 @@ pub(crate) fn troubles(cycle: &Cycle<'_>, id: TaskId, step: &Step) -> Vec<(Strin
     priorities.chain(step.rank.iter().map(|expr| ("rank", &**expr))).filter_map(trouble).collect()
 }
 
-/// A clause that cannot be evaluated counts as absent; [`troubles`] has reported it.
+/// Returns a clause that cannot be evaluated counts as absent; [`troubles`] has reported it.
 fn clause_priority(clause: &PriorityClause, task: &Task, view: &View<'_>, at: Time) -> Option<f64> {
     match clause {
         PriorityClause::Number(expr) => number(expr, view),
@@ -118,7 +118,7 @@ fn created(task: &Task) -> Time {
     task.extras.as_ref().and_then(|extras| extras.first_created).unwrap_or(task.created_at)
 }
 
-/// The instant at which a task of this urgency at creation must be done.
+/// Returns the instant at which a task of this urgency at creation must be done.
 fn deadline(urgency: f64, created_at: Time) -> Time {
     created_at + Duration::from_seconds(libm::exp2(9.0 - urgency.clamp(0.0, 10.0)))
 }
@@ -140,7 +140,7 @@ fn combined(urgency: f64, importance: f64, workload: f64) -> f64 {
         / 9.0
 }
 
-/// The recovered fraction of a repeated task's priority.
+/// Returns the recovered fraction of a repeated task's priority.
 fn recovery(agent: &Agent, task: &Task, at: Time) -> f64 {
     match recovery_span(agent, task) {
         Some((ended, span)) if span > Duration::ZERO => ((at - ended).seconds() / span.seconds()).clamp(0.0, 1.0),
@@ -173,7 +173,7 @@ pub(crate) fn reads_variable(expr: &Expr) -> Option<bool> {
     }
 }
 
-/// True when what the task brings to a conflict may depend on what is measured, or on the states of tasks.
+/// Returns true when what the task brings to a conflict may depend on what is measured, or on the states of tasks.
 pub(crate) fn reads_inputs(agent: &Agent, id: TaskId) -> bool {
     let computed = |expr: &Expr| reads_variable(expr).is_none();
     cost_clause(agent, id).is_some_and(|(expr, _)| computed(expr))
@@ -183,7 +183,7 @@ pub(crate) fn reads_inputs(agent: &Agent, id: TaskId) -> bool {
         })
 }
 
-/// True when what the task brings to a conflict changes by the passing of time.
+/// Returns true when what the task brings to a conflict changes by the passing of time.
 pub(crate) fn moves(agent: &Agent, id: TaskId) -> bool {
     cost_moves(agent, id)
         || clauses_above(agent, id).any(|(task, clause)| match clause {
@@ -193,12 +193,12 @@ pub(crate) fn moves(agent: &Agent, id: TaskId) -> bool {
         })
 }
 
-/// True when what it costs to interrupt the task changes by the passing of time.
+/// Returns true when what it costs to interrupt the task changes by the passing of time.
 pub(crate) fn cost_moves(agent: &Agent, id: TaskId) -> bool {
     cost_clause(agent, id).is_some_and(|(expr, _)| value_intervals::moves(expr, &agent.library))
 }
 
-/// The priority clauses of the task and of its ancestors.
+/// Returns the priority clauses of the task and of its ancestors.
 fn clauses_above(agent: &Agent, id: TaskId) -> impl Iterator<Item = (&Task, &PriorityClause)> {
     let family = std::iter::successors(agent.task(id), |task| agent.task(task.parent?));
     family.flat_map(|task| {
@@ -208,7 +208,7 @@ fn clauses_above(agent: &Agent, id: TaskId) -> impl Iterator<Item = (&Task, &Pri
     })
 }
 
-/// The clauses of the task, and those of its ancestors that are not interrupted.
+/// Returns the clauses of the task, and those of its ancestors that are not interrupted.
 pub(crate) fn clauses_that_count(agent: &Agent, id: TaskId) -> impl Iterator<Item = (&Task, &PriorityClause)> {
     clauses_above(agent, id).filter(move |(task, _)| task.id == id || task.state != TaskState::Interrupted)
 }
@@ -294,7 +294,7 @@ pub(crate) fn clause_bounds(
     Some(Bounds::of(&[first * value.low, first * value.high, last * value.low, last * value.high]))
 }
 
-/// The `interrupt-cost` clause that counts for the task: its step's, else its procedure's.
+/// Returns the `interrupt-cost` clause that counts for the task: its step's, else its procedure's.
 pub(crate) fn cost_clause(agent: &Agent, id: TaskId) -> Option<(&Expr, Level)> {
     let task = agent.task(id)?;
     let stated = task.selection.is_some() && task.clauses.has(StepClauses::CONTENTION);
@@ -315,7 +315,7 @@ pub(crate) fn cost_clause(agent: &Agent, id: TaskId) -> Option<(&Expr, Level)> {
     }
 }
 
-/// The rank of a task among its siblings, if it has one.
+/// Returns the rank of a task among its siblings, if it has one.
 pub(crate) fn rank(agent: &Agent, id: TaskId, now: Time) -> Option<f64> {
     let task = agent.task(id).filter(|task| task.clauses.has(StepClauses::RANK))?;
     let crate::state::task::Origin::Step(step) = task.origin else { return None };
@@ -339,7 +339,7 @@ pub(crate) fn is_ranked(agent: &Agent, id: TaskId) -> bool {
     family.any(|task| rank(agent, task.id, agent.now).is_some())
 }
 
-/// The value of an `interrupt-cost` clause.
+/// Returns the value of an `interrupt-cost` clause.
 ///
 /// # Errors
 /// A message if it is not a number.

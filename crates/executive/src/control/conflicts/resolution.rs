@@ -70,7 +70,7 @@ fn decide(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, fresh: &BTreeMap<Reso
     if orphans(cycle, &result).next().is_some() { arbitrate_all(cycle, dirty) } else { result }
 }
 
-/// Two lists of claimants as one, the better one first; each keeps its order.
+/// Returns two lists of claimants as one, the better one first; each keeps its order.
 fn in_turns<T>(cycle: &Cycle<'_>, (one, other): (Vec<T>, Vec<T>), task: impl Fn(&T) -> TaskId) -> Vec<T> {
     let claimant = |each: &T| as_claimant(cycle, task(each));
     let (mut one, mut other) = (one.into_iter().peekable(), other.into_iter().peekable());

@@ -36,12 +36,12 @@ impl Bounds {
         Bounds { low: fold(f64::INFINITY, f64::min), high: fold(f64::NEG_INFINITY, f64::max) }
     }
 
-    /// The bounds of the greater of two values.
+    /// Returns the bounds of the greater of two values.
     pub(crate) fn greater(self, other: Bounds) -> Bounds {
         Bounds { low: self.low.max(other.low), high: self.high.max(other.high) }
     }
 
-    /// The bounds of the sum of two values.
+    /// Returns the bounds of the sum of two values.
     pub(crate) fn plus(self, other: Bounds) -> Bounds {
         Bounds { low: self.low + other.low, high: self.high + other.high }
     }
@@ -98,7 +98,7 @@ fn looks_back(function: &Symbol) -> bool {
         .any(|name| function.is(name))
 }
 
-/// The bounds of `expr` from `view.now` to `until`; [`Bounds::ANY`] where that is beyond what is known of its form. None when
+/// Returns the bounds of `expr` from `view.now` to `until`; [`Bounds::ANY`] where that is beyond what is known of its form. `None` if
 /// it has no number as its value now.
 pub(crate) fn bounds(expr: &Expr, view: &View<'_>, until: Time) -> Option<Bounds> {
     if !moves(expr, &view.agent.library) {
@@ -145,7 +145,7 @@ fn magnitude(value: &Value) -> Option<f64> {
     }
 }
 
-/// The bounds of a call from those of its arguments; none for functions that are not known here.
+/// Returns the bounds of a call from those of its arguments; `None` for functions that are not known here.
 fn call(function: &Symbol, values: &[Bounds]) -> Option<Bounds> {
     let first = *values.first()?;
     let fold = |combine: fn(Bounds, Bounds) -> Bounds| {

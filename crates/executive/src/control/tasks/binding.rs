@@ -54,7 +54,7 @@ fn decide(
     cycle.decide(Some(id), DecisionKind::Bound { variable: name.clone(), value }, because);
 }
 
-/// The `select` clauses that are the task's to evaluate. A handler sees what its step has selected. Of a `forall`, the
+/// Returns the `select` clauses that are the task's to evaluate. A handler sees what its step has selected. Of a `forall`, the
 /// step evaluates what does not depend on the item, and each item the rest.
 fn own_selects(origin: Option<Origin>, step: &Step) -> Vec<&(Symbol, Expr)> {
     let item = step.forall.as_ref().map(|forall| &forall.0);
@@ -187,7 +187,7 @@ pub(crate) fn assign(cycle: &mut Cycle<'_>, id: TaskId, level: Level, name: &Sym
     cycle.work.priorities_changed = true;
 }
 
-/// The nearest ancestor that runs a procedure.
+/// Returns the nearest ancestor that runs a procedure.
 fn procedure_above(cycle: &Cycle<'_>, id: TaskId) -> Option<TaskId> {
     let mut parent = cycle.task(id)?.parent;
     while let Some(above) = parent {

@@ -104,7 +104,7 @@ fn refresh(cycle: &mut Cycle<'_>, variable: &StateVariable) {
     }
 }
 
-/// The monitor as if no bank stood between it and its samples.
+/// Returns the monitor as if no bank stood between it and its samples.
 pub(crate) fn as_told<'a>(agent: &Agent, id: MonitorId, watch: &'a ClauseMonitor) -> Cow<'a, Monitor> {
     let variable = threshold_episode::variable(&watch.monitor);
     let run = variable.and_then(|variable| agent.interests.episodes(variable)?.run_of(LeafId::whole(id)));

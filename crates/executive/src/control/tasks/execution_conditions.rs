@@ -49,7 +49,7 @@ impl ExecutionClause {
     }
 }
 
-/// True if the preconditions hold, the step's and those of the procedure that was chosen; else the task has failed.
+/// Returns true if the preconditions hold, the step's and those of the procedure that was chosen; else the task has failed.
 pub(crate) fn allow(cycle: &mut Cycle<'_>, id: TaskId) -> bool {
     hold(cycle, id, ExecutionClause::Precondition)
 }
@@ -83,7 +83,7 @@ pub(crate) fn notice(cycle: &mut Cycle<'_>) {
     cycle.work.doubtful.extend(concerned);
 }
 
-/// True if the stimuli concern an invariant: then the instant is not quiet.
+/// Returns true if the stimuli concern an invariant: then the instant is not quiet.
 pub(crate) fn concern(cycle: &Cycle<'_>) -> bool {
     concerned(cycle).next().is_some()
 }
@@ -131,7 +131,7 @@ fn hold(cycle: &mut Cycle<'_>, id: TaskId, wanted: ExecutionClause) -> bool {
     true
 }
 
-/// The clauses of this kind that the task has: its step's, then those of the procedure that was chosen for it.
+/// Returns the clauses of this kind that the task has: its step's, then those of the procedure that was chosen for it.
 fn conditions(cycle: &Cycle<'_>, id: TaskId, wanted: ExecutionClause) -> Vec<(Condition, Level)> {
     let mut all = Vec::new();
     let Some(task) = cycle.task(id) else { return all };

@@ -92,7 +92,7 @@ fn room(cycle: &mut Cycle<'_>, origin: Origin, depth: u32) -> Result<(), Cause> 
     memory_budget::room_for_task(cycle)
 }
 
-/// The window of evidence that counts for the task's present instance.
+/// Returns the window of evidence that counts for the task's present instance.
 pub(crate) fn window(task: &Task) -> Window {
     Window { start: task.created_at, after_sequence: task.after_sequence }
 }
@@ -127,7 +127,7 @@ pub(crate) fn offer(cycle: &mut Cycle<'_>, id: TaskId) {
     }
 }
 
-/// The first result of another step that the task needs and that is not there yet.
+/// Returns the first result of another step that the task needs and that is not there yet.
 fn awaited(cycle: &Cycle<'_>, id: TaskId, which: impl Fn(&StepIndex) -> &Vec<Symbol>) -> Option<Symbol> {
     if !cycle.has(id, StepClauses::AWAITS) {
         return None;

@@ -116,7 +116,7 @@ pub(crate) fn run_step_start(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), Be
     }
 }
 
-/// The task and all tasks below it, ancestors first.
+/// Returns the task and all tasks below it, ancestors first.
 pub(crate) fn subtree(cycle: &Cycle<'_>, id: TaskId) -> Vec<TaskId> {
     let mut list = Vec::new();
     let mut open = vec![id];
@@ -263,7 +263,7 @@ pub(crate) fn may_start_over(cycle: &Cycle<'_>, id: TaskId) -> bool {
     watches.any(|watch| watch.clause == Clause::RestartWhen)
 }
 
-/// The clauses of the step that the task was made from, if it has any; items and handlers have none.
+/// Returns the clauses of the step that the task was made from, if it has any; items and handlers have none.
 fn step_clauses(cycle: &Cycle<'_>, id: TaskId) -> Option<Transitions> {
     let task = cycle.task(id).filter(|task| task.clauses.has(StepClauses::TRANSITIONS))?;
     let is_step = matches!(task.origin, Origin::Step(_));
@@ -304,7 +304,7 @@ fn watch(
         .map_err(|error| Because::new(Cause::ExpressionFailed { message: error.message }, Some(error.place)))
 }
 
-/// The clauses of the task at `level`; those of its procedure only once it has begun.
+/// Returns the clauses of the task at `level`; those of its procedure only once it has begun.
 fn clauses(cycle: &Cycle<'_>, id: TaskId, level: Level) -> Option<Transitions> {
     match level {
         Level::Step => step_clauses(cycle, id),

@@ -118,7 +118,7 @@ fn tell(cycle: &mut Cycle<'_>, task: TaskId, to: Vec<Symbol>, message: Message) 
     }
 }
 
-/// The other agents that hear `message` on `router`, or on any router that this agent publishes it to.
+/// Returns the other agents that hear `message` on `router`, or on any router that this agent publishes it to.
 fn receivers(
     cycle: &Cycle<'_>,
     message: &Message,

@@ -106,7 +106,7 @@ fn may_change(view: &View<'_>, name: &Symbol) -> bool {
     index.is_some_and(|index| index.changing.contains(name))
 }
 
-/// The second word of the only message that the monitor waits for, where it cannot change: a literal, or a variable
+/// Returns the second word of the only message that the monitor waits for, where it cannot change: a literal, or a variable
 /// that is bound already and stays as it is.
 fn second_word(monitor: &Monitor, view: &View<'_>) -> Option<Value> {
     let PartKind::Event(event) = &monitor.root.kind else { return None };
@@ -298,7 +298,7 @@ pub(crate) fn woken(cycle: &mut Cycle<'_>, id: MonitorId) {
     }
 }
 
-/// The newest arrival among the evidence: what the next instance of a repeated task must not take for an answer.
+/// Returns the newest arrival among the evidence: what the next instance of a repeated task must not take for an answer.
 fn answered(cycle: &Cycle<'_>, satisfaction: &Satisfaction) -> Option<u64> {
     let newest = cycle.agent.next.arrival.checked_sub(1);
     let arrival = |evidence: &Evidence| match evidence {

@@ -26,7 +26,7 @@ use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
-/// The probings that the condition asks for, in written order.
+/// Returns the probings that the condition asks for, in written order.
 ///
 /// # Errors
 /// When an interval or a limit cannot be evaluated, or is none.
@@ -244,7 +244,7 @@ fn cut(cycle: &mut Cycle<'_>, id: ProbingId, reason: ProbingEnd) {
     }
 }
 
-/// The task whose procedure the clause is part of: the probes are its children.
+/// Returns the task whose procedure the clause is part of: the probes are its children.
 fn host(cycle: &Cycle<'_>, probing: &Probing) -> Option<TaskId> {
     let host = match probing.level {
         Level::Step => cycle.task(probing.waiting)?.parent?,

@@ -86,7 +86,7 @@ fn open_logs(cycle: &mut Cycle<'_>, id: TaskId, procedure: &Procedure) {
     }
 }
 
-/// The first word of the messages that `(:events WORD)` means.
+/// Returns the first word of the messages that `(:events WORD)` means.
 fn first_word(value: &Value) -> Option<Symbol> {
     match value.as_list()? {
         [keyword, word] if keyword.as_symbol()?.is(":events") => word.as_symbol().cloned(),

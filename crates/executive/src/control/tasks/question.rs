@@ -125,7 +125,7 @@ pub(crate) fn answered(cycle: &mut Cycle<'_>, question: QuestionId, answer: &Val
     termination::end(cycle, id, Outcome::Success(value), Because::new(cause, place));
 }
 
-/// The option that the answer means, or the answer itself where there are no options. Words that come from outside are
+/// Returns the option that the answer means, or the answer itself where there are no options. Words that come from outside are
 /// texts; options are mostly symbols.
 fn chosen(options: &[Value], answer: &Value) -> Option<Value> {
     if options.is_empty() {

@@ -270,7 +270,7 @@ pub(crate) fn give_waiting_messages(cycle: &mut Cycle<'_>, id: TaskId, monitor: 
     cycle.agent.watches.put(monitor.0, watch);
 }
 
-/// The values of the `:for-new` variables, when the step has any.
+/// Returns the values of the `:for-new` variables, when the step has any.
 fn combination(cycle: &Cycle<'_>, id: TaskId, bindings: &Bindings) -> Option<Vec<Value>> {
     if !cycle.has(id, StepClauses::REPETITION) {
         return None;

@@ -129,7 +129,7 @@ pub(crate) fn interest(pattern: &Pattern) -> Interest {
     head.and_then(head_of).map_or(Interest::AnyEvent, Interest::EventHead)
 }
 
-/// The symbol by which messages of this form are routed: its head, or the form itself.
+/// Returns the symbol by which messages of this form are routed: its head, or the form itself.
 pub(crate) fn head_of(form: &Value) -> Option<apex_model::symbol::Symbol> {
     let head = match form {
         Value::List(items) => items.first()?,

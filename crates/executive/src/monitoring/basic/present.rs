@@ -65,7 +65,7 @@ fn error(condition: &Condition, message: String) -> EvaluationError {
     EvaluationError { message, place: condition.place }
 }
 
-/// All parts, or any of them where `deciding` is true: one part of this truth decides, else one unknown part.
+/// Returns all parts, or any of them where `deciding` is true: one part of this truth decides, else one unknown part.
 fn together(parts: &[Condition], deciding: bool, context: &dyn EvalContext) -> Result<Present, EvaluationError> {
     let mut truth = Some(!deciding);
     let mut evidence: Vec<Evidence> = Vec::new();

@@ -77,7 +77,7 @@ fn is_settled(expr: &Expr, context: &dyn EvalContext) -> bool {
     settled
 }
 
-/// First and last instant that satisfy the part.
+/// Returns the first and last instant that satisfy the part.
 ///
 /// # Errors
 /// When an expression cannot be evaluated.
@@ -103,7 +103,7 @@ pub(crate) fn span(
     }
 }
 
-/// Least and greatest delay.
+/// Returns the least and greatest delay.
 ///
 /// # Errors
 /// When an expression cannot be evaluated.

@@ -22,7 +22,7 @@ use apex_model::evidence_list::EvidenceList;
 use apex_model::expression::Expr;
 use apex_model::time::{Duration, Time};
 
-/// The part, not yet looked back. The length is evaluated now.
+/// Returns the part, not yet looked back. The length is evaluated now.
 ///
 /// # Errors
 /// When it cannot be.
@@ -172,13 +172,13 @@ fn see(part: &mut AbsentPart, site: PartContext, found: Vec<(Time, Time)>, troub
     }
 }
 
-/// The interval of a result, and on to the instant at which the values in it persist no more: absence begins with it.
+/// Returns the interval of a result, and on to the instant at which the values in it persist no more: absence begins with it.
 fn lasting(result: &Satisfaction) -> (Time, Time) {
     let (start, end) = result.interval;
     (start, expires(result).filter(|over| *over > end + TICK).unwrap_or(end))
 }
 
-/// The first instant at which some persisted value of a result is not valid any longer.
+/// Returns the first instant at which some persisted value of a result is not valid any longer.
 fn expires(result: &Satisfaction) -> Option<Time> {
     let persisted = result.evidence.iter().filter_map(|evidence| match evidence {
         Evidence::Estimate(estimate) if estimate.estimator == Estimator::Persistence => Some(estimate.extent.1),

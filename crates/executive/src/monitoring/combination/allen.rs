@@ -152,7 +152,7 @@ struct Item<'a> {
     settled: bool,
 }
 
-/// A result as it is known at `now`.
+/// Returns a result as it is known at `now`.
 fn span(interval: (Time, Time), open: bool, now: Time) -> KnownInterval {
     if open { KnownInterval::growing(interval, now) } else { KnownInterval::of(interval) }
 }
@@ -346,7 +346,7 @@ fn retain_useful(part: &mut AllenPart, site: PartContext, index: usize, looks: &
     side.settled.retain(|_| useful.next().unwrap_or(true));
 }
 
-/// All results up to now. Of those recognised at one instant, those go first whose parts, in written order, do.
+/// Returns all results up to now. Of those recognised at one instant, those go first whose parts, in written order, do.
 pub(crate) fn results(part: &AllenPart) -> Vec<Satisfaction> {
     let mut chains: Vec<&Chain> = part.found.iter().chain(&part.passing).collect();
     chains.sort_by(|a, b| (a.result.recognised_at, &a.intervals).cmp(&(b.result.recognised_at, &b.intervals)));

@@ -102,7 +102,7 @@ fn combined(part: &Part, composite: &Composite, separately: Truth, query: &mut V
     }
 }
 
-/// All results of the part up to now, earliest recognised first, with the part's tag bound.
+/// Returns all results of the part up to now, earliest recognised first, with the part's tag bound.
 pub(crate) fn results(part: &Part, query: &mut VerdictQuery<'_>) -> Vec<Satisfaction> {
     let site = crate::monitoring::part::site(part);
     let mut results = match &part.kind {
@@ -147,7 +147,7 @@ pub(crate) fn results(part: &Part, query: &mut VerdictQuery<'_>) -> Vec<Satisfac
     results
 }
 
-/// The earliest recognised result of the part, as [`results`] would list it.
+/// Returns the earliest recognised result of the part, as [`results`] would list it.
 pub(crate) fn first_result(part: &Part, query: &mut VerdictQuery<'_>) -> Option<Satisfaction> {
     match (&part.kind, &part.tag) {
         (PartKind::Measurement(leaf), None) => measurement::first_result(leaf),
@@ -385,7 +385,7 @@ impl<'a> Combination<'a> {
     }
 }
 
-/// The bindings of both, if they agree where both bind.
+/// Returns the bindings of both, if they agree where both bind.
 pub(crate) fn joined(left: &Bindings, right: &Bindings) -> Option<Bindings> {
     let mut all = left.clone();
     for (name, value) in right.iter() {

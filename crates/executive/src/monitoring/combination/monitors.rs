@@ -139,7 +139,7 @@ pub(crate) fn next_wake(monitor: &Monitor) -> Option<(Time, WakeReason)> {
     wake_of(&monitor.root, after).into_iter().chain(delay.map(|at| (at, WakeReason::Foreseen))).min()
 }
 
-/// The parts that do not hold, with what is known about each.
+/// Returns the parts that do not hold, with what is known about each.
 pub(crate) fn unmet(monitor: &Monitor, context: &dyn EvalContext) -> Vec<Unmet> {
     let mut query = VerdictQuery::new(context);
     let mut list = Vec::new();
@@ -147,7 +147,7 @@ pub(crate) fn unmet(monitor: &Monitor, context: &dyn EvalContext) -> Vec<Unmet> 
     list
 }
 
-/// The whole condition as a tree: which parts hold, with what is known about each.
+/// Returns the whole condition as a tree: which parts hold, with what is known about each.
 pub(crate) fn condition_tree(monitor: &Monitor, context: &dyn EvalContext) -> condition_tree::ConditionNode {
     condition_tree::tree(&monitor.root, &mut VerdictQuery::new(context))
 }

@@ -115,7 +115,7 @@ pub(crate) fn replay(part: &mut Part, newest: Option<u64>, context: &dyn EvalCon
     }
 }
 
-/// The arrival number of a sample that is not the newest of its variable, if `part` relates results in time: what came
+/// Returns the arrival number of a sample that is not the newest of its variable, if `part` relates results in time: what came
 /// before may have been related otherwise.
 pub(crate) fn changes_the_past(part: &Part, stimulus: &Stimulus, context: &dyn EvalContext) -> Option<u64> {
     let Stimulus::Sample { variable, sequence, newest, at, .. } = stimulus else { return None };
@@ -175,7 +175,7 @@ fn asks_functions(part: &Part) -> bool {
     asks
 }
 
-/// The instant of the newest sample that the part has received, up to this arrival: what came after it at the same instant is
+/// Returns the instant of the newest sample that the part has received, up to this arrival: what came after it at the same instant is
 /// still to be shown.
 pub(crate) fn newest_known(part: &Part, told: u64, context: &dyn EvalContext) -> Option<Time> {
     let histories = context.histories();
@@ -195,7 +195,7 @@ pub(crate) fn newest_known(part: &Part, told: u64, context: &dyn EvalContext) ->
     known
 }
 
-/// The instant before `now` that decides about an absence and was not evaluated: a sample that came late has made it.
+/// Returns the instant before `now` that decides about an absence and was not evaluated: a sample that came late has made it.
 pub(crate) fn overdue(part: &Part, now: Time) -> Option<Time> {
     match &part.kind {
         PartKind::Absent(leaf)
@@ -328,7 +328,7 @@ fn results_of_events(part: &Part, stimuli: &mut Vec<(Time, u64, Stimulus)>) {
     part_results::for_each_inner(part, &mut |inner| results_of_events(inner, stimuli));
 }
 
-/// The earliest instant from which evidence counts in any part.
+/// Returns the earliest instant from which evidence counts in any part.
 fn first_window(part: &Part) -> Time {
     let mut start = part.window.start;
     part_results::for_each_inner(part, &mut |inner| start = start.min(first_window(inner)));

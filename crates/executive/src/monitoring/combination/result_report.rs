@@ -210,7 +210,7 @@ fn one_for_each_binding(fresh: &mut Vec<Satisfaction>) {
     fresh.retain(|result| seen.insert(bound(&result.bindings)));
 }
 
-/// The results of an open episode.
+/// Returns the results of an open episode.
 fn open_keys(part: &Part, query: &mut VerdictQuery<'_>) -> Vec<Key> {
     let open = match &part.kind {
         PartKind::Episode(leaf) => {

@@ -96,7 +96,7 @@ fn several(part: &Part, composite: &Composite, query: &mut VerdictQuery<'_>, lis
     }
 }
 
-/// The PDL text of a part.
+/// Returns the PDL text of a part.
 pub(crate) fn text(part: &Part) -> String {
     let several = |name: &str, composite: &Composite| {
         format!("({name} {})", composite.parts.iter().map(text).collect::<Vec<_>>().join(" "))

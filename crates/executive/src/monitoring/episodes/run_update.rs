@@ -77,7 +77,7 @@ fn forgets_a_start(part: &EpisodePart, state: &ObjectRun, run: Option<&Run>) -> 
     state.run.as_ref().is_some_and(|old| full(old) && run.is_some_and(|new| new.samples > old.samples))
 }
 
-/// The run that the newest sample belongs to: the old one extended, a new one, or none.
+/// Returns the run that the newest sample belongs to: the old one extended, a new one, or none.
 pub(crate) fn with_newest(part: &EpisodePart, state: &ObjectRun) -> Option<Run> {
     let newest = &state.newest;
     let bindings = newest.holds.as_ref()?;
@@ -111,7 +111,7 @@ pub(crate) fn with_newest(part: &EpisodePart, state: &ObjectRun) -> Option<Run> 
     })
 }
 
-/// The gap between the run and the newest sample, if it is too long.
+/// Returns the gap between the run and the newest sample, if it is too long.
 pub(crate) fn gap_cut(part: &EpisodePart, state: &ObjectRun) -> Option<Duration> {
     let gap = state.newest.at - state.run.as_ref()?.last;
     part.gap_max.filter(|most| gap > *most).map(|_| gap)
@@ -226,7 +226,7 @@ impl Judge<'_> {
     }
 }
 
-/// The run as a result.
+/// Returns the run as a result.
 pub(crate) fn result(part: &EpisodePart, object: &Value, run: &Run, recognised_at: Time) -> Satisfaction {
     let attribute = part.condition.variable.attribute.clone();
     let variable = StateVariable { attribute, object: object.clone() };

@@ -119,7 +119,7 @@ fn tags_differ<'a>(part: &'a Part, seen: &mut Vec<&'a Symbol>) -> bool {
     }
 }
 
-/// The leaves as banks can watch them, in written order, when the monitor is a plain combination that was just harvested.
+/// Returns the leaves as banks can watch them, in written order, when the monitor is a plain combination that was just harvested.
 pub(crate) fn bankable<'a>(monitor: &'a Monitor, context: &dyn EvalContext) -> Option<(Leaves, Vec<Bankable<'a>>)> {
     if matches!(monitor.root.kind, PartKind::Episode(_)) || !tags_differ(&monitor.root, &mut Vec::new()) {
         return None;

@@ -74,7 +74,7 @@ impl fmt::Display for FitFailure {
     }
 }
 
-/// The part for `condition`, not yet looked back. All options are evaluated now.
+/// Returns the part for `condition`, not yet looked back. All options are evaluated now.
 ///
 /// # Errors
 /// When they cannot be.
@@ -117,7 +117,7 @@ pub(crate) fn create(
     })
 }
 
-/// The unit and dimension that values of `attribute` are declared with.
+/// Returns the unit and dimension that values of `attribute` are declared with.
 pub(crate) fn declared_scale(
     attribute: &Symbol,
     context: &dyn EvalContext,
@@ -235,7 +235,7 @@ impl FittedLine {
     }
 }
 
-/// The line through the samples of one object.
+/// Returns the line through the samples of one object.
 ///
 /// # Errors
 /// With the reason for which there is none.

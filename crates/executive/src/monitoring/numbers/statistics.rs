@@ -34,7 +34,7 @@ use apex_model::value::Value;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The part for `condition`, not yet looked back. Gap and durations are evaluated now.
+/// Returns the part for `condition`, not yet looked back. Gap and durations are evaluated now.
 ///
 /// # Errors
 /// When they cannot be.
@@ -71,7 +71,7 @@ pub(crate) fn create(
     })
 }
 
-/// The least duration that a constraint allows; of a window that slides the wanted one.
+/// Returns the least duration that a constraint allows; of a window that slides the wanted one.
 fn least_duration(constraint: &Constraint, context: &dyn EvalContext) -> Result<Duration, EvaluationError> {
     let tick = Duration(1);
     Ok(match constraint {
@@ -273,7 +273,7 @@ fn number(
     }
 }
 
-/// All results up to now, earliest recognised first.
+/// Returns all results up to now, earliest recognised first.
 pub(crate) fn results(part: &StatisticalPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Vec<Satisfaction> {
     let mut results = part.settled.clone();
     if site.keep == Keep::First && !results.is_empty() {
@@ -322,7 +322,7 @@ fn open<'a>(
     open
 }
 
-/// The same, each with its variable.
+/// Returns the same, each with its variable.
 pub(crate) fn open_of_variables(
     part: &StatisticalPart,
     site: PartContext,

@@ -150,7 +150,7 @@ impl Wanted {
         !self.value && self.duration > 0
     }
 
-    /// The run up to the newest of `samples`, which are all up to some instant.
+    /// Returns the run up to the newest of `samples`, which are all up to some instant.
     fn run(self, samples: &[(i64, i64)]) -> &[(i64, i64)] {
         let ok = |value: i64| !self.value || value >= 5;
         let mut start = samples.len();

@@ -32,7 +32,7 @@ impl Sum {
         self.low += other.low;
     }
 
-    /// The sum as a number.
+    /// Returns the sum as a number.
     pub fn value(self) -> f64 {
         self.high + self.low
     }
@@ -128,17 +128,17 @@ impl Moments {
         self.count
     }
 
-    /// First and last instant; none without samples.
+    /// Returns the first and last instant; `None` without samples.
     pub fn span(&self) -> Option<(Time, Time)> {
         (self.count > 0).then_some((self.first_at, self.last_at))
     }
 
-    /// The sum of the values.
+    /// Returns the sum of the values.
     pub fn sum(&self) -> Option<f64> {
         (self.count > 0).then(|| self.sum.value())
     }
 
-    /// The mean; none without samples.
+    /// Returns the mean; `None` without samples.
     pub fn mean(&self) -> Option<f64> {
         self.sum().map(|sum| sum / self.count as f64)
     }
@@ -148,12 +148,12 @@ impl Moments {
         (self.count > 0).then(|| (self.spread / self.count as f64).max(0.0))
     }
 
-    /// The least value.
+    /// Returns the least value.
     pub fn least(&self) -> Option<f64> {
         (self.count > 0).then_some(self.least)
     }
 
-    /// The greatest value.
+    /// Returns the greatest value.
     pub fn greatest(&self) -> Option<f64> {
         (self.count > 0).then_some(self.greatest)
     }
@@ -167,7 +167,7 @@ impl Moments {
         (self.time_spread > 0.0).then(|| self.common_spread / self.time_spread)
     }
 
-    /// The value of the line of least squares at an instant; none with fewer than two distinct instants.
+    /// Returns the value of the line of least squares at an instant; `None` with fewer than two distinct instants.
     pub fn line_at(&self, at: Time) -> Option<f64> {
         let time = (at - self.anchor_at).0 as f64;
         Some(self.anchor + (self.mean + self.slope_per_ns()? * (time - self.mean_time_ns)))
@@ -180,7 +180,7 @@ impl Moments {
         Some((self.anchor_at, self.mean_time_ns + ((value - self.anchor) - self.mean) / slope))
     }
 
-    /// Sum of the squared residuals of the line; none with fewer than two distinct instants.
+    /// Returns the sum of the squared residuals of the line; `None` with fewer than two distinct instants.
     pub fn residual(&self) -> Option<f64> {
         let explained = self.slope_per_ns()? * self.common_spread;
         // Below this the difference is rounding, not residual.
@@ -238,12 +238,12 @@ impl HeldMoments {
         self.spread += other.spread + off * off * own * share;
     }
 
-    /// The mean over time; none when nothing held for any time.
+    /// Returns the mean over time; `None` if nothing held for any time.
     pub fn mean(&self) -> Option<f64> {
         (self.weight_ns > 0.0).then_some(self.anchor + self.mean)
     }
 
-    /// The variance over time; none when nothing held for any time.
+    /// Returns the variance over time; `None` if nothing held for any time.
     pub fn variance(&self) -> Option<f64> {
         (self.weight_ns > 0.0).then(|| (self.spread / self.weight_ns).max(0.0))
     }

@@ -285,7 +285,7 @@ impl Newest {
         self.len() == 0
     }
 
-    /// The newest sample of `object`.
+    /// Returns the newest sample of `object`.
     pub fn get(&self, object: &Value) -> Option<&NewestSample> {
         match self {
             Newest::None => None,
@@ -294,7 +294,7 @@ impl Newest {
         }
     }
 
-    /// The newest sample of `object`, to change it.
+    /// Returns the newest sample of `object`, to change it.
     pub fn get_mut(&mut self, object: &Value) -> Option<&mut NewestSample> {
         match self {
             Newest::None => None,
@@ -329,7 +329,7 @@ impl Newest {
         taken.into_iter().map(|(_, result)| result).collect()
     }
 
-    /// All newest samples, in order of their objects.
+    /// Returns all newest samples, in order of their objects.
     pub fn samples(&self) -> impl Iterator<Item = &NewestSample> {
         let (one, several) = match self {
             Newest::None => (None, None),

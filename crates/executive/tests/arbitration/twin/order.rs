@@ -8,7 +8,7 @@ impl Twin {
         !self.related(a, b) && self.share(a, b) && self.before_by_rank(a, b) == Some(true)
     }
 
-    /// The greatest priority of the task and of all that wait behind it.
+    /// Returns the greatest priority of the task and of all that wait behind it.
     pub(super) fn weight(&self, task: usize, all: &[usize]) -> f64 {
         let mut behind = vec![task];
         while let Some(more) = all
@@ -35,8 +35,8 @@ impl Twin {
         order
     }
 
-    /// Orders holders by the order in which they yield: first a task that beats none of the others by rank; of these the least defence; of these the latest
-    /// at work.
+    /// Orders holders by the order in which they yield: first a task that beats none of the others by rank; of these the least defence; of
+    /// these the latest at work.
     pub(super) fn weakest_first(&self, mut holders: Vec<usize>, defence: &impl Fn(usize) -> f64) -> Vec<usize> {
         let mut ordered = Vec::new();
         while !holders.is_empty() {

@@ -22,7 +22,7 @@ pub(super) struct Header {
     pub(super) limit: Option<f64>,
 }
 
-/// The key and the value of the line that `first` begins.
+/// Returns the key and the value of the line that `first` begins.
 pub(super) fn split(first: &TextToken<'_>) -> (String, String) {
     let line = first.whole_line.trim_start_matches('\u{feff}');
     let (key, value) = match line.split_once(':') {

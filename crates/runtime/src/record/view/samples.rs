@@ -7,7 +7,7 @@ use crate::record::restore::RestoredProgram;
 use std::sync::PoisonError;
 
 impl RecordView {
-    /// The signals that were measured by mission time `at_ns` (nanoseconds; none means the record's end). `program` adds
+    /// Returns the signals that were measured by mission time `at_ns` (nanoseconds; none means the record's end). `program` adds
     /// the limits.
     ///
     /// # Errors
@@ -21,7 +21,7 @@ impl RecordView {
         Ok(Signals { signals: known.map(|known| known.signal(program)).collect() })
     }
 
-    /// The windows of the signals asked for.
+    /// Returns the windows of the signals asked for.
     ///
     /// # Errors
     /// [`RecordError::Damaged`]; [`RecordError::Question`] for more than [`SIGNALS_MAX`] names and for names that the

@@ -18,7 +18,7 @@ impl StateWord {
         self.0 != TaskState::Terminated
     }
 
-    /// The state with this word.
+    /// Returns the state with this word.
     fn parse(word: &str) -> Option<StateWord> {
         ALL.into_iter().find(|state| state.word() == word).map(StateWord)
     }

@@ -132,7 +132,7 @@ fn even_a_budget_of_nothing_gives_a_whole_plan() {
     assert_eq!(solve(&few(5, 60_000.0), 0).unwrap().visits.len(), 5);
 }
 
-/// The best score by trying every subset in every order with every manoeuvre.
+/// Returns the best score by trying every subset in every order with every manoeuvre.
 fn exhaustive(problem: &SingleVisitProblem) -> f64 {
     fn extend(schedule: &mut schedule::Schedule<'_>, order: &mut Vec<schedule::Choice>, best: &mut f64) {
         match schedule.judge(order, &mut WorkBudget::new(u64::MAX)) {

@@ -22,7 +22,7 @@ pub(super) struct Coefficients {
 }
 
 impl Coefficients {
-    /// The formula of the head of this file.
+    /// Returns the formula of the head of this file.
     #[inline(always)]
     pub(super) fn cost(&self, length_s: f64x4) -> f64x4 {
         let decayed = exponential(f64x4::ZERO - self.rate_per_s * length_s) - f64x4::ONE;
@@ -42,14 +42,14 @@ pub(super) struct Intervals {
 pub(super) type Closing = SmallVec<[(usize, f64); LETTERS_MAX]>;
 
 impl Intervals {
-    /// The coefficients of a problem; none where a target's cost or rate is of another family.
+    /// Returns the coefficients of a problem; `None` if a target's cost or rate is of another family.
     pub(super) fn of(problem: &SurveillanceProblem) -> Option<Intervals> {
         let by_target: Vec<[f64; 4]> = problem.targets.iter().map(coefficients).collect::<Option<_>>()?;
         let lanes = by_target.chunks(LANES).map(|targets| side_by_side(targets.iter().copied())).collect();
         Some(Intervals { lanes, by_target })
     }
 
-    /// The coefficients, lanes by lanes.
+    /// Returns the coefficients, lanes by lanes.
     pub(super) fn lanes(&self) -> &[Coefficients] {
         &self.lanes
     }
@@ -66,7 +66,7 @@ impl Intervals {
         sum
     }
 
-    /// The cost of an interval of `length_s` of one target; 0 for a target that does not exist.
+    /// Returns the cost of an interval of `length_s` of one target; 0 for a target that does not exist.
     pub(super) fn cost(&self, target: usize, length_s: f64) -> f64 {
         let costs = self.lanes.get(target / LANES).map(|coefficients| coefficients.cost(f64x4::splat(length_s)));
         costs.and_then(|costs| costs.to_array().get(target % LANES).copied()).unwrap_or(0.0)

@@ -45,7 +45,7 @@ impl Histories {
         self.events.range(first..)
     }
 
-    /// True when every message at or after `instant` is still remembered.
+    /// Returns true when every message at or after `instant` is still remembered.
     pub fn events_cover(&self, instant: Time) -> bool {
         self.events_forgotten_until.is_none_or(|forgotten| forgotten < instant)
     }

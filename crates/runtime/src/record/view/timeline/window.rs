@@ -22,7 +22,7 @@ impl Window {
         self.to_ns.saturating_sub(self.from_ns).saturating_add(pixels - 1).checked_div(pixels).unwrap_or(1).max(1)
     }
 
-    /// The pixel of an instant in the window.
+    /// Returns the pixel of an instant in the window.
     pub(super) fn pixel(self, at_ns: i64) -> usize {
         let pixel = at_ns.saturating_sub(self.from_ns).checked_div(self.pixel_ns()).unwrap_or(0);
         usize::try_from(pixel).unwrap_or(0).min(self.pixels - 1)
