@@ -26,7 +26,7 @@ pub(crate) fn lines(text: &Text) -> Vec<(usize, String)> {
     numbered.filter(|(_, line)| !line.trim().is_empty()).collect()
 }
 
-/// Markdown with the lines of code fences emptied.
+/// Returns Markdown with the lines of code fences emptied.
 fn markdown(body: &str) -> Vec<String> {
     let mut fenced = false;
     let keep = |line: &str| {

@@ -11,17 +11,17 @@ use std::collections::BTreeSet;
 /// Conversion of a field into a state variable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
-    /// `TOPIC.FIELD`; of a table the column. With [`Take`] the quaternion, whose elements are `[0]` to `[3]`.
+    /// `TOPIC.FIELD`, or the column of a table. For the angles of [`Take`], the quaternion, whose elements are `[0]` to `[3]`.
     pub field: String,
     /// The state variable.
     pub variable: StateVariable,
     /// Computation from the field.
     pub take: Take,
-    /// The number in the log is multiplied by this,
+    /// Factor by which the number in the log is multiplied.
     pub scale: f64,
-    /// or by this, if the log writes the field as a whole number and states no unit for it,
+    /// Factor that replaces `scale` if the log stores the field as an integer and states no unit for it.
     pub integer_scale: Option<f64>,
-    /// and then this is added: the number in the unit in which the variable is declared.
+    /// Offset added after scaling; the result is in the declared unit of the variable.
     pub offset: f64,
     /// Words for numbers, such as the modes of an autopilot.
     pub words: Vec<(f64, Value)>,
@@ -48,7 +48,7 @@ pub enum Take {
 /// Conversion of fields into state variables.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mapping {
-    /// In order; several fields may make one variable: the first that the log has counts.
+    /// Entries in order of preference: if several fields can make one variable, the first one that the log has counts.
     pub entries: Vec<Entry>,
 }
 
@@ -57,7 +57,7 @@ pub struct Mapping {
 pub struct Sampled {
     /// Index of the entry of the mapping that made it.
     pub entry: usize,
-    /// Its value, a bare number in the declared unit, or a symbol or text.
+    /// Value: a number in the declared unit, a symbol or a text.
     pub value: Value,
     /// Instant by the log's clock.
     pub at: Time,
@@ -80,7 +80,7 @@ pub struct Sampler {
     topics: Vec<(usize, Vec<Source>)>,
     /// Samples made by each entry.
     counts: Vec<u64>,
-    /// Entry that makes each variable: if several could, the first that the log has.
+    /// Index of the entry that makes each variable: the first one whose field the log has.
     chosen: Vec<Option<usize>>,
     /// True for entries that make samples; the others only show the times of measurements.
     wanted: Vec<bool>,
@@ -96,7 +96,7 @@ impl Sampler {
         Sampler { mapping, topics: Vec::new(), counts, chosen, wanted, unwanted: None }
     }
 
-    /// Makes samples of these attributes only.
+    /// Restricts the samples to these attributes.
     pub fn keep_only(&mut self, attributes: &BTreeSet<Symbol>) {
         self.wanted = self.mapping.entries.iter().map(|entry| attributes.contains(&entry.variable.attribute)).collect();
     }

@@ -84,7 +84,7 @@ pub fn release(path: &Path) {
     HELD.lock().unwrap_or_else(PoisonError::into_inner).retain(|(held, _)| held != path);
 }
 
-/// Returns a record that another run still writes or serves must not be taken away from it.
+/// Refuses to replace a record that another run still writes or serves.
 fn refuse_when_held(path: &Path) -> MissionResult {
     let Ok(file) = File::open(path) else { return Ok(()) };
     match file.try_lock() {

@@ -34,9 +34,9 @@ pub enum Order {
 /// The operator or program that gives a command.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Author {
-    /// Its name and role.
+    /// Name and role of the author.
     pub actor: Actor,
-    /// The epoch of authority in which it commands, if it states one: a command of another epoch is refused.
+    /// Epoch of authority that the command states; a command of another epoch is refused. `None`: not stated.
     pub epoch: Option<u64>,
 }
 
@@ -120,7 +120,7 @@ impl PartialEq for Command {
 
 impl Drop for Command {
     fn drop(&mut self) {
-        // A run that ends leaves commands behind that it has not taken.
+        // Commands that the run has not taken when it ends are rejected.
         self.ticket.settle(CommandEnd::Rejected { reason: "the flight ended before it took the command".into() });
     }
 }

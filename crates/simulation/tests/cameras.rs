@@ -1,5 +1,5 @@
-//! Pictures planned, flown in the simulator, recorded and scored again from the record: what was predicted happens, in still air
-//! within 5 %, in wind within 10 %, for each manoeuvre of a quadrotor, a helicopter and a fixed-wing mapper.
+//! Pictures planned, flown in the simulator, recorded, and scored again from the record. For each manoeuvre of a quadrotor, a helicopter
+//! and a fixed-wing mapper the flown result equals the prediction, within 5 % in still air and within 10 % in wind.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops where it is surprised")]
 
@@ -15,7 +15,7 @@ use std::sync::Arc;
 const STILL: &str = "altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps,edr\n0,3000,0,0,0\n";
 const WIND: &str = "altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps,edr\n0,3000,250,4,0.05\n";
 
-/// Longitude and latitude of a place east and north of the pad, as GeoJSON has them.
+/// Returns longitude and latitude of a place east and north of the pad, as a GeoJSON position.
 fn place(east_m: f64, north_m: f64) -> String {
     let (latitude, longitude) = (40.0 + north_m / 111_034.0, -100.0 + east_m / 85_395.0);
     format!("[{longitude:.6}, {latitude:.6}]")
@@ -141,9 +141,9 @@ fn pictures_give_what_the_plan_predicted_in_the_time_that_it_predicted() {
             println!("{}", flown.report.text());
             let looks = compare(&format!("{model}, {share}"), &flown.report, share);
             assert_eq!(looks, wanted.len() - 1, "{model}: {}", flown.report.text());
-            // It is home again, on the ground.
+            // The flight ends at home, on the ground.
             assert_eq!(flown.report.end.1, "the initial task is done", "{model}");
-            // From the record alone, byte for byte.
+            // The report from the record alone equals that of the flight byte for byte.
             let (reader, warning) = recording::open(&path).unwrap();
             assert_eq!(warning, None);
             let recorded = mission_of(&reader).unwrap().unwrap();

@@ -46,7 +46,7 @@ pub(super) fn probes(
     Ok(())
 }
 
-/// Returns a probe that lived is cut.
+/// Checks that a probe which had not ended is cut.
 pub(super) fn cut(scene: &Scene<'_>, own: &Known, (waiting, probes, reason): (TaskId, u64, ProbingEnd)) -> Checked {
     let made = matches!(own.made, Cause::Probes { waiting: task, number, .. } if task == waiting && number == probes);
     require(made, "it is no such probe")?;

@@ -40,7 +40,8 @@ pub(crate) fn kept_by_all(story: &Story, end: &RunEnd, _check: &CheckResult) -> 
     rules
 }
 
-/// Returns an application that ends leaves no vehicle in the air, and an initial task fails for a reason that was reported.
+/// Returns violations of two rules: an application that ends leaves no vehicle in the air, and a failed initial task has a reported
+/// reason.
 fn end_explained(story: &Story, end: &RunEnd) -> Vec<String> {
     let EndReason::Application(reason) = &end.reason else { return Vec::new() };
     let end_s = end.at.seconds();

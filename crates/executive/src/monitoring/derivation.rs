@@ -86,7 +86,7 @@ pub(crate) fn derive(
     recordings
 }
 
-/// Returns a value that was not computed, or refused, is counted as missing; the message of all but the first is dropped.
+/// Counts a value that was not computed, or was refused, as missing, and drops all of its messages but the first.
 fn first_trouble_only(mut recording: Recording, variable: &StateVariable, histories: &mut Histories) -> Recording {
     if recording.recorded.is_none() && histories.note_missing(variable) > 1 {
         recording.trouble = None;

@@ -1,4 +1,4 @@
-//! The operator's plan as a planner's, and the message that the operator plans better (paper, section V.C).
+//! Planner that returns the operator's visits, and the message that operators plan better (paper, section V.C).
 
 use super::solve::PlanningResources;
 use crate::situation::OperatorPlan;
@@ -31,7 +31,7 @@ pub(super) fn means(
     Ok(means)
 }
 
-/// Returns the first step of a plan where the operator plans better: `library/aerial-observation.pdl` informs its listeners.
+/// Returns the first step of a plan for a problem that operators plan better: it sends a message by `library/aerial-observation.pdl`.
 pub(super) fn step(goal: &Value, summary: &str) -> (Symbol, PlannedActivity) {
     let words = [Value::symbol("say"), Value::symbol("that"), Value::symbol("people"), Value::symbol("plan")];
     let rest = [goal.clone(), Value::symbol("better"), Value::symbol("than"), Value::text(summary)];

@@ -1,10 +1,10 @@
-//! A segment of a line that lost its data: this segment again, or one target less (paper, section IV, example 1).
+//! Decision about a segment of a line whose data were lost: fly it again, or keep its time for other targets (paper, section IV, example 1).
 //!
 //! Runs: once for each `(segment-lost TARGET FROM TO END)` that the flying agent says. The gain is what the segment adds to what has
 //! been seen and to what the rest of the observation will see, in the turbulence that is measured. The price is the difference between
 //! the values of the rest of the plan, begun now and begun after the segment. The answer `(segment-weighed TARGET FROM TO again|leave
 //! GAIN PRICE TEXT)` enters the next batch, and is recorded like all inputs.
-//! Bound: one planning problem posed of the n visits that the plan still has ahead, and O(n^2) judgements of them.
+//! Bound: one planning problem with the n remaining visits of the plan, and O(n^2) evaluations of them.
 
 use crate::ground::MissionGround;
 use crate::observing::{ForecastAir, scanner_of};
@@ -47,9 +47,9 @@ struct LostSegment {
 /// Segments that lost their data, and the answers so far.
 #[derive(Clone, Debug, Default)]
 pub(super) struct LostSegments {
-    /// Not weighed yet, with the instant of the loss.
+    /// Segments that are not decided yet, with the instant of the loss.
     open: Vec<(Time, LostSegment)>,
-    /// Weighed, and whether it is flown again.
+    /// Decided segments; true if the segment is flown again.
     weighed: Vec<(LostSegment, bool)>,
 }
 
@@ -60,7 +60,7 @@ pub(super) struct Trade {
     pub(super) gain_points: f64,
     /// Points that its time takes from the rest of the plan.
     pub(super) price_points: f64,
-    /// The time.
+    /// Time for flying the segment again.
     pub(super) flight_s: f64,
     /// Targets that are left out for it.
     pub(super) dropped: Vec<String>,
@@ -113,7 +113,7 @@ impl LostSegment {
 }
 
 impl LostSegments {
-    /// Takes what the flying agent says.
+    /// Reads lost segments from the messages of the flying agent.
     pub(super) fn observe(&mut self, now: Time, effects: &[Effect]) {
         let said = effects.iter().filter_map(|effect| match effect {
             Effect::Inform { form, .. } => LostSegment::read(form),
@@ -134,7 +134,7 @@ impl LostSegments {
             let apart_m = geodesy::distance_m(other.until.position, lost.begin.position);
             !is_again && other.target == lost.target && other.line_end == lost.line_end && apart_m <= settle_m
         };
-        // A segment that was left and this one are flown again together.
+        // If a segment near this one was left before, both are flown again together.
         let merged = self.weighed.iter().rev().find(near).map(|(other, _)| LostSegment {
             begin: other.begin,
             from: other.from.clone(),
@@ -206,7 +206,7 @@ fn trade(
                 let delay = (at.seconds(), leaves_s, again.total_s);
                 match single_visits(&believed, (situation, Some(flown), at), (&is_ahead, false)) {
                     Ok(problem) => price(&problem, plan, &lost.target, from, delay)?,
-                    // Nothing left to plan for: time costs nothing but itself.
+                    // No visits remain, so the time of the segment displaces nothing.
                     Err(_) => (0.0, Vec::new()),
                 }
             }
@@ -315,7 +315,7 @@ fn price(
         order_value(&later, &order)
     };
     let at_once = value(leaves_s)?;
-    // Where the delay leaves no time to fly at all, everything is lost.
+    // If the delay leaves no time to fly, all remaining visits are lost.
     let delayed = value(leaves_s + delay_s).unwrap_or(OrderValue { score: 0.0, visited: Vec::new() });
     let lost = at_once.visited.iter().filter(|target| !delayed.visited.contains(target));
     let names = lost.filter_map(|target| problem.targets.get(*target)).map(|target| target.name.clone());

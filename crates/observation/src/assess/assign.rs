@@ -136,7 +136,7 @@ fn best_assignment(passes: &[PassWorth], worths: &[StripWorth<'_>]) -> PartialAs
     states.into_iter().fold(start, |best, state| if state.sum > best.sum { state } else { best })
 }
 
-/// Returns the state after this pass serves the wanted looks in `set` as well; `None` if that is not allowed or is worth nothing.
+/// Returns the state in which this pass serves the wanted looks in `set` as well; `None` if that is not allowed or is worth nothing.
 fn extended(
     state: &PartialAssignment,
     set: usize,

@@ -1,4 +1,4 @@
-//! The worth of one look for one wanted look, factor by factor.
+//! Worth of one look for one wanted look, as a product of factors.
 
 use super::context::{AssessContext, Product};
 use crate::clarity::clear_probability;
@@ -31,7 +31,7 @@ pub(super) struct StripWorth<'a> {
     timings: Vec<Vec<StripTiming>>,
     /// Direction of the sun at each strip, where light is wanted.
     suns: Vec<Vec<[f64; 3]>>,
-    /// True if a look was worth something and no time of arrival on the ground is known for it.
+    /// True if a look has worth and the time of its arrival on the ground is not known.
     pub(super) is_arrival_missing: bool,
 }
 
@@ -42,7 +42,7 @@ pub(super) struct LookWorth {
     pub(super) valid: f64,
     /// Probability that no cloud hides the cell; 1 as flown.
     pub(super) clear: f64,
-    /// Clarity of a valid look.
+    /// Clarity of the look if it is valid.
     pub(super) s: f64,
     /// Clarity times resolution.
     pub(super) sr: f64,

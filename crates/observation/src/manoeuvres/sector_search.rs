@@ -7,7 +7,7 @@ use super::{Craft, Instrument};
 use apex_geo::plane::Point;
 use serde::{Deserialize, Serialize};
 
-/// Legs through the place where the target is most likely.
+/// A sector search: legs through the most likely position of the target.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SectorSearch {
@@ -15,7 +15,7 @@ pub struct SectorSearch {
     pub radius_m: f64,
     /// Height above the target.
     pub height_m: f64,
-    /// Direction of the first leg; none: into the wind, north without wind. A repetition is turned by 30 degrees.
+    /// Direction of the first leg; `None`: into the wind, or north without wind. A repetition is turned by 30 degrees.
     pub first_track_deg: Option<f64>,
 }
 

@@ -137,7 +137,8 @@ fn misaligned(piece: &Piece<'_>, stack: &mut [List<'_>]) -> usize {
     if body == column { 0 } else { MISALIGNED }
 }
 
-/// Returns a list begins with `head` inside of a list with this head and so many items, this one included.
+/// Returns the cost of a list that begins with `head`, inside of a list with the head and the number of items (itself included) in
+/// `parent`.
 fn headed(head: &str, parent: Option<(&str, usize)>) -> usize {
     let Some((outer, items)) = parent else {
         return if is_form(head) || head == "agent" { 0 } else { MISPLACED };

@@ -56,9 +56,9 @@ impl std::fmt::Display for Damage {
 
 /// Sees the rows and seals of intact groups.
 pub(super) trait Visitor {
-    /// Returns a row of the table with this place, of a group whose seal has not been compared yet.
+    /// Visits a row of the table with this index, of a group whose seal has not been compared yet.
     fn row(&mut self, table: usize, row: &Row<'_>) -> rusqlite::Result<()>;
-    /// Returns the seal of the rows since the last one fits.
+    /// Visits a seal after it was compared: it fits the rows since the seal before.
     fn sealed(&mut self, seal: &Seal) -> rusqlite::Result<()>;
 }
 

@@ -1,4 +1,4 @@
-//! One flight: its thread, its progress, and how it ended.
+//! One flight that the server runs: its thread, its progress and its end.
 
 use crate::flights::catalogue::Failure;
 use crate::operation::FlightDoor;
@@ -69,7 +69,7 @@ impl Flight {
         Flight { id, mission, record, seed, now_ns: AtomicI64::new(0), door, end: OnceLock::new() }
     }
 
-    /// Flies; returns when the flight has ended and its record is closed. Then drops `place`, and only then tells the end.
+    /// Flies, and returns when the flight has ended and its record is closed. `place` is dropped before the end becomes visible.
     pub(crate) fn fly(&self, preparation: Preparation, place: impl Drop) {
         let end = match catch_unwind(AssertUnwindSafe(|| self.flown(preparation))) {
             Ok(Ok(end)) => end,
@@ -111,12 +111,12 @@ impl Flight {
         self.door.stop();
     }
 
-    /// Returns the way to its run.
+    /// Returns the door through which commands reach the run.
     pub(crate) fn door(&self) -> &FlightDoor {
         &self.door
     }
 
-    /// True until the flight has ended or failed.
+    /// Returns true until the flight has ended or failed.
     pub(crate) fn is_flying(&self) -> bool {
         self.end.get().is_none()
     }

@@ -93,7 +93,7 @@ pub(crate) fn troubles(cycle: &Cycle<'_>, id: TaskId, step: &Step) -> Vec<(Strin
     priorities.chain(step.rank.iter().map(|expr| ("rank", &**expr))).filter_map(trouble).collect()
 }
 
-/// Returns a clause that cannot be evaluated counts as absent; [`troubles`] has reported it.
+/// Returns the priority that a clause states; `None` if it cannot be evaluated, which [`troubles`] has reported.
 fn clause_priority(clause: &PriorityClause, task: &Task, view: &View<'_>, at: Time) -> Option<f64> {
     match clause {
         PriorityClause::Number(expr) => number(expr, view),
@@ -113,7 +113,7 @@ fn number(expr: &Expr, view: &View<'_>) -> Option<f64> {
     value.as_number().map(|(number, _)| number).filter(|number| number.is_finite())
 }
 
-/// Returns the creation of the task; starting over creates no new task.
+/// Returns the instant of the task's creation, which a restart does not change.
 fn created(task: &Task) -> Time {
     task.extras.as_ref().and_then(|extras| extras.first_created).unwrap_or(task.created_at)
 }
@@ -123,7 +123,7 @@ fn deadline(urgency: f64, created_at: Time) -> Time {
     created_at + Duration::from_seconds(libm::exp2(9.0 - urgency.clamp(0.0, 10.0)))
 }
 
-/// Urgency rises as the deadline nears, and is 10 from half a second before it on.
+/// Returns the urgency at `at`: it rises towards the deadline, and is 10 from half a second before it.
 fn urgency_at(urgency: f64, created_at: Time, at: Time) -> f64 {
     urgency_before(deadline(urgency, created_at), at)
 }
@@ -133,7 +133,7 @@ fn urgency_before(due: Time, at: Time) -> f64 {
     if left <= 0.5 { 10.0 } else { (9.0 - libm::log2(left)).clamp(0.0, 10.0) }
 }
 
-/// The more workload, 1 to 9, the more counts importance against urgency.
+/// Combines urgency and importance to a priority; the higher the workload (1 to 9), the greater is the weight of importance.
 fn combined(urgency: f64, importance: f64, workload: f64) -> f64 {
     (importance * workload * (1.0 - 1.0 / (1.0 + urgency))
         + urgency * (10.0 - workload) * (1.0 - 1.0 / (1.0 + importance)))
@@ -160,7 +160,7 @@ fn recovery_span(agent: &Agent, task: &Task) -> Option<(Time, Duration)> {
     }
 }
 
-/// Does arithmetic read a variable? None if the value of the expression depends on anything else than variables.
+/// Returns true if an arithmetic expression reads a variable; `None` if its value depends on anything but variables and constants.
 pub(crate) fn reads_variable(expr: &Expr) -> Option<bool> {
     const ARITHMETIC: [&str; 7] = ["+", "-", "*", "/", "min", "max", "abs"];
     match &expr.kind {
@@ -252,7 +252,7 @@ pub(crate) fn risen(agent: &Agent, rise: RisingTerm, at: Time) -> f64 {
     combined(urgency_before(rise.due, at), rise.importance, agent.workload)
 }
 
-/// Between which values stays what it costs to interrupt the task.
+/// Returns bounds of the interrupt cost of the task between two instants.
 pub(crate) fn cost_bounds(agent: &Agent, id: TaskId, from: Time, to: Time) -> Bounds {
     let cost = match cost_clause(agent, id) {
         Some((expr, level)) if value_intervals::moves(expr, &agent.library) => {
@@ -266,7 +266,8 @@ pub(crate) fn cost_bounds(agent: &Agent, id: TaskId, from: Time, to: Time) -> Bo
     cost.map_or(Bounds::ANY, |cost| cost.greater(Bounds { low: 0.0, high: 0.0 }))
 }
 
-/// Urgency, recovery and what is made of them only rise, so their ends are their bounds.
+/// Returns bounds of the priority that a clause states between two instants. Urgency and recovery only rise, so their values at
+/// both instants are their bounds.
 pub(crate) fn clause_bounds(
     agent: &Agent,
     task: &Task,

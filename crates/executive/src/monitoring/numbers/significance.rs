@@ -1,5 +1,5 @@
 //! Significance (M&I)
-//! What: how probable so steep a line is where there is no trend: Student's t test of the slope, two-sided.
+//! What: computes the probability of a slope at least this steep without a trend: two-sided Student's t test.
 //! Runs: from trends, where `:significance` is asked.
 //! Reads: nothing.
 //! Writes: nothing.
@@ -9,7 +9,7 @@
 
 use crate::state::monitors::moments::Moments;
 
-/// Enough for any degrees of freedom: the fraction converges in about their square root, or in a few terms far out.
+/// Maximum number of terms. The fraction converges in about the square root of the degrees of freedom, or faster in the tails.
 const FRACTION_TERMS_MAX: u32 = 10_000;
 
 /// Returns the probability of a slope at least so far from zero at random; `None` with fewer than three samples or two
@@ -38,7 +38,7 @@ fn beta_ratio(x: f64, rest: f64, a: f64, b: f64) -> f64 {
     }
     let log_front = libm::lgamma(a + b) - libm::lgamma(a) - libm::lgamma(b) + a * libm::log(x) + b * libm::log(rest);
     let front = libm::exp(log_front);
-    // The fraction converges fast on one side of the mean only.
+    // The fraction converges fast only on one side of the mean; the other side uses the symmetry of the function.
     if x < (a + 1.0) / (a + b + 2.0) { front * fraction(x, a, b) / a } else { 1.0 - front * fraction(rest, b, a) / b }
 }
 

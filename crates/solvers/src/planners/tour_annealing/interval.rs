@@ -1,4 +1,4 @@
-//! The cost of one interval of ignorance, fast enough for millions of moves.
+//! Fast evaluation of the cost of one interval without observation, for millions of moves.
 //!
 //! Linear and saturating costs at a constant rate are one formula, `a d + b d^2 + c (exp(-r d) - 1)` for an interval of
 //! length `d`; its exponential is a polynomial that the compiler turns into vector code. Plans are priced by the exact
@@ -34,7 +34,7 @@ impl Coefficients {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Intervals {
     lanes: Vec<Coefficients>,
-    /// The same target by target, so that any four can be put side by side.
+    /// The same coefficients by target, so that any four targets can be combined.
     by_target: Vec<[f64; 4]>,
 }
 
@@ -54,7 +54,7 @@ impl Intervals {
         &self.lanes
     }
 
-    /// `sum` with the costs of all that closes added in order; what does not exist costs 0.
+    /// Returns `sum` plus the costs of all closing intervals, added in order; targets that do not exist cost 0.
     pub(super) fn add(&self, mut sum: f64, closing: &Closing) -> f64 {
         for few in closing.chunks(LANES) {
             let of = |(target, _): &(usize, f64)| self.by_target.get(*target).copied().unwrap_or_default();
@@ -73,7 +73,7 @@ impl Intervals {
     }
 }
 
-/// The coefficients of four targets at most, lane by lane.
+/// Returns the coefficients of at most four targets, lane by lane.
 #[inline(always)]
 fn side_by_side(targets: impl Iterator<Item = [f64; 4]>) -> Coefficients {
     let mut numbers = [[0.0; LANES]; 4];
@@ -112,14 +112,15 @@ fn of_family(cost: &CostFunction, response_s: f64) -> Option<[f64; 4]> {
     }
 }
 
-/// `exp(x)` for `x <= 0`: `2^k` times a polynomial over half a binary step to either side. Below -600 as at -600.
+/// Returns `exp(x)` for `x <= 0` as `2^k` times a polynomial in the remainder, which is at most half of `ln 2` in size. Below -600 the
+/// result is that of -600.
 ///
-/// Only sums and products, so that the result is the same on processors with and without fused operations.
+/// Uses only sums and products, so that the result is equal on processors with and without fused operations.
 #[inline(always)]
 fn exponential(x: f64x4) -> f64x4 {
-    // Adding and taking away this number rounds to a whole one; its last bits are that whole number.
+    // Adding and subtracting this number rounds to an integer, which the last bits of the sum hold.
     let round = f64x4::splat(6_755_399_441_055_744.0);
-    // The natural logarithm of 2 as a short number and its rest, so that the remainder is exact.
+    // ln 2 split into a short number and a rest, so that the remainder is exact.
     let (log_2_high, log_2_low) = (f64x4::splat(0.693_147_180_369_123_8), f64x4::splat(1.908_214_929_270_587_7e-10));
     let least = f64x4::splat(-600.0);
     let x = x.simd_gt(least).select(x, least);
