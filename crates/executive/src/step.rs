@@ -136,7 +136,7 @@ fn begin(cycle: &mut Cycle<'_>) {
     }
 }
 
-/// The instant does not come to rest: a task that keeps it going is ended, and said so.
+/// Ends a task that keeps the instant from ending, and reports that.
 fn end_restless(cycle: &mut Cycle<'_>, everything: bool) {
     let work = &cycle.work;
     let lists = [&work.starting, &work.claims, &work.enabled, &work.ready];

@@ -167,7 +167,7 @@ impl Limits {
         Limits { set: kept.map(|limit| (limit, LOG_ITEMS_MAX)).to_vec() }
     }
 
-    /// The cause of what happens because `limit` was reached.
+    /// Returns the cause of effects of a reached `limit`.
     pub fn reached(&self, limit: Limit) -> Cause {
         Cause::LimitReached { limit: limit.constant().into(), value: self.of(limit) }
     }

@@ -14,7 +14,7 @@ pub struct Awaited<'p> {
 }
 
 impl<'p> Awaited<'p> {
-    /// Of `procedure`.
+    /// Returns the outcomes that the clauses of `procedure` name.
     pub fn new(procedure: &'p Procedure) -> Awaited<'p> {
         let mut producers: BTreeMap<Symbol, Vec<usize>> = BTreeMap::new();
         for (number, step) in procedure.steps.iter().enumerate() {

@@ -167,7 +167,7 @@ pub struct Strength {
 }
 
 impl Strength {
-    /// Of a task that claims.
+    /// Returns the strength of a task that claims.
     pub fn claiming(priority: f64) -> Strength {
         Strength { priority, interrupt_cost: 0.0 }
     }
@@ -214,7 +214,7 @@ impl Because {
 }
 
 impl Evidence {
-    /// `(roll-angle aircraft-1) = 7.2deg at 12.5s`
+    /// Returns the sample as text: `(roll-angle aircraft-1) = 7.2deg at 12.5s`
     pub fn text(&self) -> String {
         match self {
             Evidence::Sample { variable, value, at } => format!("{variable} = {value} at {at}"),

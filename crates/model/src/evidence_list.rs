@@ -10,7 +10,7 @@ use std::sync::Arc;
 pub struct EvidenceList(Option<Arc<[Evidence]>>);
 
 impl EvidenceList {
-    /// One fact.
+    /// Returns a list of one fact.
     pub fn one(evidence: Evidence) -> EvidenceList {
         EvidenceList(Some(Arc::from([evidence])))
     }

@@ -111,7 +111,7 @@ impl ArgumentType {
         }
     }
 
-    /// As text with an article: `a length`, `the name of a camera`.
+    /// Returns the type as text with an article: `a length`, `the name of a camera`.
     pub fn described(&self) -> String {
         match self {
             ArgumentType::Any => "anything".to_string(),

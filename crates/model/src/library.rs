@@ -86,7 +86,7 @@ impl Library {
         self.agents.len() > 1
     }
 
-    /// `file.pdl:14:3`, as shown in every message.
+    /// Returns the place as text, `file.pdl:14:3`, as in every message.
     pub fn describe_place(&self, place: Place) -> String {
         let name = usize::try_from(place.file).ok().and_then(|index| self.sources.get(index));
         match name {

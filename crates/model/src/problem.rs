@@ -54,7 +54,7 @@ impl Plan {
         }
     }
 
-    /// One line for operators: what is visited, what it is worth, what was left out.
+    /// Returns one line for operators: visits, worth, and targets left out.
     pub fn summary(&self) -> &str {
         match self {
             Plan::Surveillance(plan) => &plan.summary,

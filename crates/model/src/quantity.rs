@@ -227,7 +227,7 @@ impl Quantity {
         Quantity { si, dimension, unit: unit.and_then(|index| u8::try_from(index).ok()) }
     }
 
-    /// The number of `unit`s this is; the caller has checked the dimension.
+    /// Returns the number of `unit`s; the caller has checked the dimension.
     pub fn in_unit(&self, unit: &Unit) -> f64 {
         self.si / unit.factor
     }
@@ -239,13 +239,13 @@ impl Quantity {
 }
 
 impl PartialEq for Quantity {
-    /// Equal value and dimension; the printing unit does not count.
+    /// Compares value and dimension; the unit for printing does not count.
     fn eq(&self, other: &Quantity) -> bool {
         self.dimension == other.dimension && self.si.to_bits() == other.si.to_bits()
     }
 }
 
-/// Twelve significant digits without trailing zeros: hides the last bits of a unit conversion.
+/// Formats a number with twelve significant digits without trailing zeros, which hides the last bits of a unit conversion.
 pub fn format_rounded(number: f64) -> String {
     if !number.is_finite() || number == 0.0 {
         return format!("{number}");

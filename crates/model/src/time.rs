@@ -29,7 +29,7 @@ impl Duration {
         Duration(libm::round(seconds * NANOSECONDS_PER_SECOND as f64) as i64)
     }
 
-    /// This duration in seconds.
+    /// Returns the duration in seconds.
     pub fn seconds(self) -> f64 {
         self.0 as f64 / NANOSECONDS_PER_SECOND as f64
     }
@@ -97,7 +97,7 @@ impl Neg for Duration {
 }
 
 impl fmt::Display for Duration {
-    /// ISO 8601 with the manual's short spelling: `P1H3M4.5S`, `P0S`, `-P2S`.
+    /// Writes ISO 8601 with the manual's short spelling: `P1H3M4.5S`, `P0S`, `-P2S`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let total = self.0.unsigned_abs();
         if self.0 < 0 {

@@ -112,7 +112,7 @@ impl Value {
         }
     }
 
-    /// SI number and dimension, if this is numeric. Instants are not numbers.
+    /// Returns SI number and dimension of a numeric value. Instants are not numbers.
     pub fn as_number(&self) -> Option<(f64, Dimension)> {
         match self {
             Value::Integer(integer) => Some((*integer as f64, Dimension::NONE)),
@@ -123,13 +123,13 @@ impl Value {
         }
     }
 
-    /// PDL's `=`: numbers by value (2 = 2.0) within one dimension, symbols in any case, strings exactly, lists element-wise.
-    /// Not-a-number equals nothing.
+    /// Compares as PDL's `=`: numbers by value (2 = 2.0) within one dimension, symbols in any case, strings exactly, lists element-wise.
+    /// NaN equals nothing.
     pub fn equals(&self, other: &Value) -> bool {
         self.compare_items(other, |a, b| a == b)
     }
 
-    /// Equality inside patterns: as [`Value::equals`], but strings in any case.
+    /// Compares as patterns do: like [`Value::equals`], but strings in any case.
     pub fn matches(&self, other: &Value) -> bool {
         self.compare_items(other, |a, b| a == b || a.to_lowercase() == b.to_lowercase())
     }
@@ -154,7 +154,7 @@ impl Value {
         }
     }
 
-    /// Order of two numbers of one dimension, or of two instants; none for everything else and for not-a-number.
+    /// Compares two numbers of one dimension, or two instants; `None` for all other values and for NaN.
     pub fn order(&self, other: &Value) -> Option<Ordering> {
         match (self, other) {
             (Value::Integer(a), Value::Integer(b)) => Some(a.cmp(b)),
@@ -243,7 +243,7 @@ impl Hash for Value {
 }
 
 impl fmt::Display for Value {
-    /// PDL text that reads back as the same value, except for tasks, intervals, instants and functions.
+    /// Writes PDL text that reads back as the same value, except for tasks, intervals, instants and functions.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Value::Integer(integer) => write!(f, "{integer}"),

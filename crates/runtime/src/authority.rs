@@ -150,7 +150,7 @@ impl Authority {
         self.holder.is_some() && now.saturating_sub(self.heard) >= SILENT_AFTER
     }
 
-    /// The holder, if it is `name`, was heard at `now`.
+    /// Records that the holder, if it is `name`, was heard at `now`.
     pub fn hear(&mut self, name: &str, now: Duration) {
         if self.holder.as_ref().is_some_and(|holder| holder.name == name) {
             self.heard = now;
@@ -282,7 +282,7 @@ impl AuthorityBoard {
         self.authority.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The actor called `name` was heard: the holder is not silent.
+    /// Records that the actor called `name` was heard: the holder is not silent.
     pub fn hear(&self, name: &str) {
         let now = self.now();
         self.authority().hear(name, now);

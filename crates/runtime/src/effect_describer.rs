@@ -81,7 +81,7 @@ impl EffectDescriber {
         self.goals.insert(task, TaskGoal { text: goal, end: None });
     }
 
-    /// `file.pdl:14:3`, also for places inside of plans.
+    /// Returns a place as text, `file.pdl:14:3`, also for places inside of plans.
     pub fn place(&self, place: Place) -> String {
         self.library.describe_place(place)
     }
@@ -91,7 +91,7 @@ impl EffectDescriber {
         self.goals.get(&task).map(|goal| Arc::clone(&goal.text)).unwrap_or_default()
     }
 
-    /// The step's inputs; must be passed before its effects, because plans bring sources.
+    /// Processes the step's inputs, which must precede its effects, because plans bring sources.
     pub fn hear(&mut self, batch: &Batch) {
         for event in &batch.events {
             if let EventKind::SolverReported(request, SolverReport::Plan(plan)) = &event.kind {
@@ -256,7 +256,7 @@ pub fn cause_text(because: &Because) -> String {
     text
 }
 
-/// `success`, `failure`, `cut`, `skipped`, `exited`, `precondition failed` or `invariant violated`.
+/// Returns `success`, `failure`, `cut`, `skipped`, `exited`, `precondition failed` or `invariant violated`.
 pub fn outcome_word(outcome: &Outcome) -> &'static str {
     outcome.word()
 }

@@ -154,7 +154,7 @@ fn read_request(link: &mut SimulatorLink<'_>, now: Time) -> Result<Option<String
     }
 }
 
-/// `{"advance": T, "inputs": [..]}` or `{"stop": true}`.
+/// Reads `{"advance": T, "inputs": [..]}` or `{"stop": true}`.
 fn understand(line: &str, now: Time, read_value: ReadValue<'_>) -> Result<SimulatorRequest, String> {
     if line.len() > INPUT_LINE_BYTES_MAX {
         return Err(format!("the line is longer than {INPUT_LINE_BYTES_MAX} bytes"));

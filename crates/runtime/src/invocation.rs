@@ -221,7 +221,7 @@ impl Invocation {
         self.shared.state().best.clone()
     }
 
-    /// Work units used so far.
+    /// Returns the work units used so far.
     pub fn used(&self) -> u64 {
         self.shared.used.load(Ordering::Relaxed)
     }
@@ -337,12 +337,12 @@ pub struct Invocations {
 }
 
 impl Invocations {
-    /// No solver was left behind yet.
+    /// Returns a register without abandoned solvers.
     pub fn new() -> Invocations {
         Invocations::default()
     }
 
-    /// Wall time that all solvers together took.
+    /// Returns the wall time that all solvers together took.
     pub fn worked(&self) -> Duration {
         self.worked
     }

@@ -24,7 +24,7 @@ pub trait Clock: fmt::Debug + Send + Sync {
 pub struct WallClock(Instant);
 
 impl WallClock {
-    /// It counts from now on.
+    /// Returns a clock that counts from now on.
     pub fn new() -> WallClock {
         WallClock(Instant::now())
     }
@@ -91,7 +91,8 @@ impl Wait {
 }
 
 impl Pacer {
-    /// Mission time is `now`; `pace` seconds of it pass in one second; none is as fast as possible, 0 is a pause.
+    /// Returns a pacer at mission time `now`; `pace` seconds of mission time pass in one second; `None` is as fast as possible, 0 is a
+    /// pause.
     ///
     /// # Errors
     /// A message for a pace that is negative or not a number.
@@ -115,7 +116,7 @@ impl Pacer {
         Ok(())
     }
 
-    /// Mission time was `now` until this moment of the clock.
+    /// Records that mission time was `now` until this moment of the clock.
     pub fn hold(&mut self, now: Time) {
         (self.anchor_wall, self.anchor_mission) = (self.clock.elapsed(), now);
     }

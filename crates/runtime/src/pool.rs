@@ -119,7 +119,7 @@ impl SolverPool {
         notes
     }
 
-    /// An answer has arrived at `now`.
+    /// Records that an answer has arrived at `now`.
     fn arrived(&mut self, request: SolveRequestId, answer: SolverAnswer, now: Time) -> Option<String> {
         let Submitted { solver, at, cancelled } = self.submitted.remove(&request)?;
         let due = at + answer.charged.max(Duration::ZERO);

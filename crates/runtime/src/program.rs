@@ -23,7 +23,7 @@ pub fn run(agent: &mut Agent, observers: &mut [&mut dyn Observer], options: FlyO
     run_with(agent, &mut NoDeliberator, observers, options)
 }
 
-/// As [`run`], with planners.
+/// Like [`run`], with planners.
 ///
 /// # Errors
 /// As [`fly`].
@@ -36,7 +36,7 @@ pub fn run_with(
     fly(agent, &mut NoVehicle::beside(&mut options.inputs), deliberator, observers, options)
 }
 
-/// As [`run`], with all agents of an application.
+/// Like [`run`], with all agents of an application.
 ///
 /// # Errors
 /// As [`fly_all`].
@@ -129,7 +129,7 @@ impl Vehicle for NoVehicle {
         });
     }
 
-    /// A vehicle that acknowledges by inputs reads commands in the trace.
+    /// Returns true if inputs acknowledge the commands; an outside vehicle then reads them from the trace.
     fn acts_outside(&self) -> bool {
         self.silent
     }

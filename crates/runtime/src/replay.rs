@@ -115,8 +115,8 @@ pub fn replay(reader: &RecordReader, load: LoadProgram<'_>) -> Result<ReplayRepo
     replay_steps(reader, load, None)
 }
 
-/// As [`replay`]; `deliberator` observes the steps again, poses every recorded problem again and must be
-/// in the recorded situation at each snapshot.
+/// Like [`replay`]; `deliberator` observes the steps again, poses every recorded problem again and must be in the recorded situation at
+/// each snapshot.
 ///
 /// # Errors
 /// As [`replay`].
@@ -313,7 +313,7 @@ fn compare(recorded: &RecordedStep, effects: &[Effect], describer: &mut EffectDe
     None
 }
 
-/// `transition T3 (power-up camera-1): enabled -> ongoing; it was granted camera-1; from file.pdl:14:3`
+/// Returns the effect as text: `transition T3 (power-up camera-1): enabled -> ongoing; it was granted camera-1; from file.pdl:14:3`
 fn words(told: &EffectRow) -> String {
     let mut words = told.kind.to_owned();
     if let Some(task) = told.task {

@@ -94,7 +94,7 @@ impl SolverThread {
         (!pending.is_abandoned).then_some((request, answer))
     }
 
-    /// The thread has ended: the oldest request fails.
+    /// Handles the end of the thread: the oldest request fails.
     fn ended(&mut self) -> Option<(SolveRequestId, SolverAnswer)> {
         self.worker = None;
         let oldest = self.pending.first()?.request;

@@ -144,8 +144,8 @@ pub(crate) struct Firing {
 }
 
 impl Work {
-    /// Did tasks end in the round that is over, while none was made or began again? Then fewer are left, and rounds of
-    /// this kind are no more than tasks. The next round begins.
+    /// Returns true if tasks ended in the finished round and none was created or began again: then the number of such rounds is limited by
+    /// the number of tasks. Begins the next round.
     pub(crate) fn made_progress(&mut self, next_task: u64) -> bool {
         let Balance { ends, again, next_task: before } = std::mem::take(&mut self.balance);
         self.balance.next_task = next_task;
@@ -218,7 +218,7 @@ impl<'a> Cycle<'a> {
         self.say_sample(variable, value);
     }
 
-    /// The agent measures something itself: its expressions see it from now on, its conditions from the next round.
+    /// Records a sample that the agent publishes: expressions see it from now on, conditions from the next round.
     pub(crate) fn say_sample(&mut self, variable: StateVariable, value: Value) {
         if let Ok(held) = declared_unit::in_declared_unit(self.library, &variable, value.clone()) {
             self.agent.published.push((variable.clone(), held));

@@ -34,7 +34,7 @@ fn budget(agent: &Agent) -> u64 {
     agent.limits.of(Limit::MemoryMebibytes) << 20
 }
 
-/// Bytes of what is counted by number.
+/// Returns the bytes of everything that is counted by number.
 fn numbered(cycle: &Cycle<'_>) -> u64 {
     let agent = &*cycle.agent;
     // What is made is also decided about: refusing the decisions later would be too late.
@@ -67,7 +67,7 @@ fn is_within(cycle: &mut Cycle<'_>, more: u64) -> bool {
     numbered(cycle) + cycle.agent.memory.counted + more <= budget
 }
 
-/// A variable of the task was bound to `value`. A task that asks for more than the budget fails before it continues.
+/// Records that a variable of the task was bound to `value`. A task that exceeds the memory budget fails before it continues.
 pub(crate) fn bound(cycle: &mut Cycle<'_>, id: TaskId, value: &Value, place: Place) {
     let bytes = value_bytes(value);
     if bytes < LARGE_VALUE_BYTES {

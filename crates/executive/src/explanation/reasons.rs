@@ -137,7 +137,7 @@ fn preconditions(agent: &Agent, task: &Task) -> Vec<Reason> {
     reasons
 }
 
-/// The parts of the task's watched clauses that do not hold.
+/// Returns the parts of the task's watched clauses that do not hold.
 fn unmet(agent: &Agent, task: &Task, wanted: impl Fn(Clause) -> bool) -> Vec<Reason> {
     let mut reasons = Vec::new();
     for id in &task.monitors {

@@ -44,7 +44,7 @@ pub(super) fn call(name: &str, arguments: &[Value]) -> Option<FunctionResult> {
     })
 }
 
-/// `5ft (length)`: how messages name a value with its dimension.
+/// Returns a value with its dimension as in messages: `5ft (length)`.
 pub(crate) fn described(value: &Value) -> String {
     match value {
         Value::Time(time) => format!("{time} (an instant)"),

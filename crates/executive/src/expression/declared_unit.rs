@@ -13,7 +13,7 @@ pub(crate) fn unit_of(attribute: &Symbol, library: &Library) -> Option<&'static 
     unit_named(declared.printed())
 }
 
-/// `value` as the history of `variable` holds it: a bare number has the unit that the variable is declared with.
+/// Returns `value` as the history of `variable` holds it: a number without unit gets the declared unit of the variable.
 ///
 /// # Errors
 /// A message for the trace when the unit cannot measure the value.

@@ -37,7 +37,7 @@ pub(crate) trait EvalContext {
         let _ = task;
         None
     }
-    /// `+tot+`: how long the task has been ongoing, without interruptions.
+    /// Returns `+tot+`: the time for which the task has been ongoing, without interruptions.
     fn task_time_ongoing(&self, task: TaskId) -> Option<Duration>;
     /// Returns the histories of measurements and messages.
     fn histories(&self) -> &Histories;
@@ -48,7 +48,7 @@ pub(crate) trait EvalContext {
     }
     /// Returns the checked library.
     fn library(&self) -> &Library;
-    /// Registered host functions.
+    /// Returns the registered host functions.
     fn host(&self) -> &HostFunctions;
     /// Returns the agent's limits.
     fn limits(&self) -> &Limits;

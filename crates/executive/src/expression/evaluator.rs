@@ -381,7 +381,7 @@ impl<'a> Evaluator<'a> {
     }
 }
 
-/// NaN is a missing measurement.
+/// Returns true for NaN, which represents a missing measurement.
 fn is_missing(value: &Value) -> bool {
     value.as_number().is_some_and(|(number, _)| number.is_nan())
 }

@@ -155,7 +155,7 @@ fn part(list: &[Value], start: &Value, end: Option<&Value>) -> FunctionResult {
     Ok(Value::list(list.iter().skip(start).take(end - start).cloned()))
 }
 
-/// Start and end of a part of something with `length` elements.
+/// Returns start and end of a part of a sequence with `length` elements.
 ///
 /// # Errors
 /// When they do not lie in order within it.

@@ -53,7 +53,7 @@ pub(crate) fn instantiate_partially(template: &Template, context: &dyn EvalConte
     templates::partially(template, context)
 }
 
-/// `expr` as its author would read it: variables with their values where they have one, calls as they are written.
+/// Returns `expr` with known variables replaced by their values; calls stay as they are written.
 pub(crate) fn expression_as_known(expr: &Expr, context: &dyn EvalContext) -> Value {
     templates::as_known(expr, context)
 }
@@ -73,7 +73,7 @@ pub(crate) fn run(
     Evaluator::new(context, Some(hook)).body(forms)
 }
 
-/// `values` as `(print ..)` shows them: strings without quotes, one blank between, also where a string brings its own.
+/// Returns `values` as `(print ..)` shows them: strings without quotes, separated by one blank.
 pub(crate) fn printed(values: &[Value]) -> String {
     let mut text = String::new();
     for value in values {

@@ -146,7 +146,7 @@ fn affected(
     instants
 }
 
-/// Of a sample that is the newest of its variable but not the newest of all: other inputs have later samples.
+/// Handles a sample that is the newest of its variable, while other variables have later samples.
 fn with_older(
     mut instants: BTreeSet<Time>,
     derivation: &Derivation,
@@ -234,7 +234,7 @@ fn interpolated(before: &Sample, after: &Sample, at: Time) -> Value {
     number(low + (high - low) * share, dimension)
 }
 
-/// Change per second; none where the values are not numbers of one dimension.
+/// Returns the change per second; `None` if the values are not numbers of one dimension.
 fn rate(before: &Sample, latest: &Sample) -> Option<Value> {
     let ((low, dimension), (high, same)) = (before.value.as_number()?, latest.value.as_number()?);
     let seconds = Duration((latest.at - before.at).0).seconds();

@@ -26,7 +26,7 @@ pub(crate) trait Sampled {
     fn pattern(&self) -> &VariablePattern;
     /// Returns the state variable, if its object is known.
     fn variable(&self) -> Option<&StateVariable>;
-    /// Instant of the newest sample of `object` that the part has taken in.
+    /// Returns the instant of the newest sample of `object` that the part has processed.
     fn newest(&self, object: &Value) -> Option<Time>;
     /// Returns the window of samples that count.
     fn window(&self, site: PartContext) -> Window {
@@ -67,7 +67,7 @@ pub(crate) trait Sampled {
     }
 }
 
-/// A sample has arrived.
+/// Processes a sample.
 pub(crate) fn notice(
     part: &mut impl Sampled,
     site: PartContext,

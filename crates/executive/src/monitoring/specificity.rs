@@ -21,7 +21,7 @@ pub(crate) struct Specificity {
     segments: Reverse<usize>,
 }
 
-/// Fewest variables first, then the longest constant prefix, then fewest segments.
+/// Returns the specificity of a pattern: fewer variables are more specific, then a longer constant prefix, then fewer segments.
 pub(crate) fn specificity(pattern: &Pattern) -> Specificity {
     let mut count = Count::default();
     count.add(pattern);

@@ -159,7 +159,7 @@ fn release_of_parent(cycle: &mut Cycle<'_>, id: TaskId, names: &[Value]) {
     }
 }
 
-/// `(terminate [task] [outcome] [>> value])`: ends the named task, else the procedure of the step.
+/// Executes `(terminate [task] [outcome] [>> value])`: ends the named task, or else the procedure of the step.
 pub(crate) fn terminate(cycle: &mut Cycle<'_>, id: TaskId) {
     if let Some(task) = cycle.agent.task_mut(id) {
         task.controller = Some(Box::new(Controller::BuiltIn));

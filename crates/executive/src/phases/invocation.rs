@@ -16,7 +16,7 @@ use crate::state::controller::{Controller, MethodBinding};
 use apex_model::because::Cause;
 use apex_model::task::{TaskId, TaskState};
 
-/// The act phase.
+/// Executes the act phase.
 pub(crate) fn act(cycle: &mut Cycle<'_>) {
     let resuming = if cycle.work.resuming.is_empty() { None } else { Some(std::mem::take(&mut cycle.work.resuming)) };
     for id in resuming.into_iter().flatten() {

@@ -42,7 +42,7 @@ struct MethodChoice {
     cause: Cause,
 }
 
-/// The choose phase.
+/// Executes the choose phase.
 pub(crate) fn choose(cycle: &mut Cycle<'_>) {
     for id in in_order(&mut cycle.work.enabled) {
         let open = cycle.task(id).is_some_and(|task| task.state == TaskState::Enabled && task.selection.is_none());
@@ -346,7 +346,7 @@ fn expected(cycle: &Cycle<'_>, id: TaskId, expr: Option<&Expr>) -> Result<Option
     }
 }
 
-/// The resources named by `(hold-resource r..)`; none for every other way.
+/// Adds the resources named by `(hold-resource r..)` to the needs; adds nothing for other methods.
 fn held(cycle: &mut Cycle<'_>, id: TaskId, needs: &mut Vec<Need>) -> Result<(), Because> {
     let way = cycle.task(id).and_then(|task| task.selection.as_ref()).map(|selection| &selection.way);
     if !matches!(way, Some(MethodBinding::BuiltIn(BuiltInActivity::HoldResource))) {

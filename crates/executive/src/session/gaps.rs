@@ -21,7 +21,7 @@ pub struct SamplingGap {
 }
 
 impl SamplingGap {
-    /// From sample to sample.
+    /// Returns the time from sample to sample.
     pub fn length(&self) -> Duration {
         self.end - self.start
     }
@@ -47,7 +47,7 @@ struct OfVariable {
 }
 
 impl Spacings {
-    /// A sample of `variable` was recorded so.
+    /// Records that a sample of `variable` was recorded with this result.
     pub(super) fn note(&mut self, variable: &StateVariable, at: Time, recorded: Option<Recorded>) {
         match recorded {
             Some(Recorded::Appended) => match self.variables.get_mut(variable) {

@@ -242,13 +242,13 @@ impl Agent {
         Some((key.at, self.describe_wake(wake)))
     }
 
-    /// By how much limits on one instant grow at `now`: each message from outside may cause as much as one alone. What tasks
-    /// say to themselves and to one another does not count.
+    /// Returns the growth of limits on one instant at `now`: each message from outside may cause as much work as one alone. Messages among
+    /// tasks and agents do not count.
     pub(crate) fn outside_messages_at(&self, now: Time) -> u64 {
         if self.burst.0 == now { self.burst.1.max(1) } else { 1 }
     }
 
-    /// True after `EndApplication`: nothing will happen any longer.
+    /// Returns true after `EndApplication`: the agent no longer does anything.
     pub fn is_finished(&self) -> bool {
         self.finished.is_some()
     }
@@ -291,7 +291,7 @@ impl Agent {
         }
     }
 
-    /// `file.pdl:14:3`, also for places inside of plans: their files are numbered after those of the library.
+    /// Returns a place as text, `file.pdl:14:3`, also for places inside of plans: their files are numbered after those of the library.
     pub fn describe_place(&self, place: Place) -> String {
         let number = u64::from(place.file).checked_sub(self.library.sources.len() as u64);
         match number.and_then(|number| self.generated.get(number)) {

@@ -10,7 +10,7 @@ use smallvec::SmallVec;
 pub struct Bindings(SmallVec<[(Symbol, Value); 1]>);
 
 impl Bindings {
-    /// No bindings.
+    /// Returns empty bindings.
     pub fn new() -> Bindings {
         Bindings::default()
     }
@@ -43,7 +43,7 @@ impl Bindings {
         self.0.len()
     }
 
-    /// True without any binding.
+    /// Returns true if there are no bindings.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }

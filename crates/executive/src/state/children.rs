@@ -55,7 +55,7 @@ impl Children {
         *self = Children::default();
     }
 
-    /// Children in order of creation.
+    /// Returns the children in order of creation.
     pub fn iter(&self) -> impl Iterator<Item = TaskId> {
         self.places.iter().filter(|place| **place & GONE == 0).map(|place| TaskId(*place))
     }

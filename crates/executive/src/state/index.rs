@@ -204,7 +204,7 @@ fn changing(procedure: &Procedure, results: impl Iterator<Item = Symbol>) -> BTr
     names
 }
 
-/// A step that repeats without bound, or responds again and again, never ends without a clause.
+/// Returns true if the step ends without a clause; steps that repeat or respond without bound never do.
 fn ends_by_itself(step: &Step) -> bool {
     let bounded = |repetition: &Repetition| repetition.while_true.is_some() || repetition.until.is_some();
     step.responding.is_none() && step.repeating.as_deref().is_none_or(bounded)

@@ -54,7 +54,7 @@ pub struct Narrowed<'a> {
     pub threshold: Option<Threshold>,
 }
 
-/// Only values that are equal in one way only may divide messages: a number has several spellings, a string two cases.
+/// Returns true if messages can be divided by the value: values with several equal spellings (numbers, strings) cannot divide them.
 fn divides(second: &Value) -> bool {
     matches!(second, Value::Symbol(_) | Value::Integer(_) | Value::Task(_))
 }
@@ -100,7 +100,7 @@ impl Watchers {
 }
 
 impl Interests {
-    /// No interests yet, for few variables with many samples.
+    /// Returns an empty collection that also files monitors by thresholds, for few variables with many samples.
     pub fn narrowing() -> Interests {
         Interests { narrowing: true, ..Interests::default() }
     }

@@ -79,7 +79,7 @@ impl<T> Table<T> {
         self.length
     }
 
-    /// True without entries.
+    /// Returns true if there are no entries.
     pub fn is_empty(&self) -> bool {
         self.length == 0
     }

@@ -112,7 +112,7 @@ impl Thresholds {
         found
     }
 
-    /// True without monitors.
+    /// Returns true if there are no monitors.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -134,7 +134,7 @@ impl Thresholds {
         }
     }
 
-    /// All monitors.
+    /// Calls a function for all monitors.
     pub fn all(&self, found: &mut MonitorIds) {
         self.0.iter().for_each(|group| group.all(found));
     }

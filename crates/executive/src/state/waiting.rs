@@ -346,7 +346,7 @@ impl Waiting {
         }
     }
 
-    /// Those in queues, the first first; `risen_to` computes a priority from importance and due instant.
+    /// Returns the claimants in queues, the first one first; `risen_to` computes a priority from importance and due instant.
     pub fn in_turn<F: Fn(f64, Time) -> f64>(&self, now: Time, risen_to: F) -> InTurn<'_, F> {
         if let Some(by_rank) = self.queue_by_rank() {
             return InTurn::new(vec![Rest::Steady(by_rank.iter())], risen_to, now);

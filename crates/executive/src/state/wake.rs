@@ -76,7 +76,7 @@ impl WakeQueue {
         self.entries.len()
     }
 
-    /// True without entries.
+    /// Returns true if there are no entries.
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }

@@ -173,7 +173,7 @@ impl Style {
         list_text(":episode", parts)
     }
 
-    /// `(:name C..)`; two kinds of groups hold a plain operand instead of constraints.
+    /// Prints `(:name C..)`; two kinds of groups hold a plain operand instead of constraints.
     fn named_group(self, name: &Symbol, constraints: &[Constraint]) -> String {
         let operand = match (name.folded(), constraints) {
             ("custom", [Constraint::Predicate(predicate, _)]) => Some(predicate.to_string()),
@@ -230,7 +230,7 @@ impl Style {
         format!("(:function {})", self.expression(expr))
     }
 
-    /// `:name C..`, or nothing without constraints.
+    /// Prints `:name C..`, or nothing without constraints.
     pub(super) fn option(self, name: &str, constraints: &[Constraint]) -> String {
         match constraints {
             [] => String::new(),

@@ -151,7 +151,7 @@ fn exact(expr: &Expr) -> String {
     Style::Exact.expression(expr)
 }
 
-/// Control forms, definitions and assignments in full.
+/// Prints control forms, definitions and assignments in full.
 fn with_body(kind: &ExprKind) -> String {
     match kind {
         ExprKind::If(test, then, otherwise) => {

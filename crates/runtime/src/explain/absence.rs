@@ -164,7 +164,7 @@ fn serves_initial(agent: &Agent, procedure: &Procedure) -> bool {
     Phrase::read(&agent.initial_task.to_string()).fits(&Phrase::of_pattern(&procedure.index))
 }
 
-/// The way from what was asked about to `index`, each with what is missing.
+/// Returns the chain of steps from the subject of the question to `index`, each with what is missing.
 fn told(
     agent: &Agent,
     log: &Log<'_>,

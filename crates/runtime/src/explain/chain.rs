@@ -241,7 +241,7 @@ impl<'a> Chain<'a> {
         if changed.is_some() { Ok(changed) } else { self.log.decisions.beside(task, "satisfied", here) }
     }
 
-    /// A result is in the context of the parent.
+    /// Describes a result in the context of the parent.
     fn result(&self, own: TaskId, variable: &str, row: &Row) -> RowsResult {
         let Some(created) = self.log.decisions.before(own, "created", row.id)? else { return Ok(Vec::new()) };
         let parent = match created.effect {

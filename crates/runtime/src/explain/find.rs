@@ -55,7 +55,7 @@ fn no_agent(name: &str, agent: &str) -> String {
     format!("No agent is called {name}; the record has {agent}.")
 }
 
-/// `error`, which is about `name`, with a remark if the name begins with an agent that this record does not have.
+/// Returns `error`, which is about `name`, with a remark if the name begins with an agent that this record does not have.
 pub(super) fn of_no_agent(error: RecordError, name: &str, agent: &str) -> RecordError {
     match (error, agent_meant(name)) {
         (RecordError::Question(text), Some(first)) => {
@@ -78,7 +78,7 @@ pub(super) fn is_number(name: &str) -> bool {
     name.trim_start_matches(['T', 't']).parse::<u64>().is_ok()
 }
 
-/// Nothing is called `name`: what looks like it among `known`.
+/// Returns the message that nothing is called `name`, with similar names among `known`.
 pub(super) fn unknown(name: &str, at: Time, known: &[String]) -> String {
     let folded = name.trim().to_lowercase();
     let bare = |text: &str| text.trim_start_matches('(').trim_end_matches(')').to_lowercase();

@@ -35,7 +35,7 @@ pub struct Link {
 const SOURCE_CHARACTERS_MAX: usize = 90;
 
 impl Link {
-    /// Something seen: a sample, a message, an instant.
+    /// Returns a link of the chain for an observed fact: a sample, a message or an instant.
     pub(super) fn seen(at: Time, what: String) -> Link {
         Link {
             t: at.seconds(),

@@ -135,7 +135,7 @@ impl<'a> RecordSnapshot<'a> {
     }
 }
 
-/// `file.pdl:14:3`, also for places inside of plans: their files are numbered after those of the library.
+/// Returns a place as text, `file.pdl:14:3`, also for places inside of plans: their files are numbered after those of the library.
 pub(super) fn place_text(agent: &Agent, place: Place) -> String {
     agent.describe_place(place)
 }

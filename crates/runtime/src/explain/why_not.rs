@@ -146,7 +146,7 @@ fn follow(
     Ok(found.task)
 }
 
-/// A procedure or primitive has this goal, and no step asks for it.
+/// Returns the answer that a procedure or primitive has this goal and no step pursues it.
 fn unasked(snapshot: &RecordSnapshot<'_>, asked: &str, phrase: &Phrase) -> Option<Draft> {
     let agent = snapshot.agent()?;
     let telling = matches!(phrase, Phrase::List(_)) && phrase.is_telling();

@@ -209,8 +209,8 @@ mod tests {
         assert_eq!(all(&mut queue).len(), VALUES_MAX);
     }
 
-    /// Twin: the run takes what was said without the values that a later one of the same variable follows before the next
-    /// command and before the run takes anything, in the places of the first of them.
+    /// Computes the inputs that the run takes (naive twin): what was said without the values that a later one of the same variable follows
+    /// before the next command and before the run takes anything, in the places of the first of them.
     fn naive(said: &[Option<LiveInput>]) -> (Vec<LiveInput>, u64) {
         let (mut waits, mut taken, mut lost): (Vec<LiveInput>, Vec<LiveInput>, u64) = (Vec::new(), Vec::new(), 0);
         for step in said {

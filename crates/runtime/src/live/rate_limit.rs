@@ -19,7 +19,7 @@ pub struct RateLimit {
 }
 
 impl RateLimit {
-    /// A full bucket for `per_second` items, with a burst of what arrives in a tenth of a second.
+    /// Returns a full bucket for `per_second` items, with a burst of what arrives in a tenth of a second.
     pub fn new(per_second: u32) -> RateLimit {
         RateLimit::with_burst(f64::from(per_second), (f64::from(per_second) * BURST_S).max(1.0))
     }

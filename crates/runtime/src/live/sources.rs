@@ -61,7 +61,7 @@ pub struct LiveSource {
 }
 
 impl LiveSources {
-    /// No sources; `wake` is called, from threads of readers, when the flight must look again.
+    /// Returns a registry without sources; threads of readers call `wake` when the flight must look for inputs.
     pub fn new(wake: impl Fn() + Send + Sync + 'static) -> LiveSources {
         let rank = |class: SourceClass| RateLimit::new(class.rank_rate());
         let state = SourcesState {

@@ -124,7 +124,7 @@ pub(super) fn check_groups(
     check_groups_of(connection, &layout(), position, visitor)
 }
 
-/// As [`check_groups`], of a version of the format with these tables.
+/// Like [`check_groups`], for a version of the format with these tables.
 pub(super) fn check_groups_of(
     connection: &Connection,
     layout: &Layout,

@@ -51,7 +51,7 @@ fn old_schema() -> Vec<(&'static str, &'static str, &'static str)> {
     schema
 }
 
-/// The tables of version 6, and what they are now.
+/// Returns the tables of version 6, and the present table of each.
 fn old_tables() -> (Layout, Vec<Option<Table>>) {
     let mut layout = Layout::new();
     let mut now = Vec::new();
@@ -238,7 +238,7 @@ mod tests {
     use crate::record::tests::{place_for_record, record_samples};
     use crate::record::{RecordReader, RecordedStep};
 
-    /// A record of version 6 with what the record at `from` holds.
+    /// Writes a record of version 6 with the content of the record at `from`.
     fn old_record(from: &Path, to: &Path) {
         let reader = RecordReader::open(from).unwrap();
         let old = Connection::open(to).unwrap();

@@ -75,7 +75,7 @@ impl KeptRows {
         }
     }
 
-    /// A step has ended. With `apart` it can be dropped alone.
+    /// Records the end of a step. With `apart` it can be dropped alone.
     pub(super) fn end_step(&mut self, apart: bool) {
         if std::mem::take(&mut self.is_too_large) {
             return;

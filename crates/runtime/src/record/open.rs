@@ -90,7 +90,7 @@ pub(super) fn connect(path: &Path) -> Result<Connected, RecordError> {
 /// A connection, the seal of its file, and the copy that is read in place of the record.
 type Connected = (Connection, FileSeal, Option<Arc<Copied>>);
 
-/// As [`connect`], to a record of this version of the format.
+/// Like [`connect`], to a record of this version of the format.
 pub(super) fn connect_to(path: &Path, version: i64) -> Result<Connected, RecordError> {
     match schema::look(path)? {
         FileState::Nothing => return Err(RecordError::Missing { path: path.to_path_buf() }),

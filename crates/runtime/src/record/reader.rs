@@ -176,7 +176,7 @@ impl RecordReader {
             .map_err(|error| self.damaged("the facts", error))
     }
 
-    /// True when the record was closed properly.
+    /// Returns true if the record was closed properly.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
@@ -309,7 +309,7 @@ impl RecordReader {
         self.samples_arrived(variable, (from, to), Time::END)
     }
 
-    /// As [`RecordReader::samples`], of those that had arrived by `arrived`.
+    /// Like [`RecordReader::samples`], for samples that had arrived by `arrived`.
     pub(crate) fn samples_arrived(
         &self,
         variable: &StateVariable,

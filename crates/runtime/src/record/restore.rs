@@ -35,7 +35,7 @@ impl RecordReader {
         self.restore_with(at, &program)
     }
 
-    /// As [`RecordReader::restore`], with a program that is loaded already.
+    /// Like [`RecordReader::restore`], with a program that is loaded already.
     ///
     /// # Errors
     /// [`RecordError`] when the record cannot be read or its mission not loaded.
@@ -70,7 +70,7 @@ impl RecordReader {
         self.fresh_agent_number(program, self.agent)
     }
 
-    /// Agent `agent` before its first step.
+    /// Returns agent `agent` before its first step.
     pub(crate) fn fresh_agent_number(&self, program: &RestoredProgram, agent: usize) -> Result<Agent, RecordError> {
         let (library, declaration, host) = program;
         let declaration = if self.has_several_agents() { library.agents.get(agent) } else { Some(declaration) };

@@ -70,7 +70,7 @@ pub(super) fn sibling(path: &Path, suffix: &str) -> PathBuf {
     PathBuf::from(name)
 }
 
-/// A running flight holds the write lock most of the time.
+/// Refuses a record of a running flight, which holds the write lock most of the time.
 fn refuse_when_written(path: &Path) -> Result<(), RecordError> {
     let Ok(connection) = Connection::open(path) else { return Ok(()) };
     let locked =

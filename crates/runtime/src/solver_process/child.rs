@@ -109,7 +109,7 @@ impl Running {
         Ok(())
     }
 
-    /// Other systems cannot limit another process.
+    /// Does nothing: other systems cannot limit another process.
     #[cfg(not(target_os = "linux"))]
     fn limit(&self) -> Result<(), std::io::Error> {
         Ok(())

@@ -37,7 +37,7 @@ impl SolverProgram {
         SolverProgram { name: name.to_string(), command, serves: None }
     }
 
-    /// `solver` in a separate process: `command` must run [`serve`] with it.
+    /// Returns a program that runs `solver` in a separate process; `command` must run [`serve`] with it.
     pub fn of_solver(solver: Arc<dyn Solver>, command: Vec<OsString>) -> SolverProgram {
         SolverProgram { name: solver.name().to_string(), command, serves: Some(solver) }
     }

@@ -75,7 +75,7 @@ impl Formatter for LineFormatter {
         write!(writer, "{value:?}")
     }
 
-    /// JSON lets DEL and the second set of control characters stand as they are; a terminal obeys them.
+    /// Escapes control characters that JSON permits and a terminal would obey: DEL and the second set.
     fn write_string_fragment<W: ?Sized + Write>(&mut self, writer: &mut W, fragment: &str) -> io::Result<()> {
         let is_unsafe = |each: char| matches!(each, '\u{7f}'..='\u{9f}');
         for part in fragment.split_inclusive(is_unsafe) {

@@ -274,7 +274,7 @@ impl TraceLine {
         }
     }
 
-    /// `{"t":1.5,"kind":"transition","task":"T3","goal":"..",..,"cause":"..","place":".."}`
+    /// Writes `{"t":1.5,"kind":"transition","task":"T3","goal":"..",..,"cause":"..","place":".."}`
     ///
     /// # Errors
     /// The output's own.
@@ -283,7 +283,7 @@ impl TraceLine {
         self.serialize(&mut serializer).map_err(io::Error::from)
     }
 
-    /// `       12.5s  T3 (power-up camera-1): enabled -> ongoing because it was granted camera-1; from file.pdl:14:3`
+    /// Returns `       12.5s  T3 (power-up camera-1): enabled -> ongoing because it was granted camera-1; from file.pdl:14:3`
     pub(super) fn text(&self) -> String {
         let mut text = format!("{:>TIME_COLUMNS$}  ", self.at.to_string());
         match (&self.agent, self.task) {

@@ -114,7 +114,8 @@ impl<W: Write> Tracer<W> {
         self.out.write_all(b"\n")
     }
 
-    /// The place filter admits what the procedure's own lines caused, its tasks, and the tasks of its steps.
+    /// Returns true if the filter of places admits the effect: what the procedure's own lines caused, its tasks, and the tasks of its
+    /// steps.
     fn is_of_procedure(&self, line: &TraceLine) -> bool {
         let Some(place) = &self.filter.place else { return true };
         let Some(agent) = self.agents.get(self.turn) else { return true };

@@ -58,7 +58,8 @@ pub(crate) fn fixed_ranks(agent: &Agent, id: TaskId) -> impl Iterator<Item = Ran
     })
 }
 
-/// The place, and whether variables may change it; none where the claimant must be compared with each of the others.
+/// Returns the place of the claimant in the queue, and whether variables may change it; `None` if the claimant must be compared with all
+/// others.
 fn place_of(cycle: &Cycle<'_>, id: TaskId, needs: &[Need]) -> Option<(QueuePlace, bool)> {
     let agent = &*cycle.agent;
     let brings = Brings::of(agent, id)?;
@@ -101,8 +102,8 @@ struct Brings<'a> {
 }
 
 impl<'a> Brings<'a> {
-    /// None if something moves in another way, if several ranks count, or if steps of one ranked procedure can have
-    /// separate priorities.
+    /// Returns what the task contributes to a conflict; `None` if its priority changes in an unknown way, if several ranks count, or if
+    /// steps of one ranked procedure can have different priorities.
     fn of(agent: &'a Agent, id: TaskId) -> Option<Brings<'a>> {
         let mut brings = Brings::default();
         for task in successors(agent.task(id), |task| agent.task(task.parent?)) {

@@ -132,7 +132,7 @@ enum Notes {
 }
 
 impl<'a, 'c> Field<'a, 'c> {
-    /// Nothing has been arbitrated.
+    /// Returns a field on which nothing has been arbitrated.
     pub(crate) fn empty(cycle: &'a Cycle<'c>) -> Field<'a, 'c> {
         Field { cycle, uses: BTreeMap::new(), displaced: BTreeSet::new(), precedence: None, notes: Notes::Each }
     }
@@ -385,7 +385,7 @@ impl<'a, 'c> Field<'a, 'c> {
         Some(self.cycle.now + (expected - worked))
     }
 
-    /// A refused claimant that provably cannot begin before the present one is expected to be done leaves a gap.
+    /// Returns true if a refused claimant leaves a gap: it provably cannot begin before the expected end of the present one.
     fn leaves_a_gap(&self, claimant: &Claimant, other: &Use) -> bool {
         let expected = self.cycle.task(claimant.id).and_then(|task| task.selection.as_ref()?.expected);
         match (&other.kind, expected) {

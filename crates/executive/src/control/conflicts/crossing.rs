@@ -99,7 +99,7 @@ struct CrossingSearch<'a> {
 }
 
 impl CrossingSearch<'_> {
-    /// Nothing is known of what comes after `at`.
+    /// Records that nothing is known after `at`: priorities are compared again then, at the earliest after [`PRIORITY_LOOK_AGAIN_MS`].
     fn give_up(&self, at: Time) {
         let at = at.max(self.now + Duration(PRIORITY_LOOK_AGAIN_MS.saturating_mul(1_000_000)));
         self.given_up.set(Some(self.given_up.get().map_or(at, |before| before.min(at))));
@@ -119,7 +119,7 @@ impl CrossingSearch<'_> {
         priority(self.agent, own.id, at) > priority(self.agent, other.curve.id, at) + cost
     }
 
-    /// Could the challenger be ahead at some instant of this span? None when nothing is known about that.
+    /// Returns true if the challenger could be ahead at some instant of the span; `None` if that is not known.
     fn may_be_ahead(&self, contest: &Contest<'_, '_>, from: Time, to: Time) -> Option<bool> {
         let (own, other) = (contest.0.bounds(from, to), contest.1.bounds(self.agent, from, to));
         if own.high == f64::INFINITY || other.low == f64::NEG_INFINITY {

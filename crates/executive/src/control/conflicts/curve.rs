@@ -69,7 +69,7 @@ impl<'a> Curve<'a> {
         self.others.is_empty() && self.rises.iter().all(|rise| rise.due <= at)
     }
 
-    /// Between which values it stays from `from` to `to`.
+    /// Returns bounds of the value between `from` and `to`.
     pub(crate) fn bounds(&self, from: Time, to: Time) -> Bounds {
         if let Some((.., bounds)) = self.last.get().filter(|last| (last.0, last.1) == (from, to)) {
             return bounds;

@@ -115,7 +115,8 @@ impl<'a, 'c> Front<'a, 'c> {
         Some(())
     }
 
-    /// None where the ranks of two queues are below separate tasks: then a claimant has a place in each.
+    /// Checks that all queues in the order of ranks are below one task; `None` if they are below several, so that a claimant has a place in
+    /// each.
     fn meet_ranks(&mut self, resource: &Resource) -> Option<()> {
         let Some(parent) = resource.waiting.ordered_below() else { return Some(()) };
         (*self.by_rank.get_or_insert(parent) == parent).then_some(())
@@ -270,7 +271,8 @@ fn amount_of(claimant: &Claimant, id: ResourceId) -> f64 {
     claimant.needs.iter().find(|need| need.resource == id).map_or(0.0, |need| need.amount)
 }
 
-/// None where a claimant that has begun has the rank of its neighbour: which comes first depends on more than the two.
+/// Checks neighbours of equal rank; `None` if a claimant that has begun has the rank of its neighbour: their order then depends on further
+/// tasks.
 fn same_rank_is_unbegun(last: &mut Option<QueueKey>, key: QueueKey) -> Option<()> {
     let before = last.replace(key);
     let tied = before.is_some_and(|before| key.rank.is_some() && before.rank == key.rank);

@@ -60,7 +60,7 @@ impl Precedence {
         precedence
     }
 
-    /// The best by priority comes first, but before each one comes who goes before it by rank, and before that one likewise.
+    /// Places all competitors by priority, but each one after those that precede it by rank, recursively.
     fn place_all(&mut self) {
         let count = self.competitors.len();
         // How far each one has looked for others that go before it.
@@ -140,7 +140,7 @@ impl Precedence {
 }
 
 impl Competitor {
-    /// By rank, where both want the same. Tasks of one line do not compete.
+    /// Returns true if `a` precedes by rank a task that needs the same resource. A task does not compete with its ancestors.
     fn goes_before(&self, other: &Competitor) -> bool {
         let pair = self.path.iter().zip(&other.path).find(|(own, others)| own.0 != others.0);
         let Some(((_, Some(own)), (_, Some(others)))) = pair else { return false };
@@ -149,8 +149,9 @@ impl Competitor {
     }
 }
 
-/// For each competitor: true if it precedes equals because it has begun. Not true for those that a task precedes which has not begun: that
-/// task would precede its own equals with them, and a task that fills a gap would displace the one that had to leave it.
+/// Returns for each competitor true if it precedes equals because it has begun. A competitor is excluded if a task that has not begun
+/// precedes it by rank: that task would precede its own equals with them, and a task that fills a gap would displace the one that had to
+/// leave it.
 fn begun_first(competitors: &[Competitor]) -> Vec<bool> {
     let mut counts: Vec<bool> = competitors.iter().map(|each| each.claimant.begun).collect();
     let mut changed = true;

@@ -62,8 +62,8 @@ fn are_below(agent: &Agent, resource: &Resource, parent: TaskId) -> bool {
     })
 }
 
-/// Can the priority of claimants behind a holder with a rank count for it, or that of the holder for them? Not where it
-/// holds nothing else, and all with ranks are equally important.
+/// Returns true if the priority of claimants behind a holder with a rank may count for the holder, or that of the holder for them. This is
+/// false if the holder holds nothing else and all ranked tasks are equally important.
 fn may_stand_for_others(cycle: &Cycle<'_>, holder: TaskId, resource: &Resource, ranked: Option<f64>) -> bool {
     let agent = &*cycle.agent;
     if !priority::is_ranked(agent, holder) {

@@ -32,7 +32,8 @@ pub(crate) fn arbitrate(
     result
 }
 
-/// The same grants, losses and failures; the order of grants does not count, as tasks begin in the order in which they were written.
+/// Returns true if both results have the same grants, losses and failures. The order of grants does not count, because tasks begin in
+/// written order.
 fn says_the_same(one: &Arbitration, other: &Arbitration) -> bool {
     let losses = |result: &Arbitration| -> BTreeSet<_> {
         result.displaced.iter().map(|loss| (loss.loser, loss.winner, loss.resource)).collect()

@@ -92,7 +92,7 @@ pub(crate) fn add_parts(cycle: &mut Cycle<'_>, list: &mut Vec<Need>) {
     }
 }
 
-/// `(replenish RESOURCE [AMOUNT])`: what is lacking comes back, the amount at most.
+/// Executes `(replenish RESOURCE [AMOUNT])`: restores what was consumed, at most the amount.
 ///
 /// # Errors
 /// The cause when the resource cannot be replenished, or the amount is none of it.

@@ -30,7 +30,7 @@ impl Bounds {
     /// Nothing is known.
     pub(crate) const ANY: Bounds = Bounds { low: f64::NEG_INFINITY, high: f64::INFINITY };
 
-    /// From one corner to the other.
+    /// Returns the tightest bounds of all corner values.
     pub(crate) fn of(corners: &[f64]) -> Bounds {
         let fold = |start, pick: fn(f64, f64) -> f64| corners.iter().copied().fold(start, pick);
         Bounds { low: fold(f64::INFINITY, f64::min), high: fold(f64::NEG_INFINITY, f64::max) }
@@ -211,7 +211,7 @@ fn decided(yes: bool, no: bool) -> Option<bool> {
     (yes || no).then_some(yes)
 }
 
-/// All parts are `value`, or one of them is not; else nothing is known.
+/// Returns true if all parts are `value`, false if one is not, and `None` if that is not known.
 fn all(mut parts: impl Iterator<Item = Option<bool>>, value: bool) -> Option<bool> {
     parts
         .try_fold(Some(value), |so_far, part| match part {

@@ -39,7 +39,7 @@ pub(crate) fn notice(cycle: &mut Cycle<'_>, stimulus: &Stimulus, found: &mut Mon
     refresh(cycle, variable);
 }
 
-/// Time has arrived for the first of the episodes that share a bank with `id`.
+/// Handles a wake of the index that holds an episode of `id`: one of its episodes is due.
 pub(crate) fn woken(cycle: &mut Cycle<'_>, id: MonitorId) {
     let watch = cycle.agent.watches.get(id.0);
     let Some(variable) = watch.and_then(|watch| threshold_episode::variable(&watch.monitor)).cloned() else { return };

@@ -54,7 +54,8 @@ pub(crate) fn allow(cycle: &mut Cycle<'_>, id: TaskId) -> bool {
     hold(cycle, id, ExecutionClause::Precondition)
 }
 
-/// The task begins: preconditions and invariants hold, and the invariants are judged from now on; else it has failed.
+/// Checks preconditions and invariants as the task begins, and watches the invariants from now on. Returns false if one does not hold; the
+/// task has failed then.
 pub(crate) fn begin(cycle: &mut Cycle<'_>, id: TaskId) -> bool {
     if !hold(cycle, id, ExecutionClause::Precondition) {
         return false;
@@ -68,7 +69,7 @@ pub(crate) fn begin(cycle: &mut Cycle<'_>, id: TaskId) -> bool {
     hold(cycle, id, ExecutionClause::Invariant)
 }
 
-/// The task continues after an interruption: its invariants hold, else it has failed.
+/// Checks the invariants as the task continues after an interruption. Returns false if one does not hold; the task has failed then.
 pub(crate) fn go_on(cycle: &mut Cycle<'_>, id: TaskId) -> bool {
     !cycle.agent.guards.contains(id) || hold(cycle, id, ExecutionClause::Invariant)
 }

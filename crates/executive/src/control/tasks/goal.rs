@@ -27,7 +27,7 @@ pub(crate) fn activity_of(origin: Option<Origin>, step: &Step) -> &Activity {
     }
 }
 
-/// The task's goal with what is bound now; unbound variables stay as they are written.
+/// Returns the task's goal with the present bindings; unbound variables stay as they are written.
 pub(crate) fn goal_as_known(cycle: &Cycle<'_>, id: TaskId) -> Value {
     goal_in(cycle.agent, id, cycle.now)
 }

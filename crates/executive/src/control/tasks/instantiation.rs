@@ -76,8 +76,8 @@ pub(crate) fn create(cycle: &mut Cycle<'_>, seed: Seed) -> Result<TaskId, Cause>
     Ok(id)
 }
 
-/// Is there space for one more task, at this depth? For what handles a failure there is always: it takes the place of the
-/// work that failed, and there is one for each task at most.
+/// Checks that the limits admit one more task at this depth. A failure handler is always admitted: it replaces the failed work, and each
+/// task has at most one.
 fn room(cycle: &mut Cycle<'_>, origin: Origin, depth: u32) -> Result<(), Cause> {
     let limits = &cycle.agent.limits;
     if matches!(origin, Origin::OnFailure(_)) {
@@ -178,7 +178,7 @@ fn watch_end(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), (String, Place)> {
     Ok(())
 }
 
-/// A result arrived in the context of `parent`: steps that waited for it get their monitors.
+/// Handles a result in the context of `parent`: steps that waited for it get their monitors.
 pub(crate) fn result_arrived(cycle: &mut Cycle<'_>, waiting: Vec<TaskId>, variable: &Symbol) {
     for id in waiting {
         let Some(task) = cycle.agent.task(id).filter(|task| task.state == TaskState::Pending) else { continue };

@@ -33,7 +33,7 @@ pub(crate) fn advance_ended(part: &mut TaskEndedPart, context: &dyn EvalContext)
     }
 }
 
-/// A task ended.
+/// Processes the end of a task.
 pub(crate) fn notice_ended(part: &mut TaskEndedPart, task: TaskId, at: Time) {
     if part.task == Some(task) && part.ended.is_none() {
         part.ended = Some(at);
@@ -77,7 +77,7 @@ fn names_outcome(part: &TaskStatePart) -> bool {
     matches!(&part.state, Pattern::Literal(Value::Symbol(name)) if OUTCOME_STATES.contains(&name.folded()))
 }
 
-/// A task ended for good: how is a fact, too.
+/// Processes the final end of a task with its outcome, which stays a fact.
 pub(crate) fn notice_outcome(
     part: &mut TaskStatePart,
     site: PartContext,
@@ -93,7 +93,7 @@ pub(crate) fn notice_outcome(
     }
 }
 
-/// A task changed state.
+/// Processes a change of a task's state.
 pub(crate) fn notice_state(
     part: &mut TaskStatePart,
     site: PartContext,

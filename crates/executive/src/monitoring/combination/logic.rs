@@ -26,8 +26,8 @@ use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
-/// Is the part true now? A part that forgot results at a limit is not false for certain; of one that combines others,
-/// [`combined`] knows whether that matters.
+/// Returns the truth of the part now. A part that dropped results at a limit is not certainly false; [`combined`] decides whether that
+/// matters for a part that combines others.
 pub(crate) fn truth(part: &Part, query: &mut VerdictQuery<'_>) -> Truth {
     let combines = matches!(part.kind, PartKind::And(_) | PartKind::Or(_) | PartKind::InOrder(_) | PartKind::Not(_));
     match truth_of_kind(part, query) {
@@ -73,7 +73,7 @@ fn truth_of_kind(part: &Part, query: &mut VerdictQuery<'_>) -> Truth {
     }
 }
 
-/// Is a part of an `:and` true? What a shared variable must not be is known only in combination.
+/// Returns the truth of a part of an `:and`. Negated shared variables can be judged only in combination.
 fn truth_beside(part: &Part, composite: &Composite, query: &mut VerdictQuery<'_>) -> Truth {
     let inner = match &part.kind {
         PartKind::Not(inner) if composite.combines => inner,
@@ -181,7 +181,7 @@ pub(crate) fn alternative_holds(
     constraints_hold(tag, constraints, result.interval, &result.bindings, query)
 }
 
-/// Are all `constraints` true of a result? They see its bindings and its own `tag`.
+/// Returns true if all `constraints` hold for a result. They see its bindings and its own `tag`.
 pub(crate) fn constraints_hold(
     tag: Option<&Symbol>,
     constraints: &[Expr],

@@ -36,7 +36,7 @@ pub(crate) fn create(
     made(condition, window, (Keep::First, true), context)
 }
 
-/// As [`create`], for a monitor of which only changes of tasks' states count from now on, not those that stand.
+/// Like [`create`], for a monitor that considers only future changes of tasks' states, and no present states.
 ///
 /// # Errors
 /// As [`create`].
@@ -48,7 +48,7 @@ pub(crate) fn create_for_changes(
     made(condition, window, (Keep::First, false), context)
 }
 
-/// As [`create`], for a monitor that remembers what `keep` says until it is harvested.
+/// Like [`create`], for a monitor that remembers what `keep` selects until it is harvested.
 ///
 /// # Errors
 /// As [`create`].
@@ -107,7 +107,7 @@ pub(crate) fn look_for_tasks(monitor: &mut Monitor, context: &dyn EvalContext) {
     troubles.tell(monitor);
 }
 
-/// Is the condition true at `context.now()`? Asked after all stimuli of the instant were noticed.
+/// Returns the verdict on the condition at `context.now()`, after all stimuli of the instant were processed.
 pub(crate) fn verdict(monitor: &mut Monitor, context: &dyn EvalContext) -> Verdict {
     let mut query = VerdictQuery::new(context);
     advance(&mut monitor.root, context, &mut query.troubles);

@@ -299,7 +299,7 @@ fn keeps_results(part: &Part) -> bool {
     keeps
 }
 
-/// The parts directly within `part`.
+/// Calls a function for each direct part of `part`.
 pub(crate) fn for_each_inner(part: &Part, act: &mut dyn FnMut(&Part)) {
     match &part.kind {
         PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {

@@ -36,8 +36,8 @@ use std::collections::BTreeSet;
 /// sweep is linear, and the next one comes at twice the results that it leaves.
 const SWEEP_AT_LEAST: usize = 8;
 
-/// Bookkeeping for `composite` if it is an order of points: measurements of named or bound objects without `:lateness` and
-/// messages, with delays between them, without constraints. `binds`: a pattern variable occurs in it.
+/// Returns bookkeeping for `composite` if it is an order of points: measurements of named or bound objects without `:lateness` and
+/// messages, with delays between them, without constraints. `binds` is true if a pattern variable occurs in it.
 pub(crate) fn create(composite: &Composite, binds: bool, context: &dyn EvalContext) -> Option<Box<PointOrder>> {
     let is_point = |part: &Part| match &part.kind {
         PartKind::Measurement(leaf) => {
@@ -155,7 +155,7 @@ impl<'a> OrderedPart<'a> {
     }
 }
 
-/// For each set of bindings the first chain; the first of all where no part binds anything.
+/// Returns the first chain for each set of bindings; the first of all if no part binds anything.
 pub(crate) fn results(
     part: &Part,
     composite: &Composite,
@@ -389,7 +389,7 @@ fn remove(composite: &mut Composite, index: usize, gone: &[usize], order: &mut P
     }
 }
 
-/// All results were used up: nothing is checked.
+/// Resets the state after all results were used up: nothing is examined yet.
 pub(crate) fn begin_again(composite: &mut Composite) {
     if let Some(order) = &mut composite.order {
         order.sweep_at = SWEEP_AT_LEAST;

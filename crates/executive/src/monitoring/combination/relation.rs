@@ -142,7 +142,7 @@ fn bounds(point: EndPoint) -> (Time, Option<Time>) {
     }
 }
 
-/// Earlier by more than the tolerance.
+/// Returns whether `a` is earlier than `b` by more than the tolerance.
 fn earlier(left: EndPoint, right: EndPoint, tolerance: Duration) -> Decision {
     let ((left_least, left_most), (right_least, right_most)) = (bounds(left), bounds(right));
     if left_most.is_some_and(|most| right_least - most > tolerance) {
@@ -154,7 +154,7 @@ fn earlier(left: EndPoint, right: EndPoint, tolerance: Duration) -> Decision {
     }
 }
 
-/// Not further apart than the tolerance.
+/// Returns whether both differ by at most the tolerance.
 fn same(left: EndPoint, right: EndPoint, tolerance: Duration) -> Decision {
     let near = |a: Time, b: Time| (a - b).0.saturating_abs() <= tolerance.0;
     let (known, other) = match (left, right) {

@@ -151,7 +151,7 @@ pub(crate) fn look_at(part: &mut Part, stimulus: &Stimulus, context: &dyn EvalCo
     }
 }
 
-/// Is the whole past of an absence judged again when a sample comes late? It is when a variable in it is declared with
+/// Returns true if the whole past of an absence is judged again when a sample arrives late: when a variable in it is declared with
 /// `:lateness`, for which everything is kept.
 fn is_judged_again(part: &Part, context: &dyn EvalContext) -> bool {
     let declared = &context.library().state_variables;
@@ -168,7 +168,8 @@ fn is_judged_again(part: &Part, context: &dyn EvalContext) -> bool {
     again
 }
 
-/// Is a function asked within? What it said at an earlier instant it said of what was known then: it cannot be asked again.
+/// Returns true if the condition calls a function. Its value at an earlier instant depends on what was known then, so it cannot be
+/// evaluated again.
 fn asks_functions(part: &Part) -> bool {
     let mut asks = matches!(part.kind, PartKind::Function(_));
     part_results::for_each_inner(part, &mut |inner| asks |= asks_functions(inner));
@@ -242,8 +243,8 @@ fn covers(part: &Part, context: &dyn EvalContext) -> bool {
     covers && carries(part, context)
 }
 
-/// Are the samples still there whose values persist into the windows of estimates in the part? They lie before what
-/// [`covers`] asks for.
+/// Returns true if the samples are still kept whose values persist into the windows of estimates in the part. They lie before the span of
+/// [`covers`].
 fn carries(part: &Part, context: &dyn EvalContext) -> bool {
     let mut all = true;
     if let PartKind::Persisted(leaf) = &part.kind {
@@ -307,7 +308,7 @@ fn remembered(part: &Part, newest: Option<u64>, context: &dyn EvalContext) -> Ve
     stimuli
 }
 
-/// The messages that the part has results of.
+/// Collects the messages for which the part has results.
 fn results_of_events(part: &Part, stimuli: &mut Vec<(Time, u64, Stimulus)>) {
     let mut add = |results: &[Satisfaction]| {
         for evidence in results.iter().flat_map(|result| result.evidence.iter()) {

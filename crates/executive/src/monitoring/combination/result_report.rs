@@ -200,7 +200,7 @@ fn is_composite(part: &Part) -> bool {
     matches!(part.kind, PartKind::And(_) | PartKind::InOrder(_))
 }
 
-/// Of results that bind the same, tags aside, the first.
+/// Keeps, of results with equal bindings (except for tags), the first.
 fn one_for_each_binding(fresh: &mut Vec<Satisfaction>) {
     let mut seen = BTreeSet::new();
     let bound = |bindings: &Bindings| -> Vec<(Symbol, Value)> {

@@ -93,7 +93,7 @@ pub(crate) fn backfill(
     backfill_with(threshold_backfill::backfill, part, site, context, troubles);
 }
 
-/// As [`backfill`], after `fast_pass` has consumed samples from the start; it returns their number.
+/// Like [`backfill`], after `fast_pass` has consumed samples from the start; it returns their number.
 pub(crate) fn backfill_with(
     fast_pass: impl FnOnce(
         &mut EpisodePart,
@@ -327,8 +327,8 @@ pub(crate) fn open_results(
     part.runs.iter().filter_map(judged).collect()
 }
 
-/// Satisfied, contradicted, or not known: no sample yet, everything seen so far holds but not for long enough, or a
-/// gap hides what happened.
+/// Returns satisfied, contradicted, or unknown: no sample yet, everything seen so far holds but not for long enough, or a gap hides the
+/// values.
 pub(crate) fn truth(
     part: &EpisodePart,
     site: PartContext,

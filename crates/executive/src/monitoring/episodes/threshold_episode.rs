@@ -196,7 +196,7 @@ pub(crate) fn told(monitor: &Monitor, open_at: Option<Time>) -> crate::monitorin
     crate::monitoring::reported_results::ReportedResults::by_bank(&monitor.root, before, open.as_ref())
 }
 
-/// A bank watches the monitor: what it has seen is there only.
+/// Moves the state of the monitor into an index that watches it.
 pub(crate) fn lie_down(monitor: &mut Monitor) {
     if let PartKind::Episode(leaf) = &mut monitor.root.kind {
         leaf.runs = BTreeMap::new();

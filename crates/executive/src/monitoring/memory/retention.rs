@@ -74,7 +74,7 @@ pub(crate) struct Survey<'a> {
 }
 
 impl Survey<'_> {
-    /// Everything that the library defines, in order.
+    /// Adds the demands of everything that the library defines, in order.
     fn everything(&mut self) {
         let library = self.library;
         for (attribute, declaration) in &library.state_variables {

@@ -182,7 +182,7 @@ pub(crate) fn in_doubt(part: &CyclicPart, site: PartContext, query: &mut Verdict
     open
 }
 
-/// Satisfied; contradicted by a complete cycle; or not known: not enough cycles yet, all those seen satisfy.
+/// Returns satisfied; contradicted by a complete cycle; or unknown while too few cycles are complete.
 pub(crate) fn truth(part: &CyclicPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Truth {
     if !part.settled.is_empty() {
         return Truth::True;

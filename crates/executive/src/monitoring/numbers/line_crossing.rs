@@ -200,7 +200,7 @@ fn crossing(moments: &Moments, value: f64) -> Option<Crossing> {
     Some(Crossing { tick: anchor + Duration(tick as i64), exact })
 }
 
-/// The variables that the value is bound to.
+/// Collects the variables to which the value is bound.
 pub(crate) fn bind(band: &ValueInterval, value: f64, scale: ValueScale, bindings: &mut Bindings) {
     for name in &band.binds {
         bindings.set(name.clone(), crate::monitoring::numbers::aggregates::in_unit(value, scale.dimension, scale.unit));

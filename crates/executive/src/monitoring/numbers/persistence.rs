@@ -74,7 +74,7 @@ pub(crate) fn begin_again(
     }
 }
 
-/// A sample has arrived.
+/// Processes a sample.
 pub(crate) fn notice(
     part: &mut PersistedPart,
     site: PartContext,
@@ -268,7 +268,7 @@ pub(crate) fn in_doubt(part: &PersistedPart, now: Time) -> bool {
     part.blind || !part.objects.values().any(|sample| now <= sample.at + part.timeout)
 }
 
-/// Satisfied; unknown without a sample that is valid now; else not satisfied. A window to come is waited for.
+/// Returns satisfied; unknown without a valid sample; otherwise not satisfied. The part waits for a future window.
 pub(crate) fn truth(part: &PersistedPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Truth {
     if !results(part, site, query).is_empty() {
         return Truth::True;

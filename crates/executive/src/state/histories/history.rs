@@ -352,7 +352,7 @@ impl Histories {
         })
     }
 
-    /// A clause may need samples of `attribute` up to `lookback` before the newest.
+    /// Records that a clause may need samples of `attribute` up to `lookback` before the newest.
     pub fn require_lookback(&mut self, attribute: &Symbol, lookback: Duration) {
         let slot = self.lookbacks.entry(attribute.clone()).or_default();
         *slot = (*slot).max(lookback);
@@ -361,7 +361,7 @@ impl Histories {
         self.variables.change(of_attribute, |history| history.retention.lookback = lookback);
     }
 
-    /// A clause may need samples of any attribute up to `lookback` before the newest.
+    /// Records that a clause may need samples of any attribute up to `lookback` before the newest.
     pub fn require_lookback_of_all(&mut self, lookback: Duration) {
         self.lookback_of_all = self.lookback_of_all.max(lookback);
         self.variables

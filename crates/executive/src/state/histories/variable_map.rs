@@ -60,7 +60,7 @@ impl<T> VariableMap<T> {
         self.0.len()
     }
 
-    /// True without entries.
+    /// Returns true if there are no entries.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }

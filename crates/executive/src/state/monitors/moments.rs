@@ -57,7 +57,7 @@ pub struct Moments {
 }
 
 impl Moments {
-    /// Of one sample.
+    /// Returns the moments of one sample.
     pub fn of(at: Time, number: f64) -> Moments {
         Moments {
             count: 1,
@@ -143,7 +143,7 @@ impl Moments {
         self.sum().map(|sum| sum / self.count as f64)
     }
 
-    /// Population variance; none without samples.
+    /// Returns the population variance; `None` without samples.
     pub fn variance(&self) -> Option<f64> {
         (self.count > 0).then(|| (self.spread / self.count as f64).max(0.0))
     }
@@ -158,7 +158,7 @@ impl Moments {
         (self.count > 0).then_some(self.greatest)
     }
 
-    /// Slope of the line of least squares per second; none with fewer than two distinct instants.
+    /// Returns the slope of the least-squares line per second; `None` with fewer than two distinct instants.
     pub fn slope_per_s(&self) -> Option<f64> {
         self.slope_per_ns().map(|slope| slope * 1e9)
     }
@@ -188,12 +188,12 @@ impl Moments {
         Some(if rest <= 8.0 * f64::EPSILON * self.spread { 0.0 } else { rest })
     }
 
-    /// Root mean square of the residuals of the line.
+    /// Returns the root mean square of the residuals of the line.
     pub fn error(&self) -> Option<f64> {
         self.residual().map(|residual| libm::sqrt(residual / self.count as f64))
     }
 
-    /// Spread of the instants around their mean, in nanoseconds squared.
+    /// Returns the spread of the instants around their mean, in nanoseconds squared.
     pub fn time_spread(&self) -> f64 {
         self.time_spread
     }

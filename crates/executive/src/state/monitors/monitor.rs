@@ -35,7 +35,7 @@ pub struct Window {
 }
 
 impl Window {
-    /// Everything from `start` on.
+    /// Returns a window that contains everything from `start` on.
     pub fn from(start: Time) -> Window {
         Window { start, ..Window::default() }
     }
@@ -280,7 +280,7 @@ impl Newest {
         }
     }
 
-    /// True without any sample.
+    /// Returns true if there are no samples.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

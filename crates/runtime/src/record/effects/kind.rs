@@ -30,7 +30,7 @@ pub(crate) struct EffectKind {
 }
 
 impl EffectKind {
-    /// Part of an effect of this kind that a list of tasks needs.
+    /// Returns the part of an effect of this kind that a list of tasks needs.
     pub(crate) fn wanted_of_tasks(&self) -> EffectNeed {
         match self.word {
             "created" | "selected" => EffectNeed::Effect,

@@ -81,7 +81,7 @@ impl Announcements {
     }
 }
 
-/// The identifiers of the targets in GeoJSON that are announced by event, and whether other files may have such.
+/// Returns the identifiers of the targets in GeoJSON that are announced by event, and whether other files may have such targets.
 fn late_targets(reader: &RecordReader) -> Result<(BTreeSet<String>, bool), RecordError> {
     let mut late = BTreeSet::new();
     let mut others = false;

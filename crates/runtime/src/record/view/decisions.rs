@@ -87,14 +87,14 @@ impl Decisions<'_> {
         effects.table.about(task.0).filter_map(entry).filter(move |entry| entry.at <= until)
     }
 
-    /// The newest effect about a task that `wanted` selects.
+    /// Returns the newest effect about a task that `wanted` selects.
     fn newest(&self, task: TaskId, wanted: impl Fn(&DecisionEntry) -> bool) -> DecisionResult {
         let effects = self.reader.effects()?;
         let found = self.entries(&effects, task).find(wanted);
         found.map(|entry| effects.told(entry.place).map(DecisionRow::of)).transpose()
     }
 
-    /// Of the effects about a task that `wanted` selects, the one with the least `distance`; of equals the oldest.
+    /// Returns, of the effects about a task that `wanted` selects, the one with the least `distance`; of equals the oldest.
     fn nearest<K: Ord>(
         &self,
         task: TaskId,
@@ -106,7 +106,7 @@ impl Decisions<'_> {
         found.map(|entry| effects.told(entry.place).map(DecisionRow::of)).transpose()
     }
 
-    /// The first effect of one kind at `places` that `wanted` selects.
+    /// Returns the first effect of one kind at `places` that `wanted` selects.
     fn first_of(
         &self,
         kind: &str,
@@ -160,7 +160,7 @@ impl Decisions<'_> {
         })
     }
 
-    /// The newest effect of one kind about a task whose text `wanted` selects.
+    /// Returns the newest effect of one kind about a task whose text `wanted` selects.
     fn newest_told(&self, task: TaskId, kind: &str, wanted: impl Fn(&Told) -> bool) -> DecisionResult {
         let effects = self.reader.effects()?;
         for entry in self.entries(&effects, task).filter(|entry| entry.kind.word == kind) {

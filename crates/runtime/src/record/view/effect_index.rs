@@ -136,7 +136,7 @@ fn search_bits(find: &str) -> Vec<usize> {
     length.map(|length| find.as_bytes().windows(length).map(bit_of).collect()).unwrap_or_default()
 }
 
-/// Fowler-Noll-Vo hash (FNV-1a) of the lower-case bytes, folded to a bit of the filter.
+/// Returns the bit of the filter for a text: Fowler-Noll-Vo hash (FNV-1a) of the lower-case bytes.
 fn bit_of(gram: &[u8]) -> usize {
     let mut hash: u32 = 0x811c_9dc5 ^ gram.len() as u32;
     for byte in gram {

@@ -54,7 +54,7 @@ impl TaskIndex {
         &self.tasks
     }
 
-    /// One task.
+    /// Returns one task.
     pub(super) fn get(&self, id: u64) -> Option<&IndexedTask> {
         self.tasks.get(&id)
     }

@@ -13,7 +13,7 @@ const ALL: [TaskState; 5] =
 pub struct StateWord(pub TaskState);
 
 impl StateWord {
-    /// True unless the task has ended.
+    /// Returns true unless the task has ended.
     pub fn is_alive(self) -> bool {
         self.0 != TaskState::Terminated
     }

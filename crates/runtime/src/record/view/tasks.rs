@@ -138,7 +138,7 @@ impl RecordView {
         Ok(Tasks { at_ns, tasks, counts, left_out })
     }
 
-    /// Task `id` at mission time `at_ns` (nanoseconds) and its children then, at most 100.
+    /// Returns task `id` at mission time `at_ns` (nanoseconds) and its children then, at most 100.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].

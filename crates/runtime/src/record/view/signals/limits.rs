@@ -180,7 +180,7 @@ impl Bounds {
         }
     }
 
-    /// `(PREDICATE argument ..)` of a function whose body is a comparison of its first parameter, or an `and` with some.
+    /// Recognises `(PREDICATE argument ..)` of a function whose body is a comparison of its first parameter, or an `and` with some.
     fn predicate(&mut self, library: &Library, name: &Symbol, arguments: &[Expr]) -> bool {
         let Some(function) = library.functions.get(name) else { return false };
         let ([value, others @ ..], [body]) = (&*function.parameters.required, &*function.body) else { return false };
@@ -208,7 +208,7 @@ impl Bounds {
         found
     }
 
-    /// `(> value figure)` or `(> (abs value) figure)`.
+    /// Recognises `(> value figure)` or `(> (abs value) figure)`.
     fn comparison(&mut self, library: &Library, test: &Expr, value: &Symbol, figures: &BTreeMap<&Symbol, f64>) -> bool {
         let ExprKind::Call { function, arguments } = &test.kind else { return false };
         let relation = match function.folded() {
@@ -271,7 +271,7 @@ fn si(value: &Value) -> Option<f64> {
 pub(in crate::record::view) struct Raised(BTreeMap<String, Vec<i64>>);
 
 impl Raised {
-    /// Those up to `at_ns`.
+    /// Returns the alarms up to `at_ns`.
     pub(in crate::record::view) fn read(
         reader: &RecordReader,
         limits: &[SignalLimit],

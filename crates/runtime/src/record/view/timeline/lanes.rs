@@ -78,7 +78,7 @@ pub(super) fn in_tree_order(groups: &[LaneTasks], roots: &[usize]) -> Vec<usize>
     order
 }
 
-/// One lane: intervals of at least a pixel are bars, as are shorter ones that are not dense; the rest is bands.
+/// Returns one lane: intervals of at least a pixel are bars, as are shorter ones that are not dense; the rest is bands.
 pub(super) fn lane(index: &TaskIndex, group: &LaneTasks, window: Window) -> Option<Lane> {
     let first = index.get(*group.tasks.first()?)?;
     let dense = dense_pixels(index, group, window);

@@ -11,7 +11,7 @@ pub(super) struct Window {
 }
 
 impl Window {
-    /// The end of what is known of the window.
+    /// Returns the end of the known part of the window.
     pub(super) fn known_ns(self) -> i64 {
         self.to_ns.min(self.at_ns)
     }
@@ -28,7 +28,7 @@ impl Window {
         usize::try_from(pixel).unwrap_or(0).min(self.pixels - 1)
     }
 
-    /// Start of a pixel, nanoseconds of mission time.
+    /// Returns the start of a pixel, in nanoseconds of mission time.
     pub(super) fn start_ns(self, pixel: usize) -> i64 {
         let pixel = i64::try_from(pixel).unwrap_or(i64::MAX);
         self.from_ns.saturating_add(self.pixel_ns().saturating_mul(pixel))
