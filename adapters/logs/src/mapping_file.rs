@@ -48,7 +48,7 @@ impl std::error::Error for MappingError {}
 /// Returns the mapping that ships for logs of `format`; `None` for formats that name their fields freely.
 ///
 /// # Errors
-/// As [`MappingFile::parse`].
+/// Like [`MappingFile::parse`].
 pub(crate) fn shipped(format: Format, read_form: ReadForm<'_>) -> Option<Result<MappingFile, MappingError>> {
     let (name, text) = match format {
         Format::ULog => ("px4", include_str!("../mappings/px4.pdl")),

@@ -31,7 +31,7 @@ pub fn load_program(path: &Path) -> CliResult<Arc<Library>> {
 /// Loads the mission in a folder, or of a `mission.pdl`; diagnostics of its program are printed.
 ///
 /// # Errors
-/// As [`load_program`]; everything that can be wrong with the mission's settings and data.
+/// Like [`load_program`]; everything that can be wrong with the mission's settings and data.
 pub fn load_mission(path: &Path) -> CliResult<Mission> {
     let library = load_program(path)?;
     Ok(Mission::of_program(path, library)?)

@@ -80,7 +80,7 @@ fn agree(world: &World) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// As [`agree`], and in the end all are in these states.
+/// Like [`agree`], and in the end all are in these states.
 fn agree_on(world: &World, states: &[State]) {
     agree(world).unwrap();
     let mut twin = Twin::new(world);

@@ -108,7 +108,7 @@ impl Reach {
         found.into_iter().map(Direction::position).collect()
     }
 
-    /// As [`leg_is_within`]; unless `exact`, it refuses undecided legs, which is fast.
+    /// Like [`leg_is_within`]; unless `exact`, it refuses undecided legs, which is fast.
     pub fn holds_leg(
         &self,
         (from, from_direction): (Position, Direction),

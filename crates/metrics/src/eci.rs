@@ -182,7 +182,7 @@ pub fn target_cost(target: &SurveillanceTarget, ends_s: impl IntoIterator<Item =
     cost
 }
 
-/// As [`target_cost`], with what an interval costs from its beginning and end.
+/// Like [`target_cost`], with what an interval costs from its beginning and end.
 pub(crate) fn over_intervals<E>(
     target: &SurveillanceTarget,
     ends_s: impl IntoIterator<Item = f64>,

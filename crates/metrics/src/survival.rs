@@ -38,7 +38,7 @@ pub fn interval_cost_of(
 /// Returns the expected cost of ignorance of flying `visits` (in order of time), of first events.
 ///
 /// # Errors
-/// As [`interval_cost`].
+/// Like [`interval_cost`].
 pub fn expected_cost(problem: &SurveillanceProblem, visits: &[SurveillanceVisit]) -> Result<ExpectedCost, String> {
     let cost_of = |target: &SurveillanceTarget| {
         let ends = visits.iter().filter(|visit| visit.target == target.name).map(|visit| visit.end_s);

@@ -186,7 +186,7 @@ fn wrapped(text: &str, width: usize) -> Vec<String> {
     lines
 }
 
-/// Begin and worth of a target's observation, or how often it was observed.
+/// Returns begin and worth of a target's observation, or the number of its observations.
 fn observation(report: &Report, id: &str) -> String {
     let mut visits = report.visits.iter().filter(|visit| visit.target == id && visit.end.is_some());
     let Some(first) = visits.next() else { return "-".to_string() };

@@ -25,10 +25,10 @@ pub fn crew_of_mission(mission: &Mission) -> MissionResult<Vec<Agent>> {
     program::crew_with(&mission.library, &host_functions_of(mission))
 }
 
-/// As [`program::load_recorded`], with the functions of the mission that the record holds.
+/// Like [`program::load_recorded`], with the functions of the mission that the record holds.
 ///
 /// # Errors
-/// As [`program::load_recorded`].
+/// Like [`program::load_recorded`].
 pub fn load_recorded_mission(
     mission: &Mission,
     sources: &[SourceFile],

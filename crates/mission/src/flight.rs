@@ -58,10 +58,10 @@ impl MissionFlight {
         })
     }
 
-    /// As [`MissionFlight::fly`], where `drive` runs the agents: with a vehicle, or at the clock of an outside simulator.
+    /// Like [`MissionFlight::fly`], where `drive` runs the agents: with a vehicle, or at the clock of an outside simulator.
     ///
     /// # Errors
-    /// As [`MissionFlight::fly`].
+    /// Like [`MissionFlight::fly`].
     pub fn run(
         &self,
         terms: FlyOptions,

@@ -245,7 +245,7 @@ impl Mission {
         Ok(())
     }
 
-    /// The requirements must hold at the start.
+    /// Checks that the requirements hold at the start.
     fn check_start(&self) -> MissionResult {
         requirements::check_start(&requirements::StartConditions {
             place: self.settings.place_of("requirements"),
@@ -259,7 +259,7 @@ impl Mission {
         })
     }
 
-    /// The vehicle must be able to fly above the place where it starts, and above every target.
+    /// Checks that the vehicle can fly above the place where it starts, and above every target.
     fn check_ceiling(&self) -> MissionResult<()> {
         let (ceiling_m, cruise_m) = (self.model.ceiling_m, self.cruise_altitude_m());
         let too_low = |what: String, altitude_m: f64| {
@@ -295,7 +295,7 @@ impl Mission {
         })
     }
 
-    /// Highest ground of the terrain in the box around all places, with space for turns.
+    /// Returns the highest ground of the terrain in the box around all places, with space for turns.
     fn ground_between_m(&self) -> f64 {
         let room_m = self.ground_room_m();
         let places = self.targets.iter().map(|target| target.position).chain([self.start]);
@@ -307,7 +307,7 @@ impl Mission {
         found.and_then(|(terrain, area)| terrain.highest_m_in(&area)).unwrap_or(f64::NEG_INFINITY)
     }
 
-    /// Space for turns around a place.
+    /// Returns the space for turns around a place.
     fn ground_room_m(&self) -> f64 {
         ROOM_M_MIN.max(ROOM_RADII * vehicle::turn_radius_m(&self.model))
     }
@@ -352,7 +352,7 @@ impl Mission {
             .or_else(|| target.map(|target| (target.position, target.elevation_m)))
     }
 
-    /// Emergency landing places: all airfields and bases.
+    /// Returns the emergency landing places: all airfields and bases.
     pub fn landing_places(&self) -> Vec<LandingPlace> {
         let airfields = self.airfields.iter().map(|airfield| (&airfield.id, airfield.position));
         let bases = self.targets.iter().filter(|target| matches!(target.kind, TargetKind::Base));

@@ -142,12 +142,12 @@ pub(crate) struct ForecastAir<'a> {
 }
 
 impl<'a> ForecastAir<'a> {
-    /// By the forecasts that the mission believes.
+    /// Returns air by the forecasts that the mission assumes.
     pub(crate) fn new(mission: &'a Mission) -> ForecastAir<'a> {
         ForecastAir { field: &mission.forecast, clouds: &mission.clouds }
     }
 
-    /// Eddy dissipation rate, m^(2/3)/s.
+    /// Returns the eddy dissipation rate, m^(2/3)/s.
     pub(crate) fn edr(&self, position: Position, altitude_m: f64, time_s: f64) -> f64 {
         wind::at(self.field, position, altitude_m, time_s).edr
     }

@@ -61,7 +61,7 @@ pub(crate) type PlanningKnowledge<'a> = (&'a Situation, Option<&'a FlownScore>, 
 /// Returns the problem of single visits of those looks that are asked for.
 ///
 /// # Errors
-/// As [`pose`].
+/// Like [`pose`].
 pub(crate) fn single_visits(
     mission: &Mission,
     known: PlanningKnowledge<'_>,

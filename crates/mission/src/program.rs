@@ -29,7 +29,7 @@ pub fn host_functions() -> HostFunctions {
     apex_geo::functions::host_functions()
 }
 
-/// `mission.pdl` in a folder, or the file itself.
+/// Returns `mission.pdl` in a folder, or the file itself.
 pub fn program_path(path: &Path) -> PathBuf {
     if path.is_dir() { path.join("mission.pdl") } else { path.to_path_buf() }
 }
@@ -42,10 +42,10 @@ pub fn check_program(path: &Path, fragment: bool) -> MissionResult<Checked> {
     check_program_with(path, fragment, &mut read_text)
 }
 
-/// As [`check_program`], reading files through `read`. A source that was read so is named by its path.
+/// Like [`check_program`], reading files through `read`. A source that was read so is named by its path.
 ///
 /// # Errors
-/// As [`check_program`].
+/// Like [`check_program`].
 pub fn check_program_with(
     path: &Path,
     fragment: bool,
@@ -168,10 +168,10 @@ pub fn crew_of(library: &Arc<Library>) -> MissionResult<Vec<Agent>> {
     crew_with(library, &host_functions())
 }
 
-/// As [`crew_of`], with these functions of the host.
+/// Like [`crew_of`], with these functions of the host.
 ///
 /// # Errors
-/// As [`crew_of`].
+/// Like [`crew_of`].
 pub(crate) fn crew_with(library: &Arc<Library>, functions: &HostFunctions) -> MissionResult<Vec<Agent>> {
     let load =
         |declaration: &AgentDeclaration| apex_executive::load(Arc::clone(library), declaration, functions.clone());

@@ -87,7 +87,7 @@ pub fn report(
     }
 }
 
-/// Names in plans of what is to be observed of a target: its own, or one for each wanted look.
+/// Returns the names of the observations of a target in plans: the target's name, or one for each wanted look.
 fn names_of(target: &Target) -> Vec<String> {
     match &target.kind {
         TargetKind::Fire(fire) => fire.looks().map(|(name, _)| name).collect(),

@@ -238,7 +238,7 @@ impl SettingsReader<'_> {
         }
     }
 
-    /// One string, or a list of them.
+    /// Reads one string, or a list of strings.
     fn texts(&self, option: &str) -> MissionResult<Vec<String>> {
         let Some(Value::List(items)) = self.application.option(option) else {
             return Ok(self.text(option)?.into_iter().collect());
@@ -305,7 +305,7 @@ impl SettingsReader<'_> {
         }
     }
 
-    /// `(:probability-per-hour P :vehicle-share S :vehicle-cost C :mission-share S :mission-cost C)`, each optional.
+    /// Reads `(:probability-per-hour P :vehicle-share S :vehicle-cost C :mission-share S :mission-cost C)`, each optional.
     fn failure(&self) -> MissionResult<FailureTerm> {
         use apex_model::quantity::Dimension;
         let Some(found) = self.application.option("failure") else { return Ok(FailureTerm::default()) };

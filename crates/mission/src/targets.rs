@@ -81,7 +81,7 @@ pub struct PictureTerms {
 }
 
 impl Fire {
-    /// Worth of perfect looks.
+    /// Returns the worth of perfect looks.
     pub fn value(&self) -> f64 {
         self.wanted.looks.iter().map(|look| look.value).sum()
     }
@@ -96,7 +96,7 @@ impl Fire {
         self.wanted.looks.iter().map(move |look| (name(look), look))
     }
 
-    /// Only its perimeter must be seen.
+    /// Returns true if only the perimeter must be seen.
     pub fn perimeter_only(&self) -> bool {
         matches!(self.wanted.area, TargetArea::Perimeter { .. })
     }
@@ -120,7 +120,7 @@ pub struct Site {
 }
 
 impl Target {
-    /// Worth of a perfect observation, or importance, for display.
+    /// Returns the worth of a perfect observation, or importance, for display.
     pub fn worth(&self) -> f64 {
         match &self.kind {
             TargetKind::Fire(fire) => fire.value(),
@@ -359,7 +359,7 @@ fn site(feature: &NamedFeature) -> MissionResult<Site> {
     })
 }
 
-/// `rate_per_h`, or `rates_per_h` where it changes.
+/// Reads `rate_per_h`, or `rates_per_h` if the rate changes.
 fn rate(feature: &NamedFeature) -> MissionResult<EventRate> {
     const SECONDS_PER_HOUR: f64 = 3600.0;
     let wrong = |what: String| {

@@ -284,12 +284,12 @@ impl fmt::Display for CheckResult {
     }
 }
 
-/// Nothing, or the reason, follows a whole name.
+/// Returns true if a whole name is followed by nothing or by the reason.
 fn ends_name(rest: &str) -> bool {
     rest.is_empty() || rest.starts_with(": ")
 }
 
-/// Do the corners go around a place? The bearings of a polygon's corners, followed edge by edge, make a full turn then.
+/// Returns true if the corners go around a place: the bearings of a polygon's corners, followed edge by edge, then make a full turn.
 fn is_around(corners: &[Position], here: Position) -> bool {
     let next = corners.iter().skip(1).chain(corners.first());
     let turned: f64 =

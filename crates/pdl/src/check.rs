@@ -267,7 +267,7 @@ impl Loader {
         (Checked { library: self.library, diagnostics: self.diagnostics }, conditions)
     }
 
-    /// Each form is dropped once it is lowered: long programs are then not in memory twice.
+    /// Lowers all forms of a file. Each form is dropped once it is lowered, so that long programs are not in memory twice.
     fn lower_file(&mut self, lowering: &mut Lowering, forms: Vec<Datum>) {
         lowering.bundle = None;
         for form in forms {
@@ -396,7 +396,7 @@ fn names_of(data: &[Datum]) -> impl Iterator<Item = (String, Span)> + '_ {
     })
 }
 
-/// `(in-apex-bundle :name)`: the forms after it belong to the bundle; the default bundle has no name.
+/// Handles `(in-apex-bundle :name)`: the forms after it belong to the bundle; the default bundle has no name.
 fn enter_bundle(lowering: &mut Lowering, form: &Datum) {
     match form.tail() {
         [Datum { kind: DatumKind::Symbol(name), .. }] => {

@@ -46,7 +46,7 @@ impl Span {
         Place { file: self.file, line: self.line, column: self.column }
     }
 
-    /// From the start of this to the end of `last`.
+    /// Returns the span from the start of this one to the end of `last`.
     pub(crate) fn to(self, last: Span) -> Span {
         Span { end: last.end.max(self.end), ..self }
     }

@@ -15,7 +15,7 @@ pub(crate) struct Locator<'l> {
 }
 
 impl<'l> Locator<'l> {
-    /// Over the texts of a library.
+    /// Returns a locator over the texts of a library.
     pub(crate) fn new(sources: &'l [SourceFile]) -> Locator<'l> {
         Locator { sources, lines: BTreeMap::new() }
     }
@@ -191,7 +191,7 @@ pub(crate) fn closing(form: Span) -> Span {
     Span { start: form.end.saturating_sub(1), ..form }
 }
 
-/// Every part of `datum` in order of writing.
+/// Visits every part of `datum` in order of writing.
 pub(crate) fn each(datum: &Datum, visit: &mut dyn FnMut(&Datum)) {
     visit(datum);
     match &datum.kind {
@@ -205,7 +205,7 @@ pub(crate) fn each(datum: &Datum, visit: &mut dyn FnMut(&Datum)) {
     }
 }
 
-/// The first part of `datum`, in order of writing, that is wanted.
+/// Returns the first part of `datum`, in order of writing, that is wanted.
 pub(crate) fn find(datum: &Datum, wanted: &dyn Fn(&Datum) -> bool) -> Option<Span> {
     if wanted(datum) {
         return Some(datum.span);

@@ -6,7 +6,7 @@ use crate::read::{Datum, DatumKind};
 use crate::vocabulary::{ACTIVITIES, PROCEDURE_CLAUSES};
 use apex_model::symbol::Symbol;
 
-/// May this clause of a procedure stand alone in a fragment? Not where its short spelling is an activity too.
+/// Returns true if this clause of a procedure may stand alone in a fragment; false if its short spelling is an activity, too.
 fn is_clause(word: &str) -> bool {
     PROCEDURE_CLAUSES.contains(&word) && !ACTIVITIES.contains(&word)
 }
@@ -38,7 +38,7 @@ pub(crate) fn gather(forms: Vec<Datum>) -> Vec<Datum> {
     gathered
 }
 
-/// `(waitfor ..)`, a form headed by a keyword, or a measurement.
+/// Returns true for `(waitfor ..)`, a form headed by a keyword, or a measurement.
 fn is_condition(form: &Datum) -> bool {
     let items = form.as_list().unwrap_or_default();
     let headed = items.first().is_some_and(|head| head.keyword().is_some());

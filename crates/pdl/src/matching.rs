@@ -115,7 +115,7 @@ impl<'t> View<'t> {
     }
 }
 
-/// True unless the goal provably does not match. Running out of steps counts as a match.
+/// Returns false only if the goal provably does not match. Running out of steps counts as a match.
 pub(crate) fn may_match(goal: View<'_>, pattern: &Pattern, steps: &mut u64) -> bool {
     *steps = steps.saturating_sub(1);
     if *steps == 0 || matches!(goal, View::Template(Template::Hole(_) | Template::Splice(_))) {
@@ -140,7 +140,7 @@ pub(crate) fn may_match(goal: View<'_>, pattern: &Pattern, steps: &mut u64) -> b
     }
 }
 
-/// As `may_match`, for a pattern that is a value.
+/// Like `may_match`, for a pattern that is a value.
 fn may_be(goal: View<'_>, value: &Value, steps: &mut u64) -> bool {
     let Value::List(items) = value else {
         return goal.value().is_some_and(|found| found.matches(value));
@@ -200,7 +200,7 @@ fn list_must(parts: &[View<'_>], patterns: &[Pattern]) -> bool {
     }
 }
 
-/// No variable twice: a second one would have to match an equal value.
+/// Returns true if no variable occurs twice: a second occurrence would have to match an equal value.
 fn is_linear<'p>(pattern: &'p Pattern, seen: &mut BTreeSet<&'p Symbol>) -> bool {
     match pattern {
         Pattern::Variable(name)
@@ -262,7 +262,7 @@ pub(crate) struct Specificity {
     segments: Reverse<usize>,
 }
 
-/// Fewest variables first, then the longest constant prefix, then fewest segments.
+/// Returns the specificity: fewer variables are more specific, then a longer constant prefix, then fewer segments.
 pub(crate) fn specificity(pattern: &Pattern) -> Specificity {
     let (mut named, mut nameless, mut segments) = (BTreeSet::new(), 0, 0);
     count(pattern, &mut named, &mut nameless, &mut segments);

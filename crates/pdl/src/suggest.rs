@@ -25,7 +25,7 @@ pub(crate) struct Near<'a> {
     pub(crate) cost: u32,
 }
 
-/// Known names near enough to be meant by `name`, nearest first; equally near ones in the order given.
+/// Returns known names similar enough to be meant by `name`, nearest first; equally near ones in the order given.
 pub(crate) fn near<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Vec<Near<'a>> {
     let wanted: Vec<char> = name.to_lowercase().chars().take(NAME_CHARACTERS_MAX + 1).collect();
     if wanted.is_empty() || wanted.len() > NAME_CHARACTERS_MAX {
@@ -49,8 +49,8 @@ pub(crate) fn near<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> 
     found
 }
 
-/// Is the first of these names certainly meant? The others must be clearly farther, and a short name has so many
-/// neighbours that one edit proves nothing.
+/// Returns true if the first of these names is certainly meant: the others are clearly farther, and the name is long enough (a short name
+/// has many neighbours).
 pub(crate) fn is_certain(name: &str, found: &[Near<'_>]) -> bool {
     let Some(first) = found.first() else { return false };
     let alone = found.get(1).is_none_or(|second| second.cost > first.cost + MARGIN);
@@ -72,7 +72,7 @@ pub(crate) fn renames<'a>(span: Span, name: &str, known: impl IntoIterator<Item 
     renames_marked(span, name, known, str::to_string)
 }
 
-/// As [`renames`] for names that are written with marks: `mark` makes `?x` of `x`, `+x+`, or `:x`.
+/// Like [`renames`] for names that are written with marks: `mark` makes `?x` of `x`, `+x+`, or `:x`.
 pub(crate) fn renames_marked<'a>(
     span: Span,
     name: &str,

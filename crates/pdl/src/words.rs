@@ -163,7 +163,7 @@ fn of_library(word: &str, name: &str, library: &str, text: &mut String) {
     }
 }
 
-/// `take-off` are the first words of `(take off to ?altitude)`.
+/// Returns true if the words of a hyphenated name are the first words of the goal: `take-off` and `(take off to ?altitude)`.
 fn begins_with(index: &Datum, word: &str) -> bool {
     let mut joined = String::new();
     for item in index.as_list().unwrap_or_default() {

@@ -62,7 +62,7 @@ pub struct ForeignEnd {
 /// Runs `agents` at the clock of an outside simulator until it says `stop`, its lines end, or the application ends.
 ///
 /// # Errors
-/// As [`crate::fly_all`]; and when an answer cannot be written.
+/// Like [`crate::fly_all`]; and when an answer cannot be written.
 pub fn run(
     agents: &mut [Agent],
     link: &mut SimulatorLink<'_>,

@@ -32,7 +32,7 @@ pub fn fly(
 /// over after `(end-application)`, or when all agents are done.
 ///
 /// # Errors
-/// As [`fly`], and when an input is for an agent that does not exist.
+/// Like [`fly`], and when an input is for an agent that does not exist.
 pub fn fly_all(
     agents: &mut [Agent],
     vehicle: &mut dyn Vehicle,

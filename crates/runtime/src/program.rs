@@ -18,7 +18,7 @@ use std::collections::BTreeSet;
 /// reason; give a deliberator to [`run_with`] if planners are available.
 ///
 /// # Errors
-/// As [`fly`].
+/// Like [`fly`].
 pub fn run(agent: &mut Agent, observers: &mut [&mut dyn Observer], options: FlyOptions) -> Result<RunEnd, RunError> {
     run_with(agent, &mut NoDeliberator, observers, options)
 }
@@ -26,7 +26,7 @@ pub fn run(agent: &mut Agent, observers: &mut [&mut dyn Observer], options: FlyO
 /// Like [`run`], with planners.
 ///
 /// # Errors
-/// As [`fly`].
+/// Like [`fly`].
 pub fn run_with(
     agent: &mut Agent,
     deliberator: &mut dyn Deliberator,
@@ -39,7 +39,7 @@ pub fn run_with(
 /// Like [`run`], with all agents of an application.
 ///
 /// # Errors
-/// As [`fly_all`].
+/// Like [`fly_all`].
 pub fn run_all(
     agents: &mut [Agent],
     observers: &mut [&mut dyn Observer],

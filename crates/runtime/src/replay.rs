@@ -119,7 +119,7 @@ pub fn replay(reader: &RecordReader, load: LoadProgram<'_>) -> Result<ReplayRepo
 /// each snapshot.
 ///
 /// # Errors
-/// As [`replay`].
+/// Like [`replay`].
 pub fn replay_with(
     reader: &RecordReader,
     load: LoadProgram<'_>,

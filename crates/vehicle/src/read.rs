@@ -85,7 +85,7 @@ impl VehicleModel {
     /// Reads the text of a vehicle file whose sensors ship with Apex; `file` names it in errors.
     ///
     /// # Errors
-    /// As [`VehicleModel::parse_with`]; a sensor that is a file.
+    /// Like [`VehicleModel::parse_with`]; a sensor that is a file.
     pub fn parse(file: &str, text: &str) -> Result<VehicleModel, VehicleFileError> {
         VehicleModel::parse_with(file, text, &mut |_| Ok(None))
     }

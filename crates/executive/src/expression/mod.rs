@@ -43,7 +43,7 @@ pub(crate) fn evaluate(expr: &Expr, context: &dyn EvalContext) -> Result<Value, 
 /// Returns the value of `template` with its holes filled.
 ///
 /// # Errors
-/// As [`evaluate`]; an unbound variable is an error.
+/// Like [`evaluate`]; an unbound variable is an error.
 pub(crate) fn instantiate(template: &Template, context: &dyn EvalContext) -> Result<Value, EvaluationError> {
     Evaluator::new(context, None).template(template, templates::place_of(template))
 }
@@ -62,7 +62,7 @@ pub(crate) fn expression_as_known(expr: &Expr, context: &dyn EvalContext) -> Val
 /// `setq` changes; what the forms want done is appended to `actions`. On an error the actions so far stay.
 ///
 /// # Errors
-/// As [`evaluate`].
+/// Like [`evaluate`].
 pub(crate) fn run(
     forms: &[Expr],
     context: &dyn EvalContext,

@@ -130,7 +130,7 @@ impl Air {
         wind::ground_speed_mps(track, self.true_airspeed_mps, wind)
     }
 
-    /// As [`Air::speed_mps`], with a crawl where it cannot be flown: such spans are closed to legs by other means.
+    /// Like [`Air::speed_mps`], with a crawl where it cannot be flown: such spans are closed to legs by other means.
     pub(crate) fn speed_or_crawl_mps(&self, span: usize, step: &WindStep, backwards: bool) -> f64 {
         self.speed_mps(span, step, backwards).unwrap_or(GROUND_SPEED_MPS_MIN)
     }

@@ -144,7 +144,7 @@ impl Course {
         }
     }
 
-    /// As [`Course::advance`] to the end of the leg, remembering what a flight between two changes takes.
+    /// Like [`Course::advance`] to the end of the leg, remembering what a flight between two changes takes.
     pub(crate) fn arrive(&self, air: &Air, backwards: bool, timing: &mut Timing, depart_s: f64) -> f64 {
         let span = air.span_at(depart_s);
         if timing.totals_s.is_empty() {

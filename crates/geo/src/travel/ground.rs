@@ -262,7 +262,7 @@ impl PathConstraints {
         self.blocks_wider(from, to, 0.0)
     }
 
-    /// As [`PathConstraints::blocks`], where margins that the ends keep are wider by `more`.
+    /// Like [`PathConstraints::blocks`], where margins that the ends keep are wider by `more`.
     ///
     /// # Errors
     /// As there.

@@ -182,7 +182,7 @@ impl Network {
         from.iter().map(row).collect()
     }
 
-    /// As [`Network::trip`], by the way that is best for leaving at `ready_s`.
+    /// Like [`Network::trip`], by the way that is best for leaving at `ready_s`.
     fn trip_now(&mut self, from: EndpointId, to: EndpointId, ready_s: f64, tree: &mut Option<Tree>) -> Option<Trip> {
         let straight = self.straight_way(from, to).ok();
         let direct = straight.and_then(|(way, _)| self.trip_by(way, ready_s));

@@ -110,7 +110,7 @@ pub(super) fn heights_m(mission: &Mission, goal: &AcquisitionGoal, instrument: &
     found
 }
 
-/// Lowest height above the target: what the mission requires over ground, else what the vehicle keeps.
+/// Returns the lowest height above the target: the height that the mission requires over ground, or else the one that the vehicle keeps.
 pub(super) fn lowest_m(mission: &Mission, goal: &AcquisitionGoal) -> f64 {
     let least_m = match mission.model.airframe {
         Airframe::FixedWing => HEIGHT_M_MIN.0,

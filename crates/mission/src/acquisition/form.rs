@@ -76,7 +76,7 @@ impl<'a> Form<'a> {
         Some(value.to_string().to_lowercase())
     }
 
-    /// True for the second of two words; the first is the default.
+    /// Reads one of two words; returns true for the second, false for the first, which is the default.
     fn is(&mut self, key: &'static str, [usual, other]: [&str; 2]) -> Result<bool, String> {
         match self.word(key).as_deref() {
             None => Ok(false),
@@ -274,7 +274,7 @@ pub(crate) fn form_of(path: &FlightPath) -> Option<Value> {
     Some(Value::list(items))
 }
 
-/// The fields of paths of straight lines, and of places.
+/// Reads the fields of paths of straight lines, and of places.
 fn put_straight(path: &FlightPath, put: &mut impl FnMut(&str, Value)) {
     match path {
         FlightPath::StandOff(aside) => {

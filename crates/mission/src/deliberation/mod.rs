@@ -66,7 +66,7 @@ impl MissionDeliberator {
         &self.situation
     }
 
-    /// Wall time that planners took so far.
+    /// Returns the wall time that planners took so far.
     pub fn planned_for(&self) -> std::time::Duration {
         self.invocations.lock().unwrap_or_else(PoisonError::into_inner).worked()
     }

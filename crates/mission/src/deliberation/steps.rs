@@ -115,8 +115,8 @@ fn observation(visit: &PlannedVisit, manoeuvre: &Manoeuvre) -> NamedActivity {
     (Symbol::new(&format!("{verb}-{}", visit.target)), activity)
 }
 
-/// Whether the observation waits for its instant: the plan waits, or an arrival earlier than planned would find the wrong
-/// light, a closed window or a lower timing factor.
+/// Returns true if the observation waits for its instant: the plan waits, or an arrival earlier than planned would find the wrong light, a
+/// closed window or a lower timing factor.
 fn waits(
     problem: &SingleVisitProblem,
     target: &SingleVisitTarget,
@@ -132,7 +132,7 @@ fn waits(
     visit.begin_s - visit.arrive_s >= 1.0 || closed || dark || lower
 }
 
-/// A circle where a route ends until the observation may begin; over at once where it is later already.
+/// Adds a circle at the end of a route until the observation may begin; it ends at once if that instant has passed.
 fn wait(steps: &mut Vec<NamedActivity>, route: &[Position], altitude_m: f64, begin_s: f64) {
     let Some(there) = route.last() else { return };
     let tag = Symbol::new(&format!("wait-{}", steps.len() + 1));
@@ -140,7 +140,7 @@ fn wait(steps: &mut Vec<NamedActivity>, route: &[Position], altitude_m: f64, beg
     steps.push((tag, PlannedActivity::LoiterUntil { at: at(*there, altitude_m), until }));
 }
 
-/// Staying where a route begins until it is open; nothing for less than a second.
+/// Adds a hold at the beginning of a route until it is open; nothing for less than a second.
 fn hold(steps: &mut Vec<NamedActivity>, route: &[Position], altitude_m: f64, seconds: f64) {
     let Some(here) = route.first().filter(|_| seconds >= 1.0) else { return };
     let tag = Symbol::new(&format!("hold-{}", steps.len() + 1));
@@ -148,7 +148,7 @@ fn hold(steps: &mut Vec<NamedActivity>, route: &[Position], altitude_m: f64, sec
     steps.push((tag, PlannedActivity::Loiter { at: at(*here, altitude_m), time }));
 }
 
-/// Way points strictly between the ends of a route: the bends around airspace.
+/// Adds the way points strictly between the ends of a route: the bends around airspace.
 fn detour(steps: &mut Vec<NamedActivity>, route: &[Position], altitude_m: f64) {
     let bends = route.len().saturating_sub(2);
     for bend in route.iter().skip(1).take(bends) {

@@ -49,7 +49,7 @@ pub fn answer(path: &Path, wanted: ModelQuery<'_>, json: bool) -> MissionResult<
 /// Reads the text of a model file; `file` names it in errors.
 ///
 /// # Errors
-/// As [`Model::parse`].
+/// Like [`Model::parse`].
 pub(crate) fn parse(file: &str, text: &str) -> MissionResult<Arc<Model>> {
     Model::parse(file, text).map(Arc::new).map_err(invalid)
 }

@@ -43,7 +43,7 @@ struct Published {
 struct DiagnoserCache(Option<Diagnoser>);
 
 impl PartialEq for DiagnoserCache {
-    /// A function of the outcomes, without state.
+    /// Compares nothing: all values are equal, because the service is a function of the outcomes without state.
     fn eq(&self, _: &DiagnoserCache) -> bool {
         true
     }

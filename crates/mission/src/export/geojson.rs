@@ -25,7 +25,7 @@ fn feature(kind: &str, name: &str, geometry: Value, more: Map<String, Value>) ->
     json!({"type": "Feature", "geometry": geometry, "properties": properties})
 }
 
-/// Longitude comes first, and altitude last where it is known.
+/// Returns coordinates as GeoJSON: longitude first, and altitude last where it is known.
 fn coordinates(place: &ChartPoint) -> Value {
     let Position { latitude_deg, longitude_deg } = place.position;
     let (east, north) = (digits(longitude_deg), digits(latitude_deg));
@@ -128,7 +128,7 @@ fn zone(zone: &AirspaceZone) -> Value {
     feature(kind, &zone.name, json!({"type": "Polygon", "coordinates": [ring]}), facts)
 }
 
-/// RFC 7946 wants outer rings counterclockwise.
+/// Returns true if the ring is clockwise; RFC 7946 requires outer rings counterclockwise.
 fn clockwise(corners: &[Position]) -> bool {
     let next = corners.iter().skip(1).chain(corners.first());
     let doubled = |(a, b): (&Position, &Position)| a.longitude_deg * b.latitude_deg - b.longitude_deg * a.latitude_deg;

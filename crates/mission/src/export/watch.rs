@@ -17,7 +17,7 @@ pub(super) struct VisitFollower {
 }
 
 impl VisitFollower {
-    /// At the start, with the ways where they are known.
+    /// Returns a follower at the start, with the paths if they are known.
     pub(super) fn new(ways: Option<SurveillanceTravel>, start: Option<ChartPoint>) -> VisitFollower {
         VisitFollower { ways, before: start, from: None, on: None, depart_s: 0.0 }
     }

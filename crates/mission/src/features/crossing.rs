@@ -77,7 +77,7 @@ mod tests {
         corners.iter().map(|(longitude, latitude)| Position::new(*latitude, *longitude)).collect()
     }
 
-    /// Every edge against every other.
+    /// Compares every edge with every other one (naive twin).
     fn naive(ring: &[Position]) -> bool {
         let edges = edges(ring);
         edges.iter().enumerate().any(|(index, edge)| edges.iter().skip(index + 1).any(|other| edge.crosses(other)))

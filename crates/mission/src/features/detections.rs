@@ -33,7 +33,7 @@ struct Pixel {
     seen: String,
 }
 
-/// Is this a table of detections? The names of its columns say it.
+/// Returns true if the names of the columns show a table of detections.
 pub(super) fn is_detections(file: &DataFile) -> bool {
     let first = file.bytes.split(|byte| *byte == b'\n').find(|line| !line.starts_with(b"#")).unwrap_or_default();
     let header = String::from_utf8_lossy(first).to_lowercase();
@@ -162,7 +162,7 @@ fn fire(place: &str, members: &[&Pixel], number: usize) -> MissionResult<PlacedF
     Ok((here, feature(GeometryValue::Polygon { coordinates: vec![ring] }, properties)))
 }
 
-/// A tenth of a metre in degrees is enough.
+/// Rounds degrees to about a tenth of a metre.
 fn rounded(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
 }

@@ -96,7 +96,7 @@ impl NamedFeature {
         Ok(ground_m)
     }
 
-    /// All of these places must lie on the terrain, if the mission has one.
+    /// Checks that all of these places lie on the terrain, if the mission has one.
     ///
     /// # Errors
     /// The first that does not.
@@ -148,7 +148,7 @@ impl NamedFeature {
         }
     }
 
-    /// One of `words`, if there.
+    /// Returns the option if it is one of `words`; `None` if it is absent.
     pub(crate) fn word(&self, key: &str, words: &[&'static str]) -> MissionResult<Option<&'static str>> {
         let Some(text) = self.text(key)? else { return Ok(None) };
         let found = words.iter().copied().find(|word| *word == text);
@@ -181,7 +181,7 @@ impl NamedFeature {
         items.iter().map(|item| pair(item).ok_or_else(|| wrong(value))).collect()
     }
 
-    /// One pair of numbers, if there: `[first, second]`, the second not less.
+    /// Reads one pair of numbers, `[first, second]`, the second not less than the first; `None` if it is absent.
     pub(crate) fn pair(&self, key: &str, low: f64, high: f64) -> MissionResult<Option<(f64, f64)>> {
         let Some(value) = self.property(key) else { return Ok(None) };
         let wrong = |what: String| {

@@ -181,7 +181,7 @@ impl<'a> Beliefs<'a> {
         self.by_law(place, altitude_m).map(|(level, distance_m)| Belief::Predicted(level, distance_m))
     }
 
-    /// As [`Beliefs::at`], where the link is weak.
+    /// Like [`Beliefs::at`], where the link is weak.
     pub(crate) fn weak_at(&self, place: Position, altitude_m: f64) -> Option<Belief> {
         self.at(place, altitude_m).filter(|belief| belief.level() < self.lost.nominal)
     }

@@ -205,7 +205,7 @@ impl Learned {
         measured.last_s = at_s;
     }
 
-    /// The link was lost here, on the way to `goal`.
+    /// Records that the link was lost here, on the way to `goal`.
     pub(crate) fn lose(&mut self, at_s: f64, here: Location, goal: Option<Position>) {
         self.losses.push(Loss { at_s, here, goal, level: self.level });
         let surplus = self.losses.len().saturating_sub(LOSSES_MAX);

@@ -182,7 +182,7 @@ fn contingency_place(mission: &Mission, name: &str, learned: &Learned, here: Loc
     nearest.map_or_else(|| mission.settings.start.clone(), |place| Value::symbol(&place.name))
 }
 
-/// `(NAME TOP CORNER ..)`: the name of an area, its upper face in metres above sea level, and its corners.
+/// Returns `(NAME TOP CORNER ..)`: the name of an area, its upper face in metres above sea level, and its corners.
 fn area_value(area: &AirspaceZone) -> Value {
     let tenth = |degrees: f64| Value::Real(libm::round(degrees * 1e6) / 1e6);
     let corner = |at: &Position| Value::list([tenth(at.latitude_deg), tenth(at.longitude_deg)]);

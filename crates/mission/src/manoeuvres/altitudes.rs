@@ -97,7 +97,7 @@ pub(super) fn permitted_bands(wish: &Wish<'_>, face_m: f64) -> Vec<(f64, f64)> {
     here.map(|zone| (low_m(zone), zone.altitude_m_max - face_m)).collect()
 }
 
-/// Restricted zones that the lines over the target may meet.
+/// Returns the restricted zones that the lines over the target may meet.
 pub(super) fn zones_near<'a>(wish: &'a Wish<'_>) -> impl Iterator<Item = &'a AirspaceZone> {
     let reach_m = wish.fire.radius_m + wish.mission.settings.zone_margin_m;
     let near = move |zone: &&AirspaceZone| {

@@ -106,7 +106,7 @@ fn along(places: &[Position], approach: Position) -> Vec<(Position, Position)> {
     places.iter().copied().zip(places.iter().copied().skip(1)).collect()
 }
 
-/// Parallel lines over an area, spaced for the sidelap that it wants.
+/// Returns parallel lines over an area, spaced for the required sidelap.
 fn sweep(wish: &Wish<'_>, camera: &CameraSetting, altitude_m: f64) -> Result<Vec<(Position, Position)>, String> {
     let (across_m, along_m) = camera.footprint_m(altitude_m - wish.fire.wanted.elevation_m);
     let wind = wind_at(wish, altitude_m);
@@ -171,7 +171,7 @@ fn draft(
     })
 }
 
-/// To a tenth, so that plans stay readable.
+/// Rounds to a tenth, so that plans stay readable.
 fn rounded(number: f64) -> f64 {
     (number * 10.0).round() / 10.0
 }

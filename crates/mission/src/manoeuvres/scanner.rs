@@ -26,7 +26,7 @@ struct SweepDraft {
     promise: f64,
 }
 
-/// The sweeps with what they are predicted to add to what has been seen.
+/// Returns the sweeps with the points that they are predicted to add.
 ///
 /// # Errors
 /// Why there is none, with what comes nearest.
@@ -222,7 +222,7 @@ fn factors(
     result.looks.first().map(quality)
 }
 
-/// Predicted factors with their causes.
+/// Returns the predicted factors with their causes.
 pub(super) fn quality(look: &LookResult) -> QualityFactors {
     let points = |causes: &[LossCause]| {
         let losses = look.losses.iter().filter(|loss| causes.contains(&loss.cause) && loss.points > 0.0);

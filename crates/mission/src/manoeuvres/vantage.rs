@@ -68,7 +68,7 @@ pub(super) fn ways(wish: &Wish<'_>, camera: &CameraSetting, place: Position) -> 
     }
 }
 
-/// Look angles to try, steepest first: those that the target wants and the mount can take.
+/// Returns the look angles to try, steepest first: those that the target requires and the mount can reach.
 fn look_angles_deg(wish: &Wish<'_>, camera: &CameraSetting) -> Result<Vec<f64>, String> {
     let (low_deg, high_deg) = camera.mount.tilt_deg;
     let (least_deg, most_deg) = (90.0 + low_deg, 90.0 + high_deg);

@@ -197,7 +197,7 @@ fn of_cell(text: &str) -> MissionResult<PlanInput> {
     Ok(PlanInput { start, ..PlanInput::new(format!("{cell}@{number}"), problem) })
 }
 
-/// Nothing is called so: the names that are nearest, and where names are listed.
+/// Returns the error of an unknown name: the nearest names, and the place where names are listed.
 fn no_such_name(text: &str, cell: &str, why: &str) -> MissionError {
     let trouble = MissionError::planning(format!("there is no mission, file or test mission called {text}"));
     let shipped = Path::new("missions").join(text);

@@ -48,7 +48,7 @@ impl Scene<'_> {
         ahead.fold(below_m, f64::max)
     }
 
-    /// Clearance of the ground, below and along the route.
+    /// Returns the reading of the clearance of the ground, below and along the route.
     pub(super) fn terrain(&self) -> Option<Reading> {
         let clearance_m = self.requirements().terrain_clearance_m?;
         if self.flown.is_near_ground {

@@ -153,7 +153,7 @@ impl Commanded {
     }
 }
 
-/// `:via (LOCATION ..)`: points before the goal, and the altitude of the first.
+/// Reads `:via (LOCATION ..)`: points before the goal, and the altitude of the first.
 fn via(items: &[Value]) -> (Vec<Position>, Option<f64>) {
     let points = keyword(items, ":via").and_then(Value::as_list).unwrap_or_default();
     let positions = points.iter().filter_map(Location::from_value).map(|location| location.position).collect();
@@ -178,7 +178,7 @@ impl FlightOrder {
 const BEHIND_M: f64 = 2_000.0;
 const DEGREE_M: f64 = 111_195.0;
 
-/// East and north of one position as seen from another, on a chart: for the side of a line only.
+/// Returns the offset to the east and north of one position from another, on a chart: for the side of a line only.
 fn offset_m(from: Position, to: Position) -> (f64, f64) {
     let east = libm::cos(from.latitude_deg.to_radians()) * DEGREE_M;
     (wrap_180(to.longitude_deg - from.longitude_deg) * east, (to.latitude_deg - from.latitude_deg) * DEGREE_M)

@@ -348,7 +348,7 @@ impl<'a> Scene<'a> {
         })
     }
 
-    /// Margin inside of what is permitted, and when the route leaves it.
+    /// Returns the margin inside of the permitted area, and the time at which the route leaves it.
     fn keep_in(&self, zones: &[LocalZone], buffer: &ZoneBuffer) -> (f64, Option<f64>) {
         let Some(area) = KeepIn::new(zones, self.flown.altitude_m, self.now_s) else { return (f64::INFINITY, None) };
         let inside_m = area.keep_in_m(Point::default(), self.flown.altitude_m, buffer);

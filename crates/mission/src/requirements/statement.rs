@@ -143,12 +143,12 @@ fn of_vehicle(settings: &Stated<'_>, model: &VehicleModel, planned_margin_m: f64
     }
 }
 
-/// Flight time that the vehicle's own rule keeps in reserve.
+/// Returns the flight time that the vehicle's rule keeps in reserve.
 fn reserve_s(model: &VehicleModel) -> f64 {
     model.reserve_s()
 }
 
-/// Flight time that full energy allows at cruise.
+/// Returns the flight time that full energy allows at cruise.
 pub(super) fn endurance_s(model: &VehicleModel) -> f64 {
     model.endurance_cruise_s()
 }

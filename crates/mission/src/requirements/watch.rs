@@ -65,7 +65,7 @@ pub struct Findings {
 }
 
 impl Watch {
-    /// Turbulence as last measured, m^(2/3)/s.
+    /// Returns the turbulence as last measured, m^(2/3)/s.
     pub(crate) fn edr(&self) -> Option<f64> {
         self.flown.edr
     }

@@ -63,7 +63,7 @@ pub(crate) fn told(flown: &Result<Option<FlownScore>, String>) -> Result<&FlownS
 }
 
 impl FlownScore {
-    /// Nothing observed yet; none for a mission without targets of single visits.
+    /// Returns a score without observations; `None` for a mission without targets of single visits.
     ///
     /// # Errors
     /// The ground of a target is invalid.
@@ -147,8 +147,8 @@ impl FlownScore {
         self.sample(pending);
     }
 
-    /// `(image-taken CAMERA TARGET)`: position, attitude and the angles of the mount were reported just before. A picture that clouds
-    /// hide (`image-obscured`), and one of a failed detector (`image-blank`), is a look that is not clear.
+    /// Processes `(image-taken CAMERA TARGET)`: position, attitude and the angles of the mount were reported just before. A picture that
+    /// clouds hide (`image-obscured`), and one of a failed detector (`image-blank`), is a look that is not clear.
     fn occurrence(&mut self, form: &Value, at: Time) {
         let Some([Value::Symbol(head), camera, ..]) = form.as_list() else { return };
         let (is_obscured, is_blank) = (head.is("image-obscured"), head.is("image-blank"));
@@ -211,7 +211,7 @@ impl FlownScore {
         }
     }
 
-    /// The scanner was switched.
+    /// Records that the scanner was switched on or off.
     fn switch(&mut self) {
         let state = match &self.scanner {
             Some(setting) if self.latest.is_on => SensorState::Scanning(setting.clone()),

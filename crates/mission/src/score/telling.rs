@@ -90,7 +90,7 @@ fn write_look(out: &mut String, look: &ScoredLook, width: usize) -> std::fmt::Re
     writeln!(out, "{indent}{}", wrapped(&told, "; ", indent.len(), &indent))
 }
 
-/// `roll 3.1` for each of these causes that cost points.
+/// Returns `roll 3.1` for each of these causes that cost points.
 fn causes(look: &LookResult, of: &[LossCause]) -> Vec<String> {
     let losses = look.losses.iter().filter(|loss| of.contains(&loss.cause) && loss.points >= LOSS_TOLD_MIN);
     losses.map(|loss| format!("{} {:.1}", loss.cause.words(), loss.points)).collect()

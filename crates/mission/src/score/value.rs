@@ -122,7 +122,7 @@ pub(crate) fn flight_score(
     FlightScore { looks, benefits, costs, failure_probability: probability, score, trouble }
 }
 
-/// The looks with their names in plans, worth what the target's looks are worth now.
+/// Returns the looks with their names in plans and the present worth of the target's looks.
 fn looks_of(target: &Target, results: Vec<LookResult>) -> Vec<(String, LookResult)> {
     let TargetKind::Fire(fire) = &target.kind else { return Vec::new() };
     let valued = |result: LookResult| {

@@ -206,7 +206,7 @@ impl MissionUpdates {
         believed
     }
 
-    /// The mission with all of its targets, worth what has been said last, and the forecast that is assumed.
+    /// Returns the mission with all of its targets at their latest values, and the assumed forecast.
     pub fn valued(&self, mission: &Mission) -> Mission {
         let mut believed = mission.clone();
         for target in &mut believed.targets {

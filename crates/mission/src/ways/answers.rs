@@ -51,7 +51,7 @@ pub(crate) fn register(limits: Limits, functions: &mut HostFunctions) {
     }
 }
 
-/// `(landing-place-near LOCATION REACH)`: the name of the nearest landing place within REACH, else nil.
+/// Evaluates `(landing-place-near LOCATION REACH)`: the name of the nearest landing place within REACH, else nil.
 fn landing_place_near(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let [location, reach] = arguments else { return Err("a location and a reach are missing".to_string()) };
     let here = Location::of(location)?.position;
@@ -63,8 +63,8 @@ fn landing_place_near(limits: &Limits, arguments: &[Value]) -> Result<Value, Str
     Ok(nearest.map_or_else(Value::nil, |(_, name)| Value::symbol(name)))
 }
 
-/// `(forecast-error LOCATION TIME SPEED DIRECTION)`: length of the difference between a measured wind and the forecast for its place and
-/// time (since the start of the mission); nil without a location.
+/// Evaluates `(forecast-error LOCATION TIME SPEED DIRECTION)`: length of the difference between a measured wind and the forecast for its
+/// place and time (since the start of the mission); nil without a location.
 fn forecast_error(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let [location, time, speed, direction] = arguments else { return Err("a measured wind is missing".to_string()) };
     if !location.is_true() {
@@ -83,7 +83,7 @@ fn forecast_error(limits: &Limits, arguments: &[Value]) -> Result<Value, String>
     Ok(Value::measured(libm::hypot(east_mps, north_mps), Dimension::SPEED))
 }
 
-/// As [`start_of`]; none also if nothing limits the ways.
+/// Like [`start_of`]; none also if nothing limits the ways.
 fn start(limits: &Limits, arguments: &[Value]) -> Result<Option<Request>, String> {
     if limits.are_none() && !limits.has_weak() {
         return Ok(None);
@@ -169,7 +169,7 @@ fn length(value: &Value) -> Result<Option<f64>, String> {
     }
 }
 
-/// `(way-to HERE TRACK MET PLACE ALTITUDE)`
+/// Evaluates `(way-to HERE TRACK MET PLACE ALTITUDE)`.
 fn to_place(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let Some(request) = start(limits, arguments)? else { return Ok(Value::nil()) };
     let [.., place, altitude] = arguments else { return Ok(Value::nil()) };
@@ -195,8 +195,8 @@ fn with_option(answer: Value, option: Option<(&str, Value)>) -> Value {
     Value::list(std::iter::once(options).chain(items.iter().skip(1).cloned()))
 }
 
-/// `(way-to-circle HERE TRACK MET PLACE TIME)`: TIME is how long one circles there, or nil. Where the circle does not fit, it is
-/// flown around the nearest place where it does (`:centre`).
+/// Evaluates `(way-to-circle HERE TRACK MET PLACE TIME)`: TIME is the duration of circling there, or nil. Where the circle does not fit, it
+/// is flown around the nearest place where it does (`:centre`).
 fn to_circle(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let Some(request) = start(limits, arguments)? else { return Ok(Value::nil()) };
     let [.., place, time] = arguments else { return Ok(Value::nil()) };
@@ -234,7 +234,7 @@ fn to_circle(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     Ok(with_option(answer(way, None), moved.map(|centre| (":centre", centre))))
 }
 
-/// `(way-to-line HERE TRACK MET FROM TO LEFT)`: LEFT is where the line was left before, or nil.
+/// Evaluates `(way-to-line HERE TRACK MET FROM TO LEFT)`: LEFT is the point at which the line was left before, or nil.
 fn to_line(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let Some(request) = start(limits, arguments)? else { return Ok(Value::nil()) };
     let [.., from, to, left] = arguments else { return Ok(Value::nil()) };
@@ -293,8 +293,8 @@ fn to_landing(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     Ok(answer(landing.way, landing.course_deg))
 }
 
-/// `(way-to-segment HERE TRACK MET FROM TO END)`: `(A B OPTIONS)`, the ends of the segment in the order in which it is soonest
-/// flown again, and the line to END taken up after it; where that cannot be computed, `(FROM TO)`.
+/// Evaluates `(way-to-segment HERE TRACK MET FROM TO END)`: returns `(A B OPTIONS)`, the ends of the segment in the order in which it is
+/// soonest flown again, and the line to END taken up after it; where that cannot be computed, `(FROM TO)`.
 fn to_segment(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let [.., from, to, end] = arguments else { return Err("an end of the segment is missing".to_string()) };
     let as_it_is = Value::list([from.clone(), to.clone()]);
@@ -312,7 +312,8 @@ fn to_segment(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     Ok(Value::list([first.clone(), second.clone()].into_iter().chain(told.iter().cloned())))
 }
 
-/// `(OPTIONS)` or `(OPTIONS NAME WHY)`: options of the command, and what has to be broken; nil for the straight way.
+/// Returns `(OPTIONS)` or `(OPTIONS NAME WHY)`: options of the command, and the requirement that must be violated; nil for the straight
+/// path.
 fn answer(way: Option<Way>, course_deg: Option<f64>) -> Value {
     let mut options = Vec::new();
     if let Some(course_deg) = course_deg {

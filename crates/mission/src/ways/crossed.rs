@@ -68,7 +68,7 @@ impl<'a> Outline<'a> {
         Outline { zone, plane, corners }
     }
 
-    /// Inside, or outside by at most `clearance_m`; with a negative clearance inside by at least that.
+    /// Returns true if the place is inside, or outside by at most `clearance_m`; with a negative clearance, inside by at least that.
     fn reaches(&self, place: Position, clearance_m: f64) -> bool {
         let Some(point) = self.plane.project(place) else { return false };
         let edge_m = plane::segment_to_edges(point, point, &self.corners);

@@ -36,8 +36,8 @@ impl Limits {
         }
     }
 
-    /// As [`Limits::best_way`], by turns of this program also where the straight way is open: an autopilot's own turns onto a line may be
-    /// wider than what was checked around the straight way. None for a mission without requirements.
+    /// Like [`Limits::best_way`], but computes the turns also if the straight path is open: an autopilot's turns onto a line may be wider
+    /// than the space that was checked around the straight path. `None` for a mission without requirements.
     pub(super) fn turning_way(&self, request: &Request) -> Option<Way> {
         if self.are_none() {
             return None;
@@ -98,7 +98,7 @@ impl Limits {
         Way { broken: Some(Broken { name: known.join("; "), why: why.to_string() }), ..way }
     }
 
-    /// By the shortest legs out of where one must not be, and into where one must not go.
+    /// Returns the path with the shortest legs out of and into forbidden space at its ends.
     fn way_between_permitted_ends(&self, request: &Request) -> Option<Way> {
         let strict = Strictness::all(MARGINS_LEFT);
         let low_m = request.from_altitude_m.min(request.to_altitude_m);
@@ -166,7 +166,8 @@ impl Limits {
         None
     }
 
-    /// Through the zone that takes the least time, or through all of them; last out of the reach of landing places.
+    /// Returns the path through the zone that takes the least time, or through all of them; as a last resort beyond the reach of landing
+    /// places.
     fn through_zones(&self, request: &Request, why: &str) -> Option<Way> {
         let mut names: Vec<String> = Vec::new();
         for zone in &self.zones {

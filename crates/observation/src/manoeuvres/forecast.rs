@@ -66,7 +66,7 @@ impl Manoeuvre {
     /// Predicts the looks that a target receives, and the cost.
     ///
     /// # Errors
-    /// As [`Manoeuvre::fly`].
+    /// Like [`Manoeuvre::fly`].
     pub fn forecast(
         &self,
         craft: &Craft,

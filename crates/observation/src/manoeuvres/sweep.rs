@@ -111,7 +111,7 @@ impl Sweep {
     /// Returns the lines in the order flown, in the fastest direction.
     ///
     /// # Errors
-    /// As [`Sweep::lines`].
+    /// Like [`Sweep::lines`].
     pub fn best_lines(&self, airspeed_mps: f64, craft: &Craft, scene: &Scene) -> Result<Vec<(Point, Point)>, Refusal> {
         let directions = self.track_deg.map_or_else(|| self.directions_deg(), |track_deg| vec![track_deg]);
         let mut best: Option<(f64, Vec<(Point, Point)>)> = None;

@@ -136,7 +136,7 @@ pub struct PacedPoint {
 /// Returns the followed points of a track with their speeds; empty for one that only hovers.
 ///
 /// # Errors
-/// As [`fly`].
+/// Like [`fly`].
 pub(crate) fn pace(
     manoeuvre: &str,
     track: &Track,

@@ -100,7 +100,8 @@ fn pursue<'l>(
     held.truncate(before);
 }
 
-/// The steps of a procedure, while `held` is held. In a sequence a later step has what an earlier one holds for all.
+/// Collects the orders of resources in the steps of a procedure, while `held` is held. In a sequence, a resource that one step holds is
+/// held for all later ones.
 fn within<'l>(
     program: &Program<'l>,
     number: usize,
@@ -187,7 +188,7 @@ fn close<'a, 'l>(
     false
 }
 
-/// Two steps of which neither waits for the other.
+/// Returns true for two steps of which neither waits for the other.
 fn run_together(procedure: &Procedure, one: usize, other: usize) -> bool {
     let (Some(a), Some(b)) = (procedure.steps.get(one), procedure.steps.get(other)) else { return false };
     one != other && !waits_for_steps(a) && !waits_for_steps(b)

@@ -22,7 +22,7 @@ pub(crate) enum Kind {
 }
 
 impl Kind {
-    /// As text, with an article where there is one.
+    /// Returns the kind as text, with an article where there is one.
     pub(crate) fn words(self) -> String {
         match self {
             Kind::Unknown => "unknown".to_string(),
@@ -98,7 +98,7 @@ impl<'l> Kinds<'l> {
         kind
     }
 
-    /// In a body that sees `locals` alone.
+    /// Returns the kind of a body that sees only `locals`.
     fn apart(&mut self, locals: Vec<(&'l Symbol, Kind)>, body: &'l [Expr]) -> Kind {
         if self.depth >= DEPTH_MAX {
             return Kind::Unknown;
@@ -214,7 +214,7 @@ fn sum(is_difference: bool, kinds: &[Kind]) -> Kind {
     }
 }
 
-/// Literal numbers that may mean zero of anything.
+/// Returns true for literal numbers that may mean zero of any dimension.
 pub(crate) fn is_zero(expr: &Expr) -> bool {
     match &expr.kind {
         ExprKind::Constant(value) => value.as_number().is_some_and(|(number, _)| number == 0.0),

@@ -61,7 +61,7 @@ fn looking_back(condition: &Condition, report: &mut FindingCollector<'_>) {
     );
 }
 
-/// A limit that keeps the past out.
+/// Returns true for a limit that excludes the past.
 fn is_earliest(limit: &Constraint) -> bool {
     let real = |expr: &Expr| !matches!(&expr.kind, ExprKind::Indexical(name) if name.is("beginning-of-time"));
     match limit {
@@ -115,7 +115,7 @@ fn piling_up(step: &Step, ends: bool, report: &mut FindingCollector<'_>) {
     );
 }
 
-/// `:for-new` over values that are never the same again.
+/// Reports `:for-new` over values that never repeat.
 fn new_for_ever(procedure: &Procedure, step: &Step, report: &mut FindingCollector<'_>) {
     let clause = match (&step.responding, &step.repeating) {
         (Some(clause), _) => ("responding", clause),
@@ -214,7 +214,7 @@ fn is_beginning(expr: &Expr) -> bool {
     matches!(&expr.kind, ExprKind::Indexical(name) if name.is("beginning-of-time"))
 }
 
-/// State variables whose object is computed: each value makes one more.
+/// Reports published state variables with a computed object: each value creates one more history.
 fn published(expr: &Expr, report: &mut FindingCollector<'_>) {
     let ExprKind::Call { function, arguments } = &expr.kind else { return };
     if !function.is("publish") {

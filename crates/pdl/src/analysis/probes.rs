@@ -23,7 +23,7 @@ pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     }
 }
 
-/// An interval or a limit that is known beforehand, and with which there is nothing to pursue.
+/// Reports intervals and limits of probing that are known at load time and not above zero.
 fn amounts(program: &Program<'_>, condition: &Condition, report: &mut FindingCollector<'_>) {
     let ConditionKind::Probing { interval, time_limit, count_limit, .. } = &condition.kind else { return };
     let library = program.library;
@@ -54,7 +54,7 @@ fn report_amount(amount: &Expr, message: String, reason: &str, help: &str, repor
     report.add(Diagnostic::error(codes::NOTHING_TO_PROBE, span, message).reason(reason).help(help));
 }
 
-/// Outside of an agent there are no tasks, so nothing is pursued.
+/// Reports probing outside of an agent: no task exists to pursue its goal.
 pub(super) fn without_effect(conditions: &[Condition], report: &mut FindingCollector<'_>) {
     for condition in conditions {
         walk::conditions(condition, &mut |part| {

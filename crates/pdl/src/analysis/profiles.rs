@@ -148,7 +148,7 @@ fn profile_of_served<'l>(program: &Program<'l>, (number, index): (usize, usize),
     }
 }
 
-/// `release-resource` where the procedure holds nothing.
+/// Reports `release-resource` if the procedure holds nothing.
 fn useless_release(step: &Step, holds: bool, report: &mut FindingCollector<'_>) {
     if !holds && matches!(step.activity, Activity::BuiltIn(BuiltInActivity::ReleaseResource, _)) {
         let span = report.locator.activity(step.place);

@@ -116,7 +116,7 @@ fn said_in<'l>(program: &Program<'l>) -> Uses<'l> {
     said
 }
 
-/// State variables that nothing declares, next to declared ones.
+/// Reports undeclared state variables that resemble declared ones.
 fn state_variables(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     let declared = &program.library.state_variables;
     if declared.is_empty() {

@@ -120,7 +120,7 @@ impl Page {
         }
     }
 
-    /// The head and what belongs to it on the first line, everything else below.
+    /// Lays out a broken form: its head and what belongs to it on the first line, everything else below.
     fn broken(&mut self, entries: &[Entry], head: &str, trailing: usize) {
         let start = self.column;
         let is_data = entries.first().and_then(Entry::node).is_none_or(|node| node.atom().is_none());

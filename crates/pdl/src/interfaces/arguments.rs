@@ -150,7 +150,7 @@ fn argument(call: &Call<'_>, number: usize, wanted: &ArgumentType, found: Mismat
     findings.add(diagnostic);
 }
 
-/// Too few or too many arguments.
+/// Reports too few or too many arguments.
 fn count(call: &Call<'_>, declaration: &InterfaceDeclaration, findings: &mut Findings<'_>) {
     let is_keyword =
         |item: &&View<'_>| item.value().and_then(Value::as_symbol).is_some_and(|name| name.folded().starts_with(':'));

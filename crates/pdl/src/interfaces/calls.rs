@@ -151,7 +151,7 @@ impl<'l> Calls<'l> {
         self.add(owner, Receiver::Goal(served), View::Template(goal), false, place);
     }
 
-    /// `(inform MESSAGE)`, `(cogevent MESSAGE)`, `(command COMMAND)` in a hook or a function.
+    /// Checks `(inform MESSAGE)`, `(cogevent MESSAGE)` and `(command COMMAND)` in a hook or a function.
     fn form(&mut self, library: &'l Library, owner: Option<Method>, expr: &'l Expr) {
         let ExprKind::Call { function, arguments } = &expr.kind else { return };
         match function.folded() {
@@ -197,7 +197,7 @@ fn position(index: Option<&Pattern>, variable: &Symbol) -> Option<usize> {
     )
 }
 
-/// The parts of a form up to the first splice, and whether these are all.
+/// Returns the parts of a form up to the first splice, and whether these are all.
 fn parts(view: View<'_>) -> (Vec<View<'_>>, bool) {
     match view {
         View::Template(Template::List(parts)) => {

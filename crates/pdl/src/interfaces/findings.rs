@@ -15,7 +15,7 @@ pub(super) struct Findings<'l> {
 }
 
 impl<'l> Findings<'l> {
-    /// None yet, about these texts.
+    /// Returns an empty collection of findings about these texts.
     pub(super) fn new(sources: &'l [SourceFile]) -> Findings<'l> {
         Findings { locator: Locator::new(sources), diagnostics: Vec::new() }
     }

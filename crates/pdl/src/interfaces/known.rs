@@ -53,7 +53,7 @@ const AGENTS_SHOWN: usize = 3;
 /// Names listed in one message.
 const NAMES_SHOWN: usize = 12;
 
-/// Names among the arguments of goals, messages and commands.
+/// Checks names among the arguments of goals, messages and commands.
 pub(super) fn arguments(known: &KnownNames, calls: &Calls<'_>, types: &Types<'_>, findings: &mut Findings<'_>) {
     for call in &calls.all {
         for (number, item) in call.items.iter().enumerate().skip(1) {
@@ -110,7 +110,7 @@ fn symbol_of(expr: &Expr) -> Option<&Symbol> {
     }
 }
 
-/// Declared solvers that no planner is.
+/// Reports declared solvers that are not planners.
 pub(super) fn solvers(library: &Library, known: &KnownNames, findings: &mut Findings<'_>) {
     if known.solvers.is_empty() {
         return;

@@ -40,7 +40,7 @@ impl Lowering {
         }
     }
 
-    /// `(terminate [task] [outcome] [>> value])`
+    /// Lowers `(terminate [task] [outcome] [>> value])`.
     fn terminate(&mut self, datum: &Datum, items: &[Datum]) -> Option<Activity> {
         let mark = items.iter().position(|item| item.is(">>")).unwrap_or(items.len());
         let (before, after) = items.split_at_checked(mark).unwrap_or((items, &[]));
@@ -109,7 +109,7 @@ impl Lowering {
         Some(Activity::BuiltIn(which, arguments))
     }
 
-    /// `(ask operator QUESTION [:options O..] [:by TIME] [:default VALUE])`
+    /// Lowers `(ask operator QUESTION [:options O..] [:by TIME] [:default VALUE])`.
     fn ask(&mut self, datum: &Datum, items: &[Datum]) -> Option<Activity> {
         let (before, options) = groups(items);
         let [_, question] = before else {

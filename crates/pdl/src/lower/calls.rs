@@ -177,7 +177,7 @@ impl Lowering {
         Some(())
     }
 
-    /// Literal dimensions of the arguments must agree; a literal 0 is zero of any dimension.
+    /// Checks that literal dimensions of the arguments agree; a literal 0 is zero of any dimension.
     fn one_dimension(&mut self, function: &Symbol, data: &[Datum], arguments: &mut [Expr]) -> Option<()> {
         let known: Vec<Option<Dimension>> = arguments.iter().map(dimension_of).collect();
         let Some(wanted) = known.iter().flatten().copied().find(|dimension| *dimension != Dimension::NONE) else {

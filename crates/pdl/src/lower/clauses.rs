@@ -106,7 +106,7 @@ impl Lowering {
         }
     }
 
-    /// `Some(None)` when there is no such group, `Some(Some(..))` when its value could be lowered.
+    /// Returns `Some(None)` if there is no such group, and `Some(Some(..))` if its value could be lowered.
     pub(crate) fn optional<T>(
         &mut self,
         groups: &[KeywordGroup<'_>],

@@ -111,7 +111,7 @@ fn constant_name(datum: &Datum) -> Option<Symbol> {
     }
 }
 
-/// Is there anything to compute? A list that begins with a number or a string is data, for example a location.
+/// Returns true if there is anything to compute: a list that begins with a number or a string is data, for example a location.
 fn is_computed(value: &Datum) -> bool {
     match &value.kind {
         DatumKind::List(items) if items.first().is_some_and(|head| head.as_symbol().is_some()) => true,

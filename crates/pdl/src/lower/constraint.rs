@@ -142,7 +142,7 @@ impl Lowering {
         Some(Constraint::Compare { relation, right, tolerance })
     }
 
-    /// A right side of `=` that binds variables or describes a structure rather than computes a value.
+    /// Returns true for a right side of `=` that binds variables or describes a structure rather than computes a value.
     fn is_pattern(&self, datum: &Datum) -> bool {
         match &datum.kind {
             DatumKind::Variable(_) | DatumKind::Bound(_) | DatumKind::Anonymous => true,

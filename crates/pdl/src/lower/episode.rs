@@ -43,7 +43,7 @@ const GAP_WORDS: &[&str] = &[
 ];
 
 impl Lowering {
-    /// `(:episode [tag] (ATTR OBJ) :quality Q ..)`; `outer` is a quality that stands directly after the form.
+    /// Lowers `(:episode [tag] (ATTR OBJ) :quality Q ..)`; `outer` is a quality that stands directly after the form.
     pub(crate) fn episode(&mut self, datum: &Datum, items: &[Datum], outer: Option<&Datum>) -> Option<Condition> {
         let (any, items) = self.without_any(items);
         let (tag, items) = self.condition_tag(&items);
@@ -259,7 +259,7 @@ impl Lowering {
         Some(vec![Constraint::Compare { relation: Relation::Equal, right, tolerance: None }])
     }
 
-    /// `(:atomic-episode [tag] FORM [:timing T..])`
+    /// Lowers `(:atomic-episode [tag] FORM [:timing T..])`.
     pub(crate) fn atomic_episode(&mut self, datum: &Datum, items: &[Datum]) -> Option<Condition> {
         let (tag, items) = self.condition_tag(items);
         let Some((form, options)) = items.split_first().filter(|(form, _)| form.as_list().is_some()) else {
@@ -297,7 +297,7 @@ fn direction(word: &str) -> Option<Relation> {
     }
 }
 
-/// `(:mean :time-weighted C..)` as `(:time-weighted-mean C..)`.
+/// Rewrites `(:mean :time-weighted C..)` as `(:time-weighted-mean C..)`.
 fn weighted(item: &Datum) -> Datum {
     let parts = item.as_list().unwrap_or_default();
     let Some((head, rest)) = parts.split_first() else { return item.clone() };

@@ -11,7 +11,7 @@ use apex_model::procedure::Transitions;
 use apex_model::value::Value;
 
 impl Lowering {
-    /// `(precondition C..)`, `(invariant C..)`: all must hold at an instant.
+    /// Lowers `(precondition C..)` and `(invariant C..)`: all conditions must hold at an instant.
     pub(crate) fn execution_condition(&mut self, clause: &Datum, transitions: &mut Transitions) -> Option<()> {
         let (name, items) = (clause.head_name(), clause.tail());
         if items.is_empty() {

@@ -43,7 +43,7 @@ pub(crate) enum ExpectedKind {
 }
 
 impl Expected {
-    /// Nothing is known and nothing is checked.
+    /// Returns an expectation that accepts everything.
     pub(crate) fn anything() -> Expected {
         Expected::plain("the object", ExpectedKind::Anything)
     }
@@ -124,7 +124,7 @@ impl Expected {
         }
     }
 
-    /// `number` without unit as a value of the expected kind.
+    /// Returns `number` without unit as a value of the expected kind.
     fn bare(&self, number: f64) -> Option<Value> {
         match self.kind {
             ExpectedKind::Duration => (number == 0.0).then_some(Value::Duration(Duration::ZERO)),
@@ -150,7 +150,7 @@ fn si_unit(dimension: Dimension) -> Option<&'static Unit> {
     Quantity::si(0.0, dimension).unit()
 }
 
-/// `number` of `unit` as a value: a duration for units of time.
+/// Returns `number` of `unit` as a value: a duration for units of time.
 pub(crate) fn of_unit(number: f64, unit: &'static Unit) -> Value {
     if unit.dimension == Dimension::TIME {
         Value::Duration(Duration::from_seconds(number * unit.factor))
@@ -194,7 +194,7 @@ fn dimension_of_sum(parts: &[Expr]) -> Option<Dimension> {
     }
 }
 
-/// Zero of `dimension`, if the expression is the literal 0.
+/// Returns zero of `dimension` if the expression is the literal 0.
 pub(crate) fn zero_of(expr: &Expr, dimension: Dimension) -> Option<Value> {
     match &expr.kind {
         ExprKind::Constant(Value::Integer(0)) => Some(Value::measured(0.0, dimension)),
@@ -285,7 +285,7 @@ impl Lowering {
         crate::suggest::nearest(name, declared).map(|near| format!("`{near}` is declared: is that one meant?"))
     }
 
-    /// A duration where an instant is needed is meant from the start of the mission, or of the task.
+    /// Returns a fix for a duration where an instant is needed: the author probably counts from the start of the mission or of the task.
     fn since_start(&self, span: Span, found: Dimension) -> Option<Fix> {
         let written = self.text_at(span).filter(|_| found == Dimension::TIME)?;
         let title = format!("count from the start of the mission: `(+ +mission-start+ {written})`");

@@ -71,7 +71,7 @@ impl Lowering {
         ExprKind::Constant(Value::Symbol(name.clone()))
     }
 
-    /// As [`Lowering::check_quantity_name`], for every name in data that are not checked otherwise.
+    /// Like [`Lowering::check_quantity_name`], for every name in data that are not checked otherwise.
     pub(crate) fn check_quantity_names(&mut self, datum: &Datum) {
         match &datum.kind {
             DatumKind::Symbol(name) => self.check_quantity_name(name, datum.span),
@@ -95,7 +95,7 @@ impl Lowering {
         self.report(diagnostic);
     }
 
-    /// `?x` or `<?x>`: a parameter written so, or a variable of the task.
+    /// Lowers `?x` or `<?x>`: a parameter, or a variable of the task.
     pub(crate) fn variable(&mut self, name: &Symbol, must_be_bound: bool, span: Span) -> Option<ExprKind> {
         if !self.scope.locals.is_empty() {
             let local = Symbol::new(&format!("?{name}"));
@@ -158,7 +158,7 @@ impl Lowering {
         }
     }
 
-    /// `datum` as data with holes, as an expression.
+    /// Lowers `datum` as data with holes to an expression.
     pub(crate) fn template_expression(&mut self, datum: &Datum) -> Option<Expr> {
         let kind = match self.template(datum)? {
             Template::Constant(value) => ExprKind::Constant(value),

@@ -43,7 +43,7 @@ impl Lowering {
         self.served = served;
     }
 
-    /// A built-in activity serves all goals of its form: an index for some of them would never be chosen.
+    /// Reports an index for goals that a built-in activity serves: it would never be chosen.
     fn report_built_in(&mut self, each: &Served) {
         let Some(word) = built_in_that_serves(&each.pattern) else { return };
         let text = pattern_text(&each.pattern);

@@ -17,7 +17,7 @@ const COMMAND: &str = "(declare-command (NAME (?parameter TYPE).. [&optional (?p
 const SOURCES: &[&str] = &["vehicle", "mission", "operator", "world"];
 
 impl Lowering {
-    /// `(declare-event ..)` and `(declare-command ..)`.
+    /// Lowers `(declare-event ..)` and `(declare-command ..)`.
     pub(super) fn declare_interface(&mut self, form: &Datum, library: &mut Library) -> Option<()> {
         let is_event = form.head_name() == "declare-event";
         let (shape, known): (_, &[&str]) = if is_event { (EVENT, &["from"]) } else { (COMMAND, &[]) };
@@ -107,7 +107,7 @@ impl Lowering {
         Some(declaration)
     }
 
-    /// `(?name TYPE)`; `?name` alone takes anything.
+    /// Lowers `(?name TYPE)`; `?name` alone takes anything.
     fn typed_parameter(&mut self, item: &Datum, shape: &str) -> Option<Parameter> {
         if let Some(name) = item.as_variable() {
             return Some(Parameter { name: name.clone(), argument_type: ArgumentType::Any });

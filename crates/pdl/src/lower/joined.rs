@@ -83,7 +83,7 @@ pub(crate) fn join(parts: &mut [Condition]) -> Vec<Expr> {
     constraints
 }
 
-/// The variables that a result of the condition certainly binds.
+/// Collects the variables that a result of the condition certainly binds.
 fn bound_by(condition: &Condition, names: &mut Names) {
     match &condition.kind {
         ConditionKind::Or(parts, _) => {
@@ -167,7 +167,7 @@ fn of_pattern(pattern: &Pattern, names: &mut Names) {
     }
 }
 
-/// `<?v>` of an earlier part becomes `?v`, whose values must agree.
+/// Turns `<?v>` of an earlier part into `?v`, whose values must agree.
 fn take_over(condition: &mut Condition, bound: &Names) {
     match &mut condition.kind {
         ConditionKind::And(parts, _)
@@ -359,7 +359,7 @@ fn of_expr(expr: &Expr, found: &mut Vec<(Symbol, Place)>) {
     variables::of_expr(expr, &mut |name| found.push((name.clone(), expr.place)));
 }
 
-/// Every `<?v>` of a pattern.
+/// Collects every `<?v>` of a pattern.
 fn bound_marks(pattern: &Pattern, place: Place, found: &mut Vec<(Symbol, Place)>) {
     match pattern {
         Pattern::BoundVariable(name) => found.push((name.clone(), place)),

@@ -16,7 +16,7 @@ use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 
 impl Lowering {
-    /// `(ATTR OBJ REL VAL [+/- E])`, a relation being present.
+    /// Lowers `(ATTR OBJ REL VAL [+/- E])`, which contains a relation.
     pub(crate) fn short_measurement(&mut self, datum: &Datum, items: &[Datum]) -> Option<ConditionKind> {
         let (variable, value) = self.variable_with_value(datum, items)?;
         let (object, timestamp) = (Vec::new(), Vec::new());
@@ -43,7 +43,7 @@ impl Lowering {
         Some((variable, constraints))
     }
 
-    /// `ATTR OBJ..` as a pattern over state variables.
+    /// Lowers `ATTR OBJ..` to a pattern over state variables.
     fn state_variable(&mut self, datum: &Datum, names: &[Datum]) -> Option<VariablePattern> {
         let Some((Datum { kind: DatumKind::Symbol(attribute), .. }, objects)) = names.split_first() else {
             let diagnostic =
@@ -69,7 +69,7 @@ impl Lowering {
         self.state_variable(datum, items)
     }
 
-    /// `(:measurement [tag] (ATTR OBJ [= VAL]) [:value C..] [:object C..] [:timestamp C..] [:estimation E])`
+    /// Lowers `(:measurement [tag] (ATTR OBJ [= VAL]) [:value C..] [:object C..] [:timestamp C..] [:estimation E])`.
     pub(crate) fn measurement(&mut self, datum: &Datum, items: &[Datum]) -> Option<Condition> {
         let (tag, items) = self.condition_tag(items);
         let Some((form, options)) = items.split_first().filter(|(form, _)| form.as_list().is_some()) else {

@@ -104,7 +104,7 @@ impl Lowering {
         }
     }
 
-    /// A name, or an optional one with what it is where a call leaves it out.
+    /// Lowers a name, or an optional one with its default.
     fn parameter(&mut self, item: &Datum, part: ParameterKind) -> Option<(Symbol, Option<Expr>)> {
         if let Some(name) = local_name(item) {
             return Some((name, None));

@@ -38,7 +38,7 @@ impl Lowering {
         found
     }
 
-    /// A step with a step inside was closed too late.
+    /// Reports a step inside of another one, whose list was closed too late.
     fn report_nested_step(&mut self, step: &Datum) -> bool {
         let items = step.as_list().unwrap_or_default();
         let Some(at) = items.iter().position(|item| item.head_name() == "step") else { return false };

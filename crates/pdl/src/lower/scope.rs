@@ -154,7 +154,7 @@ impl Scope {
         self.uses.iter().find(|(used, _, span)| used == name && span.place() == place).map(|(.., span)| *span)
     }
 
-    /// The step other than the present one whose result binds `name`.
+    /// Returns true if `name` is bound by the result of a step other than the present one.
     pub(crate) fn is_result_of_another_step(&self, name: &Symbol) -> bool {
         self.results.get(name).is_some_and(|step| Some(*step) != self.step)
     }

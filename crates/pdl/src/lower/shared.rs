@@ -13,7 +13,7 @@ use apex_model::time::Duration;
 use apex_model::value::Value;
 
 impl Lowering {
-    /// `(end-when C)`, `(terminate (when C))`, `(suspend-when C until C)`, `(suspend (when C) (until C))` and relatives.
+    /// Lowers `(end-when C)`, `(terminate (when C))`, `(suspend-when C until C)`, `(suspend (when C) (until C))` and the like.
     pub(crate) fn transition(&mut self, clause: &Datum, transitions: &mut Transitions) -> Option<()> {
         let name = clause.head_name();
         let items = clause.tail();
@@ -162,7 +162,7 @@ impl Lowering {
         }
     }
 
-    /// `(log (ATTR OBJ)..)` and `(log ((ATTR OBJ) :frequency-limit D ..)..)`; for messages `(:events HEAD)` replaces `(ATTR OBJ)`.
+    /// Lowers `(log (ATTR OBJ)..)` and `(log ((ATTR OBJ) :frequency-limit D ..)..)`; for messages `(:events HEAD)` replaces `(ATTR OBJ)`.
     pub(crate) fn log(&mut self, clause: &Datum) -> Option<Vec<LogPolicy>> {
         self.all(clause.tail(), |lowering, item| {
             let nested = Lowering::is_nested(item);

@@ -175,7 +175,7 @@ impl Lowering {
 }
 
 impl Lowering {
-    /// `(roll ac1 >15)` and `(roll ac1>15)`: the relation is part of a word, and the whole would be a message.
+    /// Reports `(roll ac1 >15)` and `(roll ac1>15)`: the relation is part of a word, so that the whole would be a message.
     fn report_glued_relation(&mut self, items: &[Datum]) -> bool {
         for item in items.iter().skip(1) {
             let Some(name) = item.as_symbol() else { continue };

@@ -321,7 +321,7 @@ impl Lowering {
         Some(Repetition { while_true, until, enabled, recovery, minimum_interval, for_new, drop_missed })
     }
 
-    /// `answer` or `drop`; true when messages that come while the step is busy are dropped.
+    /// Lowers `answer` or `drop`; returns true if messages that arrive while the step is busy are dropped.
     fn missed_messages(&mut self, datum: &Datum) -> Option<bool> {
         if datum.is("drop") || datum.is("answer") {
             return Some(datum.is("drop"));

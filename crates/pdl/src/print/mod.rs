@@ -24,7 +24,7 @@ fn laid_out(text: String) -> String {
     laid_out_steps(text).0
 }
 
-/// As [`laid_out`], with the lines of the steps.
+/// Like [`laid_out`], with the lines of the steps.
 fn laid_out_steps(text: String) -> (String, Vec<u32>) {
     match crate::format::format_steps(&text) {
         Ok((formatted, steps)) => (formatted.trim_end().to_string(), steps),

@@ -79,7 +79,7 @@ fn real(digits: &str) -> Option<f64> {
     digits.parse::<f64>().ok().filter(|number| number.is_finite())
 }
 
-/// `number` of `unit`: a duration for units of time, else a quantity.
+/// Returns `number` of `unit`: a duration for units of time, else a quantity.
 fn measured(number: f64, unit: &'static Unit) -> Atom<'static> {
     if unit.dimension == Dimension::TIME {
         Atom::Duration(Duration::from_seconds(number * unit.factor))
@@ -128,7 +128,7 @@ fn flight_level(text: &str) -> Option<Quantity> {
     Some(Quantity::of(real(digits)?, unit_named("FL")?))
 }
 
-/// `P1H3M4.5S`, `PT1H3M4.5S`, `P2DT3H`, `-P5S`. M is always minutes: missions do not last months.
+/// Parses `P1H3M4.5S`, `PT1H3M4.5S`, `P2DT3H`, `-P5S`. M is always minutes: missions do not last months.
 fn duration(text: &str) -> Option<Duration> {
     let (negative, text) = match text.strip_prefix('-') {
         Some(rest) => (true, rest),
@@ -168,7 +168,7 @@ fn duration(text: &str) -> Option<Duration> {
     (parts > 0).then_some(Duration(i64::try_from(signed).unwrap_or(i64::MAX)))
 }
 
-/// Exact nanoseconds of a decimal number of seconds; digits beyond the ninth are dropped.
+/// Returns the exact nanoseconds of a decimal number of seconds; digits beyond the ninth are dropped.
 fn nanoseconds(number: &str) -> Option<i128> {
     let (whole, fraction) = number.split_once('.').unwrap_or((number, ""));
     if (whole.is_empty() && fraction.is_empty()) || fraction.contains('.') || whole.len() > 18 {

@@ -7,7 +7,7 @@ use crate::fix::Fix;
 use crate::syntax::{Bracketed, Flaw, FlawKind, Repair, Repaired, repairs};
 use apex_model::limits::READ_DEPTH_MAX;
 
-/// One message for each flaw; where it is known which parenthesis the author forgot or wrote twice, about that one.
+/// Returns one diagnostic for each flaw; about the parenthesis that the author forgot or wrote twice, if that is known.
 pub(super) fn describe(file: u32, text: &str, flaws: &[Flaw]) -> Vec<Diagnostic> {
     if flaws.iter().any(|flaw| flaw.kind == FlawKind::UnclosedText)
         && let Some(quote) = forgotten(text)
@@ -23,7 +23,7 @@ pub(super) fn describe(file: u32, text: &str, flaws: &[Flaw]) -> Vec<Diagnostic>
     repaired.iter().map(|form| about(file, text, form)).chain(others).collect()
 }
 
-/// One message for each pair of brackets.
+/// Returns one diagnostic for each pair of brackets.
 pub(super) fn brackets(file: u32, text: &str, found: &[Bracketed]) -> Vec<Diagnostic> {
     let about = |pair: &Bracketed| {
         let place = |at: usize| locate(file, text, at, at + 1);

@@ -119,8 +119,8 @@ fn balance(form: &[Piece<'_>]) -> Balance {
     }
 }
 
-/// The change that leaves the least doubt, and whether it leaves none. Where misspelt clauses keep every change doubtful,
-/// the form is judged as if they were written right: what is certain then is meant, whatever the words.
+/// Returns the change that leaves the least doubt, and whether it leaves none. If misspelt clauses keep every change doubtful, the form is
+/// judged as if they were spelt correctly: what is certain then is meant, whatever the words.
 fn best(form: &[Piece<'_>], lacking: Balance) -> Option<(Repair, bool)> {
     let as_written = least_doubtful(form, lacking);
     if as_written.is_some_and(|(_, is_certain)| is_certain) {
@@ -173,7 +173,7 @@ fn least_doubtful(form: &[Piece<'_>], lacking: Balance) -> Option<(Repair, bool)
     Some((repair, least == 0 && !tied))
 }
 
-/// The last `)` of several in a row: taking any of them away is the same.
+/// Returns true for the last `)` of several in a row: removing any of them has the same effect.
 fn is_last_of_run(form: &[Piece<'_>], at: usize) -> bool {
     let is_close = |at: usize| form.get(at).is_some_and(|piece| piece.kind == PieceKind::Close);
     is_close(at) && !is_close(at + 1)

@@ -23,7 +23,7 @@ pub(super) fn tokens(text: &str) -> impl Iterator<Item = Token<'_>> {
     })
 }
 
-/// Kind and length in bytes of the token that `rest` begins with.
+/// Returns kind and length in bytes of the first token of `rest`.
 fn first_token(rest: &str, first: char) -> (SyntaxKind, usize, bool) {
     let single = |kind| (kind, 1, false);
     match first {
@@ -44,7 +44,7 @@ fn first_token(rest: &str, first: char) -> (SyntaxKind, usize, bool) {
     }
 }
 
-/// Bytes before the first character that is `wanted`. Most texts are ASCII, whose bytes are characters.
+/// Returns the number of bytes before the first character that is `wanted`. Most texts are ASCII, whose bytes are characters.
 fn length_until(rest: &str, wanted: impl Fn(char) -> bool) -> usize {
     let is_end = |byte: &u8| !byte.is_ascii() || wanted(char::from(*byte));
     let ascii = rest.as_bytes().iter().position(is_end).unwrap_or(rest.len());

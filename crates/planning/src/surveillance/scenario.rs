@@ -181,7 +181,7 @@ impl<'a> Scenario<'a> {
         stops.into_iter().take(flown).for_each(each);
     }
 
-    /// As [`Scenario::fly`], where what is flown may end without a way home.
+    /// Like [`Scenario::fly`], where what is flown may end without a way home.
     fn fly_out(&self, word: impl IntoIterator<Item = usize>, mut each: impl FnMut(Stop)) {
         let (mut place, mut time_s) = (None, 0.0);
         for target in word.into_iter().take(VISITS_MAX) {

@@ -90,7 +90,7 @@ impl<'a> Explainer<'a> {
     /// Explains task `id` as it was at `at`, or at the end of the record if that comes first.
     ///
     /// # Errors
-    /// As [`Explainer::why`].
+    /// Like [`Explainer::why`].
     pub fn task(&self, id: TaskId, at: Time) -> Result<Why, RecordError> {
         let question = Question::new(&id.to_string(), at);
         let snapshot = self.snapshot(&question)?;

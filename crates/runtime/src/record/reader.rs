@@ -87,7 +87,7 @@ impl RecordReader {
     /// and snapshots are then all that there are.
     ///
     /// # Errors
-    /// As [`RecordReader::open`].
+    /// Like [`RecordReader::open`].
     pub fn of_agent(&self, agent: usize) -> Result<RecordReader, RecordError> {
         let opened = open::open_again(&self.path, (&self.trust.borrow(), self.copy.as_ref()))?;
         let mut reader = RecordReader::of_opened(&self.path, opened, agent)?;

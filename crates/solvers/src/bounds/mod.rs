@@ -55,7 +55,7 @@ pub fn state(problem: &Problem, plan: &mut Plan) -> Result<(), Contradiction> {
 /// States `bound` in a plan of surveillance, unless the plan claims a greater one.
 ///
 /// # Errors
-/// As [`state`].
+/// Like [`state`].
 pub(crate) fn state_at_least(
     problem: &Problem,
     plan: &mut Plan,
@@ -73,7 +73,7 @@ pub fn expected_cost_without_waiting(problem: &SurveillanceProblem) -> Bound {
     expected_cost_without_waiting_within(problem, &mut Meter::new(&mut WorkBudget::new(u64::MAX)))
 }
 
-/// As [`expected_cost_without_waiting`], with what the budget is enough for.
+/// Like [`expected_cost_without_waiting`], with what the budget is enough for.
 pub fn expected_cost_without_waiting_within(problem: &SurveillanceProblem, meter: &mut Meter<'_>) -> Bound {
     let of_all = expected_cost_within(problem, meter);
     match age_grid::horizon::expected_cost(&rates::held(problem), meter) {
@@ -89,7 +89,7 @@ pub fn expected_cost(problem: &SurveillanceProblem) -> Bound {
     expected_cost_within(problem, &mut Meter::new(&mut WorkBudget::new(u64::MAX)))
 }
 
-/// As [`expected_cost`], with what the budget is enough for. The meter says that something was left undone where rates change before
+/// Like [`expected_cost`], with what the budget is enough for. The meter says that something was left undone where rates change before
 /// the horizon: each counts at its least.
 pub fn expected_cost_within(problem: &SurveillanceProblem, meter: &mut Meter<'_>) -> Bound {
     let problem = &*simplified(problem);

@@ -123,7 +123,7 @@ impl<'a> Schedule<'a> {
         self.judge_after(&[], order, budget)
     }
 
-    /// As [`Schedule::judge`], where the first visits of `order` are known to happen as in `known`.
+    /// Like [`Schedule::judge`], where the first visits of `order` are known to happen as in `known`.
     ///
     /// # Errors
     /// Why it cannot be flown.
@@ -136,7 +136,7 @@ impl<'a> Schedule<'a> {
         self.judge_visits((known, order), false, budget)
     }
 
-    /// As [`Schedule::judge_after`], for the first visits of a plan: where a zone closes the way to the base at the end of the last
+    /// Like [`Schedule::judge_after`], for the first visits of a plan: where a zone closes the way to the base at the end of the last
     /// one, the flight ends there, since later visits may have a way.
     ///
     /// # Errors

@@ -301,7 +301,7 @@ impl<'a> Travel<'a> {
     /// Returns the reason for which the vehicle must not be at `position` at cruise altitude when the plan begins.
     ///
     /// # Errors
-    /// As [`Travel::new`].
+    /// Like [`Travel::new`].
     pub(crate) fn place_trouble(&mut self, position: Position) -> Result<Option<TravelError>, String> {
         let number = self.layer(self.zones_at(self.problem.vehicle.cruise_altitude_m))?;
         let now_s = self.problem.start_s;

@@ -46,7 +46,7 @@ pub(crate) fn inform(
 /// receive them.
 ///
 /// # Errors
-/// As [`inform`].
+/// Like [`inform`].
 pub(crate) fn publish(
     cycle: &mut Cycle<'_>,
     id: TaskId,

@@ -39,7 +39,7 @@ pub(crate) fn create(
 /// Like [`create`], for a monitor that considers only future changes of tasks' states, and no present states.
 ///
 /// # Errors
-/// As [`create`].
+/// Like [`create`].
 pub(crate) fn create_for_changes(
     condition: &Condition,
     window: Window,
@@ -51,7 +51,7 @@ pub(crate) fn create_for_changes(
 /// Like [`create`], for a monitor that remembers what `keep` selects until it is harvested.
 ///
 /// # Errors
-/// As [`create`].
+/// Like [`create`].
 pub(crate) fn create_keeping(
     condition: &Condition,
     window: Window,

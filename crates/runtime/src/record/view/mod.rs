@@ -91,7 +91,7 @@ impl RecordView {
     /// Opens the record at `path` to read agent number `agent`, from 0 in the order of the declarations.
     ///
     /// # Errors
-    /// As [`RecordReader::open`].
+    /// Like [`RecordReader::open`].
     pub fn open(path: &Path, agent: usize) -> Result<RecordView, RecordError> {
         Ok(RecordView::of(RecordReader::open_at(path, agent)?, Arc::default()))
     }
@@ -103,7 +103,7 @@ impl RecordView {
     /// Returns another view of the same record with a separate connection, for a question at the same time.
     ///
     /// # Errors
-    /// As [`RecordReader::open`].
+    /// Like [`RecordReader::open`].
     pub fn reopened(&self) -> Result<RecordView, RecordError> {
         Ok(RecordView::of(self.reader.of_agent(self.reader.agent)?, Arc::clone(&self.indexes)))
     }

@@ -81,7 +81,7 @@ pub fn best(problem: &SurveillanceProblem, known: &[Vec<usize>]) -> Option<BestC
     best_within(problem, known, POINTS_MAX, &mut Meter::new(&mut WorkBudget::new(u64::MAX)))
 }
 
-/// As [`best`], with a grid of another size, and so far as the budget is enough: with a coarser grid, or a bound that more
+/// Like [`best`], with a grid of another size, and so far as the budget is enough: with a coarser grid, or a bound that more
 /// sweeps would make greater.
 pub fn best_within(
     problem: &SurveillanceProblem,

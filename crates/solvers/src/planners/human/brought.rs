@@ -39,7 +39,7 @@ pub fn scored(problem: &Problem, plan: &Plan) -> Result<Plan, String> {
 /// cycle, or there are none, the cycle is flown repeatedly; edited visits are kept, and their cycle is not.
 ///
 /// # Errors
-/// As [`scored`]; or a visit cannot be made, and why.
+/// Like [`scored`]; or a visit cannot be made, and why.
 pub fn retimed(problem: &Problem, plan: &Plan, environment: &mut Environment<'_>) -> Result<Plan, String> {
     match (problem, plan) {
         (Problem::Surveillance(of), Plan::Surveillance(plan)) => {

@@ -180,7 +180,7 @@ pub(super) fn left_out(
     all
 }
 
-/// As [`left_out`], without looking for reasons that are not known yet.
+/// Like [`left_out`], without looking for reasons that are not known yet.
 pub(super) fn left_out_quickly(
     schedule: &mut Schedule<'_>,
     order: &[Choice],
