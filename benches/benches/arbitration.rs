@@ -1,4 +1,4 @@
-//! One resource and many who want it: handing it on, by end and by interruption.
+//! Arbitration of one resource among many claimants: hand-offs when the holder ends, and interruptions.
 #![allow(missing_docs, reason = "criterion's macros make public items")]
 #![allow(clippy::expect_used, reason = "a measurement that cannot be set up must stop at once")]
 
@@ -12,7 +12,7 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Competitors of rising priority, all of which wait while one works; an alarm outranks them all.
+/// Program of competitors with rising priorities, of which one holds the resource; an alarm outranks all of them.
 const COMPETITORS: &str = "
 (procedure (index (do-domain))
   (step all (compete ?n) (forall ?n in (range COUNT)))
@@ -23,7 +23,7 @@ const COMPETITORS: &str = "
 (primitive (index (look)) (profile camera) (on-start (command (look))))
 ";
 
-/// Families with ranks and rising urgency: each member's urgency may count for another, so each pair may cross.
+/// Program of families with ranks and rising urgency: a member inherits the urgency of others, so any pair of priorities may cross.
 const FAMILIES: &str = "
 (procedure :ranked (index (do-domain))
   (step alarm (look) (waitfor (alarm)) (responding) (priority :urgency 9 :importance 10))
@@ -35,7 +35,7 @@ const FAMILIES: &str = "
 (primitive (index (look)) (profile camera) (duration 10ms))
 ";
 
-/// Kinds of competitors: what they are called, what is declared, and how each of them is served.
+/// Kinds of competitors: name, declarations, and the primitive that serves each competitor.
 const KINDS: [(&str, &str, &str); 6] = [
     ("known durations", "", "(index (use ?n)) (profile camera) (expected-duration 1s)"),
     ("two resources", "", "(index (use ?n)) (profile camera link)"),
@@ -53,7 +53,7 @@ const RANKED: [(&str, &str); 4] = [
     ("ranked steps, two resources, priorities", "(profile camera link) (priority 4)"),
 ];
 
-/// The program of a kind: each competitor is an item of a `forall`.
+/// Returns the program of a kind: each competitor is an item of a `forall`.
 fn competitors(kind: &str, declared: &str, served: &str, count: usize) -> String {
     let priority = if kind == "urgency" { "(priority :urgency 3 :importance 5)" } else { "" };
     format!(
@@ -66,7 +66,7 @@ fn competitors(kind: &str, declared: &str, served: &str, count: usize) -> String
     )
 }
 
-/// The same as steps of one ranked procedure, with these clauses.
+/// Returns the same as steps of one ranked procedure, with these clauses.
 fn ranked(count: usize, clauses: &str) -> String {
     let step = |number| format!("  (step s{number} (use {number}) {clauses})\n");
     let steps: String = (0..count).map(step).collect();
@@ -77,7 +77,7 @@ fn ranked(count: usize, clauses: &str) -> String {
     )
 }
 
-/// Hand-offs that are not counted after all competitors were made.
+/// Number of hand-offs after the creation of all competitors that are not measured.
 const COLD: u64 = 10;
 const COUNTS: [usize; 4] = [100, 1_000, 10_000, 100_000];
 
@@ -85,7 +85,7 @@ fn acknowledged(command: apex_model::effect::CommandId) -> EventKind {
     EventKind::CommandAcknowledged(command, Ok(Value::nil()))
 }
 
-/// An alarm interrupts the holder; the alarm's task is done and the holder continues: both steps together.
+/// Measures both steps of an interruption: an alarm interrupts the holder, and the holder continues when the alarm's task ends.
 fn interrupt_and_resume(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("hand-off");
     group.sample_size(20).warm_up_time(WARM_UP).measurement_time(MEASUREMENT);
@@ -118,14 +118,14 @@ fn interrupt_and_resume(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// The time of so many hand-offs from a holder that ends to the next of `count` competitors.
+/// Returns the time of so many hand-offs from a holder that ends to the next of `count` competitors.
 fn hand_offs(library: &Arc<Library>, count: usize, iterations: u64) -> Duration {
     let (mut total, mut done) = (Duration::ZERO, 0);
     while done < iterations {
-        // A hand-off uses up one competitor: as many as half of them are measured before all are created again.
+        // A hand-off uses up one competitor, so all competitors are created again after half of them.
         let (mut driven, effects) = Driven::begun(library);
         let mut command = command_in(&effects).expect("one works");
-        // The first ones after all were made find nothing in the caches, and would be most of what is measured.
+        // The first hand-offs run with cold caches and would dominate the measurement.
         for number in 0..COLD + (iterations - done).min(count as u64 / 2) {
             let batch = driven.batch(acknowledged(command));
             let start = Instant::now();
@@ -140,7 +140,7 @@ fn hand_offs(library: &Arc<Library>, count: usize, iterations: u64) -> Duration 
     total
 }
 
-/// Hand-offs among competitors of each kind: whatever they need, say and urge, the price is nearly the same.
+/// Measures hand-offs among competitors of each kind; their needs, messages and urgency should hardly change the cost.
 fn every_kind(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("hand-off of each kind");
     group.sample_size(10).warm_up_time(WARM_UP).measurement_time(MEASUREMENT);
@@ -158,7 +158,7 @@ fn every_kind(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// An instant at which all are compared and the next crossing of their priorities is looked for.
+/// Measures an instant at which all competitors are compared and the next crossing of their priorities is computed.
 fn urgent_families(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("crossings");
     group.sample_size(10).warm_up_time(WARM_UP).measurement_time(MEASUREMENT);

@@ -1,4 +1,4 @@
-//! One change of one test in models of 200 components and 300 tests: the case in flight, and cases made to be hard.
+//! Time to diagnose the change of one test outcome in models of 200 components and 300 tests: a usual case and hard cases.
 //!
 //! Every case alternates the outcome of one test, so that each iteration diagnoses two changes; figures are halved by `Throughput`.
 
@@ -13,7 +13,7 @@ use std::sync::Arc;
 const COMPONENTS: usize = 200;
 const TESTS: usize = 300;
 
-/// Numbers that follow from a seed (SplitMix64).
+/// Generator of pseudo-random numbers (SplitMix64).
 struct Numbers(u64);
 
 impl Numbers {
@@ -26,7 +26,8 @@ impl Numbers {
     }
 }
 
-/// Each test needs `width` components at random; one test in `redundant` needs one of two others in addition (0: none does).
+/// Returns a model in which each test needs `width` random components; one test in `redundant` also needs one of two others (0: none
+/// does).
 fn model(width: usize, redundant: usize) -> Arc<Model> {
     let mut numbers = Numbers(7);
     let mut components: Vec<String> = Vec::new();
@@ -54,7 +55,7 @@ fn model(width: usize, redundant: usize) -> Arc<Model> {
     Arc::new(Model::parse("bench.json", &text).unwrap_or_else(|error| panic!("{error}")))
 }
 
-/// Outcomes: what `present` faults make fail, every `unknown`th test not run (0: all run).
+/// Returns the outcomes of all tests if the components `present` have failed; every `unknown`th test is not run (0: all run).
 fn faulty(model: &Model, present: &[usize], unknown: usize) -> Vec<Outcome> {
     let faults = apex_diagnosis::Bits::of(model.modes.len(), present.iter().copied());
     let outcome = |(index, test): (usize, &apex_diagnosis::Test)| match test.fails_with(&faults) {
@@ -105,7 +106,7 @@ fn changes(c: &mut Criterion) {
     let two = faulty(&narrow, &[3, 150], 0);
     let test = first(&two, Outcome::Passed);
     alternate(c, "two-faults", &narrow, two, (test, Outcome::Unknown));
-    // Many failed tests in one group and nothing cleared: as many minimal sets as there can be.
+    // Many failed tests in one group, and no passed test: the maximum number of minimal sets.
     for failed in [20, 40, 80, 150, 300] {
         let outcomes: Vec<Outcome> =
             (0..TESTS).map(|test| if test < failed { Outcome::Failed } else { Outcome::Unknown }).collect();
@@ -117,7 +118,7 @@ fn changes(c: &mut Criterion) {
     let outcomes = faulty(&spare, &several, 2);
     let test = first(&outcomes, Outcome::Failed);
     alternate(c, "twelve-faults-redundant", &spare, outcomes, (test, Outcome::Unknown));
-    // A single pass that cannot be right among many failures, and many at once.
+    // One passed test that contradicts many failures, then many such tests.
     let mut outcomes = faulty(&narrow, &several, 0);
     let passed: Vec<usize> = (0..TESTS).filter(|test| outcomes[*test] == Outcome::Passed).collect();
     alternate(c, "one-contradiction", &narrow, outcomes.clone(), (passed[0], Outcome::Failed));

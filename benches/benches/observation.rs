@@ -156,7 +156,7 @@ fn score(c: &mut Criterion) {
     group.finish();
 }
 
-/// A mission over 40 fires of different sizes, in the wind.
+/// Returns a mission over 40 fires of different sizes, in the wind.
 fn mission(folder: &std::path::Path) -> Option<apex_mission::Mission> {
     let fires = (0..40).map(|number| {
         let (row, column) = (f64::from(number / 8), f64::from(number % 8));

@@ -50,7 +50,7 @@ pub fn check(text: &str) -> Checked {
     apex_pdl::check(vec![source], CheckOptions { fragment: false, host: &[], resolve: &mut resolve })
 }
 
-/// The library of a program without mistakes.
+/// Returns the library of a program without mistakes.
 pub fn library(text: &str) -> Arc<Library> {
     let checked = check(text);
     if checked.has_errors() {
@@ -59,12 +59,12 @@ pub fn library(text: &str) -> Arc<Library> {
     Arc::new(checked.library)
 }
 
-/// An agent with the default initial task.
+/// Returns an agent with the default initial task.
 pub fn agent(library: &Arc<Library>) -> Agent {
     load(Arc::clone(library), &declaration(), HostFunctions::default()).unwrap_or_else(|message| panic!("{message}"))
 }
 
-/// The default agent.
+/// Returns the default agent.
 pub fn declaration() -> AgentDeclaration {
     AgentDeclaration {
         name: Symbol::new("agent"),
@@ -86,7 +86,7 @@ pub struct Driven {
 }
 
 impl Driven {
-    /// A new agent that has not begun.
+    /// Returns a new agent that has not begun.
     pub fn ready(library: &Arc<Library>) -> Driven {
         Driven { agent: agent(library), now: Time::ZERO, sequence: 0 }
     }
@@ -98,17 +98,17 @@ impl Driven {
         (self, effects)
     }
 
-    /// A new agent that has begun, and what it wanted done.
+    /// Returns a new agent that has begun, and what it wanted done.
     pub fn begun(library: &Arc<Library>) -> (Driven, Vec<Effect>) {
         Driven::ready(library).begin()
     }
 
-    /// A new agent that has begun.
+    /// Returns a new agent that has begun.
     pub fn new(library: &Arc<Library>) -> Driven {
         Driven::begun(library).0
     }
 
-    /// The batch that brings `kind` a millisecond later.
+    /// Returns the batch that brings `kind` a millisecond later.
     pub fn batch(&mut self, kind: EventKind) -> Batch {
         self.now = Time(self.now.0 + 1_000_000);
         self.sequence += 1;
@@ -138,12 +138,12 @@ pub fn moved(effects: &[Effect], from: TaskState, to: TaskState) -> bool {
     })
 }
 
-/// A sample of `(level number)`.
+/// Returns a sample of `(level number)`.
 pub fn level(number: i64, value: i64) -> EventKind {
     EventKind::Measurement(StateVariable::new(Symbol::new("level"), Value::Integer(number)), Value::Integer(value))
 }
 
-/// The command among the effects.
+/// Returns the command among the effects.
 pub fn command_in(effects: &[Effect]) -> Option<CommandId> {
     effects.iter().find_map(|effect| match effect {
         Effect::Command { command, .. } => Some(*command),

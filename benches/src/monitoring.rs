@@ -17,7 +17,7 @@ use std::sync::Arc;
 /// Nanoseconds between two samples: 50 Hz.
 pub const PERIOD_NS: i64 = 20_000_000;
 
-/// The conditions that `texts` are, and the library that `declarations` make.
+/// Returns the conditions that `texts` are, and the library that `declarations` make.
 ///
 /// # Panics
 /// If a text is not a condition.
@@ -31,7 +31,7 @@ pub fn conditions(declarations: &str, texts: &[String]) -> (Arc<Library>, Vec<Co
     (Arc::new(read.checked.library), read.conditions)
 }
 
-/// A session that watches all of `texts` from the beginning.
+/// Returns a session that watches all of `texts` from the beginning.
 ///
 /// # Panics
 /// If a text is not a condition that can be watched.
@@ -49,7 +49,7 @@ pub fn variable(number: usize) -> StateVariable {
     StateVariable::new(Symbol::new(&format!("x{number}")), Value::symbol("uav"))
 }
 
-/// The instant of sample number `index`.
+/// Returns the instant of sample number `index`.
 pub fn instant(index: usize) -> Time {
     Time(PERIOD_NS * (index as i64 + 1))
 }
@@ -58,18 +58,18 @@ pub fn instant(index: usize) -> Time {
 pub struct Numbers(ChaCha8Rng);
 
 impl Numbers {
-    /// The sequence of `seed`.
+    /// Returns the sequence of `seed`.
     pub fn new(seed: u64) -> Numbers {
         Numbers(ChaCha8Rng::seed_from_u64(seed))
     }
 
-    /// The next one.
+    /// Returns the next one.
     pub fn draw(&mut self) -> f64 {
         (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
     }
 }
 
-/// A signal as an aircraft's roll angle is: slow turns with some noise on top, from -30 to 30.
+/// Returns a signal as an aircraft's roll angle is: slow turns with some noise on top, from -30 to 30.
 pub fn smooth(samples: usize, seed: u64) -> Vec<f64> {
     let mut numbers = Numbers::new(seed);
     (0..samples)
@@ -80,7 +80,7 @@ pub fn smooth(samples: usize, seed: u64) -> Vec<f64> {
         .collect()
 }
 
-/// The worst signal: each sample anywhere from -30 to 30.
+/// Returns the worst signal: each sample anywhere from -30 to 30.
 pub fn noise(samples: usize, seed: u64) -> Vec<f64> {
     let mut numbers = Numbers::new(seed);
     (0..samples).map(|_| 60.0 * numbers.draw() - 30.0).collect()
@@ -115,7 +115,7 @@ pub fn duration_episodes(count: usize) -> Vec<String> {
 /// Variables that the mixed monitors watch.
 pub const MIXED_VARIABLES: usize = 10;
 
-/// All kinds of conditions, with the variables that each watches: half plain episodes, a quarter single samples, a quarter
+/// Returns all kinds of conditions, with the variables that each watches: half plain episodes, a quarter single samples, a quarter
 /// combinations of two variables.
 pub fn mixed(count: usize) -> (Vec<String>, usize) {
     let mut numbers = Numbers::new(3);

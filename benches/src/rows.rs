@@ -1,15 +1,15 @@
-//! Figures that are not taken by Criterion, kept where the report finds them.
+//! Storage of figures that Criterion does not measure, in a folder that the report reads.
 
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
-/// The environment variable that names the folder of these figures; without it none are kept.
+/// Environment variable that names the folder; without it no figures are stored.
 pub const FOLDER: &str = "APEX_BENCH_ROWS";
 
-/// Keeps the figures of one row, by count: nanoseconds, or bytes where the row counts memory.
+/// Stores the figures of one row of the report, by count: nanoseconds, or bytes if the row measures memory.
 ///
 /// # Errors
-/// When the file cannot be written.
+/// If the file cannot be written.
 pub fn keep(group: &str, function: &str, figures: &[(u64, f64)]) -> std::io::Result<()> {
     let Some(folder) = std::env::var_os(FOLDER) else { return Ok(()) };
     let folder = Path::new(&folder);

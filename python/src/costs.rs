@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 /// Exception that a cost function raised.
 type Raised = RefCell<Option<PyErr>>;
 
-/// The callable as a function of Rust.
+/// Returns the callable as a function of Rust.
 fn asking<'a>(cost: &'a Bound<'_, PyAny>, raised: &'a Raised) -> impl FnMut(f64) -> Result<f64, String> + 'a {
     move |age_s| {
         let answer = cost.call1((age_s,)).and_then(|cost| cost.extract::<f64>());
@@ -41,7 +41,7 @@ fn told(python: Python<'_>, why: String, raised: &Raised) -> PyErr {
 /// Name, expected cost, number of observations and longest gap in seconds of each target.
 type TargetCosts = Vec<(String, f64, usize, f64)>;
 
-/// The score of visits, each a target and when its observation ends; costs have the name of their target and ages of jumps;
+/// Returns the score of visits, each a target and when its observation ends; costs have the name of their target and ages of jumps;
 /// with `survival` only the first event after an observation counts.
 #[pyfunction]
 pub(crate) fn expected_cost_of(
@@ -73,7 +73,7 @@ pub(crate) fn expected_cost_of(
     Ok((cost.total, cost.targets.into_iter().map(row).collect()))
 }
 
-/// The points of a cost's table.
+/// Returns the points of a cost's table.
 #[pyfunction]
 pub(crate) fn cost_points(
     python: Python<'_>,

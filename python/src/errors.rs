@@ -49,22 +49,22 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("PlanningError", python.get_type::<PlanningError>())
 }
 
-/// An [`InputError`].
+/// Returns an [`InputError`].
 pub(crate) fn input(message: impl Into<String>) -> PyErr {
     InputError::new_err(message.into())
 }
 
-/// A `ValueError`, for arguments that Python's own conventions name so.
+/// Returns a `ValueError`, for arguments that Python's own conventions name so.
 pub(crate) fn value(message: impl Into<String>) -> PyErr {
     PyValueError::new_err(message.into())
 }
 
-/// A failure of the mission crate as a [`MissionError`].
+/// Returns a failure of the mission crate as a [`MissionError`].
 pub(crate) fn mission(python: Python<'_>, failure: Failure) -> PyErr {
     exception(python, MissionError::new_err, failure)
 }
 
-/// A failure of the mission crate as a [`PlanningError`].
+/// Returns a failure of the mission crate as a [`PlanningError`].
 pub(crate) fn planning(python: Python<'_>, failure: Failure) -> PyErr {
     exception(python, PlanningError::new_err, failure)
 }

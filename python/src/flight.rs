@@ -68,7 +68,7 @@ pub(crate) fn fly_json(
     .to_string())
 }
 
-/// The sections of a report and its text.
+/// Returns the sections of a report and its text.
 pub(crate) fn report_value(report: &Report) -> Value {
     let sections: Map<String, Value> =
         report.sections().into_iter().map(|(name, body)| (name.to_string(), body)).collect();
@@ -91,7 +91,7 @@ impl Watch {
         (Watch { stop, on_progress, minutes: 0, asked: Instant::now(), raised: None }, controls)
     }
 
-    /// The exception that stopped the flight, if any.
+    /// Returns the exception that stopped the flight, if any.
     pub(crate) fn raised(self) -> Option<PyErr> {
         self.raised
     }

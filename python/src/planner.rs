@@ -186,7 +186,7 @@ fn thread_identity(python: Python<'_>) -> Option<u64> {
     python.import("threading").ok()?.call_method0("get_ident").ok()?.extract().ok()
 }
 
-/// A plan as JSON, or of surveillance a list of targets' names in the order of visits.
+/// Returns a plan as JSON, or of surveillance a list of targets' names in the order of visits.
 fn read(name: &str, problem: &Problem, text: &str) -> Result<Plan, String> {
     let wrong = |why: String| format!("the planner {name} answered without a valid plan: {why}");
     if let (Problem::Surveillance(problem), Ok(order)) = (problem, serde_json::from_str::<Vec<String>>(text)) {
@@ -204,7 +204,7 @@ fn read(name: &str, problem: &Problem, text: &str) -> Result<Plan, String> {
 /// Name, kinds of problems it serves, what calls it, what interrupts its thread.
 pub(crate) type Planners = Vec<(String, Vec<String>, Py<PyAny>, Py<PyAny>)>;
 
-/// The planners that ship, and these.
+/// Returns the planners that ship, and these.
 pub(crate) fn registry(planners: Planners) -> PyResult<Registry> {
     let mut registry = apex_solvers::shipped();
     for (name, kinds, call, interrupt) in planners {

@@ -29,7 +29,7 @@ pub(crate) struct Means {
 
 #[pymethods]
 impl Means {
-    /// The planners that ship and `planners`; `table` is the text of a profile table.
+    /// Returns the planners that ship and `planners`; `table` is the text of a profile table.
     #[new]
     #[pyo3(signature = (planners, *, table=None, solver_timeout_s=None, solver_memory_mib=None))]
     fn new(
@@ -162,7 +162,7 @@ pub(crate) fn plan_json(
     planned.map_err(|failure| planning(python, failure))
 }
 
-/// The problem of a test mission, of a file of JSON, or of a benchmark's file, as JSON.
+/// Returns the problem of a test mission, of a file of JSON, or of a benchmark's file, as JSON.
 #[pyfunction]
 pub(crate) fn problem_json(python: Python<'_>, path: PathBuf) -> PyResult<String> {
     let found = python.detach(|| match PlanInput::find(&path)? {
@@ -188,7 +188,7 @@ fn answer(input: &PlanInput, solver: Option<&str>, means: &PlanningResources) ->
     Ok(json::write(&input.name, input.benchmark.as_ref(), &solved, &facts))
 }
 
-/// A time in seconds that is greater than zero.
+/// Returns a time in seconds that is greater than zero.
 pub(crate) fn positive(seconds: f64, name: &str) -> PyResult<f64> {
     match seconds > 0.0 && seconds <= TIME_S_MAX {
         true => Ok(seconds),

@@ -11,7 +11,7 @@ use apex_portfolio::profile::{Planner, Profile, conclusion, measure, merge, name
 use pyo3::prelude::*;
 use std::sync::Arc;
 
-/// The names of cells: `all` and `subset` name many.
+/// Returns the names of cells: `all` and `subset` name many.
 #[pyfunction]
 pub(crate) fn cell_names(python: Python<'_>, names: Vec<String>) -> PyResult<Vec<String>> {
     let found = named::cells(&names).map_err(|error| failed(python, refused(error)))?;
@@ -56,7 +56,7 @@ pub(crate) fn measured(
     Ok(profile.to_string())
 }
 
-/// A profile in which nothing has been measured yet.
+/// Returns a profile in which nothing has been measured yet.
 fn empty(cells: &[String], missions: u64, budgets_s: &[f64]) -> Result<Profile, ProfileError> {
     let cells = named::cells(cells)?;
     named::missions(missions, "")?;
@@ -84,7 +84,7 @@ pub(crate) fn merged_profile(python: Python<'_>, parts: Vec<String>) -> PyResult
     merged().map_err(|failure| failed(python, failure))
 }
 
-/// The table that chooses planners, concluded from a profile.
+/// Returns the table that chooses planners, concluded from a profile.
 #[pyfunction]
 pub(crate) fn profile_table(python: Python<'_>, profile: &str) -> PyResult<String> {
     let profile = read(profile, "the profile").map_err(|failure| failed(python, failure))?;
@@ -98,7 +98,7 @@ fn read(text: &str, place: &str) -> MissionResult<Profile> {
     })
 }
 
-/// A profile that can be continued with this version's test missions.
+/// Returns a profile that can be continued with this version's test missions.
 fn continued(text: &str) -> MissionResult<Profile> {
     let profile = read(text, "the profile")?;
     match profile.outdated() {
@@ -109,7 +109,7 @@ fn continued(text: &str) -> MissionResult<Profile> {
     }
 }
 
-/// A request that cannot be met, as a failure of a mission's data.
+/// Returns a request that cannot be met, as a failure of a mission's data.
 fn refused(error: ProfileError) -> MissionError {
     let failure = MissionError::data(error.message).help(error.help);
     match error.reason {

@@ -44,7 +44,7 @@ pub(crate) fn replay_json(python: Python<'_>, record: PathBuf) -> PyResult<Strin
     replayed.map_err(|failure| failed(python, failure))
 }
 
-/// The trace of a record: a line of JSON for each input and each effect.
+/// Returns the trace of a record: a line of JSON for each input and each effect.
 #[pyfunction]
 pub(crate) fn trace_json(python: Python<'_>, record: PathBuf) -> PyResult<String> {
     let traced = python.detach(|| -> MissionResult<String> {
@@ -111,7 +111,7 @@ pub(crate) fn fork_json(
     forked.map_err(|failure| failed(python, failure))
 }
 
-/// The report of a recorded flight, computed from its steps: JSON.
+/// Returns the report of a recorded flight, computed from its steps: JSON.
 #[pyfunction]
 pub(crate) fn report_json(python: Python<'_>, record: PathBuf) -> PyResult<String> {
     let reported = python.detach(|| -> MissionResult<String> {

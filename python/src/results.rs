@@ -71,7 +71,7 @@ impl Results {
         })
     }
 
-    /// The texts of all results, as `str`.
+    /// Returns the texts of all results, as `str`.
     ///
     /// Returns
     /// -------

@@ -108,10 +108,10 @@ def raises(age_s):
 def test_what_is_no_cost_is_told_with_target_and_age(cost, words):
     given = problem(GIVEN)
     name = given["Surveillance"]["targets"][1]["name"]
-    with pytest.raises(InputError, match=f"{name}: The cost of an event .*{words}") as caught:
+    with pytest.raises(InputError, match=f"{name}: the cost of an event .*{words}") as caught:
         expected_cost(given, [], costs={name: cost})
     assert isinstance(caught.value.__cause__, ZeroDivisionError) == (cost is raises)
-    with pytest.raises(InputError, match=f"The cost of an event .*{words}"):
+    with pytest.raises(InputError, match=f"the cost of an event .*{words}"):
         cost_table(cost, horizon_s=100)
 
 

@@ -170,7 +170,7 @@ def test_mistakes_are_told():
     with pytest.raises(PlanningError, match=r"the problem:1:.*not a planning problem"):
         plan({"Surveillance": {"targets": 7}})
     given["Surveillance"]["horizon_s"] = -1
-    with pytest.raises(PlanningError, match="The horizon is -1"):
+    with pytest.raises(PlanningError, match="the horizon is -1"):
         plan(given)
     with pytest.raises(InputError, match="called `wam` already"):
         plan(given, planners=[Bad("wam")])

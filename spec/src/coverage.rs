@@ -18,7 +18,7 @@ pub fn table() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/reference/pdl-coverage.md")
 }
 
-/// The rows of the table in `text`: lines `| `CONSTRUCT` | [PAGE](..) |`.
+/// Returns the rows of the table in `text`: lines `| `CONSTRUCT` | [PAGE](..) |`.
 pub fn rows(text: &str) -> Vec<Row> {
     text.lines().filter_map(row).collect()
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-/// The text of the file that the block names; none if it names no file.
+/// Returns the text of the file that the block names; `None` if it names no file.
 ///
 /// # Errors
 /// The file cannot be read.

@@ -12,7 +12,7 @@ fn model(name: &str) -> Result<Arc<Model>, String> {
     Model::parse(&file, &text).map(Arc::new).map_err(|error| error.to_string())
 }
 
-/// The report of a model.
+/// Returns the report of a model.
 ///
 /// # Errors
 /// An unknown model.
@@ -21,7 +21,7 @@ pub fn report(name: &str) -> Result<String, String> {
     Ok(testability(&model).text(&model))
 }
 
-/// The diagnosis of outcomes.
+/// Returns the diagnosis of outcomes.
 ///
 /// # Errors
 /// An unknown model, outcomes that cannot be read.

@@ -1,6 +1,6 @@
 //! A difference of two texts by lines, human-readable.
 
-/// Lines of `expected` that are missing (`-`), lines of `actual` that are new (`+`), and common ones around them.
+/// Returns lines of `expected` that are missing (`-`), lines of `actual` that are new (`+`), and common ones around them.
 /// None when the texts are equal.
 pub fn lines(expected: &str, actual: &str) -> Option<String> {
     if expected == actual {

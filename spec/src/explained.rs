@@ -64,7 +64,7 @@ fn list<'v>(data: &'v Value, member: &str) -> &'v [Value] {
     data.get(member).and_then(Value::as_array).map(Vec::as_slice).unwrap_or_default()
 }
 
-/// The instant that a member holds, in human-readable form.
+/// Returns the instant that a member holds, in human-readable form.
 fn instant(data: &Value, member: &str) -> String {
     data.get(member).and_then(Value::as_f64).map(|t| Time::from_seconds(t).to_string()).unwrap_or_default()
 }

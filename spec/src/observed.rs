@@ -60,7 +60,7 @@ struct Described {
     money_per_point: Option<f64>,
 }
 
-/// The score of what a `look` block describes: a line for each wanted look with its factors and points, then the costs.
+/// Returns the score of what a `look` block describes: a line for each wanted look with its factors and points, then the costs.
 ///
 /// # Errors
 /// A line that cannot be read.

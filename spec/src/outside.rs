@@ -83,7 +83,7 @@ pub struct PageVehicle {
 }
 
 impl PageVehicle {
-    /// A vehicle of this manner, whose link holds back `late`, each until its instant, in order of these.
+    /// Returns a vehicle of this manner, whose link holds back `late`, each until its instant, in order of these.
     pub fn new(manner: VehicleManner, late: Vec<(Time, Input)>) -> PageVehicle {
         PageVehicle { manner, answers: Vec::new(), late }
     }

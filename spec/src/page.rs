@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// All pages below the folder of this package, in order: Markdown files in its folders (those directly in it are about
+/// Returns all pages below the folder of this package, in order: Markdown files in its folders (those directly in it are about
 /// the package).
 pub fn files() -> Vec<PathBuf> {
     let entries = |folder: &Path| fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
@@ -57,7 +57,7 @@ pub fn blocks(text: &str) -> Vec<Block> {
     found
 }
 
-/// The page with other bodies in the blocks that open at the given lines.
+/// Returns the page with other bodies in the blocks that open at the given lines.
 pub fn rewrite(text: &str, bodies: &[(usize, String)]) -> String {
     let mut page = String::new();
     let mut skipping = false;

@@ -95,7 +95,7 @@ impl Teller {
         self.lines.iter().map(|line| format!("{line}\n")).collect()
     }
 
-    /// Every change of state that occurred, reported or not.
+    /// Returns every change of state that occurred, reported or not.
     pub fn transitions(&self) -> &BTreeSet<(TaskState, TaskState)> {
         &self.transitions
     }

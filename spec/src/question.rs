@@ -36,7 +36,7 @@ pub struct Recorded {
 /// Runs the scenario and records it.
 ///
 /// # Errors
-/// As [`answer`].
+/// Like [`answer`].
 pub fn recorded(scenario: &Scenario) -> Result<Recorded, String> {
     let program = scenario::program_of(scenario)?;
     let folder = tempfile::tempdir().map_err(|error| error.to_string())?;

@@ -51,7 +51,7 @@ fn told(reasons: &[Reason]) -> String {
     if words.is_empty() { "none".into() } else { words.join(", ") }
 }
 
-/// The kinds of reasons that the task's own state calls for.
+/// Returns the kinds of reasons that the task's own state calls for.
 fn expected(agent: &Agent, task: &Task) -> Vec<ReasonKind> {
     let mut kinds = Vec::new();
     match task.state {

@@ -28,7 +28,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// The rows of the table in `text`: lines `| NUMBER | RULE | SERVICES | DEFINITION | PAGES |`.
+/// Returns the rows of the table in `text`: lines `| NUMBER | RULE | SERVICES | DEFINITION | PAGES |`.
 pub fn rows(text: &str) -> Vec<Row> {
     text.lines().filter_map(row).collect()
 }
@@ -41,7 +41,7 @@ fn row(line: &str) -> Option<Row> {
     Some(Row { number, services: column()?, definitions: column()?, pages: column()? })
 }
 
-/// The targets of the links in a cell, without the way out of the table's folder.
+/// Returns the targets of the links in a cell, without the way out of the table's folder.
 fn links(cell: &str) -> Vec<String> {
     let targets = cell.split("](").skip(1).filter_map(|rest| rest.split_once(')'));
     targets.map(|(target, _)| target.trim_start_matches("../").to_string()).collect()

@@ -60,7 +60,7 @@ pub fn run(scenario: &Scenario) -> Result<Teller, String> {
     Ok(teller)
 }
 
-/// The scenario's program, ready to be run.
+/// Returns the scenario's program, ready to be run.
 ///
 /// # Errors
 /// The checker's messages.
@@ -68,7 +68,7 @@ pub fn program(pdl: &str) -> Result<RestoredProgram, String> {
     program_of(&Scenario { pdl: pdl.to_string(), ..Scenario::default() })
 }
 
-/// The same, with the files that the program requires.
+/// Returns the same, with the files that the program requires.
 ///
 /// # Errors
 /// The checker's messages.
@@ -117,7 +117,7 @@ pub fn check(scenario: &Scenario) -> Checked {
     checked
 }
 
-/// The checker's messages as its reader sees them.
+/// Returns the checker's messages as its reader sees them.
 pub fn messages(checked: &Checked) -> String {
     let rendered = apex_pdl::render(&checked.diagnostics, &checked.library.sources, false);
     rendered.lines().map(|line| format!("{}\n", line.trim_end())).collect()
@@ -167,7 +167,7 @@ fn read_options(text: &str) -> Result<Options, String> {
     Ok(options)
 }
 
-/// An instant such as `20s` or `P1M30S`.
+/// Returns an instant such as `20s` or `P1M30S`.
 pub(crate) fn read_time(text: &str) -> Result<Time, String> {
     match apex_pdl::read_value(text) {
         Ok(Value::Duration(Duration(nanoseconds))) => Ok(Time(nanoseconds)),

@@ -53,7 +53,7 @@ pub fn updated(text: &str) -> Result<String, String> {
     Ok(page::rewrite(text, &bodies))
 }
 
-/// Every change of a task's state in the page's runs.
+/// Returns every change of a task's state in the page's runs.
 pub fn transitions(text: &str) -> BTreeSet<(TaskState, TaskState)> {
     let scenarios = scenarios(text).into_iter().filter(|(block, _)| block.kind == "trace");
     scenarios
@@ -85,7 +85,7 @@ fn results(text: &str) -> Vec<(Block, Result<String, String>)> {
     files.chain(results).collect()
 }
 
-/// Each block that is not a part of a scenario, with the scenario so far. `pdl`, `inputs` and `options` hold until the next
+/// Returns each block that is not a part of a scenario, with the scenario so far. `pdl`, `inputs` and `options` hold until the next
 /// of their kind; a new program starts without inputs and options, and with the files before it. Programs and inputs may
 /// name a file of this package that holds them.
 pub fn scenarios(text: &str) -> Vec<(Block, Scenario)> {

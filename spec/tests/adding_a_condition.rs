@@ -28,7 +28,7 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// Lines of `text` that name the form, each up to where its brackets are closed; tests at the end do not count.
+/// Returns lines of `text` that name the form, each up to where its brackets are closed; tests at the end do not count.
 fn lines_of_form(text: &str) -> usize {
     let text = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
     let (mut lines, mut depth) = (0, 0);

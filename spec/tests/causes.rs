@@ -22,7 +22,7 @@ const TRIES_MAX: usize = 3;
 /// Longer records are not spoiled: each spoiling derives all of it again.
 const EFFECTS_MAX: usize = 400;
 
-/// The records of all pages, with their libraries.
+/// Returns the records of all pages, with their libraries.
 fn records() -> Vec<(String, Arc<apex_model::library::Library>, Vec<Step>)> {
     let mut all = Vec::new();
     for path in page::files() {

@@ -93,7 +93,7 @@ fn is_shown(path: &str) -> bool {
         && (parts.len() == 2 || own.contains(parts.get(1).unwrap_or(&"")))
 }
 
-/// Another value of the same kind; none where there is none that says something else.
+/// Returns another value of the same kind; `None` if there is none that says something else.
 fn other(value: &Value) -> Option<Value> {
     match value {
         Value::Number(number) => number.as_f64().map(|number| Value::from(number + 0.625)),

@@ -93,7 +93,7 @@ fn priority(step: &Step) -> f64 {
     value.as_number().unwrap().0
 }
 
-/// The procedure that serves the step's goal, if one does.
+/// Returns the procedure that serves the step's goal, if one does.
 fn serving<'l>(library: &'l Library, step: &Step) -> Option<&'l Procedure> {
     let Activity::Goal(Template::Constant(goal)) = &step.activity else { return None };
     let serves = |each: &&'l std::sync::Arc<Procedure>| matches!(&each.index, Pattern::Literal(index) if index == goal);

@@ -1,4 +1,4 @@
-/** Starts the page: one record (that of the server the page came from), one Player, one App. */
+/** Starts the page with the record of the server that sent it: one Player, one App. */
 
 import { mount } from 'svelte';
 import App from './App.svelte';
@@ -16,7 +16,7 @@ import './theme/theme.css';
 
 const { address, faults } = readAddress(window.location.search);
 applyColours(document.documentElement, address.theme ?? 'dark');
-// Canvases do not redraw when a font arrives: wait for the two, which come from this server. Without them it goes too.
+// Canvases do not redraw when a font arrives, so wait for both fonts of this server. If they fail to load, the page starts without them.
 await Promise.allSettled([
   document.fonts.load('600 11px Inter'),
   document.fonts.load('11px "JetBrains Mono"'),
@@ -28,13 +28,13 @@ const source = new ServedRecord(base, address.record ?? 0);
 const token = tokenIn(window.location.hash);
 let fault: string | null = null;
 if (token !== null) {
-  // The token stays in no history.
+  // Remove the token from the address, so that the browser's history does not keep it.
   window.history.replaceState(null, '', window.location.pathname + window.location.search);
   await beginSession(base, { token }).catch(error => {
     fault = String(error.message);
   });
 }
-// Without an answer the page says that there is no connection.
+// If the server does not answer, the page reports that there is no connection.
 const session = await currentSession(base).catch(() => undefined);
 if (session === null) {
   mount(SignIn, { target, props: { base, fault, ondone: () => window.location.reload() } });

@@ -32,10 +32,10 @@ async function open(page: Page, address: string): Promise<void> {
   await expect(page.locator('[data-task]').first()).toBeVisible();
 }
 
-/** Of a thin slanted line this share of its length has its pure colour; the rest is blended, or covered by other marks. */
+/** Share of a thin slanted line that has its pure colour on the screen; the rest is blended or covered by other marks. */
 const USER_SHARE = 0.15;
 
-/** The length in pixels of a line on the map, which is fitted to the places of the flight (FlightMap.svelte). */
+/** Returns the length of a line on the map in pixels; the map is fitted to the places of the flight (FlightMap.svelte). */
 async function lengthOnMap(page: Page, [from, to]: number[][]): Promise<number> {
   const { targets } = await ask<Targets>(`targets?at=${mission.end_ns}`);
   const north = (latitude = 0) =>
@@ -49,13 +49,13 @@ async function lengthOnMap(page: Page, [from, to]: number[][]): Promise<number> 
   return Math.hypot(east, up) * scale;
 }
 
-/** Saves by a button and returns the file's bytes. */
+/** Clicks a button that saves a file, and returns the bytes of the file. */
 async function saved(page: Page, button: string): Promise<Buffer> {
   const [download] = await Promise.all([page.waitForEvent('download'), page.getByTestId(button).click()]);
   return readFileSync(await download.path());
 }
 
-/** The browser reads the text as a drawing without faults. */
+/** Expects the browser to parse the text as SVG without errors, and without inline styles. */
 async function expectSvg(page: Page, text: string): Promise<void> {
   const fault = await page.evaluate(
     svg =>
@@ -80,13 +80,13 @@ test('every target has a row with the times of all plans, and none before it is 
   const row = page.locator(`[data-target="${planned.target}"]`);
   const circle = row.locator('circle.planned');
   await expect(circle).toHaveCount(1);
-  // The same x for the same time as everywhere in the column (P4).
+  // All views of the column use one time scale (P4).
   const box = await page.getByTestId('timeline').boundingBox();
   const x = (await circle.boundingBox()) ?? { x: 0, width: 0 };
   const room = (box?.width ?? 0) - 168;
   const expected = (box?.x ?? 0) + 168 + (planned.begin_ns / mission.end_ns) * room;
   expect(Math.abs(x.x + x.width / 2 - expected)).toBeLessThan(1.5);
-  // What the executive itself says about the plans.
+  // The trace of the executive is the second source of the adopted plans.
   const trace = execFileSync(
     apexProgram(),
     ['trace', process.env.APEX_RECORD ?? '', '--json', '--type', 'plan'],
@@ -112,7 +112,7 @@ test('rows of resources name the holder of the instant', async ({ page }) => {
   const rows = page.getByTestId('resource-rows');
   await expect(rows.getByRole('row')).toHaveCount(resources.length);
   const path = resources.find(row => row.resource === 'flight-path');
-  // A child holds the share of its parent: the last one is at work.
+  // A child holds its parent's resource: the last open holding belongs to the task that executes.
   const holder = path?.holdings.findLast(one => one.open);
   await expect(rows.getByRole('row').first()).toContainText('flight-path');
   if (holder)
@@ -199,7 +199,7 @@ test('tiles of the user are drawn from a file that stays in the browser', async 
   const file = (name: string, buffer: Buffer) => ({ name, mimeType: 'application/octet-stream', buffer });
   await page.getByTestId('layer-file').setInputFiles(file('rivers.pmtiles', tilesOfOneArea()));
   await expect(page.getByTestId('user-layer')).toContainText('rivers.pmtiles');
-  // The edge of the area crosses the map from left to right.
+  // The northern edge of the user's area crosses the whole map.
   const width = (await map.boundingBox())?.width ?? 0;
   await expect.poll(async () => (await colour()) - before, { timeout: 30_000 }).toBeGreaterThan(width / 4);
   await expectNoFaults(page, 'a layer of tiles');
@@ -219,7 +219,7 @@ test('plans are compared, and panels are exported', async ({ page }) => {
   await expect(shown).toHaveCount(plans.length);
   const last = plans.at(-1);
   await expect(shown.first()).toContainText(last?.summary ?? '?');
-  // The planner's reason is in a column, and as a whole under the pointer.
+  // The column shows the planner's reason, and its tooltip the whole text.
   for (const left of last?.left_out ?? []) {
     const row = shown.first().getByTestId('left-out').locator(`tr[title="${left.reason}"]`);
     const time = /^needs (.+) more than (.+) leaves$/.exec(left.reason);
@@ -232,7 +232,7 @@ test('plans are compared, and panels are exported', async ({ page }) => {
   const png = (bytes: Buffer) => expect(bytes.subarray(1, 4).toString()).toBe('PNG');
   png(await saved(page, 'export-map'));
   png(await saved(page, 'export-timeline'));
-  // Drawings hold the words and the marks that the page shows, and no styles in markup.
+  // Exported drawings contain the texts and marks of the page, and no inline styles.
   const map = (await saved(page, 'export-map-svg')).toString();
   expect(map).toContain('href="data:image/png;base64,');
   const { targets } = await ask<Targets>('targets?at=70000000000000');

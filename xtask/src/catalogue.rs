@@ -3,6 +3,7 @@
 use crate::finding::Finding;
 use crate::headers::{self, FAMILIES};
 use crate::tree::{self, Text};
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
@@ -26,27 +27,25 @@ pub(crate) fn check(texts: &[Text]) -> Option<Finding> {
         .then(|| Finding::new(PAGE, 1, "catalogue", "out of date: run `cargo xtask catalogue` and commit the page"))
 }
 
-/// The page as the headers say it: a table for each folder of services.
+/// Returns the page: one table for each folder of services, made from their headers.
 fn render(texts: &[Text]) -> String {
     let mut page = String::from(
         "# Reasoning and control services\n\nGenerated from the headers in `crates/executive/src` by `cargo xtask catalogue`; do not edit.\nThe header of a source says in addition when the service runs, what it reads and writes, and its section of the paper.\n",
     );
     for family in FAMILIES {
         page.push_str(&format!("\n## {}\n", family_title(family)));
-        let mut class = "";
+        let mut folders: BTreeMap<&str, String> = BTreeMap::new();
         for text in texts {
             if let Some((folder, module)) = headers::service(&text.path)
                 && headers::family(folder) == Some(family)
             {
-                if folder != class {
-                    let short = folder.strip_prefix("crates/executive/src/").unwrap_or(folder);
-                    page.push_str(&format!(
-                        "\n### `{short}`\n\n| service | what it does | bound | PDL |\n|---|---|---|---|\n"
-                    ));
-                    class = folder;
-                }
-                page.push_str(&entry(text, module));
+                folders.entry(folder).or_default().push_str(&entry(text, module));
             }
+        }
+        for (folder, rows) in folders {
+            let short = folder.strip_prefix("crates/executive/src/").unwrap_or(folder);
+            let head = "| service | what it does | bound | PDL |\n|---|---|---|---|\n";
+            page.push_str(&format!("\n### `{short}`\n\n{head}{rows}"));
         }
     }
     page
@@ -61,7 +60,7 @@ fn family_title(family: &str) -> &'static str {
     }
 }
 
-/// The row of one service.
+/// Returns the row of one service.
 fn entry(text: &Text, module: &str) -> String {
     let sections = headers::sections(&text.body);
     let cell = |heading: &str| {
@@ -85,5 +84,15 @@ mod tests {
         let changed = Text::sample(&service.path, "//! Conflict\n//! What: decides otherwise.\n");
         assert!(check(&[changed, page]).is_some());
         assert!(check(&[service]).is_some());
+    }
+
+    #[test]
+    fn a_folder_with_files_before_and_after_its_subfolder_has_one_table() {
+        let sample = |path: &str| Text::sample(path, "//! Name\n//! What: decides.\n");
+        let paths = ["control/cycle.rs", "control/tasks/goal.rs", "control/transition.rs"];
+        let texts = paths.map(|path| sample(&format!("crates/executive/src/{path}")));
+        let page = render(&texts);
+        assert_eq!(page.matches("### `control`").count(), 1, "{page}");
+        assert_eq!(page.matches("decides.").count(), 3, "{page}");
     }
 }

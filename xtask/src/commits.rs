@@ -44,7 +44,7 @@ fn finding(commit: &str, subject: &str) -> Option<Finding> {
     Some(Finding::new(&format!("commit {commit}"), 1, "commit-subject", message))
 }
 
-/// The first rule that a subject breaks.
+/// Returns the first rule that a subject breaks.
 fn problem(subject: &str) -> Option<String> {
     let characters = subject.chars().count();
     let (area, words) = subject.split_once(": ").unwrap_or(("", subject));

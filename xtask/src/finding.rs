@@ -16,7 +16,7 @@ pub(crate) struct Finding {
 }
 
 impl Finding {
-    /// A finding at a line of a file.
+    /// Returns a finding at a line of a file.
     pub(crate) fn new(path: &str, line: usize, rule: &'static str, message: impl Into<String>) -> Finding {
         Finding { path: path.into(), line, rule, message: message.into() }
     }

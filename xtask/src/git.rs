@@ -10,7 +10,7 @@ pub(crate) type Changes = BTreeMap<String, BTreeSet<usize>>;
 /// Branches that changes are compared with; the first one that exists counts.
 const BASES: &[&str] = &["main", "origin/main", "master"];
 
-/// Lines that differ from the last commit that this branch shares with main, committed or not, and untracked files.
+/// Returns lines that differ from the last commit that this branch shares with main, committed or not, and untracked files.
 /// A file of which lines were only removed has an empty set.
 ///
 /// # Errors

@@ -33,7 +33,7 @@ pub(crate) fn service(path: &str) -> Option<(&str, &str)> {
     (!is_test && family(folder).is_some()).then_some((folder, module))
 }
 
-/// The family that a folder of the executive belongs to: services may lie in folders below it.
+/// Returns the family that a folder of the executive belongs to: services may lie in folders below it.
 pub(crate) fn family(folder: &str) -> Option<&str> {
     let family = folder.strip_prefix("crates/executive/src/")?.split('/').next()?;
     FAMILIES.contains(&family).then_some(family)
@@ -63,7 +63,7 @@ fn check_service(text: &Text) -> Vec<Finding> {
     findings
 }
 
-/// A service file that its folder does not declare would be dead text.
+/// Returns a service file that its folder does not declare would be dead text.
 fn check_listed(texts: &[Text], text: &Text, folder: &str, module: &str) -> Option<Finding> {
     let list = tree::find(texts, &format!("{folder}/mod.rs")).or_else(|| tree::find(texts, &format!("{folder}.rs")));
     let declared = |body: &str| body.lines().any(|line| line.trim_end().ends_with(&format!("mod {module};")));
@@ -74,7 +74,7 @@ fn check_listed(texts: &[Text], text: &Text, folder: &str, module: &str) -> Opti
     Some(Finding::new(&text.path, 1, "service-listed", message))
 }
 
-/// The title line and the headed parts of a file's `//!` block, in written order.
+/// Returns the title line and the headed parts of a file's `//!` block, in written order.
 pub(crate) fn sections(body: &str) -> Vec<(&'static str, String)> {
     let block: Vec<&str> = body.lines().map_while(|line| line.strip_prefix("//!")).skip(1).collect();
     let words = block.iter().flat_map(|line| line.split_whitespace());

@@ -78,7 +78,7 @@ fn run(root: &Path, words: &[&str]) -> Result<String, String> {
     }
 }
 
-/// The top folder of the project: the parent of this package.
+/// Returns the top folder of the project: the parent of this package.
 fn root() -> PathBuf {
     let package = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
     package.parent().map(PathBuf::from).unwrap_or(package)

@@ -66,7 +66,7 @@ fn block_comment(text: &[char], position: usize) -> usize {
     }
 }
 
-/// A string with escapes whose opening quote ends at `opening` characters from `position`.
+/// Returns a string with escapes whose opening quote ends at `opening` characters from `position`.
 fn quoted(text: &[char], position: usize, opening: usize) -> usize {
     let mut length = opening;
     loop {

@@ -35,7 +35,7 @@ pub(crate) struct Paths {
 }
 
 impl Paths {
-    /// The paths of `files` and of the folders that hold them.
+    /// Returns the paths of `files` and of the folders that hold them.
     pub(crate) fn new(files: &[String]) -> Paths {
         let mut ends = BTreeSet::new();
         for file in files {
@@ -138,7 +138,7 @@ fn looks_like_path(word: &str) -> bool {
     }
 }
 
-/// Names of pages in comments of code for which no file exists.
+/// Returns names of pages in comments of code for which no file exists.
 fn absent_pages(paths: &Paths, texts: &[Text]) -> Counts {
     let mut counts = Counts::new();
     let Ok(page) = Regex::new(r"\b[a-z][a-z0-9_/-]*\.md\b") else { return counts };

@@ -59,7 +59,7 @@ pub(crate) fn counts(texts: &[Text]) -> Result<Counts, String> {
     Ok(Phrases::read(texts)?.counts(texts))
 }
 
-/// A report of all phrases in the lines that `changed` holds by path.
+/// Returns a report of all phrases in the lines that `changed` holds by path.
 ///
 /// # Errors
 /// What is wrong with the list.
@@ -143,7 +143,7 @@ impl Phrases {
 }
 
 impl Phrase {
-    /// True if the pattern matches something else than its exceptions.
+    /// Returns true if the pattern matches something else than its exceptions.
     fn counts(&self, prose: &str) -> bool {
         self.unless.as_ref().is_none_or(|(pattern, unless)| pattern.is_match(&unless.replace_all(prose, "")))
     }

@@ -12,7 +12,7 @@ const SCRIPT_PROSE: &str = r#"//.*|"(?:\\.|[^"\\])*"|'(?:\\.|[^'\\\n]){3,}'|`[^`
 
 static SCRIPT: LazyLock<Option<Regex>> = LazyLock::new(|| Regex::new(SCRIPT_PROSE).ok());
 
-/// Lines of `text` from 1 with the prose that they hold, without those that hold none.
+/// Returns lines of `text` from 1 with the prose that they hold, without those that hold none.
 pub(crate) fn lines(text: &Text) -> Vec<(usize, String)> {
     let ending = text.path.rsplit_once('.').map_or("", |(_, ending)| ending);
     let lines = match ending {
@@ -26,7 +26,7 @@ pub(crate) fn lines(text: &Text) -> Vec<(usize, String)> {
     numbered.filter(|(_, line)| !line.trim().is_empty()).collect()
 }
 
-/// Markdown with the lines of code fences emptied.
+/// Returns Markdown with the lines of code fences emptied.
 fn markdown(body: &str) -> Vec<String> {
     let mut fenced = false;
     let keep = |line: &str| {
@@ -37,7 +37,7 @@ fn markdown(body: &str) -> Vec<String> {
     body.lines().map(keep).collect()
 }
 
-/// Lines of Python that hold a comment or belong to a documentation string.
+/// Returns lines of Python that hold a comment or belong to a documentation string.
 fn python(body: &str) -> Vec<String> {
     let mut in_text = false;
     let keep = |line: &str| {

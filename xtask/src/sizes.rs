@@ -55,7 +55,7 @@ struct FunctionSize {
     code_lines: usize,
 }
 
-/// Every function with a body in masked Rust text.
+/// Returns every function with a body in masked Rust text.
 fn functions(masked: &str) -> Vec<FunctionSize> {
     let lines: Vec<&str> = masked.lines().collect();
     let mut found = Vec::new();
@@ -71,7 +71,7 @@ fn functions(masked: &str) -> Vec<FunctionSize> {
     found
 }
 
-/// The name after `fn ` when the line begins a function.
+/// Returns the name after `fn ` when the line begins a function.
 fn function_name(line: &str) -> Option<&str> {
     let (before, after) = line.split_once("fn ")?;
     let begins_word = before.chars().next_back().is_none_or(|c| !c.is_alphanumeric() && c != '_');
@@ -79,7 +79,7 @@ fn function_name(line: &str) -> Option<&str> {
     (begins_word && !name.is_empty()).then_some(name)
 }
 
-/// The line on which the body that begins after column `from` of line `first` closes; none without a body.
+/// Returns the line on which the body that begins after column `from` of line `first` closes; `None` without a body.
 fn body_end(lines: &[&str], first: usize, from: usize) -> Option<usize> {
     let (mut braces, mut others) = (0usize, 0i64);
     for (index, line) in lines.iter().enumerate().skip(first) {

@@ -112,7 +112,7 @@ fn passes(program: &TestProgram) -> bool {
     }
 }
 
-/// The programs, built.
+/// Returns the programs, built.
 fn build(root: &Path, arguments: &[&str]) -> Result<Vec<TestProgram>, String> {
     let output = Command::new("cargo")
         .arg("test")

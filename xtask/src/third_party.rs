@@ -115,7 +115,7 @@ fn check_versions(workspace: &Workspace, skip: &[Skip], body: &str) -> Vec<Findi
     unlisted.chain(unneeded).collect()
 }
 
-/// The numbers of a version, for sorting.
+/// Returns the numbers of a version, for sorting.
 fn numbers(version: &str) -> Vec<u64> {
     version.split(['.', '-', '+']).map_while(|part| part.parse().ok()).collect()
 }

@@ -21,14 +21,14 @@ pub(crate) struct Text {
 }
 
 impl Text {
-    /// A text for a rule's own tests.
+    /// Returns a text for a rule's own tests.
     #[cfg(test)]
     pub(crate) fn sample(path: &str, body: &str) -> Text {
         Text { path: path.into(), body: body.into() }
     }
 }
 
-/// All texts below `root`, in order of path.
+/// Returns all texts below `root`, in order of path.
 ///
 /// # Errors
 /// The file or folder that cannot be read.
@@ -54,12 +54,12 @@ pub(crate) fn names(root: &Path) -> Result<Vec<String>, String> {
     Ok(names)
 }
 
-/// The text at `path`, if there is one.
+/// Returns the text at `path`, if there is one.
 pub(crate) fn find<'a>(texts: &'a [Text], path: &str) -> Option<&'a Text> {
     texts.iter().find(|text| text.path == path)
 }
 
-/// Names of the folders directly below `folder` that hold at least one text, in order.
+/// Returns names of the folders directly below `folder` that hold at least one text, in order.
 pub(crate) fn folders_below(texts: &[Text], folder: &str) -> Vec<String> {
     let prefix = format!("{folder}/");
     let mut names: Vec<String> = texts

@@ -136,7 +136,7 @@ impl Workspace {
         Ok(workspace)
     }
 
-    /// The member whose folder holds the file at `path`; the deepest one if folders are nested.
+    /// Returns the member whose folder holds the file at `path`; the deepest one if folders are nested.
     pub(crate) fn owner(&self, path: &str) -> Option<&Member> {
         let holds = |member: &&Member| path.strip_prefix(&member.folder).is_some_and(|rest| rest.starts_with('/'));
         self.members.iter().filter(holds).max_by_key(|member| member.folder.len())
@@ -188,7 +188,7 @@ pub(crate) fn line_of(texts: &[Text], folder: &str, dependency: &str) -> usize {
 pub(crate) mod tests {
     use super::*;
 
-    /// A workspace for the tests of rules: folder, name, dependencies.
+    /// Returns a workspace for the tests of rules: folder, name, dependencies.
     pub(crate) fn sample(members: &[(&str, &str, &[&str])]) -> Workspace {
         let names = |list: &[&str]| list.iter().map(ToString::to_string).collect();
         let members = members.iter().map(|(folder, name, dependencies)| Member {

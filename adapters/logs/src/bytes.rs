@@ -20,7 +20,7 @@ impl<R: Read> Bytes<R> {
         Bytes { input, buffer: Vec::new(), start: 0, offset: 0, ended: false }
     }
 
-    /// The next `length` bytes, fewer where the log ends before. They stay to be read.
+    /// Returns the next `length` bytes, fewer where the log ends before. They stay to be read.
     pub(crate) fn peek(&mut self, length: usize) -> io::Result<&[u8]> {
         while self.buffer.len() - self.start < length && !self.ended {
             if self.start > 0 {
@@ -51,7 +51,7 @@ impl<R: Read> Bytes<R> {
         self.offset += length as u64;
     }
 
-    /// The next line without its end; none at the end of the log. A line that is too long is cut.
+    /// Returns the next line without its end; `None` at the end of the log. A line that is too long is cut.
     pub(crate) fn line(&mut self, longest: usize) -> io::Result<Option<Vec<u8>>> {
         let mut seen = BLOCK;
         loop {
@@ -89,7 +89,7 @@ pub(crate) fn u64_at(bytes: &[u8], at: usize) -> Option<u64> {
     array(bytes, at).map(u64::from_le_bytes)
 }
 
-/// Text up to the first zero byte.
+/// Returns text up to the first zero byte.
 pub(crate) fn text(bytes: &[u8]) -> String {
     let end = bytes.iter().position(|byte| *byte == 0).unwrap_or(bytes.len());
     String::from_utf8_lossy(bytes.get(..end).unwrap_or_default()).trim_end().to_string()

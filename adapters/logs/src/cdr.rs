@@ -10,7 +10,7 @@ const HEADER: usize = 4;
 /// Values of one message, those that take no byte included.
 const VALUES_MAX: usize = 1 << 22;
 
-/// The values of a message.
+/// Returns the values of a message.
 ///
 /// # Errors
 /// The representation is not plain CDR, or the message ends within a value.
@@ -110,7 +110,7 @@ impl CdrReader<'_> {
         })
     }
 
-    /// The bytes of an aligned number, the least significant one first.
+    /// Returns the bytes of an aligned number, the least significant one first.
     fn number<const N: usize>(&mut self) -> Result<[u8; N], String> {
         self.align(N);
         let little = self.little;

@@ -97,7 +97,7 @@ impl<R: Read> CsvTable<R> {
         Ok(())
     }
 
-    /// The instant of the row that was read last; none if its text is not a time, which is noted.
+    /// Returns the instant of the row that was read last; `None` if its text is not a time, which is noted.
     fn instant(&mut self, line: u64) -> Option<Time> {
         let column = self.column.as_mut()?;
         let text = String::from_utf8_lossy(self.record.get(column.index).unwrap_or_default());

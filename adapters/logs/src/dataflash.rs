@@ -1,10 +1,11 @@
-//! Shared parts of the two forms of ArduPilot DataFlash logs: formats of messages, and the clock of their rows.
+//! Parts that the text and the binary form of ArduPilot DataFlash logs share: formats of messages, and times of rows.
 
 use crate::{Cell, Message, Topic};
 use apex_model::time::Time;
 use std::collections::VecDeque;
 
-/// Rows that wait for the next row with a time; more are let go with the time before them.
+/// Maximum number of rows that wait for the next row with a time. Beyond it, waiting rows get the time of the last row before
+/// them.
 const WAITING_MAX: usize = 10_000;
 
 /// The format of one kind of message, as `FMT` rows define it.
@@ -13,7 +14,7 @@ pub(crate) struct Format {
     pub(crate) topic: usize,
     /// Bytes of a whole message in the binary form.
     pub(crate) length: usize,
-    /// A letter for each field.
+    /// Format letter of each field.
     pub(crate) letters: Vec<char>,
     clock: Option<Clock>,
 }
@@ -23,16 +24,16 @@ pub(crate) struct Format {
 struct Clock {
     field: usize,
     nanoseconds: f64,
-    /// Others rows take their times from rows of this kind.
+    /// True if rows without a time take theirs from rows of this kind.
     leads: bool,
 }
 
 impl Format {
-    /// The format and topic of a definition.
+    /// Returns the format and the topic that an `FMT` row defines.
     pub(crate) fn new(topic: usize, name: &str, length: usize, letters: &str, columns: &[String]) -> (Format, Topic) {
         let field = |wanted: &str| columns.iter().position(|column| column == wanted);
         let own = field("TimeUS").map(|field| (field, 1e3)).or_else(|| field("TimeMS").map(|field| (field, 1e6)));
-        // Old logs stamp nothing but GPS rows, with milliseconds of the week.
+        // In old logs only GPS rows have a time, in milliseconds of the GPS week.
         let of_gps = (name == "GPS").then(|| field("T").or_else(|| field("Time"))).flatten().map(|field| (field, 1e6));
         let clock = match (own, of_gps) {
             (Some((field, nanoseconds)), _) => Some(Clock { field, nanoseconds, leads: false }),
@@ -63,7 +64,7 @@ pub(crate) struct TimestampInterpolator {
 }
 
 impl TimestampInterpolator {
-    /// A row has arrived.
+    /// Adds the next row of the log.
     pub(crate) fn push(&mut self, format: &Format, mut row: Message) {
         match format.time_of(&row.values) {
             Some((at, leads)) => {
@@ -72,7 +73,7 @@ impl TimestampInterpolator {
                     self.spread(at);
                     self.newest = Some(at);
                 } else {
-                    // The log has its clock: no reader waits.
+                    // Rows of this log have their own times, so no row waits for a GPS row.
                     self.newest = self.newest.max(Some(at));
                     self.release();
                 }
@@ -87,7 +88,7 @@ impl TimestampInterpolator {
         }
     }
 
-    /// The log has ended: rows behind the last time get that time.
+    /// Ends the log: rows after the last time get that time.
     pub(crate) fn end(&mut self) {
         self.release();
     }

@@ -9,7 +9,7 @@ use std::io::{self, Read};
 
 /// First bytes of each message.
 pub(crate) const MAGIC: [u8; 2] = [0xa3, 0x95];
-/// The type of messages that define formats, and their length.
+/// Type of the messages that define formats (`FMT`), and their length in bytes.
 const FORMAT_TYPE: u8 = 128;
 const FORMAT_LENGTH: usize = 89;
 const HEADER: usize = 3;
@@ -34,7 +34,7 @@ impl<R: Read> DataFlashBinary<R> {
         }
     }
 
-    /// Takes in one message or skips one byte; false at the end.
+    /// Reads one message, or skips one byte where none begins; returns false at the end of the file.
     fn step(&mut self) -> io::Result<bool> {
         let at = self.bytes.offset;
         let header = self.bytes.peek(HEADER)?;
@@ -108,7 +108,7 @@ impl<R: Read> DataFlashBinary<R> {
     }
 }
 
-/// Bytes of a field with this letter.
+/// Returns the size in bytes of a field with this format letter.
 fn size(letter: char) -> Option<usize> {
     Some(match letter {
         'b' | 'B' | 'M' => 1,
@@ -132,7 +132,7 @@ fn values(letters: &[char], payload: &[u8]) -> Vec<Cell> {
     values
 }
 
-/// Letters `c C e E` are hundredths, `L` are degrees in ten-millionths.
+/// Decodes a field by its format letter. Letters `c C e E` are scaled by 100, `L` (degrees) by 10,000,000.
 fn value(letter: char, payload: &[u8], at: usize, length: usize) -> Cell {
     let i16_at = || array(payload, at).map(i16::from_le_bytes).map(f64::from);
     let i32_at = || array(payload, at).map(i32::from_le_bytes).map(f64::from);
@@ -159,7 +159,7 @@ fn value(letter: char, payload: &[u8], at: usize, length: usize) -> Cell {
     number.map_or(Cell::Nothing, Cell::Number)
 }
 
-/// A number of sixteen bits with five of exponent (IEEE 754 binary16).
+/// Decodes a half-precision number (IEEE 754 binary16).
 fn half(bits: u16) -> f64 {
     let sign = if bits & 0x8000 == 0 { 1.0 } else { -1.0 };
     let (exponent, fraction) = (i32::from(bits >> 10 & 0x1f), f64::from(bits & 0x3ff));

@@ -1,5 +1,5 @@
-//! The formats of a DataFlash log by their names and numbers, with the units that `UNIT`, `MULT` and `FMTU` rows state
-//! and the instances that they tell apart (ArduPilot developer documentation, "Logging").
+//! Formats of a DataFlash log by name and number, with units from `UNIT`, `MULT` and `FMTU` rows, and one topic for each
+//! instance of a sensor (ArduPilot developer documentation, "Logging").
 
 use crate::dataflash::Format;
 use crate::{Cell, FieldUnit, TOPICS_MAX, Topic};
@@ -7,17 +7,17 @@ use std::collections::BTreeMap;
 
 /// Unit of the field that numbers the instances of a message.
 const INSTANCE: char = '#';
-/// No unit, or one that is not known.
+/// Unit letters for "no unit" and "unknown unit".
 const NO_UNIT: [char; 2] = ['-', '?'];
-/// Letters whose numbers the format itself scales into their unit.
+/// Format letters whose values are scaled by the format itself.
 const SCALED: &str = "cCeEL";
-/// Letters of whole numbers.
+/// Format letters of integers.
 const WHOLE: &str = "bBhHiIqQ";
 
-/// A topic of each instance of one kind of message.
+/// Format of one kind of message, with the topics of its instances.
 struct Definition {
     format: Format,
-    /// Field that numbers the instances.
+    /// Field that holds the number of the instance.
     instance_field: Option<usize>,
     /// Topics of the instances other than 0.
     instances: BTreeMap<i64, usize>,
@@ -36,18 +36,18 @@ pub(crate) struct FormatTable {
 }
 
 impl FormatTable {
-    /// The format of messages of type `kind`.
+    /// Returns the format of messages of type `kind`.
     pub(crate) fn of_kind(&self, kind: u8) -> Option<&Format> {
         self.definitions.get(&kind).map(|definition| &definition.format)
     }
 
-    /// The format of messages called `name`, with their type.
+    /// Returns the type and the format of messages called `name`.
     pub(crate) fn of_name(&self, name: &str) -> Option<(u8, &Format)> {
         let kind = *self.numbers.get(name)?;
         Some((kind, self.of_kind(kind)?))
     }
 
-    /// Takes in an `FMT` row. Returns false when there are too many kinds of messages.
+    /// Adds the definition of an `FMT` row. Returns false if the log defines too many kinds of messages.
     pub(crate) fn define(&mut self, kind: u8, name: &str, length: usize, letters: &str, columns: &[String]) -> bool {
         let known = self.definitions.get(&kind).map(|known| known.format.topic);
         let known = known.or_else(|| self.of_name(name).map(|(_, format)| format.topic));
@@ -65,7 +65,7 @@ impl FormatTable {
         true
     }
 
-    /// Takes in what a row of `topic` says of units; most rows say nothing.
+    /// Records units, multipliers or assignments of units if `topic` is `UNIT`, `MULT` or `FMTU`; ignores other rows.
     pub(crate) fn note(&mut self, topic: usize, values: &[Cell]) {
         let name = self.topics.get(topic).map(|topic| topic.name.as_str()).unwrap_or_default();
         let number = |index: usize| match values.get(index) {
@@ -74,7 +74,7 @@ impl FormatTable {
         };
         let text = |index: usize| match values.get(index) {
             Some(Cell::Text(text)) => text.clone(),
-            // A row of a text log whose multipliers are digits alone.
+            // In a text log, a row of multipliers that are all digits is read as a number.
             Some(Cell::Number(number)) => number.to_string(),
             _ => String::new(),
         };
@@ -94,7 +94,7 @@ impl FormatTable {
         stated.into_iter().for_each(|kind| self.apply(kind));
     }
 
-    /// Puts what is known of the units of a kind of message where its format is.
+    /// Applies the known units and multipliers to the format of one kind of message.
     fn apply(&mut self, kind: u8) {
         let Some(definition) = self.definitions.get_mut(&kind) else { return };
         let letters = &definition.format.letters;
@@ -116,7 +116,7 @@ impl FormatTable {
         topic.units = stated;
     }
 
-    /// The topic of a message: each instance but 0 has its own, `BARO#1`.
+    /// Returns the topic of a message. Each instance other than 0 has its own topic, for example `BARO#1`.
     pub(crate) fn topic_of(&mut self, kind: u8, values: &[Cell]) -> usize {
         let Some(definition) = self.definitions.get_mut(&kind) else { return 0 };
         let whole = definition.format.topic;
@@ -139,7 +139,7 @@ impl FormatTable {
     }
 }
 
-/// A multiplier as it is meant: logs store some that were single precision before.
+/// Returns the shortest decimal number that equals the multiplier in single precision: logs store 0.1 as 0.10000000149.
 fn shortest(number: f64) -> f64 {
     format!("{number:.6e}").parse().unwrap_or(number)
 }

@@ -1,4 +1,4 @@
-//! The fields of a log as a table or JSON lines, with the state variables that a mapping makes of them.
+//! Lists the fields of a log as a table or as JSON lines, with the state variables to which a mapping assigns them.
 
 use crate::{FieldSummary, Format, MappingFile, Take};
 use apex_model::time::Time;
@@ -43,7 +43,7 @@ pub fn field_list(
     text
 }
 
-/// The state variables that the mapping makes of a field.
+/// Returns the state variables that the mapping computes from a field.
 fn variables(field: &str, mapping: Option<&MappingFile>) -> Vec<String> {
     let made_of = |wanted: &str, take: Take| match take {
         Take::Value => wanted == field || field.strip_prefix("csv.") == Some(wanted),

@@ -121,7 +121,7 @@ pub trait LogReader {
     /// The log cannot be read from its medium.
     fn next(&mut self, message: &mut Message) -> io::Result<bool>;
 
-    /// The kinds of messages known so far; a number once given stays.
+    /// Returns the kinds of messages known so far; a number once given stays.
     fn topics(&self) -> &[Topic];
 
     /// Fields of other names than `carried` need not be read: they may be empty texts where they have values.

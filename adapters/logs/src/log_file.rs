@@ -50,17 +50,17 @@ pub struct Fed {
 }
 
 impl LogFile {
-    /// The log at `path`, understood through `mapping`; with `own_time` its own clock counts, else time begins with the log.
+    /// Returns the log at `path`, understood through `mapping`; with `own_time` its own clock counts, else time begins with the log.
     pub fn new(path: &Path, format: Format, mapping: Option<MappingFile>, own_time: bool) -> LogFile {
         LogFile { path: path.to_path_buf(), format, mapping, own_time, is_complete: false }
     }
 
-    /// The path.
+    /// Returns the path.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The format.
+    /// Returns the format.
     pub fn format(&self) -> Format {
         self.format
     }
@@ -93,7 +93,7 @@ impl LogFile {
         Ok(self.format.reader(BufReader::new(file), time))
     }
 
-    /// The mapping that the names of a table's columns make.
+    /// Returns the mapping that the names of a table's columns make.
     fn of_columns<E>(&self) -> Result<Option<MappingFile>, LogError<E>> {
         if self.format != Format::Csv {
             return Ok(None);
@@ -187,7 +187,7 @@ impl LogFile {
         Ok((fields, span, reader.damages().clone()))
     }
 
-    /// The mapping that was given, or has been found.
+    /// Returns the mapping that was given, or has been found.
     pub fn known_mapping(&self) -> Option<&MappingFile> {
         self.mapping.as_ref()
     }

@@ -11,17 +11,17 @@ use std::collections::BTreeSet;
 /// Conversion of a field into a state variable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
-    /// `TOPIC.FIELD`; of a table the column. With [`Take`] the quaternion, whose elements are `[0]` to `[3]`.
+    /// `TOPIC.FIELD`, or the column of a table. For the angles of [`Take`], the quaternion, whose elements are `[0]` to `[3]`.
     pub field: String,
     /// The state variable.
     pub variable: StateVariable,
     /// Computation from the field.
     pub take: Take,
-    /// The number in the log is multiplied by this,
+    /// Factor by which the number in the log is multiplied.
     pub scale: f64,
-    /// or by this, if the log writes the field as a whole number and states no unit for it,
+    /// Factor that replaces `scale` if the log stores the field as an integer and states no unit for it.
     pub integer_scale: Option<f64>,
-    /// and then this is added: the number in the unit in which the variable is declared.
+    /// Offset added after scaling; the result is in the declared unit of the variable.
     pub offset: f64,
     /// Words for numbers, such as the modes of an autopilot.
     pub words: Vec<(f64, Value)>,
@@ -48,7 +48,7 @@ pub enum Take {
 /// Conversion of fields into state variables.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mapping {
-    /// In order; several fields may make one variable: the first that the log has counts.
+    /// Entries in order of preference: if several fields can make one variable, the first one that the log has counts.
     pub entries: Vec<Entry>,
 }
 
@@ -57,7 +57,7 @@ pub struct Mapping {
 pub struct Sampled {
     /// Index of the entry of the mapping that made it.
     pub entry: usize,
-    /// Its value, a bare number in the declared unit, or a symbol or text.
+    /// Value: a number in the declared unit, a symbol or a text.
     pub value: Value,
     /// Instant by the log's clock.
     pub at: Time,
@@ -80,7 +80,7 @@ pub struct Sampler {
     topics: Vec<(usize, Vec<Source>)>,
     /// Samples made by each entry.
     counts: Vec<u64>,
-    /// Entry that makes each variable: if several could, the first that the log has.
+    /// Index of the entry that makes each variable: the first one whose field the log has.
     chosen: Vec<Option<usize>>,
     /// True for entries that make samples; the others only show the times of measurements.
     wanted: Vec<bool>,
@@ -89,29 +89,29 @@ pub struct Sampler {
 }
 
 impl Sampler {
-    /// A sampler for a log.
+    /// Returns a sampler for a log.
     pub fn new(mapping: Mapping) -> Sampler {
         let (counts, chosen) = (vec![0; mapping.entries.len()], vec![None; mapping.entries.len()]);
         let wanted = vec![true; mapping.entries.len()];
         Sampler { mapping, topics: Vec::new(), counts, chosen, wanted, unwanted: None }
     }
 
-    /// Makes samples of these attributes only.
+    /// Restricts the samples to these attributes.
     pub fn keep_only(&mut self, attributes: &BTreeSet<Symbol>) {
         self.wanted = self.mapping.entries.iter().map(|entry| attributes.contains(&entry.variable.attribute)).collect();
     }
 
-    /// First and last instant at which something was measured that makes no samples.
+    /// Returns the first and last instant at which something was measured that makes no samples.
     pub fn unwanted(&self) -> Option<LogInterval> {
         self.unwanted
     }
 
-    /// The state variables that fields of the log make, so far.
+    /// Returns the state variables that fields of the log make, so far.
     pub fn variables(&self) -> impl Iterator<Item = &StateVariable> {
         self.chosen.iter().flatten().filter_map(|entry| self.mapping.entries.get(*entry)).map(|entry| &entry.variable)
     }
 
-    /// The mapping.
+    /// Returns the mapping.
     pub fn mapping(&self) -> &Mapping {
         &self.mapping
     }
@@ -155,7 +155,7 @@ impl Sampler {
         }
     }
 
-    /// The entries that this topic serves, unless another field serves their variables already.
+    /// Returns the entries that this topic serves, unless another field serves their variables already.
     fn fields_of(&mut self, topic: &Topic) -> Vec<Source> {
         let mut found = Vec::new();
         for (number, entry) in self.mapping.entries.iter().enumerate() {
@@ -172,7 +172,7 @@ impl Sampler {
 }
 
 impl Entry {
-    /// The index of its field among those of `topic`.
+    /// Returns the index of its field among those of `topic`.
     fn field_in(&self, topic: &Topic) -> Option<usize> {
         let wanted = self.field.strip_prefix(&topic.name).and_then(|rest| rest.strip_prefix('.'));
         // The only topic of a table has no separate name.
@@ -216,7 +216,7 @@ impl Entry {
         Some(Value::Real(number * source.scale + self.offset))
     }
 
-    /// A text of the log: a symbol where it is one word, so that conditions can name it.
+    /// Returns a text of the log: a symbol where it is one word, so that conditions can name it.
     fn word_for(&self, text: &str) -> Value {
         let one_word =
             !text.is_empty() && text.chars().all(|letter| letter.is_ascii_alphanumeric() || "-_".contains(letter));

@@ -45,10 +45,10 @@ impl fmt::Display for MappingError {
 
 impl std::error::Error for MappingError {}
 
-/// The mapping that ships for logs of `format`; none for formats that name their fields freely.
+/// Returns the mapping that ships for logs of `format`; `None` for formats that name their fields freely.
 ///
 /// # Errors
-/// As [`MappingFile::parse`].
+/// Like [`MappingFile::parse`].
 pub(crate) fn shipped(format: Format, read_form: ReadForm<'_>) -> Option<Result<MappingFile, MappingError>> {
     let (name, text) = match format {
         Format::ULog => ("px4", include_str!("../mappings/px4.pdl")),
@@ -119,7 +119,7 @@ impl MappingFile {
         self.declarations.extend(shipped.declarations.into_iter().filter(|(each, _)| !declared.contains(each)));
     }
 
-    /// The mapping as PDL that [`MappingFile::parse`] reads.
+    /// Returns the mapping as PDL that [`MappingFile::parse`] reads.
     pub fn to_pdl(&self) -> String {
         let mut text = String::new();
         // Writing to a string cannot fail.
@@ -162,14 +162,14 @@ impl MappingFile {
         text
     }
 
-    /// The declarations that `library` lacks, as PDL.
+    /// Returns the declarations that `library` lacks, as PDL.
     pub fn declarations_beside(&self, library: &Library) -> String {
         let missing =
             self.declarations.iter().filter(|(attribute, _)| !library.state_variables.contains_key(attribute));
         missing.map(|(_, text)| format!("{text}\n")).collect()
     }
 
-    /// The mapping with numbers in the units that `library` declares.
+    /// Returns the mapping with numbers in the units that `library` declares.
     ///
     /// # Errors
     /// A field's unit measures something else than its state variable is declared in.

@@ -58,7 +58,7 @@ impl<R: Read> TelemetryLog<R> {
         self.definitions.get(index)
     }
 
-    /// The packet at the beginning of `window`, if its checksum is right, or cannot be checked.
+    /// Returns the packet at the beginning of `window`, if its checksum is right, or cannot be checked.
     fn packet(&self, window: &[u8]) -> Option<Packet> {
         let frame = window.get(STAMP..)?;
         let length = usize::from(*frame.get(1)?);

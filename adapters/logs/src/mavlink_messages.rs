@@ -1,5 +1,5 @@
-//! Messages of MAVLink (mavlink.io, common.xml and ardupilotmega.xml): numbers, names, and fields in the order in which they
-//! are sent, with the extension fields of version 2.
+//! Definitions of MAVLink messages (mavlink.io, common.xml and ardupilotmega.xml): numbers, names, and fields in the order in
+//! which they are sent, with the extension fields of version 2.
 
 use crate::Cell;
 use crate::bytes::{array, text, u16_at, u32_at, u64_at};
@@ -16,7 +16,7 @@ pub(crate) struct MessageDefinition {
     fields: Vec<MessageField>,
     /// Number of the fields that both versions have; those after them are extensions of version 2.
     base: usize,
-    /// Goes into the checksum, so that sender and receiver mean the same fields.
+    /// Extra byte of the checksum: it differs if sender and receiver define different fields.
     pub(crate) crc_extra: u8,
 }
 
@@ -46,7 +46,7 @@ impl MessageField {
     }
 
     #[cfg(test)]
-    /// The type's name in MAVLink's definitions.
+    /// Returns the name of the type in MAVLink's definitions.
     fn long_kind(self) -> &'static str {
         match self.kind {
             "u64" => "uint64_t",
@@ -64,12 +64,12 @@ impl MessageField {
     }
 }
 
-/// All definitions, in order of their numbers.
+/// Returns all definitions, in order of their numbers.
 pub(crate) fn definitions() -> Vec<MessageDefinition> {
     MESSAGES.lines().filter_map(define).collect()
 }
 
-/// The definition in a line of the table; none where the line is malformed, which a test excludes.
+/// Parses a line of the table; `None` if it is malformed, which a test excludes.
 fn define(line: &'static str) -> Option<MessageDefinition> {
     let mut columns = line.split('\t');
     let (id, name, crc_extra) = (columns.next()?.parse().ok()?, columns.next()?, columns.next()?.parse().ok()?);
@@ -79,10 +79,10 @@ fn define(line: &'static str) -> Option<MessageDefinition> {
     Some(MessageDefinition { id, name, fields, base, crc_extra })
 }
 
-/// Before the first byte.
+/// Initial value of the checksum.
 pub(crate) const CRC_BEGIN: u16 = 0xffff;
 
-/// MAVLink's checksum, CRC-16/MCRF4XX, over `bytes` after those that `crc` covers.
+/// Continues MAVLink's checksum (CRC-16/MCRF4XX) `crc` with `bytes`.
 pub(crate) fn checksum(crc: u16, bytes: &[u8]) -> u16 {
     bytes.iter().fold(crc, |crc, byte| {
         let mixed = byte ^ crc.to_le_bytes()[0];
@@ -92,7 +92,7 @@ pub(crate) fn checksum(crc: u16, bytes: &[u8]) -> u16 {
 }
 
 impl MessageDefinition {
-    /// The names of its fields, elements of arrays apart.
+    /// Returns the names of all fields; each element of an array counts as a field.
     pub(crate) fn names(&self) -> Vec<String> {
         let mut names = Vec::new();
         for field in &self.fields {
@@ -104,7 +104,7 @@ impl MessageDefinition {
         names
     }
 
-    /// The values in a payload. Zeros at the end are not sent in version 2, and version 1 sends no `extensions`.
+    /// Returns the values of a payload. Version 2 omits trailing zeros; version 1 has no `extensions`.
     pub(crate) fn values(&self, payload: &[u8], extensions: bool) -> Vec<Cell> {
         let mut padded = payload.to_vec();
         padded.resize(padded.len().max(usize::from(u8::MAX)), 0);
@@ -148,7 +148,7 @@ fn number(kind: &str, bytes: &[u8], at: usize) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// As the reference implementations have them.
+    /// Values of the reference implementations.
     const CRC_EXTRAS: &[(&str, u8)] = &[
         ("HEARTBEAT", 50),
         ("SYS_STATUS", 124),
@@ -192,8 +192,8 @@ mod tests {
         }
     }
 
-    /// The checksum says whether fields, types, lengths and their order are those of sender and receiver; here it is computed
-    /// from the fields that are read, while the table's was computed from the definitions.
+    /// `crc_extra` depends on the names, types, lengths and order of all fields. The test computes it from the fields that Apex
+    /// reads, and compares it with the table, whose values come from the definitions.
     #[test]
     fn every_line_of_the_table_is_read_and_gives_its_checksum() {
         let all = definitions();

@@ -55,7 +55,7 @@ enum Encoding {
 }
 
 impl Encoding {
-    /// The encoding of a channel's messages; the reason where they cannot be read.
+    /// Returns the encoding of a channel's messages; the reason where they cannot be read.
     fn of(name: &str, schema: Option<&SchemaText>) -> Result<Encoding, String> {
         let wanted = |encoding: &str| {
             let schema = schema.ok_or_else(|| "its schema is missing".to_string())?;
@@ -112,7 +112,7 @@ impl<R: Read> Records<R> {
         Records { input, reader: LinearReader::new_with_options(options), offset: 0 }
     }
 
-    /// The next record, or `None` at the end; the inner error is the offset of a record that is cut or too long.
+    /// Returns the next record, or `None` at the end; the inner error is the offset of a record that is cut or too long.
     fn next(&mut self) -> io::Result<Result<Option<RawRecord>, u64>> {
         loop {
             match self.reader.next_event() {
@@ -162,7 +162,7 @@ impl<R: Read> Mcap<R> {
         Ok(())
     }
 
-    /// The next record of the chunk that is being read, or of the file.
+    /// Returns the next record of the chunk that is being read, or of the file.
     fn record(&mut self) -> io::Result<Option<RawRecord>> {
         if let Some((chunk, place)) = &mut self.chunk {
             let place = *place;
@@ -230,7 +230,7 @@ impl<R: Read> Mcap<R> {
     }
 }
 
-/// The records of a chunk, up to the size that its header announces.
+/// Returns the records of a chunk, up to the size that its header announces.
 fn unpacked(header: &ChunkHeader, data: &[u8]) -> Result<Vec<u8>, String> {
     let size = usize::try_from(header.uncompressed_size).ok().filter(|size| *size <= CHUNK_BYTES_MAX);
     let size = size.ok_or_else(|| format!("its size of {} bytes exceeds the limit", header.uncompressed_size))?;

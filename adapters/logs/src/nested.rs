@@ -85,7 +85,7 @@ impl Spreading<'_> {
         }
     }
 
-    /// The field of that name, a new one if necessary; none where the topic has too many.
+    /// Returns the field of that name, a new one if necessary; `None` if the topic has too many.
     fn index(&mut self, name: String) -> Option<usize> {
         let fields = &mut self.topic.fields;
         if fields.get(self.next) == Some(&name) {

@@ -27,7 +27,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// The format that the first bytes of a log show; where they show none, the one that its name's ending says.
+    /// Returns the format that the first bytes of a log show; where they show none, the one that its name's ending says.
     pub fn of(first: &[u8], extension: &str) -> Option<Format> {
         if first.starts_with(ulog::MAGIC) {
             return Some(Format::ULog);
@@ -64,7 +64,7 @@ impl Format {
         }
     }
 
-    /// The reader of a log in this format. `time` names the time's column of a table.
+    /// Returns the reader of a log in this format. `time` names the time's column of a table.
     pub fn reader<'a>(self, input: impl Read + 'a, time: Option<TimeName>) -> Box<dyn LogReader + 'a> {
         match self {
             Format::ULog => Box::new(ULog::new(input)),

@@ -1,23 +1,23 @@
-//! Messages in protobuf as MCAP carries them (mcap.dev/spec/registry, "protobuf"): the schema is a `FileDescriptorSet`, and
-//! its name that of the message.
+//! Protobuf messages in MCAP (mcap.dev/spec/registry, "protobuf"). The data of the schema is a `FileDescriptorSet`; the
+//! name of the schema is the name of the message.
 
 use crate::FIELDS_MAX;
 use crate::nested::{DEPTH_MAX, Nested};
 use prost_reflect::{DescriptorPool, DynamicMessage, MapKey, MessageDescriptor, ReflectMessage, Value};
 
-/// The descriptor of the message `name` in a set of descriptors.
+/// Returns the descriptor of the message `name` in a set of descriptors.
 ///
 /// # Errors
-/// The set cannot be read, or has no such message.
+/// An error message if the set cannot be decoded or does not contain the message.
 pub(crate) fn descriptor(name: &str, set: &[u8]) -> Result<MessageDescriptor, String> {
     let pool = DescriptorPool::decode(set).map_err(|error| error.to_string())?;
     pool.get_message_by_name(name).ok_or_else(|| format!("its descriptors have no message `{name}`"))
 }
 
-/// The values of a message. A field that is not sent has its default, except where the definition tells it apart from that.
+/// Returns the values of a message. An absent field has its default, unless the definition tracks its presence.
 ///
 /// # Errors
-/// The bytes are not such a message.
+/// An error message if the bytes cannot be decoded as this message.
 pub(crate) fn read(descriptor: &MessageDescriptor, data: &[u8]) -> Result<Nested, String> {
     let message = DynamicMessage::decode(descriptor.clone(), data).map_err(|error| error.to_string())?;
     Ok(members(&message, 0))
@@ -50,7 +50,7 @@ fn nested(value: &Value, depth: usize) -> Nested {
         Value::Message(message) => members(message, depth + 1),
         Value::List(items) => Nested::List(items.iter().take(FIELDS_MAX).map(|item| nested(item, depth + 1)).collect()),
         Value::Map(entries) => {
-            // Maps have no order: the names of keys give one.
+            // Maps have no order; sorting by the text of the keys makes the output reproducible.
             let mut entries: Vec<(String, Nested)> =
                 entries.iter().map(|(key, value)| (key_name(key), nested(value, depth + 1))).collect();
             entries.sort_by(|(one, _), (other, _)| one.cmp(other));

@@ -1,5 +1,5 @@
-//! Definitions of ROS 2 messages as MCAP carries them (mcap.dev/spec/registry, "ros2msg"): the text of a `.msg` file, then
-//! after a line of `=` and a line `MSG: package/Name` those of the messages within it.
+//! Definitions of ROS 2 messages in MCAP (mcap.dev/spec/registry, "ros2msg"): the text of a `.msg` file, followed by the
+//! definitions of nested messages, each after a line of `=` and a line `MSG: package/Name`.
 
 use std::collections::BTreeMap;
 
@@ -41,7 +41,7 @@ impl Primitive {
         })
     }
 
-    /// Bytes of a value; none of texts, whose length stands before them.
+    /// Size of a value in bytes; `None` for text, which is preceded by its length.
     pub(crate) fn size(self) -> Option<usize> {
         Some(match self {
             Primitive::Bool | Primitive::U8 | Primitive::I8 => 1,
@@ -59,7 +59,7 @@ pub(crate) enum ValueCount {
     One,
     /// An array of a fixed length.
     Fixed(usize),
-    /// A sequence, whose length stands before it.
+    /// A sequence, which is preceded by its length.
     Counted,
 }
 
@@ -79,13 +79,13 @@ pub(crate) struct SchemaField {
     pub(crate) count: ValueCount,
 }
 
-/// A message with those within it; the first is the whole.
+/// A message definition with all nested definitions; the first one is the message itself.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Schema {
     pub(crate) messages: Vec<Vec<SchemaField>>,
 }
 
-/// A field before the names of messages are resolved.
+/// A parsed line of a definition: a field whose type name is not resolved yet.
 struct SchemaLine<'a> {
     kind: &'a str,
     name: &'a str,
@@ -96,7 +96,7 @@ impl Schema {
     /// Reads the definition of the message `name` (`package/msg/Name`).
     ///
     /// # Errors
-    /// The line that is not understood, or the type that is not defined.
+    /// An error message with the line that cannot be parsed, or the type that is not defined.
     pub(crate) fn parse(name: &str, text: &str) -> Result<Schema, String> {
         let mut parts: Vec<(&str, Vec<SchemaLine<'_>>)> = vec![(name, Vec::new())];
         for line in text.lines() {
@@ -121,19 +121,19 @@ impl Schema {
     }
 }
 
-/// `package/Name` of `package/msg/Name`.
+/// Shortens `package/msg/Name` to `package/Name`.
 fn short(name: &str) -> String {
     name.replace("/msg/", "/")
 }
 
-/// The field of a line; none for a constant.
+/// Parses a line; `None` for a constant.
 fn field(line: &str) -> Result<Option<SchemaLine<'_>>, String> {
     let wrong = || format!("`{line}` is not a field of a ROS 2 message");
     let (kind, rest) = line.split_once(char::is_whitespace).ok_or_else(wrong)?;
     let name = rest.trim_start().split(|letter: char| letter.is_whitespace() || letter == '=').next();
     let name = name.filter(|name| !name.is_empty()).ok_or_else(wrong)?;
     let after = rest.trim_start().get(name.len()..).unwrap_or_default().trim_start();
-    // A default value stands after the name, too, but without `=`.
+    // A default value follows the name like the value of a constant, but without `=`.
     if after.starts_with('=') {
         return Ok(None);
     }
@@ -146,7 +146,7 @@ fn field(line: &str) -> Result<Option<SchemaLine<'_>>, String> {
             (kind, if bounded { ValueCount::Counted } else { fixed()? })
         }
     };
-    // A bound of a text is not written into messages.
+    // The maximum length of a bounded string does not affect the encoding.
     let kind = kind.split("<=").next().unwrap_or(kind);
     Ok(Some(SchemaLine { kind, name, count }))
 }
@@ -157,7 +157,7 @@ fn resolved(line: &SchemaLine<'_>, message: &str, numbers: &BTreeMap<String, usi
     let number = || {
         let known = |name: String| numbers.get(&name).copied();
         known(short(kind)).or_else(|| known(format!("{package}/{kind}"))).or_else(|| {
-            // `Header` alone is the one of std_msgs.
+            // `Header` without a package means `std_msgs/Header`.
             (*kind == "Header").then(|| known("std_msgs/Header".into())).flatten()
         })
     };

@@ -1,8 +1,8 @@
-//! The time of a row of a table: which column it is, in what unit, and the exact instant that its text names.
+//! The time column of a table: its detection, its unit, and the conversion of its texts to exact instants.
 
 use apex_model::time::Time;
 
-/// Names of columns that are a time, the best first.
+/// Names of time columns, the preferred ones first.
 const NAMES: &[&str] = &[
     "t",
     "time",
@@ -21,7 +21,7 @@ const NAMES: &[&str] = &[
     "gps time",
     "date",
 ];
-/// Units of time as names of columns write them, with their nanoseconds.
+/// Units of time in names of columns, with their nanoseconds.
 const UNITS: &[(&str, i64)] = &[
     ("s", 1_000_000_000),
     ("sec", 1_000_000_000),
@@ -43,30 +43,30 @@ const UNITS: &[(&str, i64)] = &[
     ("h", 3_600_000_000_000),
     ("hours", 3_600_000_000_000),
 ];
-/// A number without a unit is seconds below the first of these, then milliseconds, then microseconds: as seconds of an epoch
-/// 10^11 lies in the year 5138, as milliseconds in 1973.
+/// Limits of numbers without a unit: below the first they are seconds, below the second milliseconds, below the third
+/// microseconds. As seconds since 1970, 10^11 lies in the year 5138; as milliseconds, in 1973.
 const EPOCHS: [(u64, i64); 3] =
     [(100_000_000_000, 1_000_000_000), (100_000_000_000_000, 1_000_000), (100_000_000_000_000_000, 1_000)];
-/// Digits behind a decimal point that can matter.
+/// Maximum number of digits behind the decimal point that are read.
 const DIGITS_MAX: usize = 18;
 
 /// The column that holds the time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TimeColumn {
     pub(crate) index: usize,
-    /// Nanoseconds of its unit; none until the first number shows it.
+    /// Nanoseconds of its unit; `None` until the first number shows it.
     unit_ns: Option<i64>,
 }
 
 impl TimeColumn {
-    /// The column called `name`, in this unit or, without one, in the unit that its name or its first number shows.
+    /// Returns the column called `name`. Without `unit_ns`, its name or its first number determines the unit.
     pub(crate) fn named(fields: &[String], name: &str, unit_ns: Option<i64>) -> Option<TimeColumn> {
         let index = fields.iter().position(|field| field.eq_ignore_ascii_case(name))?;
         let of_name = fields.get(index).and_then(|field| split(field).1);
         Some(TimeColumn { index, unit_ns: unit_ns.or(of_name) })
     }
 
-    /// The first column whose name says that it is a time.
+    /// Returns the column with the most preferred name of a time; `None` if no column has such a name.
     pub(crate) fn find(fields: &[String]) -> Option<TimeColumn> {
         let split: Vec<(String, Option<i64>)> = fields.iter().map(|field| split(field)).collect();
         NAMES.iter().find_map(|name| {
@@ -75,8 +75,8 @@ impl TimeColumn {
         })
     }
 
-    /// The instant that `text` names: a number in the column's unit, a date with a time (ISO 8601; without a zone UTC), or a time of
-    /// day. None if it is none of these or lies beyond 292 years.
+    /// Returns the instant of `text`: a number in the column's unit, a date with a time (ISO 8601; UTC without a zone), or a time of
+    /// day. `None` if it is none of these or lies beyond 292 years.
     pub(crate) fn instant(&mut self, text: &str) -> Option<Time> {
         if let Some(decimal) = Decimal::parse(text) {
             let unit_ns = *self.unit_ns.get_or_insert_with(|| {
@@ -87,14 +87,14 @@ impl TimeColumn {
         }
         if let Ok(number) = text.parse::<f64>() {
             let nanoseconds = libm::rint(number * self.unit_ns.unwrap_or(1_000_000_000) as f64);
-            // Every double below 2^63 in size fits.
+            // Nanoseconds below 2^63 (9.22e18) fit into an `i64`.
             return (nanoseconds.abs() < 9.2e18).then_some(Time(nanoseconds as i64));
         }
         civil_instant(text)
     }
 }
 
-/// The name of a column without its unit, in small letters with single spaces, and the nanoseconds of the unit.
+/// Splits the name of a column into the name without unit, in lower case with single spaces, and the nanoseconds of the unit.
 fn split(name: &str) -> (String, Option<i64>) {
     let spaced: String = name
         .to_lowercase()
@@ -136,7 +136,7 @@ impl Decimal {
         Some(Decimal { negative, whole: number(whole)?, part: number(part)?, scale })
     }
 
-    /// So many units, to the nearest nanosecond.
+    /// Returns this number of units of `unit_ns` nanoseconds, rounded to the nearest nanosecond.
     fn times(&self, unit_ns: i64) -> Option<Time> {
         let unit = u128::try_from(unit_ns).ok()?;
         let size = self.whole.checked_mul(unit)?.checked_add((self.part * unit + self.scale / 2) / self.scale)?;
@@ -145,7 +145,7 @@ impl Decimal {
     }
 }
 
-/// `2023-11-14T22:13:20.5+01:00`, `2023-11-14`, or `22:13:20.5`.
+/// Parses `2023-11-14T22:13:20.5+01:00`, `2023-11-14`, or `22:13:20.5`.
 fn civil_instant(text: &str) -> Option<Time> {
     let Some((date, rest)) = text.split_once(['T', 't', ' ']) else {
         return if text.contains(':') { clock(text) } else { Some(Time(days(text)?.checked_mul(DAY_NS)?)) };
@@ -157,7 +157,7 @@ fn civil_instant(text: &str) -> Option<Time> {
 
 const DAY_NS: i64 = 86_400_000_000_000;
 
-/// The text before the zone, and the zone's offset from UTC.
+/// Splits off the time zone: returns the text before it, and its offset from UTC in nanoseconds.
 fn zone(text: &str) -> Option<(&str, i64)> {
     let text = text.trim_end_matches("UTC").trim_end();
     if let Some(before) = text.strip_suffix(['Z', 'z']) {
@@ -175,7 +175,7 @@ fn zone(text: &str) -> Option<(&str, i64)> {
     (hours < 24 && minutes < 60).then_some((before, if text.get(sign..)?.starts_with('-') { -size } else { size }))
 }
 
-/// The time of day `22:13:20.5`, from midnight.
+/// Parses the time of day `22:13:20.5`; returns the time since midnight.
 fn clock(text: &str) -> Option<Time> {
     let mut parts = text.trim().splitn(3, ':');
     let (hours, minutes) = (parts.next()?.parse::<u32>().ok()?, parts.next()?.parse::<u32>().ok()?);
@@ -186,7 +186,7 @@ fn clock(text: &str) -> Option<Time> {
     inside.then_some(Time(whole + seconds.0))
 }
 
-/// Days from 1970-01-01 to a date of the Gregorian calendar.
+/// Parses a date of the Gregorian calendar; returns the days since 1970-01-01.
 fn days(text: &str) -> Option<i64> {
     let mut parts = text.trim().splitn(3, ['-', '/']);
     let mut next = || parts.next()?.parse::<i64>().ok();

@@ -62,7 +62,7 @@ impl UlogMessageKind {
 }
 
 impl Leaf {
-    /// Its value in `payload`; nothing where the message ends before.
+    /// Returns its value in `payload`; nothing where the message ends before.
     pub(crate) fn value(&self, payload: &[u8]) -> Cell {
         let at = self.offset;
         let number = match self.kind {
@@ -84,7 +84,7 @@ impl Leaf {
         number.map_or(Cell::Nothing, Cell::Number)
     }
 
-    /// Its value as whole microseconds, if it is a `uint64_t`.
+    /// Returns its value as whole microseconds, if it is a `uint64_t`.
     pub(crate) fn microseconds(&self, payload: &[u8]) -> Option<u64> {
         (self.kind == UlogMessageKind::U64).then(|| u64_at(payload, self.offset)).flatten()
     }
@@ -107,7 +107,7 @@ impl Formats {
         true
     }
 
-    /// All values of a message of format `name`, and how many bytes they take.
+    /// Returns all values of a message of format `name`, and how many bytes they take.
     ///
     /// # Errors
     /// Which definition is missing or wrong.

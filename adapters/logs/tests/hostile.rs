@@ -1,4 +1,4 @@
-//! Damaged logs: nothing panics, nothing hangs, what is whole is read and what is not is named.
+//! Damaged logs: readers neither panic nor hang, read every intact message, and report every damaged place.
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "what cannot be read is a failed test")]
 
@@ -10,7 +10,7 @@ use proptest::prelude::*;
 const FORMATS: &[Format] =
     &[Format::ULog, Format::DataFlashBinary, Format::DataFlashText, Format::TelemetryLog, Format::Mcap, Format::Csv];
 
-/// Messages read and places that were damaged.
+/// Returns the number of messages read and of damaged places reported.
 fn read(format: Format, bytes: &[u8]) -> (u64, u64) {
     let mut reader = format.reader(bytes, None);
     let (mut message, mut count) = (Message::default(), 0);
@@ -38,7 +38,7 @@ fn a_log_that_is_cut_anywhere_gives_what_was_before() {
 #[test]
 fn a_hole_costs_only_what_was_in_it() {
     for ((_, bytes), format) in builders::all(40).into_iter().zip(FORMATS) {
-        // A table and a text cannot tell a hole from short rows; MCAP has no marks to find the way back by.
+        // MCAP has no markers at which a reader could resume after a gap.
         if matches!(format, Format::Mcap) {
             continue;
         }
@@ -47,6 +47,7 @@ fn a_hole_costs_only_what_was_in_it() {
         let holed = [&bytes[..middle], &bytes[middle + 37..]].concat();
         let (count, damages) = read(*format, &holed);
         assert!(count + 6 >= whole, "{format:?}: {count} of {whole}");
+        // In a table or a text, a gap looks like short rows, which readers accept.
         if !matches!(format, Format::Csv | Format::DataFlashText) {
             assert!(damages > flaws, "{format:?}: nothing is said of the hole");
         }

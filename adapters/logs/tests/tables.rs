@@ -5,7 +5,7 @@
 use apex_logs::{Cell, Format, Message, ReadErrors};
 use proptest::prelude::*;
 
-/// Instants in nanoseconds with the last column's cell, and what could not be read.
+/// Returns the instant of each row in nanoseconds with the cell of its last column, and the read errors.
 fn rows(text: &str) -> (Vec<(i64, Cell)>, ReadErrors) {
     let mut reader = Format::Csv.reader(text.as_bytes(), None);
     let (mut message, mut found) = (Message::default(), Vec::new());
@@ -32,7 +32,7 @@ fn times_are_read_in_every_usual_form() {
         ("timestamp_us", "1500000", "2000000", [SECOND * 3 / 2, SECOND * 2]),
         ("elapsed time/ns", "1500000000", "2000000000", [SECOND * 3 / 2, SECOND * 2]),
         ("t (min)", "0.5", "1", [SECOND * 30, SECOND * 60]),
-        // The size of the first number shows the unit of an epoch.
+        // The magnitude of the first number shows the unit: seconds, milliseconds or microseconds since 1970.
         ("timestamp", "1700000000.123456789", "1700000001", [1_700_000_000_123_456_789, 1_700_000_001 * SECOND]),
         ("timestamp", "1700000000123", "1700000001000", [1_700_000_000_123_000_000, 1_700_000_001 * SECOND]),
         ("timestamp", "1700000000123456", "1700000001000000", [1_700_000_000_123_456_000, 1_700_000_001 * SECOND]),
@@ -96,7 +96,7 @@ fn times_that_are_none_are_told_with_their_text() {
 }
 
 proptest! {
-    /// Whole nanoseconds come back whatever unit they are written in.
+    /// An instant in whole nanoseconds is read back exactly, in whichever unit it is written.
     #[test]
     fn instants_are_exact(at in 0i64..4_000_000_000 * SECOND) {
         let digits = format!("{at:010}");

@@ -1,4 +1,4 @@
-//! A day in the air with the scanner on, a report every second: what the simulator itself costs.
+//! Measures the cost of the simulator alone: a flight of one day with the scanner on and a report every second.
 //!
 //! `cargo build --release -p apex-sim --example day_of_flight`, then run it under `time`, `perf stat` or `perf record`.
 //! It prints how many packets and inputs the day had, so that a cost for each can be computed.
@@ -41,7 +41,7 @@ fn main() -> Result<(), String> {
             free = false;
             sent += 1;
             let place = Value::list([Value::Real(*latitude_deg), Value::Real(*longitude_deg)]);
-            // Lines and legs in turn.
+            // Commands alternate between lines and legs.
             let form = if sent % 2 == 0 {
                 Value::list([Value::symbol("fly-to"), place])
             } else {
@@ -55,7 +55,7 @@ fn main() -> Result<(), String> {
     Ok(())
 }
 
-/// Fifty patches of ground, layered wind, turbulence and two radios, as in the shipped missions.
+/// Returns a world with fifty patches of ground, layered wind, turbulence and two radios, as in the shipped missions.
 fn config() -> Result<WorldConfig, String> {
     let mut start = Start::in_flight(34.9, -117.9, 7_010.0, 45.0);
     start.fuel_share = Some(1.0);

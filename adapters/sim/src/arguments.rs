@@ -69,7 +69,7 @@ impl<'a> Arguments<'a> {
         Ok(found)
     }
 
-    /// A refusal: the command, what is wrong, how it is used.
+    /// Returns a refusal: the command, what is wrong, how it is used.
     pub(crate) fn wrong(&self, what: &str) -> String {
         format!("{}: {what}; use {}", self.command, self.usage)
     }

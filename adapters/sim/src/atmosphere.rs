@@ -23,7 +23,7 @@ pub(crate) struct Air {
 }
 
 impl Air {
-    /// Standard air at `altitude_m` above mean sea level.
+    /// Returns the standard air at `altitude_m` above mean sea level.
     pub(crate) fn at(altitude_m: f64) -> Air {
         let troposphere_m = altitude_m.clamp(-1_000.0, TROPOPAUSE_M);
         let temperature_k = SEA_LEVEL_TEMPERATURE_K - LAPSE_K_M * troposphere_m;
@@ -40,7 +40,7 @@ impl Air {
         sqrt(SEA_LEVEL_DENSITY / self.density)
     }
 
-    /// Speed of sound, m/s.
+    /// Returns the speed of sound, m/s.
     pub(crate) fn sound_m_s(&self) -> f64 {
         sqrt(1.4 * GAS * self.temperature_k)
     }

@@ -39,7 +39,7 @@ pub(crate) enum CameraState {
 }
 
 impl CameraState {
-    /// The published word.
+    /// Returns the published word.
     pub(crate) fn word(self) -> &'static str {
         match self {
             CameraState::Off => "off",
@@ -130,13 +130,13 @@ struct TargetDirection {
 }
 
 impl TargetDirection {
-    /// Direction of a sight line with this tilt and pan.
+    /// Returns the direction of a sight line with this tilt and pan.
     fn of(tilt_rad: f64, pan_rad: f64) -> TargetDirection {
         let level = cos(tilt_rad);
         TargetDirection { forward: level * cos(pan_rad), right: level * sin(pan_rad), down: -sin(tilt_rad) }
     }
 
-    /// Angle between two directions; zero if one has no length.
+    /// Returns the angle between two directions; zero if one has no length.
     fn angle_rad(self, other: TargetDirection) -> f64 {
         let along = self.forward * other.forward + self.right * other.right + self.down * other.down;
         let (x, y, z) = (
@@ -182,7 +182,7 @@ impl Camera {
         !matches!(self.state, CameraState::Off | CameraState::PoweringUp)
     }
 
-    /// True while its pointing matters to what it sees: it points, or takes a picture.
+    /// Returns true while its pointing matters to what it sees: it points, or takes a picture.
     pub(crate) fn is_looking(&self) -> bool {
         matches!(self.state, CameraState::Slewing | CameraState::Pointing | CameraState::Exposing)
     }
@@ -209,13 +209,13 @@ impl Camera {
         NADIR_CONE_RAD.min(0.5 * self.half_view_rad())
     }
 
-    /// Greatest angle between sight line and target at which the camera points at it.
+    /// Returns the greatest angle between sight line and target at which the camera points at it.
     fn tolerance_rad(&self) -> f64 {
         (ALIGNED_SHARE_OF_VIEW * self.model.field_of_view_deg * RAD_PER_DEG).max(ALIGNED_RAD_MIN)
     }
 
-    /// Angle to the target that a mount which cannot come closer may leave: a tilt-only mount has the target in the picture, not in
-    /// its middle; near the nadir pan is held.
+    /// Returns the angle to the target that a mount which cannot come closer may leave: a tilt-only mount has the target in the picture,
+    /// not in its middle; near the nadir pan is held.
     fn left_rad_max(&self, sight: TargetDirection) -> f64 {
         if !self.pans() {
             return self.half_view_rad();
@@ -243,7 +243,7 @@ impl Camera {
         })
     }
 
-    /// Direction of the target.
+    /// Returns the direction of the target.
     fn sight(aim: &Aim, state: &State) -> TargetDirection {
         let Aim::At(spot, altitude_m) = aim else { return TargetDirection { forward: 0.0, right: 0.0, down: 1.0 } };
         let (azimuth_rad, distance_m) = bearing(state.position, spot.position);

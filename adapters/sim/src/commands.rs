@@ -1,4 +1,4 @@
-//! Commands: from form to order, each refusal with a message; supersession and withdrawal.
+//! Commands of the simulated vehicle: conversion of forms to orders, refusals with messages, supersession and withdrawal.
 
 use crate::arguments::{Arguments, Spot};
 use crate::camera::CameraState;
@@ -85,12 +85,12 @@ const COMMANDS: &[CommandForm] = &[
     command("wait", "(wait DURATION)", (1, 1), &[]),
 ];
 
-/// Names of all commands, for documentation and checks.
+/// Returns names of all commands, for documentation and checks.
 pub fn command_names() -> impl Iterator<Item = &'static str> {
     COMMANDS.iter().map(|command| command.name)
 }
 
-/// Lowest flight over ground: fixed wing, rotorcraft.
+/// Minimum height above ground of a commanded altitude: fixed wing, rotorcraft.
 const HEIGHT_M_MIN: (f64, f64) = (100.0, 2.0);
 
 impl SimulatedWorld {
@@ -178,7 +178,7 @@ impl SimulatedWorld {
         if let Some(altitude_m) = altitude_m {
             self.claim_altitude(altitude_m, None, inputs);
         }
-        // The speed of a path is its own: it may be too slow for the wind of what comes after it.
+        // The speed of a path holds on the path only: later flight may meet wind for which it is too slow.
         if let Some(speed) = speed.filter(|_| !matches!(order, Order::FollowPath(_))) {
             self.claim_speed(speed, None, inputs);
         }
@@ -194,14 +194,14 @@ impl SimulatedWorld {
         Ok(())
     }
 
-    /// Remembers how far a line was flown that now ends before its end.
+    /// Stores the flown distance of a line that is interrupted, so that it can be resumed there.
     fn break_off(&mut self) {
         if let Some((from, to, along_m)) = self.flight.unfinished() {
             self.left_lines.remember(from, to, along_m);
         }
     }
 
-    /// The order and the altitude that it brings with it.
+    /// Returns the order of a command, and the altitude that the command states.
     fn read_order(&self, name: &str, arguments: &Arguments, at_altitude: bool) -> Result<(Order, Option<f64>), String> {
         let refuse = |what: String| Err(arguments.wrong(&what));
         Ok(match name {
@@ -317,7 +317,7 @@ impl SimulatedWorld {
         Ok(())
     }
 
-    /// Sets the altitude; the caller that had set it before is superseded.
+    /// Sets the commanded altitude; supersedes the command that set it before.
     fn claim_altitude(&mut self, altitude_m: f64, by: Option<Setpoint>, inputs: &mut Vec<Input>) {
         self.altitude_m = altitude_m;
         if let Some(old) = std::mem::replace(&mut self.altitude_command, by) {
@@ -352,7 +352,7 @@ impl SimulatedWorld {
         Ok(())
     }
 
-    /// The flight order is done: answers it, and circles, hovers or parks until the next.
+    /// Answers the finished flight order; the vehicle circles, hovers or parks until the next one.
     pub(crate) fn flight_done(&mut self, value: Value, inputs: &mut Vec<Input>) {
         if let Some(command) = self.flight.command.take() {
             self.answer(command, Ok(value), inputs);
@@ -367,7 +367,7 @@ impl SimulatedWorld {
         self.idle();
     }
 
-    /// The flight order cannot be carried out: answers it, and circles or hovers until the next.
+    /// Answers a flight order that cannot be carried out; the vehicle circles or hovers until the next one.
     pub(crate) fn flight_failed(&mut self, reason: &str, inputs: &mut Vec<Input>) {
         if let Some(command) = self.flight.command.take() {
             self.answer(command, Err(reason.to_owned()), inputs);
@@ -432,7 +432,7 @@ impl SimulatedWorld {
         }
     }
 
-    /// After a crash no command can be finished.
+    /// Answers all commands with a failure after a crash.
     pub(crate) fn fail_everything(&mut self, inputs: &mut Vec<Input>) {
         let vehicle = self.vehicle.clone();
         let reason = || Err(format!("{vehicle} has crashed"));

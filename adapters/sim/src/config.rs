@@ -42,7 +42,7 @@ pub struct WorldConfig {
 }
 
 impl WorldConfig {
-    /// A vehicle in still air over ground at the start's elevation (or sea level for a start in the air), without radios.
+    /// Returns a world with still air, without radios, over ground at the start's elevation (for a start in the air: at sea level).
     pub fn new(vehicle: &str, model: VehicleModel, start: Start) -> WorldConfig {
         let elevation_m = if start.airborne { 0.0 } else { start.altitude_m };
         WorldConfig {
@@ -136,25 +136,26 @@ pub struct Start {
 }
 
 impl Start {
-    /// Parked on a field at `elevation_m`, nose towards `heading_deg` (the direction of the take-off).
+    /// Returns a start on a field at `elevation_m`, with the nose towards `heading_deg` (the direction of the take-off).
     pub fn on_ground(latitude_deg: f64, longitude_deg: f64, elevation_m: f64, heading_deg: f64) -> Start {
         let position = Position::new(latitude_deg, longitude_deg);
         Start { position, altitude_m: elevation_m, heading_deg, airborne: false, fuel_share: None }
     }
 
-    /// In flight.
+    /// Returns a start in flight at cruise speed.
     pub fn in_flight(latitude_deg: f64, longitude_deg: f64, altitude_m: f64, heading_deg: f64) -> Start {
         let position = Position::new(latitude_deg, longitude_deg);
         Start { position, altitude_m, heading_deg, airborne: true, fuel_share: None }
     }
 }
 
-/// The ground: one elevation, with grids of others where they are known, and round patches of others. Later patches win.
+/// Elevation of the ground: one value everywhere, overridden by terrain grids, which are overridden by round patches. Where patches
+/// overlap, the later one holds.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ground {
     /// Elevation where no patch lies and the terrain is not known.
     pub elevation_m: f64,
-    /// Elevations where no patch lies.
+    /// Terrain grids; they hold where no patch lies.
     pub terrain: Option<Arc<Terrain>>,
     /// Patches, for example one for each target.
     pub patches: Vec<GroundPatch>,
@@ -172,14 +173,14 @@ pub struct GroundPatch {
 }
 
 impl Ground {
-    /// Elevation at `position`. O(patches); far patches are dismissed without a geodesic.
+    /// Returns the elevation at `position`. O(patches); far patches are excluded without computing a geodesic.
     pub fn elevation_m_at(&self, position: Position) -> f64 {
         self.elevation_m_among(&self.patches, position)
     }
 
-    /// Elevation at `position` if of all patches only these count.
+    /// Returns the elevation at `position` if only `patches` exist.
     pub(crate) fn elevation_m_among(&self, patches: &[GroundPatch], position: Position) -> f64 {
-        // No degree of latitude is shorter than this, nor one of longitude at the equator.
+        // Lower bound on the length of a degree of latitude, and of a degree of longitude at the equator.
         const METRES_PER_DEGREE_MIN: f64 = 110_000.0;
         let inside = |patch: &&GroundPatch| {
             let middle = patch.position;
@@ -190,7 +191,7 @@ impl Ground {
             let poleward_deg = middle.latitude_deg.abs().max(position.latitude_deg.abs());
             let parallel = libm::cos(poleward_deg * geodesy::RAD_PER_DEG);
             let east_deg = geodesy::wrap_180(middle.longitude_deg - position.longitude_deg).abs();
-            // The chord along a parallel is longer than the geodesic, hence the factor; near patches only.
+            // The distance along the parallel exceeds the geodesic by less than 1 % up to 10 degrees, hence the factor.
             let far = east_deg < 10.0 && 0.99 * east_deg * parallel * METRES_PER_DEGREE_MIN > patch.radius_m;
             !far && geodesy::distance_m(middle, position) <= patch.radius_m
         };
@@ -200,27 +201,27 @@ impl Ground {
     }
 }
 
-/// A radio link: its level by place, with fading and drop-outs. 0 (nothing) .. 1 (full) is published.
+/// A radio link: signal level by position, with fading and drop-outs. Published levels lie between 0 (no signal) and 1 (full).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Modem {
     /// Its name: the object of `signal-level`, for example `900MHzModem`.
     pub name: String,
-    /// Level by place, as the world has it.
+    /// True signal level by position.
     pub level: LevelModel,
-    /// Deviation of the fading.
+    /// Standard deviation of the fading.
     pub fading_db: f64,
     /// Spans `(from_s, until_s)` without any signal.
     pub dropouts_s: Vec<(f64, f64)>,
 }
 
 impl Modem {
-    /// A ground radio with three dB of fading that is full within `full_level_m` and gone 40 dB below.
+    /// Returns a ground radio with 3 dB of fading; its level is full within `full_level_m` and zero 40 dB below that.
     pub fn at_station(name: &str, station: Position, full_level_m: f64) -> Modem {
         let level = LevelModel::at_station(station, full_level_m);
         Modem { name: name.to_owned(), level, fading_db: 3.0, dropouts_s: Vec::new() }
     }
 
-    /// A satellite link.
+    /// Returns a satellite link: full level everywhere.
     pub fn satellite(name: &str) -> Modem {
         let level = LevelModel::satellite();
         Modem { name: name.to_owned(), level, fading_db: 1.0, dropouts_s: Vec::new() }
@@ -247,11 +248,11 @@ impl Modem {
 /// A place that commands may call by name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NamedPlace {
-    /// Its name, in any case.
+    /// Name; upper and lower case are equal.
     pub name: String,
     /// Position of the receiver.
     pub position: Position,
-    /// Altitude of the thing itself (to point a camera at); none is the ground.
+    /// Altitude of the object itself, for pointing cameras; `None` is the ground.
     pub altitude_m: Option<f64>,
 }
 

@@ -17,7 +17,7 @@ const SPEED_LAG_S: f64 = 5.0;
 const STRAIGHT_RAD: f64 = 0.006;
 const LEVEL_RAD: f64 = 0.02;
 
-/// Radius of a turn that can be held at `true_airspeed` all the way round in this wind.
+/// Returns the radius of a turn that can be held at `true_airspeed` all the way round in this wind.
 pub(crate) fn turn_radius_m(model: &VehicleModel, true_airspeed: f64, wind: Wind) -> f64 {
     let speed = true_airspeed + sqrt(wind.east_mps * wind.east_mps + wind.north_mps * wind.north_mps);
     speed * speed / (GRAVITY * tan(model.turns.bank_share * model.bank_deg_max * RAD_PER_DEG))

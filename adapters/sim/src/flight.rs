@@ -1,4 +1,4 @@
-//! A flight command from its first moment to its answer: stages, what each demands, and what ends it.
+//! Execution of a flight command: its stages, the path, altitude and speed of each, and the event that ends it.
 
 use crate::arguments::Spot;
 use crate::fixed_wing::true_airspeed_min;
@@ -30,7 +30,7 @@ pub(crate) enum Order {
         from: Spot,
         to: Spot,
     },
-    /// As `FlyLine`, answered at the line's beginning.
+    /// Like `FlyLine`, but answered at the beginning of the line.
     JoinLine {
         from: Spot,
         to: Spot,
@@ -46,14 +46,14 @@ pub(crate) enum Order {
     },
     Land {
         at: Spot,
-        /// Course of the final approach; none lets the wind choose.
+        /// Course of the final approach; `None`: into the wind.
         course_rad: Option<f64>,
     },
-    /// Along a path of points; boxed because it is larger than the others.
+    /// Follows a path of points; boxed because it is larger than the other variants.
     FollowPath(Box<FollowedPath>),
-    /// Nothing is commanded: circle or hover here.
+    /// No command: the vehicle circles or hovers at its position.
     Hold,
-    /// On the ground.
+    /// The vehicle is parked on the ground.
     Parked,
 }
 
@@ -65,9 +65,9 @@ pub(crate) enum Stage {
     ClimbOut,
     Climb(Circle),
     Rise(Position),
-    /// Until the way of the command is open: on a circle, or hovering.
+    /// Circles or hovers until the path of the command is open.
     Wait(Path),
-    /// Along the way that the command brought along.
+    /// Flies along the path that the command contains.
     Way,
     Direct(Position),
     Tangent(Join),
@@ -78,7 +78,7 @@ pub(crate) enum Stage {
     Circle(Circle),
     Hover(Position),
     Descend(Position),
-    /// To a field without engine.
+    /// Glides to a field without engine.
     Glide(Glide),
     RollOut,
 }
@@ -91,18 +91,18 @@ pub(crate) struct ActiveOrder {
     pub(crate) stage: Stage,
     pub(crate) line: Option<Line>,
     pub(crate) way: Option<Way>,
-    /// Distance along the line at which to begin: above zero for a line that was interrupted before.
+    /// Distance along the line at which to begin; greater than zero for a line that is resumed.
     pub(crate) begin_m: f64,
     /// End of the time on station.
     until: Option<Time>,
-    /// Distance to what ends the present stage.
+    /// Distance to the end of the present stage.
     pub(crate) stage_m: f64,
     /// Distance to the order's goal.
     pub(crate) to_go_m: f64,
     pub(crate) joins: u32,
-    /// The vehicle was on the line when it was commanded: no turn leads onto it.
+    /// True if the vehicle was on the line when the line was commanded, so that no turn leads onto it.
     pub(crate) at_once: bool,
-    /// The join was planned again after the first turn.
+    /// True if the join was planned again after the first turn.
     pub(crate) planned_straight: bool,
     /// Number of times that the vehicle missed the place of a fly-to, and whether the place is behind it since.
     pub(crate) misses: u32,
@@ -126,7 +126,7 @@ impl ActiveOrder {
         ActiveOrder::begin_at(command, order, 0.0, (None, None), here)
     }
 
-    /// Begins `order`, by a way where there is one; a line is begun `begin_m` after its beginning.
+    /// Begins `order`, along its path if it has one; a line is flown from `begin_m` after its beginning.
     pub(crate) fn begin_at(
         command: Option<CommandId>,
         order: Order,
@@ -164,12 +164,12 @@ impl ActiveOrder {
         flight
     }
 
-    /// Begins the way, or the order itself where there is none.
+    /// Returns the first stage of the path, or of the order itself if it has no path.
     fn leave(&mut self, here: &Situation) -> Stage {
         if self.way.is_some() { Stage::Way } else { self.first_stage(here) }
     }
 
-    /// Waits on the spot, then leaves by the way from there.
+    /// Waits at the position; returns the stage of the path once the path opens.
     fn wait(&mut self, here: &Situation) -> Option<Stage> {
         self.until.is_none_or(|until| here.now >= until).then(|| {
             self.until = None;
@@ -204,7 +204,7 @@ impl ActiveOrder {
         }
     }
 
-    /// Along the way; at its end the order itself begins.
+    /// Flies along the path of the command; returns the first stage of the order at its end.
     fn on_way(&mut self, here: &Situation) -> Option<Stage> {
         if self.way.as_mut().is_some_and(|way| way.advance(here)) {
             self.measure(here);
@@ -230,13 +230,13 @@ impl ActiveOrder {
         }
     }
 
-    /// Altitude and speed that the stage itself demands, over the commanded ones.
+    /// Returns altitude and speed: those of the stage, or else the commanded ones.
     pub(crate) fn profile(&self, here: &Situation) -> (f64, f64) {
         let slow = |share: f64| share * true_airspeed_min(here.model, here.state.altitude_m);
         let landing = matches!(self.order, Order::Land { .. });
         match &self.stage {
             Stage::ClimbOut => (here.altitude_m, slow(1.4)),
-            // A wait climbs or descends to the altitude of the way, for which its space was looked for.
+            // The path was planned through the airspace at its altitude, so a wait climbs or descends to it first.
             Stage::Wait(_) | Stage::Way => {
                 let stated_m = self.way.as_ref().and_then(Way::altitude_m);
                 (stated_m.unwrap_or(here.altitude_m), here.true_airspeed)
@@ -286,7 +286,7 @@ impl ActiveOrder {
         self.until
     }
 
-    /// The word for `flight-phase`.
+    /// Returns the value of `flight-phase`.
     pub(crate) fn phase(&self) -> Phase {
         let landing = matches!(self.order, Order::Land { .. });
         match &self.stage {
@@ -306,13 +306,13 @@ impl ActiveOrder {
         }
     }
 
-    /// Looks where the vehicle is after a step of `dt` seconds and continues to the next stage where it is time.
+    /// Updates distances after a step of `dt` seconds, and begins the next stage if the present one is finished.
     pub(crate) fn progress(&mut self, here: &Situation, roll_rad_max: f64, dt: f64) -> Progress {
         self.measure(here);
         if let Some(glide) = self.glide(here) {
             return self.change(Some(glide), here);
         }
-        // A rotorcraft without engine touches down where it comes to, not where it wanted to.
+        // A rotorcraft in autorotation touches down short of the commanded place.
         if here.state.on_ground && !here.fixed() && self.is_landing() {
             return self.done(here);
         }
@@ -348,11 +348,11 @@ impl ActiveOrder {
         Progress::StageChanged
     }
 
-    /// The order's answer.
+    /// Returns the answer to the completed order.
     pub(crate) fn done(&self, here: &Situation) -> Progress {
         Progress::Done(match &self.order {
             Order::TakeOff { altitude_m } => Value::measured(*altitude_m, Dimension::LENGTH),
-            // What is published at this instant, so that a condition can compare the two.
+            // Equal to the location published at this instant, so that a condition can compare the two.
             Order::FlyTo { .. } => location(here.state),
             Order::JoinLine { from, .. } => from.given.clone(),
             Order::FlyLine { .. } => Value::Real(if self.line_s > 0.0 { self.level_s / self.line_s } else { 1.0 }),
@@ -372,7 +372,7 @@ impl ActiveOrder {
         if matches!(self.order, Order::Land { .. }) {
             return self.change(here.state.on_ground.then_some(Stage::RollOut), here);
         }
-        // A joined line is answered at its beginning and then flown on, until something else is commanded.
+        // A joined line is answered at its beginning, then the vehicle follows it until the next command.
         let joined = self.command.is_some() && matches!(self.order, Order::JoinLine { .. });
         if joined || self.stage_m <= 0.0 { self.done(here) } else { Progress::Going }
     }
@@ -390,7 +390,7 @@ impl ActiveOrder {
                 if !here.at_altitude() {
                     return Progress::Going;
                 }
-                // The circle was for the altitude; the place itself is in its middle.
+                // The circle served to reach the altitude; the commanded place is its centre.
                 let circling = matches!(stage, Stage::Circle(_));
                 let place = Stage::Direct(to.position);
                 return if circling { self.change(Some(place), here) } else { self.done(here) };
@@ -411,7 +411,7 @@ impl ActiveOrder {
         }
     }
 
-    /// Distances to the end of the stage and to the goal.
+    /// Computes the distances to the end of the stage and to the goal.
     fn measure(&mut self, here: &Situation) {
         let to = |point: Position| bearing(here.state.position, point).1;
         let along = || self.line.map(|line| (line.locate(here.state.position).0, line.length_m, line.from));

@@ -1,4 +1,4 @@
-//! Following a path of points: orbits, spirals, arcs and search patterns are such paths.
+//! Following a path of points. Orbits, spirals, arcs and search patterns are commanded as such paths.
 //!
 //! A fixed wing follows the legs as lines, and chains of short legs as turns. A rotorcraft keeps the speeds that the command
 //! states at points, brakes for corners and for the end, and climbs along the legs.
@@ -12,12 +12,12 @@ use apex_model::problem::Position;
 use libm::{sin, sqrt};
 use std::sync::Arc;
 
-/// A turn of more than this between two legs is a corner for a rotorcraft; its direction of flight changes in this time.
+/// A rotorcraft treats a change of course above `CORNER_RAD` as a corner, in which its velocity turns within `CORNER_S`.
 const CORNER_RAD: f64 = 25.0 * RAD_PER_DEG;
 const CORNER_S: f64 = 1.0;
-/// Legs shorter than this share of the turn radius are chords of a turn of a fixed wing.
+/// A fixed wing treats legs shorter than this multiple of its turn radius as chords of one turn.
 const CHORD_SHARE: f64 = 0.5;
-/// A path begins at its first point where the vehicle is nearer to it than this.
+/// If the vehicle is closer than this to the first point of the path, no leg leads to that point.
 const AT_FIRST_M: f64 = 15.0;
 /// A rotorcraft has arrived within this distance of the last point.
 const ARRIVED_M: f64 = 1.0;
@@ -26,22 +26,22 @@ const ARRIVED_M: f64 = 1.0;
 #[derive(Clone, Debug)]
 pub(crate) struct FollowedPath {
     points: Arc<[WayPoint]>,
-    /// Greatest speed at each point, m/s: as commanded, and so that the next ones can be kept by braking.
+    /// Maximum speed at each point, m/s: the commanded one, reduced so that braking suffices for the following points.
     speeds: Arc<[f64]>,
-    /// Greatest speed at each point as commanded; the greater one of its ends holds on a leg.
+    /// Commanded maximum speed at each point, m/s; on a leg the higher one of its two ends holds.
     wanted: Arc<[f64]>,
-    /// The point that the present leg leads to.
+    /// Index of the point at the end of the present leg.
     next: usize,
     leg: Line,
     from_altitude_m: f64,
     turn_rad_per_m: f64,
     is_fixed_wing: bool,
-    /// Airspeed along this path, m/s; `None` is the one that was commanded before and holds after it.
+    /// Airspeed along this path, m/s; `None`: the airspeed commanded before the path.
     pub(crate) true_airspeed: Option<f64>,
 }
 
 impl FollowedPath {
-    /// The path from where the vehicle is; `None` for fewer than two points.
+    /// Begins a path from the vehicle's position; `None` for fewer than two points.
     pub(crate) fn new(points: Vec<WayPoint>, speeds: &[f64], here: &Situation) -> Option<FollowedPath> {
         let first = points.first()?;
         points.get(1)?;
@@ -79,7 +79,7 @@ impl FollowedPath {
         Path::Paced(self.leg, self.level_share() * to_brake.min(on_leg))
     }
 
-    /// Share of the speed along the leg that is level.
+    /// Returns the horizontal share of the speed along a climbing or descending leg.
     fn level_share(&self) -> f64 {
         let rise_m = self.rise_m();
         self.leg.length_m / sqrt(self.leg.length_m * self.leg.length_m + rise_m * rise_m).max(1e-3)
@@ -89,7 +89,7 @@ impl FollowedPath {
         self.points.get(self.next).and_then(|point| point.altitude_m).map_or(0.0, |to| to - self.from_altitude_m)
     }
 
-    /// The altitude demanded now: along the leg, ahead by what the climb lags behind.
+    /// Returns the altitude to command now: that of the leg, advanced by the lag of the altitude control.
     pub(crate) fn altitude_m(&self, here: &Situation) -> Option<f64> {
         let to_m = self.points.get(self.next)?.altitude_m?;
         let (rise_m, length_m) = (to_m - self.from_altitude_m, self.leg.length_m.max(1.0));
@@ -105,7 +105,7 @@ impl FollowedPath {
         (self.leg.length_m - self.leg.locate(position).0).max(0.0)
     }
 
-    /// Distance to the end of the present leg, and to the end of the path.
+    /// Returns the distances to the end of the present leg and to the end of the path.
     pub(crate) fn distances_m(&self, position: Position) -> (f64, f64) {
         let left_m = self.left_m(position);
         let ahead = || self.points.iter().skip(self.next);
@@ -113,7 +113,7 @@ impl FollowedPath {
         (left_m, left_m + rest_m)
     }
 
-    /// Continues with the leg on which the vehicle is now. False when the whole path is flown.
+    /// Proceeds to the leg on which the vehicle is now. Returns false if the whole path is flown.
     pub(crate) fn advance(&mut self, here: &Situation) -> bool {
         loop {
             let is_last = self.next + 1 >= self.points.len();
@@ -149,7 +149,8 @@ impl FollowedPath {
     }
 }
 
-/// Greatest speeds at the points of a path for a rotorcraft: commanded, at corners, and so that the next can be kept by braking.
+/// Returns the maximum speeds of a rotorcraft at the points of a path: the commanded ones, limited by corners and by braking for
+/// the following points.
 fn node_speeds(points: &[WayPoint], wanted: &[f64], here: &Situation) -> Vec<f64> {
     let acceleration = here.model.acceleration_m_s2_max;
     let braking = here.model.braking_share * acceleration;

@@ -1,9 +1,9 @@
-//! Course and distance to somewhere, as the flight needs them: in radians and metres, on the WGS84 ellipsoid.
+//! Azimuth and distance between positions on the WGS84 ellipsoid, in radians and metres.
 
 use apex_geo::geodesy::{self, RAD_PER_DEG};
 use apex_model::problem::Position;
 
-/// Azimuth at `from` (radians, clockwise from north, 0..2pi) and length in metres of the geodesic to `to`.
+/// Returns the azimuth at `from` (radians, clockwise from north, 0..2pi) and the length in metres of the geodesic to `to`.
 /// Between two equal positions the azimuth is 0.
 pub(crate) fn bearing(from: Position, to: Position) -> (f64, f64) {
     if from == to {

@@ -34,12 +34,12 @@ enum GlidePart {
 }
 
 impl Glide {
-    /// A glide to a field, from the beginning.
+    /// Returns a glide to a field, from the beginning.
     pub(crate) fn to(field: Position) -> Glide {
         Glide { field, part: GlidePart::Over }
     }
 
-    /// The path to follow now.
+    /// Returns the path to follow now.
     pub(crate) fn path(&self, here: &Situation) -> Path {
         let (_, distance_m) = bearing(here.state.position, self.field);
         let radius_m = CIRCLE_TURNS * here.turn_radius_m();
@@ -52,7 +52,7 @@ impl Glide {
         }
     }
 
-    /// Altitude of the slope to the field here.
+    /// Returns the altitude of the slope to the field here.
     pub(crate) fn altitude_m(&self, here: &Situation) -> f64 {
         let (_, distance_m) = bearing(here.state.position, self.field);
         match self.part {
@@ -62,7 +62,7 @@ impl Glide {
         }
     }
 
-    /// The next part of the glide, when it begins.
+    /// Returns the next part of the glide, when it begins.
     pub(crate) fn next(&self, here: &Situation) -> Option<Glide> {
         let (azimuth_rad, distance_m) = bearing(here.state.position, self.field);
         let turn_m = here.turn_radius_m();

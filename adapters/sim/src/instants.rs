@@ -1,16 +1,16 @@
-//! Instants of the simulated world: whole milliseconds, so that every time it says is short to read and exact.
+//! Instants of the simulated world: whole milliseconds, so that every published time is exact and has few digits.
 
 use apex_model::time::{Duration, NANOSECONDS_PER_SECOND, Time};
 
 const NANOSECONDS_PER_MILLISECOND: i64 = NANOSECONDS_PER_SECOND / 1_000;
 
-/// The first whole millisecond not before `at`.
+/// Rounds `at` up to a whole millisecond.
 pub(crate) fn not_before(at: Time) -> Time {
     let up = at.0.checked_add(NANOSECONDS_PER_MILLISECOND - 1);
     up.map_or(at, |nanoseconds| Time(nanoseconds.div_euclid(NANOSECONDS_PER_MILLISECOND) * NANOSECONDS_PER_MILLISECOND))
 }
 
-/// `seconds`, to the nearest whole millisecond.
+/// Converts `seconds` to a duration, rounded to the nearest millisecond.
 pub(crate) fn span(seconds: f64) -> Duration {
     let milliseconds = libm::round(seconds * 1e3) as i64;
     Duration(milliseconds.saturating_mul(NANOSECONDS_PER_MILLISECOND))

@@ -1,4 +1,4 @@
-//! Joining a line: straight to the turn, round it, and along the line with the wings level before it begins.
+//! Joining a line with a fixed wing: a straight leg to the turn, the turn onto the line, and a level lead-in before the line begins.
 
 use crate::flight::{ActiveOrder, Order, Progress, Stage};
 use crate::motion::wrap_pi;
@@ -17,12 +17,12 @@ const JOINS_MAX: u32 = 2;
 /// Accuracy with which a path must end on a line.
 const LINED_UP_ACROSS_M: f64 = 400.0;
 const LINED_UP_RAD: f64 = 0.35;
-/// Closer to the turn than this it is not planned again.
+/// Distance to the turn below which the join is not planned again.
 const REPLAN_M: f64 = 1_000.0;
 /// A fixed wing has reached a place when it passes it no farther away than this.
 const PLACE_M: f64 = 200.0;
-/// It comes round for another try so many times. One is enough in steady wind; a place straight next to the start counts as
-/// missed before the first try.
+/// Maximum number of misses of a place, after each of which a fixed wing turns back to it. One is enough in steady wind; a place
+/// abeam of the start counts as missed before the first approach.
 const MISSES_MAX: u32 = 4;
 /// A vehicle already on a line may be this far past its beginning.
 const ON_LINE_M: f64 = 300.0;
@@ -32,7 +32,7 @@ const ON_LINE_M: f64 = 300.0;
 enum Approach {
     Coming,
     Reached,
-    /// Tried too often, with the reason.
+    /// The limit of misses is reached; holds the reason.
     Missed(String),
 }
 
@@ -45,7 +45,7 @@ impl ActiveOrder {
         let near = along_m > -lead_m
             && along_m < self.begin_m + ON_LINE_M.min(0.5 * line.length_m)
             && across_m.abs() <= JOIN_ACROSS_M;
-        // Who came by a way is lined up by it, and coming round again would leave it.
+        // The path of the command has lined the vehicle up; joining again would leave the planned airspace.
         if here.fixed() && self.is_lined_up(line, here) {
             self.at_once = true;
             return Stage::LeadIn;
@@ -73,7 +73,7 @@ impl ActiveOrder {
             && off_rad <= LINED_UP_RAD
     }
 
-    /// Comes round for another try.
+    /// Plans another attempt to join the line.
     fn join_again(&mut self, line: &Line, here: &Situation) -> Stage {
         self.joins += 1;
         self.at_once = false;
@@ -95,7 +95,7 @@ impl ActiveOrder {
         distance_m < near_m || (behind && distance_m < 0.4 * here.turn_radius_m())
     }
 
-    /// Straight to a point: what comes when it is reached.
+    /// Flies straight to a point; once it is reached, returns the next stage or the answer of the order.
     pub(crate) fn direct(&mut self, point: Position, here: &Situation) -> Progress {
         let (_, distance_m) = bearing(here.state.position, point);
         let to_place = matches!(self.order, Order::FlyTo { .. });
@@ -121,8 +121,8 @@ impl ActiveOrder {
         self.change(Some(next), here)
     }
 
-    /// Has a fixed wing reached the place that it flies to? A place inside its turning circle cannot be turned to: it flies on
-    /// and comes round, as often as that may help.
+    /// Returns the progress of a fixed wing towards a place. A place inside its turning circle cannot be reached by turning: the
+    /// vehicle flies on and returns, at most [`MISSES_MAX`] times.
     fn reach_place(&mut self, place: Position, distance_m: f64, here: &Situation) -> Approach {
         let (azimuth_rad, _) = bearing(here.state.position, place);
         let behind = cos(azimuth_rad - here.state.track_rad()) < 0.0;
@@ -148,7 +148,7 @@ impl ActiveOrder {
         ))
     }
 
-    /// Straight towards the turn.
+    /// Flies straight towards the turn; returns the stage of the turn once it is reached.
     pub(crate) fn reach_turn(&mut self, join: Join, here: &Situation) -> Option<Stage> {
         let (azimuth_rad, distance_m) = bearing(here.state.position, join.tangent);
         if self.passed(join.tangent, distance_m, here) {
@@ -163,7 +163,7 @@ impl ActiveOrder {
         Some(self.join_stage(&self.line?, here))
     }
 
-    /// Round the turn, until the line's course is near.
+    /// Flies the turn; returns the next stage once the course is close to that of the line.
     pub(crate) fn turned(&mut self, join: &Join, here: &Situation) -> Option<Stage> {
         let line = self.line?;
         let (along_m, across_m, course_rad) = line.locate(here.state.position);
@@ -173,14 +173,14 @@ impl ActiveOrder {
         if left_rad.abs() > 0.12 || aside || !here.at_altitude() {
             return None;
         }
-        // Already past the beginning: come round again, as long as that helps.
+        // The vehicle is past the beginning of the line: join again, up to the maximum number of attempts.
         if along_m > self.begin_m && self.joins < JOINS_MAX {
             return Some(self.join_again(&line, here));
         }
         Some(Stage::LeadIn)
     }
 
-    /// Along the line, before its beginning.
+    /// Flies along the extension of the line; returns the next stage at its beginning.
     pub(crate) fn led_in(&mut self, here: &Situation) -> Option<Stage> {
         let line = self.line?;
         let (along_m, across_m, course_rad) = line.locate(here.state.position);
@@ -190,7 +190,7 @@ impl ActiveOrder {
         let off_rad = wrap_pi(course_rad - here.state.track_rad()).abs();
         let level = here.state.bank_rad.abs() <= JOIN_BANK_RAD;
         let good = level && across_m.abs() <= JOIN_ACROSS_M && off_rad <= JOIN_COURSE_RAD;
-        // Circling may just have begun when a line is taken up; levelling on it costs less than coming round again.
+        // A line may be resumed at the beginning of a circle; levelling the wings on the line costs less than another join.
         if good || self.at_once || self.joins >= JOINS_MAX || !here.state.engine_running {
             return Some(Stage::OnLine);
         }

@@ -1,12 +1,12 @@
-//! Lines that were interrupted: how far each was flown, so that it can be taken up there.
+//! Interrupted lines and the distance flown along each, so that a line commanded again is resumed there.
 
 use crate::flight::{ActiveOrder, Order, Stage};
 use crate::path::Line;
 use apex_model::problem::Position;
 
-/// Lines remembered: more than a plan interrupts at one time.
+/// Maximum number of remembered lines: more than a plan has interrupted at any time.
 const LINES_MAX: usize = 16;
-/// A part flown again counts for the line when it lies on it within this, and begins no farther past the break.
+/// A flown part extends the line if it lies within `ASIDE_M` of it and begins at most `GAP_M` after the interruption.
 const ASIDE_M: f64 = 120.0;
 const GAP_M: f64 = 300.0;
 
@@ -22,7 +22,7 @@ struct LeftLine {
 }
 
 impl LeftLines {
-    /// Remembers that the line was flown for `along_m`; the oldest memory gives way.
+    /// Stores that the line was flown for `along_m`; drops the oldest entry at the limit.
     pub(crate) fn remember(&mut self, from: Position, to: Position, along_m: f64) {
         self.0.retain(|line| (line.from, line.to) != (from, to));
         self.0.push(LeftLine { from, to, along_m });
@@ -37,8 +37,8 @@ impl LeftLines {
         found.map_or(0.0, |index| self.0.remove(index).along_m)
     }
 
-    /// The line between two positions was flown to its end: where it is a part of a broken-off line and leads past the
-    /// break, that line continues from there.
+    /// Records that the line between two positions was flown to its end. If it is a part of an interrupted line and ends
+    /// after the point of interruption, that line is resumed from its end.
     pub(crate) fn flown(&mut self, from: Position, to: Position) {
         for left in &mut self.0 {
             let line = Line::new(left.from, left.to);
@@ -53,16 +53,16 @@ impl LeftLines {
 }
 
 impl ActiveOrder {
-    /// The ends of a commanded line that was begun, and how far it has arrived.
+    /// Returns the ends of the commanded line and the distance flown along it; `None` if it was not begun.
     pub(crate) fn unfinished(&self) -> Option<(Position, Position, f64)> {
         let (from, to) = self.ends_of_line()?;
         let line = self.line?;
-        // Interrupted again on the way back to it: it is taken up where it was left the first time.
+        // If the vehicle is interrupted on its way back to the line, the line is resumed at the first interruption.
         let along_m = if matches!(self.stage, Stage::OnLine) { line.length_m - self.to_go_m } else { self.begin_m };
         (along_m > 0.0).then(|| (from, to, along_m.min(line.length_m)))
     }
 
-    /// The ends of a commanded line.
+    /// Returns the ends of the commanded line; `None` for other orders.
     pub(crate) fn ends_of_line(&self) -> Option<(Position, Position)> {
         match &self.order {
             Order::FlyLine { from, to } => Some((from.position, to.position)),

@@ -35,12 +35,12 @@ pub(crate) struct State {
 }
 
 impl State {
-    /// Speed over ground.
+    /// Returns the speed over ground.
     pub(crate) fn ground_speed(&self) -> f64 {
         sqrt(self.north * self.north + self.east * self.east)
     }
 
-    /// Direction of the velocity over ground; the heading where there is none.
+    /// Returns the direction of the velocity over ground; the heading where there is none.
     pub(crate) fn track_rad(&self) -> f64 {
         if self.ground_speed() < 0.2 { self.heading_rad } else { wrap_tau(atan2(self.east, self.north)) }
     }
@@ -67,7 +67,7 @@ pub(crate) fn wrap_pi(angle: f64) -> f64 {
     wrap_tau(angle + PI) - PI
 }
 
-/// The share of a first-order lag's way that is gone after `elapsed_s`: exact for any step.
+/// Returns the share of a first-order lag's way that is gone after `elapsed_s`: exact for any step.
 pub(crate) fn lag(elapsed_s: f64, time_constant_s: f64) -> f64 {
     1.0 - exp(-elapsed_s / time_constant_s)
 }

@@ -173,7 +173,7 @@ pub(crate) const ATTITUDE_S: f64 = 0.2;
 /// Longest time without a full packet.
 const FULL_S: f64 = 10.0;
 
-/// The list published as `location`.
+/// Returns the list published as `location`.
 pub(crate) fn location(state: &State) -> Value {
     let Position { latitude_deg, longitude_deg } = state.position;
     let degrees = |degrees: f64| rounded(degrees, POSITION_PER_DEG);
@@ -201,7 +201,7 @@ fn parts(variable: &PublishedVariable) -> f64 {
     }
 }
 
-/// Share of the battery's capacity that the outside temperature lets it drain.
+/// Returns the share of the battery's capacity that the outside temperature lets it drain.
 fn battery_charge(snapshot: &Snapshot) -> f64 {
     let model = snapshot.model;
     model.available(snapshot.state.stored, snapshot.air.temperature_k - ICE_K) / model.stored_full()
@@ -211,7 +211,7 @@ fn is_changed(last: f64, now: f64) -> bool {
     (now - last).abs() > CHANGE_SHARE * last.abs() || last.is_nan()
 }
 
-/// True if a vehicle with this store of energy has the variable.
+/// Returns true if a vehicle with this store of energy has the variable.
 fn is_carried(variable: &PublishedVariable, energy: &EnergyModel) -> bool {
     match energy {
         EnergyModel::Fuel(_) => !matches!(variable.name, "battery-charge" | "battery-power"),
@@ -376,7 +376,7 @@ impl Reporter {
     }
 }
 
-/// A zero of `unit`, to be filled with numbers of SI units.
+/// Returns a zero of `unit`, to be filled with numbers of SI units.
 fn template(unit: Option<&str>) -> Quantity {
     let found = UNITS.iter().enumerate().find(|(_, known)| Some(known.name) == unit);
     match found {

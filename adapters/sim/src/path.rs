@@ -57,13 +57,13 @@ pub(crate) struct Course {
 }
 
 impl Line {
-    /// The line between two positions.
+    /// Returns the line between two positions.
     pub(crate) fn new(from: Position, to: Position) -> Line {
         let (azimuth_rad, length_m) = bearing(from, to);
         Line { from, azimuth_rad, length_m }
     }
 
-    /// Distance along the line, distance right of it, and the line's course there.
+    /// Returns the distance along the line, distance right of it, and the line's course there.
     pub(crate) fn locate(&self, position: Position) -> (f64, f64, f64) {
         let (azimuth_rad, distance_m) = bearing(self.from, position);
         let angle = distance_m / geodesy::EARTH_RADIUS_M_MEAN;
@@ -77,7 +77,7 @@ impl Line {
         (along * radius, across * radius, self.azimuth_rad + convergence)
     }
 
-    /// The line's point `along_m` from its beginning.
+    /// Returns the line's point `along_m` from its beginning.
     pub(crate) fn point(&self, along_m: f64) -> Position {
         geodesy::destination(self.from, self.azimuth_rad / RAD_PER_DEG, along_m)
     }
@@ -90,7 +90,7 @@ const INTERCEPT_S: f64 = 6.0;
 /// A vehicle is on a chord of an arc within this share of its turn radius.
 const OFF_ARC_SHARE: f64 = 0.5;
 
-/// The course that follows `path` from `state`; none: keep the heading. `turn_radius_m` is the tightest turn.
+/// Returns the course that follows `path` from `state`; none: keep the heading. `turn_radius_m` is the tightest turn.
 pub(crate) fn course(path: &Path, state: &State, turn_radius_m: f64) -> Option<Course> {
     let speed = state.ground_speed().max(1.0);
     match path {
@@ -122,7 +122,7 @@ pub(crate) fn course(path: &Path, state: &State, turn_radius_m: f64) -> Option<C
     }
 }
 
-/// The course along a line from next to it.
+/// Returns the course along a line from next to it.
 fn along(line: &Line, state: &State, rate_rad_s: f64) -> Course {
     let (_, across_m, course_rad) = line.locate(state.position);
     let speed = state.ground_speed().max(1.0);
@@ -140,7 +140,7 @@ fn inside_turn(off_rad: f64, distance_m: f64, radius_m: f64) -> bool {
     sqrt(forward * forward + aside * aside) < 1.02 * radius_m
 }
 
-/// The shorter of the two joins that reach the line's point `along_m` in its direction, from `state`.
+/// Returns the shorter of the two joins that reach the line's point `along_m` in its direction, from `state`.
 /// In the plane around that point; the first turn is counted, not planned.
 pub(crate) fn join(line: &Line, along_m: f64, radius_m: f64, state: &State) -> Join {
     let goal = line.point(along_m);

@@ -19,7 +19,7 @@ pub(crate) enum Phase {
 }
 
 impl Phase {
-    /// The published word.
+    /// Returns the published word.
     pub(crate) fn word(self) -> &'static str {
         match self {
             Phase::Parked => "parked",

@@ -38,13 +38,13 @@ pub(crate) struct Wander {
 }
 
 impl Wander {
-    /// A process that forgets itself after about `correlation_s` seconds.
+    /// Returns a process that forgets itself after about `correlation_s` seconds.
     pub(crate) fn new(mut random: Random, correlation_s: f64) -> Wander {
         let value = random.normal();
         Wander { random, correlation_s, value }
     }
 
-    /// Its value `elapsed_s` seconds after the last call.
+    /// Returns its value `elapsed_s` seconds after the last call.
     pub(crate) fn after(&mut self, elapsed_s: f64) -> f64 {
         let kept = exp(-elapsed_s / self.correlation_s);
         self.value = self.value * kept + sqrt(1.0 - kept * kept) * self.random.normal();

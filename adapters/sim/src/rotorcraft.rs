@@ -1,4 +1,4 @@
-//! A rotorcraft: stops, flies in any direction within its airspeed, turns in place.
+//! Motion of a rotorcraft, which can hover, fly in any direction within its airspeed, and turn in place.
 
 use crate::atmosphere::GRAVITY;
 use crate::motion::{Demand, State, climb, moved, wrap_pi, wrap_tau};
@@ -10,10 +10,10 @@ use libm::{atan, cos, sin, sqrt};
 
 /// Speed over ground above which the nose follows the track.
 const TRACK_SPEED: f64 = 1.5;
-/// Closer to a point than this, speed falls with distance.
+/// Distance to a point below which the speed decreases in proportion.
 const NEAR_M: f64 = 3.0;
 
-/// Flies `state` for `dt`. True when it hangs still, so that the next step may be long.
+/// Advances `state` by `dt` seconds. Returns true if the vehicle hovers without motion, so that the next step may be long.
 pub(crate) fn fly(state: &mut State, demand: &Demand, model: &VehicleModel, wind: Wind, dt: f64) -> bool {
     let level = climb(state, model, demand.altitude_m, dt);
     let (north, east) = wanted_velocity(state, demand, model, wind);
@@ -22,7 +22,7 @@ pub(crate) fn fly(state: &mut State, demand: &Demand, model: &VehicleModel, wind
     level && still && facing
 }
 
-/// Radius within which it can circle at `true_airspeed`.
+/// Returns the radius within which it can circle at `true_airspeed`.
 pub(crate) fn turn_radius_m(model: &VehicleModel, true_airspeed: f64) -> f64 {
     true_airspeed * true_airspeed / (model.braking_share * model.acceleration_m_s2_max)
 }
@@ -37,7 +37,7 @@ fn wanted_velocity(state: &State, demand: &Demand, model: &VehicleModel, wind: W
         }
         path @ Path::Circle(circle) => {
             let Some(course) = course(path, state, 0.0) else { return (0.0, 0.0) };
-            // Heading a little inwards makes up for the lag of the turn.
+            // A course slightly inwards compensates for the lag of the turn.
             (course.course_rad, sqrt(braking * circle.radius_m))
         }
         path @ Path::Paced(_, speed) => {
@@ -84,7 +84,7 @@ fn accelerate(state: &mut State, model: &VehicleModel, wind: Wind, wanted: (f64,
     change < 0.05 && state.ground_speed() < 0.1
 }
 
-/// Pitch and bank that give the horizontal acceleration.
+/// Sets pitch and bank to those that give the horizontal acceleration.
 fn tilt(state: &mut State, model: &VehicleModel, north: f64, east: f64) {
     let (sine, cosine) = (sin(state.heading_rad), cos(state.heading_rad));
     let (forward, right) = (north * cosine + east * sine, east * cosine - north * sine);
@@ -93,7 +93,7 @@ fn tilt(state: &mut State, model: &VehicleModel, north: f64, east: f64) {
     state.bank_rad = atan(right / GRAVITY).clamp(-most, most);
 }
 
-/// Turns the nose. True when it points where it should.
+/// Turns the nose towards the demanded heading. Returns true if it points there.
 fn face(state: &mut State, demand: &Demand, model: &VehicleModel, dt: f64) -> bool {
     let along_track = (state.ground_speed() > TRACK_SPEED).then(|| state.track_rad());
     let wanted = demand.nose_rad.or(along_track).unwrap_or(state.heading_rad);

@@ -54,12 +54,12 @@ impl Situation<'_> {
         }
     }
 
-    /// The circle it flies without a command.
+    /// Returns the circle it flies without a command.
     pub(crate) fn loiter_radius_m(&self) -> f64 {
         self.model.turns.circle_width * self.turn_radius_m()
     }
 
-    /// A circle round `centre`, the way round that needs the smaller turn.
+    /// Returns a circle round `centre`, the way round that needs the smaller turn.
     pub(crate) fn circle(&self, centre: Position, radius_m: f64) -> Circle {
         let aside = wrap_pi(bearing(self.state.position, centre).0 - self.state.track_rad());
         Circle { centre, radius_m, clockwise: aside >= 0.0 }

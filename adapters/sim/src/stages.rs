@@ -28,7 +28,7 @@ impl ActiveOrder {
         if goes_on { Progress::Going } else { self.done(here) }
     }
 
-    /// The stage of a landing whose engine has stopped; `None` where it runs, or the glide has begun.
+    /// Returns the stage of a landing whose engine has stopped; `None` where it runs, or the glide has begun.
     pub(crate) fn glide(&self, here: &Situation) -> Option<Stage> {
         let Order::Land { at, .. } = &self.order else { return None };
         let is_gliding = here.fixed() && !here.state.engine_running && !here.state.on_ground;
@@ -36,7 +36,7 @@ impl ActiveOrder {
         (is_gliding && !begun).then(|| Stage::Glide(Glide::to(at.position)))
     }
 
-    /// True if it lands, whatever the stage.
+    /// Returns true if it lands, whatever the stage.
     pub(crate) fn is_landing(&self) -> bool {
         matches!(self.order, Order::Land { .. })
     }

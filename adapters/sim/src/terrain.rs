@@ -25,12 +25,12 @@ impl Terrain {
         Terrain { all, near: Vec::new(), middle: None }
     }
 
-    /// Elevation anywhere.
+    /// Returns the elevation anywhere.
     pub(crate) fn elevation_m_at(&self, position: Position) -> f64 {
         self.all.elevation_m_at(position)
     }
 
-    /// Elevation under the vehicle: the same number, found faster from step to step.
+    /// Returns the elevation under the vehicle: the same number, found faster from step to step.
     pub(crate) fn elevation_m_below(&mut self, vehicle: Position) -> f64 {
         if self.all.patches.is_empty() {
             return self.all.elevation_m_at(vehicle);

@@ -31,7 +31,7 @@ const ROTORCRAFT_NEAR_M: f64 = 3.0;
 /// A goal nearer than this to the last point of its way is that point.
 const SAME_PLACE_M: f64 = 1.0;
 
-/// The points of a way with the place that they lead to. A fixed wing follows the last leg as a line: if it turned towards the
+/// Returns the points of a way with the place that they lead to. A fixed wing follows the last leg as a line: if it turned towards the
 /// place itself, an error of some degrees at the beginning of a short leg would put the place inside its turning circle, and it
 /// would come round where no way was looked for.
 pub(crate) fn with_goal(mut points: Vec<WayPoint>, goal: Position) -> Vec<WayPoint> {
@@ -42,7 +42,7 @@ pub(crate) fn with_goal(mut points: Vec<WayPoint>, goal: Position) -> Vec<WayPoi
 }
 
 impl Way {
-    /// The way over `points` from where the vehicle is; `None` for no points.
+    /// Returns the way over `points` from where the vehicle is; `None` for no points.
     pub(crate) fn new(points: Vec<WayPoint>, here: &Situation) -> Option<Way> {
         let is_fixed_wing = here.fixed();
         let is_passed = |point: &WayPoint| is_behind(point.position, here.state) && is_fixed_wing;
@@ -54,7 +54,7 @@ impl Way {
         Some(way)
     }
 
-    /// The same way, begun again from where the vehicle is now.
+    /// Returns the same way, begun again from where the vehicle is now.
     pub(crate) fn restarted(self, here: &Situation) -> Option<Way> {
         Way::new(self.points, here)
     }
@@ -67,12 +67,12 @@ impl Way {
         }
     }
 
-    /// The altitude that the present leg demands.
+    /// Returns the altitude that the present leg demands.
     pub(crate) fn altitude_m(&self) -> Option<f64> {
         self.points.get(self.next).and_then(|point| point.altitude_m)
     }
 
-    /// Distance to the end of the present leg, and to the end of the way.
+    /// Returns the distance to the end of the present leg, and to the end of the way.
     pub(crate) fn distances_m(&self, position: Position) -> (f64, f64) {
         let left_m = match self.points.get(self.next) {
             Some(point) if !self.is_fixed_wing => bearing(position, point.position).1,

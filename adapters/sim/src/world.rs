@@ -169,7 +169,7 @@ impl SimulatedWorld {
         })
     }
 
-    /// The vehicle's name.
+    /// Returns the vehicle's name.
     pub fn vehicle(&self) -> &str {
         &self.vehicle
     }
@@ -179,12 +179,12 @@ impl SimulatedWorld {
         self.state.position
     }
 
-    /// Its true altitude above mean sea level.
+    /// Returns its true altitude above mean sea level.
     pub fn altitude_m(&self) -> f64 {
         self.state.altitude_m
     }
 
-    /// Energy on board: kg of fuel or J of the battery.
+    /// Returns the energy on board: kg of fuel or J of the battery.
     pub fn stored(&self) -> f64 {
         self.state.stored
     }
@@ -232,7 +232,7 @@ impl SimulatedWorld {
         due.min(self.planned_stop).max(self.now)
     }
 
-    /// The end of the next step: nothing is said before it, and what is said then is said at that instant.
+    /// Returns the end of the next step: nothing is said before it, and what is said then is said at that instant.
     pub(crate) fn next_instant(&self) -> Time {
         self.next_stop().min(self.now + instants::span(self.step_s()))
     }
@@ -249,7 +249,7 @@ impl SimulatedWorld {
         }
     }
 
-    /// A long step only if nothing changes, and never past the end of the flight's stage.
+    /// Returns a long step only if nothing changes, and never past the end of the flight's stage.
     fn step_s(&self) -> f64 {
         if !self.settled {
             return STEP_S;
@@ -327,7 +327,7 @@ impl SimulatedWorld {
         }
     }
 
-    /// Energy that the outside temperature lets it drain, kg or J.
+    /// Returns the energy that the outside temperature lets it drain, kg or J.
     pub(crate) fn available(&self) -> f64 {
         let air = Air::at(self.state.altitude_m);
         self.model.available(self.state.stored, air.temperature_k - ICE_K)

@@ -21,7 +21,7 @@ fn rough_world() -> WorldConfig {
     config
 }
 
-/// The same script, with `advance` called at every report, or every `increment_s`.
+/// Returns the same script, with `advance` called at every report, or every `increment_s`.
 fn flown(increment_s: Option<f64>) -> Vec<Input> {
     let mut world = SimulatedWorld::new(rough_world()).unwrap();
     let script = [

@@ -268,7 +268,7 @@ fn a_line_broken_off_for_a_refly_is_taken_up_where_it_was_left() {
     assert!(run.now.seconds() - begun > 2.0 * rest_s, "a finished line begins at its beginning again");
 }
 
-/// Least distance to a place before the answer, and the distance at the answer.
+/// Returns the least distance to a place before the answer, and the distance at the answer.
 fn reached(run: &mut Run, goal: Position, altitude_m: Option<f64>, seconds: f64) -> (f64, f64) {
     let place = [Some(goal.latitude_deg), Some(goal.longitude_deg), altitude_m];
     let place = Value::list(place.into_iter().flatten().map(Value::Real));

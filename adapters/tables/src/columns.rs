@@ -30,7 +30,7 @@ impl Cells {
         }
     }
 
-    /// The cell of a row as CSV: a missing number is empty.
+    /// Returns the cell of a row as CSV: a missing number is empty.
     fn text(&self, row: usize) -> String {
         match self {
             Cells::Integers(cells) => cells.get(row).map(ToString::to_string),

@@ -9,7 +9,7 @@ pub struct CsvWriter<W: Write> {
 }
 
 impl<W: Write> CsvWriter<W> {
-    /// A table on `output`, begun with the names of its columns.
+    /// Returns a table on `output`, begun with the names of its columns.
     ///
     /// # Errors
     /// The output cannot be written.

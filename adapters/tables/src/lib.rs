@@ -50,7 +50,7 @@ pub struct Row {
 }
 
 impl Row {
-    /// The row of a sample. `unit` is the one in which its variable is declared; `recorded` is none for a refused one.
+    /// Returns the row of a sample. `unit` is the one in which its variable is declared; `recorded` is none for a refused one.
     pub fn sample(
         (number, at, arrived): (i64, Time, Time),
         variable: &StateVariable,
@@ -86,7 +86,7 @@ impl Row {
         }
     }
 
-    /// The row of a message.
+    /// Returns the row of a message.
     pub fn event((number, at, arrived): (i64, Time, Time), form: &Value) -> Row {
         Row {
             number,

@@ -21,7 +21,7 @@ pub struct ParquetWriter<W: Write + Send> {
 }
 
 impl<W: Write + Send> ParquetWriter<W> {
-    /// A table on `output`; `facts` become its metadata.
+    /// Returns a table on `output`; `facts` become its metadata.
     ///
     /// # Errors
     /// The output cannot be written.
@@ -57,7 +57,7 @@ pub(crate) fn failed(error: ParquetError) -> io::Error {
     io::Error::other(error.to_string())
 }
 
-/// The columns of [`crate::COLUMNS`].
+/// Returns the columns of [`crate::COLUMNS`].
 fn schema() -> Result<TypePtr, ParquetError> {
     let [number, t_ns, arrived_ns, kind, name, value, unit, text, status] = crate::COLUMNS;
     let fields = vec![
@@ -74,7 +74,7 @@ fn schema() -> Result<TypePtr, ParquetError> {
     Ok(Arc::new(Type::group_type_builder("history").with_fields(fields).build()?))
 }
 
-/// A column of numbers or, as UTF-8, of texts.
+/// Returns a column of numbers or, as UTF-8, of texts.
 pub(crate) fn field(name: &str, physical: Physical, required: bool) -> Result<TypePtr, ParquetError> {
     let words = if physical == Physical::BYTE_ARRAY { ConvertedType::UTF8 } else { ConvertedType::NONE };
     let repetition = if required { Repetition::REQUIRED } else { Repetition::OPTIONAL };

@@ -26,7 +26,7 @@ struct Panel {
     limits: Vec<f64>,
 }
 
-/// The picture of the variables of the session that `conditions` read, with the intervals of their results, as SVG; none where no
+/// Returns the picture of the variables of the session that `conditions` read, with the intervals of their results, as SVG; `None` if no
 /// sample is a number.
 ///
 /// # Errors

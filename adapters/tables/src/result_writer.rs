@@ -36,7 +36,7 @@ struct ResultRow {
 }
 
 impl<W: Write + Send> ResultWriter<W> {
-    /// A CSV table on `output`, begun with the names of its columns.
+    /// Returns a CSV table on `output`, begun with the names of its columns.
     ///
     /// # Errors
     /// The output cannot be written.
@@ -46,7 +46,7 @@ impl<W: Write + Send> ResultWriter<W> {
         Ok(ResultWriter { output: Output::Csv(writer) })
     }
 
-    /// A Parquet table on `output`.
+    /// Returns a Parquet table on `output`.
     ///
     /// # Errors
     /// The output cannot be written.

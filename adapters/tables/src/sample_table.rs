@@ -16,7 +16,7 @@ pub struct SampleTable {
 }
 
 impl SampleTable {
-    /// An empty table. `session` knows the declared state variables; it watches no condition.
+    /// Returns an empty table. `session` knows the declared state variables; it watches no condition.
     pub fn new(session: MonitorSession, writer: Box<dyn TableWriter>) -> SampleTable {
         SampleTable { session, writer, rows: 0, now: Time::BEGINNING }
     }
@@ -66,7 +66,7 @@ impl SampleTable {
         self.writer.write(row)
     }
 
-    /// Number, own instant and instant of arrival of the next row.
+    /// Returns number, own instant and instant of arrival of the next row.
     fn stamp(&mut self, at: Time) -> (i64, Time, Time) {
         self.rows += 1;
         self.now = self.now.max(at);

@@ -47,7 +47,7 @@ fn main() {
     }
 }
 
-/// Time that this thread has spent on a processor.
+/// Returns the time that this thread has spent on a processor.
 fn cpu_s() -> f64 {
     let told = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
     told.split_whitespace().next().and_then(|word| word.parse::<f64>().ok()).unwrap_or(f64::NAN) * 1e-9
@@ -132,7 +132,7 @@ fn read(text: &str) -> Vec<CurveRow> {
     text.lines().skip(1).map(|line| row(line).expect("a row of figures")).collect()
 }
 
-/// Mean processor seconds and mean loss in per cent over the missions of a count, planner by planner and budget by
+/// Returns the mean processor seconds and mean loss in per cent over the missions of a count, planner by planner and budget by
 /// budget. A planner that ended early keeps its last plan.
 fn curves(rows: &[CurveRow], surveillance: bool, targets: usize) -> BTreeMap<String, Vec<(u64, f64, f64)>> {
     let chosen: Vec<&CurveRow> =

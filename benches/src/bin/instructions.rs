@@ -1,9 +1,9 @@
 //! Does one kind of work again and again, for a profiler to count: instructions do not depend on who else uses the machine.
 //!
 //! `valgrind --tool=callgrind --toggle-collect=apex_benches::Driven::step instructions ROW COUNT TIMES`, ROW being `event`,
-//! `again`, `hand-off`, `next` (the holder ends, the next begins), or a shape of plan (`flat nested sequence chain concurrent ranked`), whose lives are counted by
-//! `--toggle-collect=apex_executive::step::step`; or `load`, which is counted whole. Without a profiler it tells the least time
-//! of each piece of work: that of windows of a hundred steps, or the processor time of a whole life or load.
+//! `again`, `hand-off`, `next` (the holder ends, the next begins), or a shape of plan (`flat nested sequence chain concurrent ranked`),
+//! whose lives are counted by `--toggle-collect=apex_executive::step::step`; or `load`, which is counted whole. Without a profiler it tells
+//! the least time of each piece of work: that of windows of a hundred steps, or the processor time of a whole life or load.
 #![allow(clippy::print_stdout, reason = "the count is what the program is for")]
 
 use apex_benches::{Driven, WATCHERS, agent, command_in, level, library, programs};
@@ -54,7 +54,7 @@ fn main() -> ExitCode {
     ExitCode::SUCCESS
 }
 
-/// A sample each that satisfies one of `count` waiting tasks, up to its command; and the answer.
+/// Returns a sample each that satisfies one of `count` waiting tasks, up to its command; and the answer.
 fn events(text: &str, count: usize, times: usize) -> Meter {
     let mut driven = Driven::new(&library(text));
     let mut done = Meter::default();
@@ -109,7 +109,7 @@ fn next_ones(count: usize, times: usize) -> Meter {
     done
 }
 
-/// The lives of all tasks of a plan, together.
+/// Returns the lives of all tasks of a plan, together.
 fn lives(text: &str, times: usize) -> Meter {
     let library = library(text);
     let mut done = Meter::default();

@@ -88,7 +88,7 @@ fn introduction(name: &str, class: &str) -> String {
     format!("{{\"source\": \"{name}\", \"class\": \"{class}\"}}\n")
 }
 
-/// The printed texts with the time at which each came.
+/// Returns the printed texts with the time at which each came.
 fn prints(run: &mut Child) -> Result<Receiver<(Instant, String)>, Box<dyn Error>> {
     let out = BufReader::new(run.stdout.take().ok_or("no standard output")?);
     let (say, printed) = channel();

@@ -1,7 +1,8 @@
 //! Measures monitors against their bars, and sets peers next to them.
 //!
 //! `monitoring traces FOLDER` writes the traces that peers watch too; `monitoring report [PEER.json]` measures and prints
-//! Markdown tables; `monitoring soak SAMPLES` shows what so many samples leave in memory. A figure is the least processor time of several runs: what the work costs when nothing else disturbs it.
+//! Markdown tables; `monitoring soak SAMPLES` shows what so many samples leave in memory. A figure is the least processor time of several
+//! runs: what the work costs when nothing else disturbs it.
 #![allow(clippy::print_stdout, reason = "the table is what the program is for")]
 #![allow(clippy::indexing_slicing, reason = "all lengths are constants of this file")]
 #![allow(clippy::unwrap_used, reason = "a measurement that cannot be set up must stop at once")]
@@ -61,7 +62,7 @@ fn worked_ns() -> f64 {
     worked.unwrap_or_else(|| START.elapsed().as_nanos() as f64)
 }
 
-/// The least time of `runs` runs of `measured`, each after `set_up`, in nanoseconds.
+/// Returns the least time of `runs` runs of `measured`, each after `set_up`, in nanoseconds.
 fn least<T>(runs: usize, mut set_up: impl FnMut() -> T, mut measured: impl FnMut(&mut T)) -> f64 {
     let time = |_| {
         let mut state = set_up();
@@ -112,7 +113,7 @@ fn per_sample_of_several(texts: &[String], samples: usize) -> f64 {
     ns / samples as f64
 }
 
-/// Time of single samples that `texts` all watch, in order.
+/// Returns the time of single samples that `texts` all watch, in order.
 fn single_samples(texts: &[String], values: &[f64]) -> Vec<f64> {
     let mut session = session(texts);
     let variable = variable(0);
@@ -181,7 +182,7 @@ fn bounded(samples: usize) -> Vec<String> {
         .collect()
 }
 
-/// A hundred episodes over a signal that breaks each run just before its duration, so that none is ever decided.
+/// Returns a hundred episodes over a signal that breaks each run just before its duration, so that none is ever decided.
 fn against_duration(samples_of_bound: usize) -> f64 {
     let values: Vec<f64> =
         (0..100_000).map(|index| if index % samples_of_bound == samples_of_bound - 1 { -1.0 } else { 1.0 }).collect();
@@ -243,7 +244,7 @@ const NUMBERS: &[(&str, &str)] = &[
 
 const WINGS_LEVEL: &str = "(:episode (x0 uav) :quality (:max-gap 1s) :value (:range -7 7) :timing (:duration (>= 5s)))";
 
-/// A session that keeps so many samples, and has had them.
+/// Returns a session that keeps so many samples, and has had them.
 fn with_history(kept: usize) -> MonitorSession {
     let seconds = kept as f64 * 0.02;
     let declarations = format!("(defun keep () (mean-over 'x0 'uav {seconds}s))");

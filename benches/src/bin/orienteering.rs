@@ -40,7 +40,7 @@ fn tell_usage() {
     println!("orienteering problems FOLDER | ours SECONDS.. | report FOLDER | proven SECONDS..");
 }
 
-/// The problems that are measured: name and problem.
+/// Returns the problems that are measured: name and problem.
 fn suite() -> Vec<(String, SingleVisitProblem)> {
     let every = std::env::var("APEX_BENCH_EVERY").ok().and_then(|text| text.parse().ok()).filter(|every| *every > 0);
     let windows = generate::windows_suite().into_iter().step_by(every.unwrap_or(EVERY));
@@ -134,7 +134,7 @@ fn ours(spans: &[&str]) -> Value {
     Value::Object(all)
 }
 
-/// A thousand targets, one of which has become worthless, and a flight that must end 2 % sooner.
+/// Returns a thousand targets, one of which has become worthless, and a flight that must end 2 % sooner.
 fn replan() -> Value {
     let mut problem = formats::read("op", &generate::oplib(1_001, 0.5, 2)).expect("our own text").problem;
     let (before, _, _) = planned(&SingleVisit, &problem, 10_000_000);
@@ -195,7 +195,7 @@ fn report(folder: &Path) {
     println!("\nreplanning after a change, 1,000 targets: {}", ours.get("replan").unwrap_or(&Value::Null));
 }
 
-/// The problem with its first `count` targets.
+/// Returns the problem with its first `count` targets.
 fn cut(mut problem: SingleVisitProblem, count: usize) -> SingleVisitProblem {
     problem.targets.truncate(count);
     if let Some(travel) = problem.travel.as_mut() {

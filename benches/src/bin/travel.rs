@@ -161,7 +161,7 @@ fn earth(world: &World, windows: bool) -> Earth {
     }
 }
 
-/// The matrix for a departure, from nothing: reachable pairs and bends.
+/// Returns the matrix for a departure, from nothing: reachable pairs and bends.
 fn flown(earth: &Earth, ready_s: f64) -> (usize, usize) {
     let setting = Setting {
         zones: &earth.zones,

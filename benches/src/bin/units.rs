@@ -41,7 +41,7 @@ fn measure(count: usize, problem: &Problem, units: u64) {
     }
 }
 
-/// Time that this thread has spent on a processor.
+/// Returns the time that this thread has spent on a processor.
 fn cpu_s() -> f64 {
     let told = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
     told.split_whitespace().next().and_then(|word| word.parse::<f64>().ok()).unwrap_or(f64::NAN) * 1e-9

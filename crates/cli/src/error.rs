@@ -20,17 +20,17 @@ pub struct CliError {
 }
 
 impl CliError {
-    /// The user's input is wrong.
+    /// Returns an error caused by the user's input.
     pub fn user(message: impl Into<String>) -> CliError {
         CliError { of_user: true, message: message.into(), reason: None, help: None }
     }
 
-    /// Something outside the input failed: a disk, a port, a record that no longer matches.
+    /// Returns an error with another cause than the input: a disk, a port, a record that no longer matches.
     pub fn failure(message: impl Into<String>) -> CliError {
         CliError { of_user: false, message: message.into(), reason: None, help: None }
     }
 
-    /// An error whose diagnostics are printed already: only its exit code counts.
+    /// Returns an error whose diagnostics are printed already: only its exit code counts.
     pub fn already_reported() -> CliError {
         CliError::user("")
     }
@@ -41,13 +41,13 @@ impl CliError {
         self
     }
 
-    /// Adds what to do.
+    /// Adds the remedy.
     pub fn help(mut self, help: impl Into<String>) -> CliError {
         self.help = Some(help.into());
         self
     }
 
-    /// 2 for the user's mistakes, 1 for failures.
+    /// Returns exit code 2 for errors of the user's input, 1 for other failures.
     pub fn exit_code(&self) -> ExitCode {
         ExitCode::from(if self.of_user { 2 } else { 1 })
     }
@@ -80,7 +80,7 @@ impl From<MissionError> for CliError {
 /// Reads a text file.
 ///
 /// # Errors
-/// Says which file, why it cannot be read, and what to do.
+/// An error that names the file, the reason why it cannot be read, and the remedy.
 pub fn read_text(path: &Path) -> CliResult<String> {
     Ok(files::read_text(path)?)
 }

@@ -43,7 +43,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>, planners: Registry) -
     run(options, &Arc::new(planners))
 }
 
-/// As [`main`], but nothing ends the process, and all planners work in it.
+/// Like [`main`], but nothing ends the process, and all planners work in it.
 ///
 /// # Errors
 /// What is wrong with the arguments, as `clap` words it; also the text of `--help`.

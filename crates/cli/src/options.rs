@@ -90,7 +90,7 @@ pub enum Command {
 }
 
 impl Command {
-    /// The solver programs that the user names.
+    /// Returns the solver programs that the user names.
     pub fn solver_programs(&self) -> &[String] {
         let programs = match self {
             Command::Fly(options) => &options.programs,
@@ -215,7 +215,8 @@ pub struct ScoreOptions {
 pub struct WhyOptions {
     /// The flight record.
     pub record: PathBuf,
-    /// A task by its number (`T12`; `pilot/T12` where several agents run), its tag, or words of its goal; a resource or a diagnosed component by its name; or a command (`command 7`, or words of it).
+    /// A task by its number (`T12`; `pilot/T12` where several agents run), its tag, or words of its goal; a resource or a diagnosed
+    /// component by its name; or a command (`command 7`, or words of it).
     #[arg(value_name = "WHAT")]
     pub task: String,
     /// Options of the explanation.

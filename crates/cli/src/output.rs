@@ -24,7 +24,7 @@ pub fn print(text: impl fmt::Display) -> CliResult {
 /// Prints one line to standard output.
 ///
 /// # Errors
-/// As [`print`].
+/// Like [`print`].
 pub fn print_line(text: impl fmt::Display) -> CliResult {
     print(format_args!("{text}\n"))
 }
@@ -51,7 +51,7 @@ pub fn put(out: Option<&Path>, text: &str) -> CliResult {
 /// Prints text that holds colours of our own, as diagnostics do; the renderer has escaped what comes from outside.
 ///
 /// # Errors
-/// As [`print`].
+/// Like [`print`].
 pub fn print_rendered(text: impl fmt::Display) -> CliResult {
     let mut out = io::stdout().lock();
     match write!(out, "{text}").and_then(|()| out.flush()) {
@@ -67,12 +67,12 @@ pub fn print_error(text: impl fmt::Display) {
     let _ = writeln!(Escaped::new(io::stderr().lock()), "{text}");
 }
 
-/// As [`print_error`], for text that holds colours of our own.
+/// Like [`print_error`], for text that holds colours of our own.
 pub fn print_error_rendered(text: impl fmt::Display) {
     let _ = writeln!(io::stderr().lock(), "{text}");
 }
 
-/// Standard output; on a terminal, control characters are escaped.
+/// Returns the standard output; on a terminal, control characters are escaped.
 fn standard() -> Box<dyn Write> {
     let out = io::stdout();
     if out.is_terminal() { Box::new(Escaped::new(out)) } else { Box::new(out) }
@@ -92,7 +92,7 @@ pub struct Listened {
 }
 
 impl Listened {
-    /// Standard output.
+    /// Returns the standard output.
     pub fn standard() -> Listened {
         Listened::new(standard())
     }

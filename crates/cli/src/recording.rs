@@ -23,12 +23,12 @@ pub fn open(path: &Path) -> CliResult<RecordReader> {
     Ok(reader)
 }
 
-/// A record that cannot be written, with the exit code that it deserves.
+/// Returns a record that cannot be written, with the exit code that it deserves.
 pub fn written(error: RecordError) -> CliError {
     apex_mission::recording::written(error).into()
 }
 
-/// The key in a file.
+/// Returns the key in a file.
 ///
 /// # Errors
 /// The file is not a key.

@@ -7,7 +7,7 @@ use apex_runtime::solver_process::SolverProgram;
 use std::ffi::OsString;
 use std::sync::Arc;
 
-/// The planners, and one more for each `NAME=COMMAND`.
+/// Returns the planners, and one more for each `NAME=COMMAND`.
 ///
 /// # Errors
 /// A text of another form, and a name that is taken or cannot be one.
@@ -33,7 +33,7 @@ pub fn with_programs(planners: &Arc<Registry>, programs: &[String]) -> CliResult
     Ok(Arc::new(all))
 }
 
-/// The planners, where each that does not ship works in a separate process: this program again, as `solver NAME`.
+/// Returns the planners, where each that does not ship works in a separate process: this program again, as `solver NAME`.
 pub fn isolated(planners: &Registry) -> Registry {
     let shipped = apex_solvers::shipped();
     let Ok(program) = std::env::current_exe() else { return planners.clone() };

@@ -31,13 +31,13 @@ pub fn load_program(path: &Path) -> CliResult<Arc<Library>> {
 /// Loads the mission in a folder, or of a `mission.pdl`; diagnostics of its program are printed.
 ///
 /// # Errors
-/// As [`load_program`]; everything that can be wrong with the mission's settings and data.
+/// Like [`load_program`]; everything that can be wrong with the mission's settings and data.
 pub fn load_mission(path: &Path) -> CliResult<Mission> {
     let library = load_program(path)?;
     Ok(Mission::of_program(path, library)?)
 }
 
-/// All scripted inputs of a file, or of standard input for `-`, in memory.
+/// Returns all scripted inputs of a file, or of standard input for `-`, in memory.
 ///
 /// # Errors
 /// The inputs cannot be read, or are not scripted inputs.
@@ -91,7 +91,7 @@ pub fn parse_time(text: &str, option: &str) -> CliResult<Time> {
     }
 }
 
-/// A length above 0 in metres, written as in PDL.
+/// Returns a length above 0 in metres, written as in PDL.
 ///
 /// # Errors
 /// Says what was given and what is understood.

@@ -27,7 +27,7 @@ pub fn created(path: &Path) -> CliResult<BufWriter<File>> {
     Ok(BufWriter::new(file))
 }
 
-/// The error of a table that could not be written; without a path it is on standard output.
+/// Returns the error of a table that could not be written; without a path it is on standard output.
 pub fn unwritten(path: Option<&Path>, error: &std::io::Error) -> CliError {
     apex_log_monitor::unwritten_table(path, error).into()
 }

@@ -58,7 +58,7 @@ fn mistakes_are_told_with_their_line_and_what_to_do() {
     );
     desk.write("bad.oplib", &TSP.replace("TYPE: TSP", "TYPE: CVRP"));
     desk.apex(&["plan", "bad.oplib"])
-        .complained(2, &["bad.oplib:2:7: problems of type CVRP", "read are TSP, ATSP and OP"]);
+        .complained(2, &["bad.oplib:2:7: problems of type CVRP", "supported types are TSP, ATSP and OP"]);
     desk.write("cut.tsp", "NAME: four\nTYPE: TSP\nDIMENSION: 4\n");
     desk.apex(&["plan", "cut.tsp"]).complained(2, &["cut.tsp:3:13: EDGE_WEIGHT_TYPE is missing", "cut off"]);
     desk.write("empty.txt", "");

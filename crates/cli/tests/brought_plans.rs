@@ -56,7 +56,7 @@ fn an_edited_plan_is_printed_in_every_format() {
         .complained(2, &["p.json is what the plan is made from"]);
 }
 
-/// The only kind of problem that a plan speaks of.
+/// Returns the only kind of problem that a plan speaks of.
 fn body(answer: &Value) -> &Value {
     answer["plan"].as_object().unwrap().values().next().unwrap()
 }

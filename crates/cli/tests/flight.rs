@@ -252,5 +252,5 @@ fn problems_are_printed_read_and_planned_alike() {
 #[test]
 fn a_mission_with_nothing_to_plan_says_so() {
     let said = Desk::new().apex(&["plan", &mission("first-picture")]);
-    said.complained(2, &["no plan was found", "There is no target to watch", "help: "]);
+    said.complained(2, &["no plan was found", "there is no target to watch", "help: "]);
 }

@@ -11,7 +11,7 @@ const AGAIN: &str = r#"  (step patrol (patrol the structures) (waitfor (end ?up)
   (step use (inform (new plan)) (waitfor (end ?replan)))
 "#;
 
-/// A copy of the mission that plans again while it flies.
+/// Returns a copy of the mission that plans again while it flies.
 fn watch_again() -> Desk {
     let desk = Desk::with_mission("plain-watch");
     desk.change("m/mission.pdl", "  (step patrol (patrol the structures) (waitfor (end ?up)))\n", AGAIN);

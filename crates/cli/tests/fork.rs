@@ -4,7 +4,7 @@ mod common;
 
 use common::Desk;
 
-/// A flight of the shipped mission over structures, recorded in `r.apex`.
+/// Returns a flight of the shipped mission over structures, recorded in `r.apex`.
 fn flown() -> Desk {
     let desk = Desk::with_mission("plain-watch");
     desk.change("m/mission.pdl", ":budget 500ms", ":budget 20ms");
@@ -12,7 +12,7 @@ fn flown() -> Desk {
     desk
 }
 
-/// The whole trace of a record.
+/// Returns the whole trace of a record.
 fn trace(desk: &Desk, record: &str) -> String {
     desk.apex(&["trace", record, "--json"]).well().out
 }

@@ -9,8 +9,8 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-/// Runs the commands of `text` in `folder` and returns the text with their real outputs. The outputs of `--json` reports are
-/// left out: they are for programs.
+/// Runs the commands of `text` in `folder` and returns the text with their real outputs. Outputs of `--json` reports are left out,
+/// because they are for programs; a block with a line `[..]` keeps the lines that it shows.
 fn played(text: &str, folder: &Path) -> String {
     let mut page = String::new();
     let mut lines = text.lines().peekable();
@@ -23,10 +23,45 @@ fn played(text: &str, folder: &Path) -> String {
         let command = lines.next().unwrap();
         page.push_str(command);
         page.push('\n');
-        page.push_str(&output(command.strip_prefix("$ apex ").unwrap(), folder));
-        while lines.next_if(|line| *line != "```").is_some() {}
+        let real = output(command.strip_prefix("$ apex ").unwrap(), folder);
+        let shown: Vec<&str> = std::iter::from_fn(|| lines.next_if(|line| *line != "```")).collect();
+        page.push_str(&if shown.contains(&LEFT_OUT) { excerpt(&shown, &real) } else { real });
     }
     page
+}
+
+/// Line of a guide that represents lines of an output which the guide leaves out.
+const LEFT_OUT: &str = "[..]";
+/// Number of leading characters by which a line that has changed is recognised.
+const LABEL: usize = 20;
+
+/// Returns the lines of the output that the guide shows, as they are now, with a mark wherever lines are left out.
+fn excerpt(shown: &[&str], real: &str) -> String {
+    let real: Vec<&str> = real.lines().collect();
+    let label = |line: &str| line.chars().take(LABEL).collect::<String>();
+    let (mut excerpt, mut next) = (Vec::new(), 0);
+    for line in shown.iter().filter(|line| **line != LEFT_OUT) {
+        let rest = real.get(next..).unwrap_or_default();
+        let same = rest.iter().position(|other| other == line);
+        let Some(ahead) = same.or_else(|| rest.iter().position(|other| label(other) == label(line))) else { continue };
+        if ahead > 0 {
+            excerpt.push(LEFT_OUT);
+        }
+        excerpt.push(rest[ahead]);
+        next += ahead + 1;
+    }
+    if next < real.len() {
+        excerpt.push(LEFT_OUT);
+    }
+    excerpt.iter().map(|line| format!("{line}\n")).collect()
+}
+
+#[test]
+fn an_excerpt_marks_every_gap_and_shows_lines_as_they_are_now() {
+    let real = "fork of a\n\n  ended at            0:59\n  plans               9\nRecord: a-fork.apex\n";
+    let shown = ["fork of a", LEFT_OUT, "  plans               7", "  never printed"];
+    assert_eq!(excerpt(&shown, real), "fork of a\n[..]\n  plans               9\n[..]\n");
+    assert_eq!(excerpt(&real.lines().collect::<Vec<_>>(), real), real);
 }
 
 fn output(arguments: &str, folder: &Path) -> String {
@@ -46,15 +81,34 @@ fn output(arguments: &str, folder: &Path) -> String {
     String::from_utf8(bytes).unwrap().lines().map(|line| format!("{}\n", line.trim_end())).collect()
 }
 
-#[test]
-fn the_guide_to_asking_why_shows_what_is_answered() {
-    let desk = tempfile::TempDir::new().unwrap();
-    let mission = desk.path().join("missions/first-picture");
+/// Copies a mission that ships into `missions/NAME` of a folder.
+fn copy_mission(desk: &Path, name: &str) {
+    let mission = desk.join("missions").join(name);
     fs::create_dir_all(&mission).unwrap();
-    for file in fs::read_dir(missions().join("first-picture")).unwrap() {
+    for file in fs::read_dir(missions().join(name)).unwrap() {
         let file = file.unwrap();
         fs::copy(file.path(), mission.join(file.file_name())).unwrap();
     }
+}
+
+#[test]
+fn the_guide_to_what_if_shows_what_is_printed() {
+    let desk = tempfile::TempDir::new().unwrap();
+    copy_mission(desk.path(), "structure-watch");
+    let guide = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/guides/what-if.md");
+    let text = fs::read_to_string(&guide).unwrap();
+    let real = played(&text, desk.path());
+    if std::env::var("UPDATE").is_ok_and(|value| value == "1") {
+        fs::write(&guide, &real).unwrap();
+    }
+    assert!(text == real || std::env::var("UPDATE").is_ok(), "the guide differs; UPDATE=1 rewrites it:\n{real}");
+    assert!(real.contains("The record is confirmed") && real.contains("fork the record that it continues"), "{real}");
+}
+
+#[test]
+fn the_guide_to_asking_why_shows_what_is_answered() {
+    let desk = tempfile::TempDir::new().unwrap();
+    copy_mission(desk.path(), "first-picture");
     let guide = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/guides/asking-why.md");
     let text = fs::read_to_string(&guide).unwrap();
     let real = played(&text, desk.path());

@@ -8,7 +8,7 @@ use common::Desk;
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// The shipped mission with another type of application.
+/// Returns the shipped mission with another type of application.
 fn structure_watch(kind: &str) -> Desk {
     let desk = Desk::with_mission("plain-watch");
     desk.change("m/mission.pdl", ":type native-sim", &format!(":type {kind}"));

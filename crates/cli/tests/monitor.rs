@@ -10,7 +10,7 @@ use std::path::Path;
 /// Real logs for tests; they are not a part of the project.
 const LOGS: &str = "/work/shared/data/flight-logs";
 
-/// The path of a real log; none where there are none, which is said.
+/// Returns the path of a real log; `None` if there are none, which is said.
 fn log(name: &str) -> Option<String> {
     let path = Path::new(LOGS).join(name);
     if path.is_file() {

@@ -7,7 +7,7 @@ mod common;
 use apex_vehicle::{ShippedSensor, ShippedVehicle};
 use common::Desk;
 
-/// A shipped mission whose model `name` is replaced by the file `my-uav.json`, a copy of that model's with one change.
+/// Returns a shipped mission whose model `name` is replaced by the file `my-uav.json`, a copy of that model's with one change.
 fn desk(mission: &str, name: &str, from: &str, to: &str) -> Desk {
     let text = ShippedVehicle::find(name).unwrap().text;
     assert_eq!(text.matches(from).count(), 1, "{from}");

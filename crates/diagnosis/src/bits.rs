@@ -7,12 +7,12 @@ pub struct Bits(Vec<u64>);
 const WORD: usize = 64;
 
 impl Bits {
-    /// The empty set of numbers below `bound`.
+    /// Returns the empty set of numbers below `bound`.
     pub fn new(bound: usize) -> Bits {
         Bits(vec![0; bound.div_ceil(WORD)])
     }
 
-    /// The set of these numbers, all below `bound`.
+    /// Returns the set of these numbers, all below `bound`.
     pub fn of(bound: usize, numbers: impl IntoIterator<Item = usize>) -> Bits {
         let mut bits = Bits::new(bound);
         numbers.into_iter().for_each(|number| bits.insert(number));
@@ -33,12 +33,12 @@ impl Bits {
         }
     }
 
-    /// True if it holds the number.
+    /// Returns true if it holds the number.
     pub fn contains(&self, number: usize) -> bool {
         self.0.get(number / WORD).is_some_and(|word| word >> (number % WORD) & 1 == 1)
     }
 
-    /// True if it holds nothing.
+    /// Returns true if it holds nothing.
     pub fn is_empty(&self) -> bool {
         self.0.iter().all(|word| *word == 0)
     }
@@ -48,12 +48,12 @@ impl Bits {
         self.0.iter().map(|word| word.count_ones() as usize).sum()
     }
 
-    /// True if every number of it is in `other`.
+    /// Returns true if every number of it is in `other`.
     pub fn is_subset(&self, other: &Bits) -> bool {
         self.0.iter().zip(&other.0).all(|(mine, theirs)| mine & !theirs == 0)
     }
 
-    /// True if a number is in both.
+    /// Returns true if a number is in both.
     pub fn intersects(&self, other: &Bits) -> bool {
         self.0.iter().zip(&other.0).any(|(mine, theirs)| mine & theirs != 0)
     }
@@ -83,31 +83,31 @@ impl Bits {
         self.0.iter_mut().zip(&other.0).for_each(|(mine, theirs)| *mine &= !theirs);
     }
 
-    /// The numbers of both.
+    /// Returns the numbers of both.
     pub fn union(&self, other: &Bits) -> Bits {
         let mut both = self.clone();
         both.extend(other);
         both
     }
 
-    /// The numbers of it that are not in `other`.
+    /// Returns the numbers of it that are not in `other`.
     pub fn without(&self, other: &Bits) -> Bits {
         let mut rest = self.clone();
         rest.subtract(other);
         rest
     }
 
-    /// The least number.
+    /// Returns the least number.
     pub fn first(&self) -> Option<usize> {
         self.iter().next()
     }
 
-    /// Its numbers in rising order.
+    /// Returns its numbers in rising order.
     pub fn iter(&self) -> impl Iterator<Item = usize> + '_ {
         self.0.iter().enumerate().flat_map(|(index, word)| Bits::numbers(index, *word))
     }
 
-    /// The numbers of one word, which is the one with this index.
+    /// Returns the numbers of one word, which is the one with this index.
     pub(crate) fn numbers(index: usize, word: u64) -> impl Iterator<Item = usize> {
         let mut rest = word;
         std::iter::from_fn(move || {
@@ -126,7 +126,7 @@ impl Bits {
     }
 }
 
-/// The sets of which no other one is a part, in order; of equal ones, one.
+/// Returns the sets of which no other one is a part, in order; of equal ones, one.
 pub(crate) fn minimal(mut sets: Vec<Bits>) -> Vec<Bits> {
     sets.sort_by_cached_key(|set| (set.len(), set.clone()));
     sets.dedup();

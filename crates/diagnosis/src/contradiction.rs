@@ -55,7 +55,7 @@ impl<'a> Retraction<'a> {
         Retraction { model, exclusions, outcomes, costs, tried: 0, is_undecided: false }
     }
 
-    /// The contradiction of these unexplained failed tests.
+    /// Returns the contradiction of these unexplained failed tests.
     pub(crate) fn contradiction(mut self, unexplained: Vec<usize>) -> Contradiction {
         let tests = self.outcomes.len();
         let mut is_smallest = true;
@@ -137,7 +137,7 @@ impl<'a> Retraction<'a> {
         Wrong::Nothing
     }
 
-    /// A failed test whose conflict has no failure mode left.
+    /// Returns a failed test whose conflict has no failure mode left.
     fn unexplained(&self, left_out: &Bits) -> Option<usize> {
         let good = TestEvidence::good(self.model, self.exclusions, self.outcomes, left_out);
         let mut failed = self.outcomes.iter().zip(&self.model.tests).enumerate();

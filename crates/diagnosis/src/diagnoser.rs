@@ -32,7 +32,7 @@ pub enum Health {
 }
 
 impl Health {
-    /// The word of PDL and reports.
+    /// Returns the word of PDL and reports.
     pub fn word(self) -> &'static str {
         match self {
             Health::Unknown => "unknown",
@@ -107,7 +107,7 @@ pub struct Diagnoser {
 }
 
 impl Diagnoser {
-    /// A diagnoser that knows no outcome.
+    /// Returns a diagnoser that knows no outcome.
     pub fn new(model: Arc<Model>) -> Diagnoser {
         let permanent = Bits::of(
             model.modes.len(),
@@ -132,7 +132,7 @@ impl Diagnoser {
         diagnoser
     }
 
-    /// The model.
+    /// Returns the model.
     pub fn model(&self) -> &Arc<Model> {
         &self.model
     }
@@ -142,7 +142,7 @@ impl Diagnoser {
         &self.outcomes
     }
 
-    /// The diagnosis of the outcomes so far.
+    /// Returns the diagnosis of the outcomes so far.
     pub fn diagnosis(&self) -> &Diagnosis {
         &self.diagnosis
     }
@@ -232,15 +232,15 @@ impl Diagnoser {
 }
 
 impl Solved {
-    /// False if every set of its failure modes that explains its failed tests would have made a passed test fail.
+    /// Returns false if every set of its failure modes that explains its failed tests would have made a passed test fail.
     fn is_explained(&self) -> bool {
         !(self.diagnosis.candidates.is_empty() && self.diagnosis.end == SearchEnd::All)
     }
 }
 
 impl Diagnosis {
-    /// The likeliest candidates for all failed tests, at most `keep`; the empty set where no test failed. The shares are those of the
-    /// candidates found in each group, multiplied.
+    /// Returns the likeliest candidates for all failed tests, at most `keep`; the empty set where no test failed. The shares are those of
+    /// the candidates found in each group, multiplied.
     pub fn candidates(&self, keep: usize) -> Vec<Candidate> {
         let modes = self.modes.len();
         let mut whole = vec![Candidate { modes: Bits::new(modes), cost: 0.0, share: 1.0 }];

@@ -50,7 +50,7 @@ impl FileName<'_> {
         DiagnosisError { file: self.0.to_string(), place: place.into(), reason: reason.into(), help: help.into() }
     }
 
-    /// Text that is not JSON, or JSON of another shape.
+    /// Returns text that is not JSON, or JSON of another shape.
     pub(crate) fn unreadable(self, error: &serde_json::Error) -> DiagnosisError {
         let text = error.to_string();
         // serde_json appends the place, which is in front here.
@@ -60,7 +60,7 @@ impl FileName<'_> {
     }
 }
 
-/// The name among `known` that is most like `wanted`, as a hint.
+/// Returns the name among `known` that is most like `wanted`, as a hint.
 pub(crate) fn nearest<'a>(wanted: &str, known: impl Iterator<Item = &'a str>) -> String {
     let likeness = |name: &&str| (strsim::jaro_winkler(wanted, name) * 1e6) as u64;
     match known.max_by_key(likeness).filter(|name| strsim::jaro_winkler(wanted, name) > 0.75) {

@@ -29,7 +29,7 @@ impl Outcome {
         ("intermittent", Outcome::Intermittent),
     ];
 
-    /// The outcome of this word.
+    /// Returns the outcome of this word.
     pub fn of_word(word: &str) -> Option<Outcome> {
         Outcome::WORDS.iter().find(|(known, _)| *known == word).map(|(_, outcome)| *outcome)
     }

@@ -21,7 +21,7 @@ pub(crate) struct ConflictGroup {
     pub(crate) nogoods: Vec<Bits>,
 }
 
-/// The groups of these conflicts, in order of their least failure mode. Sets of `nogoods` that no candidate can hold are left out.
+/// Returns the groups of these conflicts, in order of their least failure mode. Sets of `nogoods` that no candidate can hold are left out.
 pub(crate) fn groups(conflicts: Vec<Conflict>, nogoods: Vec<Bits>, modes: usize) -> Vec<ConflictGroup> {
     let mut groups: Vec<ConflictGroup> = Vec::new();
     for conflict in conflicts {

@@ -49,7 +49,7 @@ const BOUND_SCANNED_MAX: usize = 48;
 /// Sums in another order differ by less.
 const TOLERANCE: f64 = 1e-9;
 
-/// The cheapest minimal hitting sets, by cost and then in order.
+/// Returns the cheapest minimal hitting sets, by cost and then in order.
 pub(crate) fn search(problem: &Problem<'_>) -> (Vec<HittingSet>, SearchEnd) {
     let clauses = problem.clauses.len();
     let mut columns = vec![Bits::new(clauses); problem.modes];
@@ -156,7 +156,7 @@ impl HittingSearch<'_> {
         }
     }
 
-    /// The available modes of the clause that has the fewest among the first; `None` if all clauses are hit, or one cannot be.
+    /// Returns the available modes of the clause that has the fewest among the first; `None` if all clauses are hit, or one cannot be.
     fn branch(&self, state: &PartialSet, available: &Bits) -> Option<Bits> {
         let mut fewest: Option<(usize, &Bits)> = None;
         for clause in self.unhit(state).take(SCANNED_MAX) {
@@ -197,7 +197,7 @@ impl HittingSearch<'_> {
         self.problem.costs.get(mode).copied().unwrap_or(f64::INFINITY)
     }
 
-    /// The partial set with one mode more; `None` if a mode of it is then not needed, or it holds what must not be held.
+    /// Returns the partial set with one mode more; `None` if a mode of it is then not needed, or it holds what must not be held.
     fn with(&self, state: &PartialSet, mode: usize) -> Option<PartialSet> {
         let column = self.columns.get(mode)?;
         let (mut once, mut twice, mut set) = (state.once.clone(), state.twice.clone(), state.set.clone());
@@ -211,7 +211,7 @@ impl HittingSearch<'_> {
         is_good.then(|| PartialSet { set, once, twice, cost: state.cost + self.cost(mode) })
     }
 
-    /// True if no set from here on can be cheaper than the worst of those kept.
+    /// Returns true if no set from here on can be cheaper than the worst of those kept.
     fn is_beaten(&self, state: &PartialSet, available: &Bits) -> bool {
         let worst = match self.found.last() {
             Some(worst) if self.found.len() >= self.problem.keep => worst.cost,

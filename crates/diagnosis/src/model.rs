@@ -78,14 +78,14 @@ impl Test {
         &self.formula.clauses
     }
 
-    /// True if these failure modes make it fail.
+    /// Returns true if these failure modes make it fail.
     pub fn fails_with(&self, present: &Bits) -> bool {
         self.formula.implicants.iter().any(|implicant| implicant.is_subset(present))
     }
 }
 
 impl Model {
-    /// The D-matrix by failure modes: the tests that each failure mode alone makes fail.
+    /// Returns the D-matrix by failure modes: the tests that each failure mode alone makes fail.
     pub fn rows(&self) -> Vec<Bits> {
         let mut rows = vec![Bits::new(self.tests.len()); self.modes.len()];
         for (test, column) in self.columns().iter().enumerate() {
@@ -98,7 +98,7 @@ impl Model {
         rows
     }
 
-    /// The D-matrix by tests: the failure modes that alone make each test fail.
+    /// Returns the D-matrix by tests: the failure modes that alone make each test fail.
     pub fn columns(&self) -> Vec<Bits> {
         let alone = |test: &Test| {
             let single = test.implicants().iter().filter(|implicant| implicant.len() == 1);
@@ -107,22 +107,22 @@ impl Model {
         self.tests.iter().map(alone).collect()
     }
 
-    /// The test with this name.
+    /// Returns the test with this name.
     pub fn test(&self, name: &str) -> Option<usize> {
         self.tests.iter().position(|test| test.name == name)
     }
 
-    /// The component with this name.
+    /// Returns the component with this name.
     pub fn component(&self, name: &str) -> Option<usize> {
         self.components.iter().position(|component| component.name == name)
     }
 
-    /// Name of a failure mode; empty for an index beyond.
+    /// Returns name of a failure mode; empty for an index beyond.
     pub fn mode_name(&self, mode: usize) -> &str {
         self.modes.get(mode).map_or("", |mode| mode.name.as_str())
     }
 
-    /// Name of a test; empty for an index beyond.
+    /// Returns name of a test; empty for an index beyond.
     pub fn test_name(&self, test: usize) -> &str {
         self.tests.get(test).map_or("", |test| test.name.as_str())
     }

@@ -4,7 +4,7 @@ use crate::model::Model;
 use std::fmt::Write;
 
 impl Model {
-    /// The library of PDL that watches the tests of this model and responds to its diagnoses.
+    /// Returns the library of PDL that watches the tests of this model and responds to its diagnoses.
     ///
     /// It serves `(watch the tests of NAME)`, which reports every outcome that changes, and `(respond to failures of NAME)`, which does the
     /// response of each component that is bad.
@@ -26,7 +26,7 @@ impl Model {
         text
     }
 
-    /// The model's name as a symbol of PDL.
+    /// Returns the model's name as a symbol of PDL.
     pub fn symbol(&self) -> String {
         let letter = |letter: char| if letter.is_ascii_alphanumeric() { letter.to_ascii_lowercase() } else { '-' };
         let symbol: String = self.name.chars().map(letter).collect();

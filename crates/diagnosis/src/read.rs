@@ -264,7 +264,7 @@ impl<'a> ModelReader<'a> {
         Ok(Some(Monitor { fails: fails.clone(), passes: passes.clone() }))
     }
 
-    /// The formula of a signal, following what it needs.
+    /// Returns the formula of a signal, following what it needs.
     fn signal(&mut self, signal: usize) -> ModelResult<Formula> {
         if let Some(known) = self.formulas.get(&signal) {
             return Ok(known.clone());
@@ -328,7 +328,7 @@ impl<'a> ModelReader<'a> {
         self.file.error(place, reason, "describe units that are replaced together as one component")
     }
 
-    /// The formula of one thing that `whose` needs.
+    /// Returns the formula of one thing that `whose` needs.
     fn need(&mut self, need: &str, place: &str, whose: &str) -> ModelResult<Formula> {
         match self.names.get(need) {
             Some(Named::Signal(signal)) => self.signal(*signal),

@@ -1,4 +1,4 @@
-//! A results file: outcomes of tests, stated by name.
+//! Reader of results files, which state outcomes of tests by name.
 
 use crate::error::{DiagnosisError, FileName, nearest};
 use crate::evidence::Outcome;

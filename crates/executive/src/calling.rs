@@ -10,7 +10,7 @@ use apex_model::symbol::Symbol;
 use apex_model::task::TaskId;
 use apex_model::value::Value;
 
-/// The value of a function of the agent's library, or a host function, for these arguments. It sees what the agent knows and no
+/// Returns the value of a function of the agent's library, or a host function, for these arguments. It sees what the agent knows and no
 /// task, and changes nothing.
 ///
 /// # Errors

@@ -12,7 +12,7 @@ use apex_model::symbol::Symbol;
 use apex_model::task::TaskId;
 use std::sync::Arc;
 
-/// The constants of `library` that are not written as values, with their values.
+/// Returns the constants of `library` that are not written as values, with their values.
 ///
 /// # Errors
 /// Place and reason of the first constant that has no value.

@@ -1,4 +1,4 @@
-//! The executive: one door in, one door out.
+//! The executive: a function that advances an agent by a batch of events and returns effects.
 //!
 //! [`load`] makes an agent, [`step`] advances it. Nothing else changes an agent; [`explanation`] reads it.
 //! [`MonitorSession`] watches conditions without any agent or task.
@@ -54,7 +54,7 @@ pub fn load(library: Arc<Library>, declaration: &AgentDeclaration, host: HostFun
     agent.histories.limit(&agent.limits);
     agent.attach(library, host);
     retention::prepare(&mut agent.histories, &agent.library, Some(&agent.index));
-    // No task: the checker lets nothing into a constant that would ask for one.
+    // The view has no task, because the checker excludes expressions that need one from constants.
     let nobody = View { agent: &agent, task: TaskId(u64::MAX), level: Level::Procedure, now: agent.now };
     let values = constants::compute(&agent.library, &nobody)?;
     if !values.is_empty() {

@@ -64,7 +64,7 @@ pub fn kept(library: &Library) -> Vec<MemoryUse> {
     subjects.into_iter().map(of).collect()
 }
 
-/// The limit as the agents have it: of several the greatest.
+/// Returns the limit as the agents have it: of several the greatest.
 fn limit(library: &Library, limit: Limit) -> u64 {
     library.crew().iter().map(|agent| agent.limits.of(limit)).max().unwrap_or_else(|| limit.most())
 }
@@ -158,7 +158,7 @@ impl MemoryUse {
     }
 }
 
-/// The report of `apex check --memory`: what is kept, because of which clauses, and which of them have no bound.
+/// Returns the report of `apex check --memory`: what is kept, because of which clauses, and which of them have no bound.
 pub fn report(library: &Library) -> String {
     let (demands, mut text) = (demands(library), String::new());
     let place = |demand: &Demand| library.describe_place(demand.place);

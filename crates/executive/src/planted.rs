@@ -71,7 +71,7 @@ pub(crate) fn is(bug: Bug) -> bool {
     PLANTED.load(std::sync::atomic::Ordering::Relaxed) == bug as u8 + 1
 }
 
-/// Nothing is planted in a build without the feature.
+/// Returns false: builds without the feature have no planted bugs.
 #[cfg(not(feature = "planted-bugs"))]
 pub(crate) const fn is(_: Bug) -> bool {
     false

@@ -57,7 +57,7 @@ fn instant_of(event: &Event, cycle: &Cycle<'_>, now: Time) -> Time {
     event.at.max(cycle.agent.now).min(now)
 }
 
-/// The next instant at which something happens, up to `now`; events are in order of arrival.
+/// Returns the next instant at which something happens, up to `now`; events are in order of arrival.
 fn next_instant(cycle: &Cycle<'_>, events: &[Event], now: Time) -> Option<Time> {
     let event = events.first().map(|event| instant_of(event, cycle, now));
     let begin = (!cycle.agent.started).then_some(now);
@@ -136,7 +136,7 @@ fn begin(cycle: &mut Cycle<'_>) {
     }
 }
 
-/// The instant does not come to rest: a task that keeps it going is ended, and said so.
+/// Ends a task that keeps the instant from ending, and reports that.
 fn end_restless(cycle: &mut Cycle<'_>, everything: bool) {
     let work = &cycle.work;
     let lists = [&work.starting, &work.claims, &work.enabled, &work.ready];
@@ -155,7 +155,7 @@ fn end_restless(cycle: &mut Cycle<'_>, everything: bool) {
     }
 }
 
-/// A task whose monitor is about to be judged or shown a stimulus.
+/// Returns a task whose monitor is about to be judged or shown a stimulus.
 fn watched(cycle: &Cycle<'_>) -> Option<TaskId> {
     let firing = cycle.work.firings.first().map(|firing| firing.task);
     let touched = || cycle.work.touched.first().and_then(|id| cycle.agent.watches.get(id.0)).map(|watch| watch.task);

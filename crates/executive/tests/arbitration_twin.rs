@@ -14,7 +14,7 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use support::{agent, message, seconds};
 
-/// The states of the world's tasks in the executive.
+/// Returns the states of the world's tasks in the executive.
 fn states(agent: &Agent, world: &World) -> Vec<State> {
     let mut states = vec![State::Absent; world.nodes.len()];
     for (_, task) in agent.tasks.iter() {
@@ -50,7 +50,7 @@ fn cases() -> u32 {
     std::env::var("PROPTEST_CASES").ok().and_then(|text| text.parse().ok()).unwrap_or(400)
 }
 
-/// The same worlds in every run, unless `PROPTEST_RNG_SEED` asks for others.
+/// Returns the same worlds in every run, unless `PROPTEST_RNG_SEED` asks for others.
 fn config() -> ProptestConfig {
     let mut config = ProptestConfig { cases: cases(), failure_persistence: None, ..ProptestConfig::default() };
     if config.rng_seed == RngSeed::Random {
@@ -80,7 +80,7 @@ fn agree(world: &World) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// As [`agree`], and in the end all are in these states.
+/// Like [`agree`], and in the end all are in these states.
 fn agree_on(world: &World, states: &[State]) {
     agree(world).unwrap();
     let mut twin = Twin::new(world);

@@ -1,4 +1,5 @@
-//! Computed crossings of priorities against a naive twin that compares both priorities every ten milliseconds.
+//! Computed crossings of priorities (instants at which a waiting task overtakes a holder) against a naive twin that compares both
+//! priorities every ten milliseconds.
 
 #![allow(
     clippy::unwrap_used,
@@ -21,7 +22,7 @@ enum Clause {
     Urgency(f64, f64),
     /// `a + b * met`
     Line(f64, f64),
-    /// High for a while.
+    /// 9 for a time, otherwise 0.
     Window(f64, f64),
     /// A parabola of the mission time with its top at `a` seconds.
     Hill(f64),
@@ -74,7 +75,7 @@ fn greatest(clauses: &[Clause], t: f64) -> f64 {
     clauses.iter().map(|clause| clause.value(t)).fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// Returns the instant at which the agent next compares rising priorities.
+/// Returns the instant of the agent's next comparison of rising priorities; `None` if none is scheduled.
 fn next_look(agent: &Agent) -> Option<Time> {
     agent.next_wake().filter(|(_, why)| why.contains("rising priority")).map(|(at, _)| at)
 }
@@ -90,7 +91,7 @@ fn agree(holder: &[Clause], waiting: &[Clause]) -> Result<(), TestCaseError> {
         words(waiting)
     );
     let ahead = |t: f64| greatest(waiting, t) - (greatest(holder, t) + 0.1);
-    // Both want it at once: the holder is the more important one then.
+    // At the beginning both claim the resource, and the holder has the higher priority.
     prop_assume!(greatest(waiting, 0.0) + 1e-6 < greatest(holder, 0.0));
     let mut agent = agent(&pdl);
     let go = support::message(0.0, "(go)");
@@ -98,8 +99,8 @@ fn agree(holder: &[Clause], waiting: &[Clause]) -> Result<(), TestCaseError> {
     let first = (1..10_000).map(|tick| f64::from(tick) / 100.0).find(|t| ahead(*t) > 1e-9);
     let mut late = 1e-6;
     let mut look = next_look(&agent);
-    // Priorities that run close together for long are compared where the search stopped, while they are still apart, and
-    // again a quarter of a second later.
+    // The search for a crossing of nearly equal priorities stops at its limit: the agent compares them there, and again a
+    // quarter of a second later.
     while let Some(at) = look.filter(|at| at.seconds() < 99.9 && ahead(at.seconds()) <= -1e-6) {
         let behind = -ahead(at.seconds());
         prop_assert!(late > 0.1 || behind < 1e-3, "compares at {at}, but behind by {behind} then\n{pdl}");
@@ -112,7 +113,7 @@ fn agree(holder: &[Clause], waiting: &[Clause]) -> Result<(), TestCaseError> {
         look = next_look(&agent);
     }
     match (look.map(Time::seconds), first) {
-        // Between two looks of the twin there may be a short advantage; the computed one is true.
+        // The waiting task may be ahead for less than the twin's ten milliseconds; the computed crossing is then the right one.
         (Some(at), Some(first)) => {
             prop_assert!(at <= first + late, "computed {at}, but ahead at {first} already\n{pdl}");
         }
@@ -122,13 +123,13 @@ fn agree(holder: &[Clause], waiting: &[Clause]) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// They touch at 16 s and part again: no look is too early by more than a hair, and none follows.
+/// The priorities touch at 16 s without crossing: the agent compares them close to that instant, and not again.
 #[test]
 fn priorities_that_only_touch_do_not_cross() {
     agree(&[Clause::Line(2.7, 0.16)], &[Clause::Hill(24.0)]).unwrap();
 }
 
-/// Bounds never tell two rising priorities of one kind apart, so nothing may be searched between them.
+/// Bounds cannot separate two equal rising priorities, so the executive must not search for a crossing between them.
 #[test]
 fn equals_that_rise_together_need_no_further_look() {
     let clauses = "(interrupt-cost 0) (priority 2) (priority :urgency 6 :importance 2)";

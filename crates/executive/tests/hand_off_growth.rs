@@ -28,7 +28,7 @@ fn program((_, declared, profile, clause): KindOfCompetitor, order: &str, count:
     )
 }
 
-/// The least time that a hand-off takes among `count` competitors.
+/// Returns the least time that a hand-off takes among `count` competitors.
 fn least(text: &str) -> Duration {
     let mut agent = agent(text);
     step(&mut agent, &Batch { now: seconds(0.0), events: Vec::new() });

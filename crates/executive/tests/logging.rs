@@ -11,7 +11,7 @@ use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 use support::{agent, message, run_from, sample, seconds};
 
-/// An agent that logs the roll angle, declared so, with `limits` until it is asked to stop.
+/// Returns an agent that logs the roll angle, declared so, with `limits` until it is asked to stop.
 fn logging(declared: &str, limits: &str) -> Agent {
     agent(&format!(
         "(state-variable (roll ?aircraft) :unit deg {declared})
@@ -26,7 +26,7 @@ fn history(agent: &Agent) -> &History {
     agent.histories.get(&StateVariable::new(Symbol::new("roll"), Value::symbol("uav"))).unwrap()
 }
 
-/// The instants kept, in tenths of a second.
+/// Returns the instants kept, in tenths of a second.
 fn kept(agent: &Agent) -> Vec<i64> {
     history(agent).samples().map(|sample| sample.at.0 / 100_000_000).collect()
 }

@@ -14,7 +14,7 @@ pub struct Awaited<'p> {
 }
 
 impl<'p> Awaited<'p> {
-    /// Of `procedure`.
+    /// Returns the outcomes that the clauses of `procedure` name.
     pub fn new(procedure: &'p Procedure) -> Awaited<'p> {
         let mut producers: BTreeMap<Symbol, Vec<usize>> = BTreeMap::new();
         for (number, step) in procedure.steps.iter().enumerate() {
@@ -35,7 +35,7 @@ impl<'p> Awaited<'p> {
         self.mentioned(step, true)
     }
 
-    /// The variables that the procedure's steps bind by `=>`, in order.
+    /// Returns the variables that the procedure's steps bind by `=>`, in order.
     pub fn into_produced(self) -> impl Iterator<Item = Symbol> {
         self.producers.into_keys()
     }

@@ -53,11 +53,11 @@ pub fn sweep_lines(
     let corners = corners_of(ground)?;
     let spacing_m = settings.swath_m * (1.0 - settings.overlap.clamp(0.0, 0.9));
     if !spacing_m.is_finite() || spacing_m <= 0.0 || !settings.run_in_m.is_finite() {
-        return Err(format!("A swath of {} m cannot sweep anything; it must be positive.", settings.swath_m));
+        return Err(format!("a swath of {} m cannot sweep anything; it must be positive", settings.swath_m));
     }
     let plane = Plane::around(&corners);
     let points: Option<Vec<Point>> = corners.iter().map(|corner| plane.project(*corner)).collect();
-    let points = points.ok_or("The ground to sweep is larger than half a continent; split it.")?;
+    let points = points.ok_or("the ground to sweep is larger than half a continent; split it")?;
     let along = settings.track_deg.map(direction).or_else(|| fewest_lines_direction(&points));
     let along = along.unwrap_or(Point { x: 0.0, y: 1.0 });
     let mut rows = rows_across(&points, along, spacing_m, settings.swath_m)?;
@@ -69,7 +69,7 @@ pub fn sweep_lines(
     Ok(from_nearest_corner(lines, approach))
 }
 
-/// The corners of the ground; those of a circle hold all of it.
+/// Returns the corners of the ground; those of a circle hold all of it.
 ///
 /// # Errors
 /// An error message if the ground is invalid.
@@ -78,7 +78,7 @@ pub(crate) fn corners_of(ground: &CoverageArea) -> Result<Vec<Position>, String>
         CoverageArea::Polygon(corners) => corners.clone(),
         CoverageArea::Circle { centre, radius_m } => {
             if !radius_m.is_finite() || *radius_m <= 0.0 || *radius_m > EARTH_RADIUS_M_MEAN {
-                return Err(format!("A circle of radius {radius_m} m cannot be swept."));
+                return Err(format!("a circle of radius {radius_m} m cannot be swept"));
             }
             // Corners outside the circle, so that their hull holds all of it.
             let reach_m = radius_m / libm::cos(std::f64::consts::PI / CIRCLE_CORNERS as f64);
@@ -88,7 +88,7 @@ pub(crate) fn corners_of(ground: &CoverageArea) -> Result<Vec<Position>, String>
     };
     let finite = |position: &Position| position.latitude_deg.is_finite() && position.longitude_deg.is_finite();
     if corners.len() < 3 || !corners.iter().all(finite) {
-        return Err("The ground to sweep needs at least three corners on the map.".to_string());
+        return Err("the ground to sweep needs at least three corners on the map".to_string());
     }
     Ok(corners)
 }
@@ -117,7 +117,7 @@ fn rows_across(points: &[Point], along: Point, spacing_m: f64, swath_m: f64) -> 
     let (low, high) = extent.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
     let needed = libm::ceil(((high - low - swath_m) / spacing_m).max(0.0)) + 1.0;
     if needed > SWEEP_LINES_MAX as f64 {
-        return Err(format!("The sweep would need {needed:.0} lines; fly higher or split the ground."));
+        return Err(format!("the sweep would need {needed:.0} lines; fly higher or split the ground"));
     }
     let first = 0.5 * (low + high) - 0.5 * (needed - 1.0) * spacing_m;
     let left = Point { x: -along.y, y: along.x };
@@ -165,7 +165,7 @@ fn from_nearest_corner(mut lines: Vec<(Position, Position)>, approach: Position)
     lines
 }
 
-/// Radius of a level turn.
+/// Returns the radius of a level turn.
 pub fn turn_radius_m(true_airspeed_mps: f64, bank_deg: f64) -> f64 {
     true_airspeed_mps * true_airspeed_mps / (STANDARD_GRAVITY_MPS2 * libm::tan(bank_deg * RAD_PER_DEG))
 }

@@ -26,7 +26,7 @@ pub struct Direction {
 }
 
 impl Direction {
-    /// The direction of the surface at `position`; not finite where the position is not.
+    /// Returns the direction of the surface at `position`; not finite where the position is not.
     pub fn of(position: Position) -> Direction {
         let latitude_rad = position.latitude_deg * RAD_PER_DEG;
         let longitude_rad = position.longitude_deg * RAD_PER_DEG;
@@ -39,7 +39,7 @@ impl Direction {
         .scaled_to_unit()
     }
 
-    /// The position on the surface in this direction, longitude -180..180.
+    /// Returns the position on the surface in this direction, longitude -180..180.
     pub fn position(self) -> Position {
         let equatorial = libm::sqrt(self.x * self.x + self.y * self.y);
         Position {
@@ -53,7 +53,7 @@ impl Direction {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
-    /// The vector product: square to both, of length 1 where they are a quarter turn apart.
+    /// Returns the vector product: square to both, of length 1 where they are a quarter turn apart.
     pub fn cross(self, other: Direction) -> Direction {
         Direction {
             x: self.y * other.z - self.z * other.y,
@@ -62,30 +62,30 @@ impl Direction {
         }
     }
 
-    /// Length of the straight line between two directions' ends: never more than the angle.
+    /// Returns the length of the straight line between two directions' ends: never more than the angle.
     pub fn chord(self, other: Direction) -> f64 {
         let (x, y, z) = (self.x - other.x, self.y - other.y, self.z - other.z);
         libm::sqrt(x * x + y * y + z * z)
     }
 
-    /// Angle between two directions.
+    /// Returns the angle between two directions.
     pub fn angle_rad(self, other: Direction) -> f64 {
         2.0 * libm::asin((0.5 * self.chord(other)).min(1.0))
     }
 
-    /// Distance over ground, good to 1 in 10,000 up to 2,500 km.
+    /// Returns the distance over ground, good to 1 in 10,000 up to 2,500 km.
     pub fn distance_m(self, other: Direction) -> f64 {
         let middle = Direction { x: self.x + other.x, y: self.y + other.y, z: self.z + other.z }.scaled_to_unit();
         let polar = 1.0 - ECCENTRICITY_SQUARED * (1.0 - middle.z * middle.z);
         self.angle_rad(other) * EARTH_RADIUS_M_MIN / libm::sqrt(polar)
     }
 
-    /// A distance over ground that the geodesic never undercuts: the straight line through the Earth.
+    /// Returns a distance over ground that the geodesic never undercuts: the straight line through the Earth.
     pub fn distance_m_min(self, other: Direction) -> f64 {
         self.chord(other) * EARTH_RADIUS_M_MIN
     }
 
-    /// The direction a quarter turn from here on the way to `other`; none where both are the same or opposite.
+    /// Returns the direction a quarter turn from here on the way to `other`; `None` if both are the same or opposite.
     pub fn quarter_turn_to(self, other: Direction) -> Option<Direction> {
         let along = self.dot(other);
         let ahead = Direction { x: other.x - along * self.x, y: other.y - along * self.y, z: other.z - along * self.z };
@@ -93,7 +93,7 @@ impl Direction {
         (length > 1e-9).then(|| Direction { x: ahead.x / length, y: ahead.y / length, z: ahead.z / length })
     }
 
-    /// The two directions at the angle of this cosine from both; none where the circles of that angle do not meet.
+    /// Returns the two directions at the angle of this cosine from both; `None` if the circles of that angle do not meet.
     pub fn at_angle_from_both(self, other: Direction, cosine: f64) -> Option<[Direction; 2]> {
         let between = self.dot(other);
         let share = cosine / (1.0 + between);
@@ -106,7 +106,7 @@ impl Direction {
         Some([foot.blended(1.0, normal, side), foot.blended(1.0, normal, -side)])
     }
 
-    /// The sum of two directions, each times its share.
+    /// Returns the sum of two directions, each times its share.
     pub fn blended(self, share: f64, other: Direction, other_share: f64) -> Direction {
         Direction {
             x: share * self.x + other_share * other.x,

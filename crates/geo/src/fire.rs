@@ -1,8 +1,8 @@
 //! Growth of a fire as an ellipse in wind.
 //!
-//! Head rate: a tenth of the open wind at 10 m (Cruz and Alexander 2019, forests and shrubs, dry and windy; error up to 50 %). Shape: length
-//! to breadth by the wind at mid-flame height (Finney 1998, FARSITE); the wind there is taken as 0.4 of the open wind. The fire starts at a
-//! focus: it spreads ahead by the head rate and back by the head rate over `head_to_back`.
+//! Head rate: a tenth of the open wind at 10 m (Cruz and Alexander 2019, forests and shrubs, dry and windy; error up to 50 %). Shape:
+//! length to breadth by the wind at mid-flame height (Finney 1998, FARSITE); the wind there is taken as 0.4 of the open wind. The fire
+//! starts at a focus: it spreads ahead by the head rate and back by the head rate over `head_to_back`.
 
 use libm::{exp, sqrt};
 
@@ -27,7 +27,7 @@ pub struct FireSpread {
 }
 
 impl FireSpread {
-    /// The spread in an open wind of `wind_mps` at 10 m.
+    /// Returns the spread in an open wind of `wind_mps` at 10 m.
     pub fn in_wind(wind_mps: f64) -> FireSpread {
         let head_mps = (HEAD_SHARE * wind_mps).max(HEAD_MPS_MIN);
         let length_to_breadth = length_to_breadth(MID_FLAME_SHARE * wind_mps);
@@ -38,20 +38,20 @@ impl FireSpread {
         FireSpread { head_mps, back_mps, half_breadth_mps: half_length_mps / length_to_breadth, length_to_breadth }
     }
 
-    /// Length and breadth, m, `age_s` after the fire broke out at a point.
+    /// Returns the length and breadth, m, `age_s` after the fire broke out at a point.
     pub fn size_m(&self, age_s: f64) -> (f64, f64) {
         let age_s = age_s.max(0.0);
         ((self.head_mps + self.back_mps) * age_s, 2.0 * self.half_breadth_mps * age_s)
     }
 
-    /// Area, m2, `age_s` after the fire broke out at a point.
+    /// Returns area, m2, `age_s` after the fire broke out at a point.
     pub fn area_m2(&self, age_s: f64) -> f64 {
         let (length_m, breadth_m) = self.size_m(age_s);
         0.25 * std::f64::consts::PI * length_m * breadth_m
     }
 }
 
-/// Length over breadth at a mid-flame wind, m/s; at least 1.
+/// Returns the length over breadth at a mid-flame wind, m/s; at least 1.
 fn length_to_breadth(mid_flame_mps: f64) -> f64 {
     let ratio = 0.936 * exp(0.2566 * mid_flame_mps) + 0.461 * exp(-0.1548 * mid_flame_mps) - 0.397;
     ratio.max(1.0)

@@ -54,7 +54,7 @@ const FUNCTIONS: &[(&str, usize, usize, Body)] = &[
     ("flight-time-limit", 3, 5, flight_time_limit),
 ];
 
-/// All geometry functions, ready to be registered. Each checks the number of its arguments itself as well.
+/// Returns all geometry functions, ready to be registered. Each checks the number of its arguments itself as well.
 pub fn host_functions() -> HostFunctions {
     let mut functions = HostFunctions::default();
     for (name, least, most, body) in FUNCTIONS {
@@ -76,7 +76,7 @@ pub fn host_functions() -> HostFunctions {
     functions
 }
 
-/// Name, least and most number of arguments of every geometry function (none: any number), for the checker.
+/// Returns name, least and most number of arguments of every geometry function (none: any number), for the checker.
 pub fn host_signatures() -> Vec<(&'static str, usize, Option<usize>)> {
     FUNCTIONS.iter().map(|(name, least, most, _)| (*name, *least, Some(*most))).collect()
 }

@@ -12,7 +12,7 @@ pub const EARTH_RADIUS_M_MEAN: f64 = 6_371_008.8;
 /// Degrees to radians.
 pub const RAD_PER_DEG: f64 = std::f64::consts::PI / 180.0;
 
-/// Length and azimuth (clockwise from north, 0..360) at the beginning of the geodesic between two positions.
+/// Returns the length and azimuth (clockwise from north, 0..360) at the beginning of the geodesic between two positions.
 /// Between two equal positions the azimuth is 0.
 pub fn inverse(from: Position, to: Position) -> (f64, f64) {
     if from == to {
@@ -23,12 +23,12 @@ pub fn inverse(from: Position, to: Position) -> (f64, f64) {
     (distance_m, wrap_360(azimuth_deg))
 }
 
-/// Length of the geodesic between two positions.
+/// Returns the length of the geodesic between two positions.
 pub fn distance_m(from: Position, to: Position) -> f64 {
     inverse(from, to).0
 }
 
-/// Azimuth at `from` of the geodesic to `to`, clockwise from north, 0..360.
+/// Returns the azimuth at `from` of the geodesic to `to`, clockwise from north, 0..360.
 pub fn azimuth_deg(from: Position, to: Position) -> f64 {
     inverse(from, to).1
 }
@@ -44,7 +44,7 @@ pub fn destination(from: Position, azimuth_deg: f64, distance_m: f64) -> Positio
     Position { latitude_deg, longitude_deg }
 }
 
-/// The point at `fraction` (0 at `from`, 1 at `to`) of the geodesic.
+/// Returns the point at `fraction` (0 at `from`, 1 at `to`) of the geodesic.
 pub fn interpolate(from: Position, to: Position, fraction: f64) -> Position {
     if fraction == 0.0 {
         return from;
@@ -56,12 +56,12 @@ pub fn interpolate(from: Position, to: Position, fraction: f64) -> Position {
     destination(from, azimuth_deg, distance_m * fraction)
 }
 
-/// The middle of the geodesic.
+/// Returns the middle of the geodesic.
 pub fn midpoint(from: Position, to: Position) -> Position {
     interpolate(from, to, 0.5)
 }
 
-/// Distance along and across the geodesic `from` → `to` at which `point` lies; right of track is positive.
+/// Returns the distance along and across the geodesic `from` → `to` at which `point` lies; right of track is positive.
 /// On the mean sphere: good to 0.6 % of the distance from `from`.
 pub fn along_cross_track_m(from: Position, to: Position, point: Position) -> (f64, f64) {
     let (distance_m, azimuth_point_deg) = inverse(from, point);
@@ -84,7 +84,7 @@ pub fn wrap_180(angle_deg: f64) -> f64 {
     wrap_360(angle_deg + 180.0) - 180.0
 }
 
-/// The smallest box around `positions`, chosen across the 180th meridian where that is narrower; none for no positions.
+/// Returns the smallest box around `positions`, chosen across the 180th meridian where that is narrower; `None` for no positions.
 pub fn bounding_area(positions: &[Position]) -> Option<Area> {
     let first = positions.first()?;
     let mut area = Area {

@@ -11,7 +11,7 @@ pub const LEG_LOOKS_MAX: usize = 40_000;
 /// Least step between looks: an excursion shorter than this may be missed.
 pub const LOOK_M_MIN: f64 = 500.0;
 
-/// The nearest landing place and its distance; none where there are none or the position is not finite.
+/// Returns the nearest landing place and its distance; `None` if there are none or the position is not finite.
 pub fn nearest(places: &[LandingPlace], position: Position) -> Option<(&LandingPlace, f64)> {
     let distances = places.iter().map(|place| (place, geodesy::distance_m(position, place.position)));
     distances.filter(|(_, distance_m)| distance_m.is_finite()).min_by(|(_, a), (_, b)| a.total_cmp(b))
@@ -64,12 +64,12 @@ impl Reach {
         Reach { places, directions, distance_m_max, sure_rad, doubtful_rad }
     }
 
-    /// The landing places.
+    /// Returns the landing places.
     pub fn places(&self) -> &[LandingPlace] {
         &self.places
     }
 
-    /// The distance that must be kept.
+    /// Returns the distance that must be kept.
     pub fn distance_m_max(&self) -> f64 {
         self.distance_m_max
     }
@@ -108,7 +108,7 @@ impl Reach {
         found.into_iter().map(Direction::position).collect()
     }
 
-    /// As [`leg_is_within`]; unless `exact`, it refuses undecided legs, which is fast.
+    /// Like [`leg_is_within`]; unless `exact`, it refuses undecided legs, which is fast.
     pub fn holds_leg(
         &self,
         (from, from_direction): (Position, Direction),
@@ -161,7 +161,7 @@ impl Reach {
     }
 }
 
-/// Distance over ground that a glide from `height_m` above the landing place gives, with `tail_wind_mps` (negative for
+/// Returns the distance over ground that a glide from `height_m` above the landing place gives, with `tail_wind_mps` (negative for
 /// head wind) at a gliding speed; 0 where the wind is stronger than the speed.
 pub fn glide_range_m(height_m: f64, glide_ratio: f64, speed_mps: f64, tail_wind_mps: f64) -> f64 {
     let still_m = height_m.max(0.0) * glide_ratio.max(0.0);

@@ -45,7 +45,7 @@ impl Location {
         }
     }
 
-    /// The PDL value.
+    /// Returns the PDL value.
     pub fn value(&self) -> Value {
         let plane = [self.position.latitude_deg, self.position.longitude_deg];
         Value::list(plane.into_iter().chain(self.altitude_m).map(Value::Real))

@@ -12,7 +12,7 @@ pub const PERIMETER_LINES_MAX: usize = 1_000;
 /// either side is left for the vehicle's own deviations.
 pub const OUTLINE_SHARE_OF_SWATH: f64 = 0.25;
 
-/// Lines along the outline given by `corners` (in order, not closed), once around, from the corner nearest to
+/// Returns lines along the outline given by `corners` (in order, not closed), once around, from the corner nearest to
 /// `approach` back to it. Every point of the outline lies within a quarter of `swath_m` of a line.
 ///
 /// # Errors
@@ -24,14 +24,14 @@ pub fn perimeter_lines(
 ) -> Result<Vec<(Position, Position)>, String> {
     let finite = |position: &Position| position.latitude_deg.is_finite() && position.longitude_deg.is_finite();
     if corners.len() < 3 || !corners.iter().all(finite) {
-        return Err("The outline to fly along needs at least three corners on the map.".to_string());
+        return Err("the outline to fly along needs at least three corners on the map".to_string());
     }
     if !swath_m.is_finite() || swath_m <= 0.0 {
-        return Err(format!("A swath of {swath_m} m cannot follow an outline; it must be positive."));
+        return Err(format!("a swath of {swath_m} m cannot follow an outline; it must be positive"));
     }
     let plane = Plane::around(corners);
     let points: Option<Vec<Point>> = corners.iter().map(|corner| plane.project(*corner)).collect();
-    let mut points = points.ok_or("The outline is larger than half a continent; split it.")?;
+    let mut points = points.ok_or("the outline is larger than half a continent; split it")?;
     points.dedup();
     while points.len() > 1 && points.first() == points.last() {
         points.pop();
@@ -40,10 +40,10 @@ pub fn perimeter_lines(
     let mut turns: Vec<Position> =
         simplified(&points, OUTLINE_SHARE_OF_SWATH * swath_m).into_iter().map(|point| plane.position(point)).collect();
     if turns.len() < 2 {
-        return Err("The outline to fly along is a single point; it needs at least three corners.".to_string());
+        return Err("the outline to fly along is a single point; it needs at least three corners".to_string());
     }
     if turns.len() > PERIMETER_LINES_MAX {
-        return Err(format!("The outline would need {} lines; fly higher or split it.", turns.len()));
+        return Err(format!("the outline would need {} lines; fly higher or split it", turns.len()));
     }
     let distances = turns.iter().map(|turn| geodesy::distance_m(approach, *turn)).enumerate();
     let nearest = distances.min_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0, |(index, _)| index);
@@ -52,7 +52,7 @@ pub fn perimeter_lines(
     Ok(turns.iter().zip(next).map(|(from, to)| (*from, *to)).collect())
 }
 
-/// The corners of a closed outline that are needed to stay within `tolerance_m` of all of it.
+/// Returns the corners of a closed outline that are needed to stay within `tolerance_m` of all of it.
 fn simplified(points: &[Point], tolerance_m: f64) -> Vec<Point> {
     // Cut at the two corners that are far apart: each half is an open line with ends that stay.
     let far_from = |from: Point| {

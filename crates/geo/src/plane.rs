@@ -39,12 +39,12 @@ impl Point {
         self.x * other.y - self.y * other.x
     }
 
-    /// Length.
+    /// Returns length.
     pub fn length(self) -> f64 {
         libm::hypot(self.x, self.y)
     }
 
-    /// The vector of length 1 in the same direction; none for a vector of no length.
+    /// Returns the vector of length 1 in the same direction; `None` for a vector of no length.
     pub fn unit(self) -> Option<Point> {
         let length = self.length();
         (length > 0.0 && length.is_finite()).then(|| Point { x: self.x / length, y: self.y / length })
@@ -60,13 +60,13 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// The plane that touches the Earth at `centre`.
+    /// Returns the plane that touches the Earth at `centre`.
     pub fn new(centre: Position) -> Plane {
         let latitude_rad = centre.latitude_deg * RAD_PER_DEG;
         Plane { centre, sine: libm::sin(latitude_rad), cosine: libm::cos(latitude_rad) }
     }
 
-    /// The plane that touches in the middle of `positions`; in (0, 0) for none.
+    /// Returns the plane that touches in the middle of `positions`; in (0, 0) for none.
     pub fn around(positions: &[Position]) -> Plane {
         let centre = crate::geodesy::bounding_area(positions).map_or(Position::default(), |area| {
             let mut width_deg = area.east_deg - area.west_deg;
@@ -79,7 +79,7 @@ impl Plane {
         Plane::new(centre)
     }
 
-    /// The point of the plane for `position`; none beyond [`REACH_DEG_MAX`] and for positions that are not finite.
+    /// Returns the point of the plane for `position`; `None` beyond [`REACH_DEG_MAX`] and for positions that are not finite.
     pub fn project(&self, position: Position) -> Option<Point> {
         let latitude_rad = position.latitude_deg * RAD_PER_DEG;
         let turn_rad = (position.longitude_deg - self.centre.longitude_deg) * RAD_PER_DEG;
@@ -94,7 +94,7 @@ impl Plane {
         Some(Point { x: scale * cosine * libm::sin(turn_rad), y: scale * y })
     }
 
-    /// The position of a point: undoes [`Plane::project`].
+    /// Returns the position of a point: undoes [`Plane::project`].
     pub fn position(&self, point: Point) -> Position {
         let (x, y) = (point.x / EARTH_RADIUS_M_MEAN, point.y / EARTH_RADIUS_M_MEAN);
         let length = libm::sqrt(1.0 + x * x + y * y);
@@ -113,7 +113,7 @@ impl Plane {
     }
 }
 
-/// Distance from `point` to the segment `a`-`b`.
+/// Returns the distance from `point` to the segment `a`-`b`.
 pub fn point_to_segment(point: Point, a: Point, b: Point) -> f64 {
     let along = b.minus(a);
     let squared = along.dot(along);
@@ -134,7 +134,7 @@ pub fn segments_meet(a: Point, b: Point, c: Point, d: Point) -> bool {
     on(c_side, c, a, b) || on(d_side, d, a, b) || on(a_side, a, c, d) || on(b_side, b, c, d)
 }
 
-/// Distance between two segments; 0 where they meet.
+/// Returns the distance between two segments; 0 where they meet.
 pub fn segment_to_segment(a: Point, b: Point, c: Point, d: Point) -> f64 {
     if segments_meet(a, b, c, d) {
         return 0.0;
@@ -143,7 +143,7 @@ pub fn segment_to_segment(a: Point, b: Point, c: Point, d: Point) -> f64 {
     ends.min(point_to_segment(c, a, b)).min(point_to_segment(d, a, b))
 }
 
-/// The edges of a closed polygon given by its corners.
+/// Returns the edges of a closed polygon given by its corners.
 pub fn edges(corners: &[Point]) -> impl Iterator<Item = (Point, Point)> + '_ {
     let next = corners.iter().skip(1).chain(corners.first());
     corners.iter().zip(next).map(|(a, b)| (*a, *b))
@@ -161,7 +161,7 @@ pub fn inside(point: Point, corners: &[Point]) -> bool {
     crossings.count() % 2 == 1
 }
 
-/// Distance from the segment `a`-`b` to the nearest edge of the polygon; infinite for no corners.
+/// Returns the distance from the segment `a`-`b` to the nearest edge of the polygon; infinite for no corners.
 pub fn segment_to_edges(a: Point, b: Point, corners: &[Point]) -> f64 {
     edges(corners).fold(f64::INFINITY, |least, (c, d)| least.min(segment_to_segment(a, b, c, d)))
 }

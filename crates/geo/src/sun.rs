@@ -32,7 +32,7 @@ fn hour_declination_latitude_rad(position: Position, unix_s: f64) -> (f64, f64, 
     (hour_rad, declination_rad, position.latitude_deg * RAD_PER_DEG)
 }
 
-/// Elevation of the middle of the sun above the horizon, without refraction.
+/// Returns the elevation of the middle of the sun above the horizon, without refraction.
 pub fn solar_elevation_deg(position: Position, unix_s: f64) -> f64 {
     let (hour_rad, declination_rad, latitude_rad) = hour_declination_latitude_rad(position, unix_s);
     let sine = libm::sin(latitude_rad) * libm::sin(declination_rad)
@@ -40,7 +40,7 @@ pub fn solar_elevation_deg(position: Position, unix_s: f64) -> f64 {
     libm::asin(sine.clamp(-1.0, 1.0)) / RAD_PER_DEG
 }
 
-/// Azimuth of the sun, clockwise from true north, 0..360.
+/// Returns the azimuth of the sun, clockwise from true north, 0..360.
 pub fn solar_azimuth_deg(position: Position, unix_s: f64) -> f64 {
     let (hour_rad, declination_rad, latitude_rad) = hour_declination_latitude_rad(position, unix_s);
     let east = -libm::cos(declination_rad) * libm::sin(hour_rad);
@@ -58,7 +58,7 @@ pub fn is_light(light: Light, position: Position, unix_s: f64) -> bool {
     }
 }
 
-/// The spans within `[from_s, until_s]` in which there is `light` at `position`, to the second. Times are seconds since
+/// Returns the spans within `[from_s, until_s]` in which there is `light` at `position`, to the second. Times are seconds since
 /// `zero_unix_s`. Spans shorter than [`SCAN_STEP_S`] may be missed.
 pub fn light_windows(light: Light, position: Position, zero_unix_s: f64, from_s: f64, until_s: f64) -> Vec<TimeWindow> {
     if light == Light::Any {

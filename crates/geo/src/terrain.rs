@@ -43,8 +43,8 @@ struct PostWindow {
 }
 
 impl TerrainGrid {
-    /// A grid whose first post lies at `south_west`, with `step_deg` between rows and between columns. `elevations_m` has `rows` times
-    /// `columns` numbers from the southern row on, NaN where the elevation is not known.
+    /// Returns a grid whose first post lies at `south_west`, with `step_deg` between rows and between columns. `elevations_m` has `rows`
+    /// times `columns` numbers from the southern row on, NaN where the elevation is not known.
     ///
     /// # Errors
     /// An error message that names the figure that is wrong.
@@ -132,7 +132,7 @@ impl TerrainGrid {
         Some((1.0 - up) * low + up * high)
     }
 
-    /// The posts of all cells that a box of this half width touches; none if it lies outside.
+    /// Returns the posts of all cells that a box of this half width touches; `None` if it lies outside.
     fn window(&self, position: Position, radius_m: f64) -> Option<PostWindow> {
         let north_deg = radius_m / METRES_PER_DEGREE_MIN;
         let poleward_deg = (position.latitude_deg.abs() + north_deg).min(89.9);
@@ -140,7 +140,7 @@ impl TerrainGrid {
         self.window_deg(position, north_deg, east_deg)
     }
 
-    /// The posts of all cells from so many degrees south and west of a place to so many north and east of it.
+    /// Returns the posts of all cells from so many degrees south and west of a place to so many north and east of it.
     fn window_deg(&self, position: Position, north_deg: f64, east_deg: f64) -> Option<PostWindow> {
         let row = (position.latitude_deg - self.south_west.latitude_deg) / self.step_deg.0;
         let column = self.east_deg(position.longitude_deg) / self.step_deg.1;
@@ -149,7 +149,7 @@ impl TerrainGrid {
         Some(PostWindow { rows, columns })
     }
 
-    /// The highest elevation of a window: whole blocks by what is stored of them, the rest post by post.
+    /// Returns the highest elevation of a window: whole blocks by what is stored of them, the rest post by post.
     fn highest_m_in(&self, window: PostWindow) -> f64 {
         let mut highest_m = f32::NEG_INFINITY;
         for block_row in window.rows.0 / BLOCK..=window.rows.1 / BLOCK {
@@ -177,7 +177,7 @@ impl TerrainGrid {
     }
 }
 
-/// The first and the last post of the cells from `middle - half` to `middle + half`; none outside of `count` posts.
+/// Returns the first and the last post of the cells from `middle - half` to `middle + half`; `None` outside of `count` posts.
 fn span(middle: f64, half: f64, count: usize) -> Option<(usize, usize)> {
     let last = (count - 1) as f64;
     let (low, high) = (libm::floor(middle - half), libm::ceil(middle + half));
@@ -191,12 +191,12 @@ pub struct Terrain {
 }
 
 impl Terrain {
-    /// The ground of these grids; none without any.
+    /// Returns the ground of these grids; `None` without any.
     pub fn new(grids: Vec<TerrainGrid>) -> Option<Terrain> {
         (!grids.is_empty()).then_some(Terrain { grids })
     }
 
-    /// Elevation above mean sea level; none where it is not known.
+    /// Returns the elevation above mean sea level; `None` if it is not known.
     pub fn elevation_m_at(&self, position: Position) -> Option<f64> {
         self.grids.iter().find_map(|grid| grid.elevation_m_at(position))
     }
@@ -207,7 +207,7 @@ impl Terrain {
         ranges.fold((f64::INFINITY, f64::NEG_INFINITY), |all, range| (all.0.min(range.0), all.1.max(range.1)))
     }
 
-    /// The highest elevation in an area; none if nothing is known.
+    /// Returns the highest elevation in an area; `None` if nothing is known.
     pub fn highest_m_in(&self, area: &Area) -> Option<f64> {
         let middle_deg = 0.5 * (area.south_deg + area.north_deg);
         let height_deg = 0.5 * (area.north_deg - area.south_deg);
@@ -224,7 +224,7 @@ impl Terrain {
         windows.max_by(f64::total_cmp).filter(|highest_m| highest_m.is_finite())
     }
 
-    /// The shortest side of a cell, in metres.
+    /// Returns the shortest side of a cell, in metres.
     pub fn cell_m(&self) -> f64 {
         let side_m = |grid: &TerrainGrid| {
             let north_deg = grid.south_west.latitude_deg + (grid.rows - 1) as f64 * grid.step_deg.0;
@@ -234,14 +234,14 @@ impl Terrain {
         self.grids.iter().map(side_m).fold(f64::INFINITY, f64::min).max(1.0)
     }
 
-    /// The highest elevation within `radius_m` of a place; none if nothing is known.
+    /// Returns the highest elevation within `radius_m` of a place; `None` if nothing is known.
     pub fn highest_m_near(&self, position: Position, radius_m: f64) -> Option<f64> {
         let windows = self.grids.iter().filter_map(|grid| Some(grid.highest_m_in(grid.window(position, radius_m)?)));
         windows.max_by(f64::total_cmp).filter(|highest_m| highest_m.is_finite())
     }
 
-    /// The highest elevation within `half_width_m` of the geodesic between two places, `skip_m` at its beginning and at its end left out;
-    /// none if nothing is known or nothing is left.
+    /// Returns the highest elevation within `half_width_m` of the geodesic between two places, `skip_m` at its beginning and at its end
+    /// left out; none if nothing is known or nothing is left.
     pub fn highest_m_along(&self, from: Position, to: Position, half_width_m: f64, skip_m: (f64, f64)) -> Option<f64> {
         let (length_m, azimuth_deg) = geodesy::inverse(from, to);
         let (begin_m, end_m) = (skip_m.0, length_m - skip_m.1);

@@ -34,13 +34,13 @@ pub const LEG_STEP_M: f64 = 25_000.0;
 /// Slower progress over ground than this counts as not flyable.
 pub const GROUND_SPEED_MPS_MIN: f64 = 1.0;
 
-/// The strongest wind of a field.
+/// Returns the strongest wind of a field.
 pub fn speed_mps_max(field: &WindField) -> f64 {
     let speeds = field.layers.iter().map(|layer| libm::hypot(layer.wind_east_mps, layer.wind_north_mps));
     speeds.fold(0.0, f64::max)
 }
 
-/// The wind at a place, altitude (above mean sea level) and time. Later layers win over earlier ones; still air where
+/// Returns the wind at a place, altitude (above mean sea level) and time. Later layers win over earlier ones; still air where
 /// no layer holds. With `blend`, wind is interpolated between the middles of the layers that hold here and now.
 pub fn at(field: &WindField, position: Position, altitude_m: f64, time_s: f64) -> Wind {
     let here = |layer: &&WindLayer| {
@@ -87,7 +87,7 @@ fn blended<'a>(layers: impl Iterator<Item = &'a WindLayer>, altitude_m: f64) -> 
     }
 }
 
-/// Ground speed and heading for flying `track_deg` at `true_airspeed_mps`; none where the wind is too strong to hold
+/// Returns the ground speed and heading for flying `track_deg` at `true_airspeed_mps`; `None` if the wind is too strong to hold
 /// the track or to get on along it.
 pub fn triangle(track_deg: f64, true_airspeed_mps: f64, wind: Wind) -> Option<WindTriangle> {
     let track_rad = track_deg * RAD_PER_DEG;
@@ -99,7 +99,7 @@ pub fn triangle(track_deg: f64, true_airspeed_mps: f64, wind: Wind) -> Option<Wi
     Some(WindTriangle { ground_speed_mps, heading_deg })
 }
 
-/// Ground speed along a track of unit length; none as for [`triangle`].
+/// Returns the ground speed along a track of unit length; `None` as for [`triangle`].
 pub(crate) fn ground_speed_mps((east, north): (f64, f64), true_airspeed_mps: f64, wind: Wind) -> Option<f64> {
     let tail_mps = wind.east_mps * east + wind.north_mps * north;
     let from_left_mps = wind.east_mps * north - wind.north_mps * east;
@@ -126,7 +126,7 @@ struct LegStep {
 }
 
 impl LegProfile {
-    /// The geodesic from `from` to `to`; none where a position is not finite.
+    /// Returns the geodesic from `from` to `to`; `None` if a position is not finite.
     fn new(from: Position, to: Position) -> Option<LegProfile> {
         let (distance_m, azimuth_deg) = geodesy::inverse(from, to);
         if !distance_m.is_finite() {
@@ -154,12 +154,12 @@ impl LegProfile {
         Some(LegProfile { step_m, steps: (0..count).map(step).collect() })
     }
 
-    /// Distance over ground.
+    /// Returns the distance over ground.
     fn length_m(&self) -> f64 {
         self.step_m * self.steps.len() as f64
     }
 
-    /// Time to fly the leg, leaving at `start_s`, by the midpoint rule; none where some part cannot be flown.
+    /// Returns the time to fly the leg, leaving at `start_s`, by the midpoint rule; `None` if some part cannot be flown.
     fn time_s(&self, altitude_m: f64, true_airspeed_mps: f64, field: &WindField, start_s: f64) -> Option<f64> {
         if true_airspeed_mps.is_nan() || true_airspeed_mps <= 0.0 {
             return None;
@@ -176,8 +176,8 @@ impl LegProfile {
     }
 }
 
-/// Time to fly the geodesic from `from` to `to` through the field, leaving at `start_s`: integrated in sub-steps by the
-/// midpoint rule. None where some part cannot be flown (or an argument is not finite).
+/// Returns the time to fly the geodesic from `from` to `to` through the field, leaving at `start_s`: integrated in sub-steps by the
+/// midpoint rule. `None` if some part cannot be flown (or an argument is not finite).
 pub fn leg_time_s(
     from: Position,
     to: Position,

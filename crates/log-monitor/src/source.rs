@@ -154,7 +154,7 @@ impl Source {
         found.ok_or_else(|| unknown(why))
     }
 
-    /// The mapping of a log as PDL.
+    /// Returns the mapping of a log as PDL.
     ///
     /// # Errors
     /// The input is not a log, or has no mapping.

@@ -55,7 +55,7 @@ fn table_at(points: &[(f64, f64)], age_s: f64) -> f64 {
     }
 }
 
-/// The integral of [`cost_at`] over ages from 0 to `age_s`: the cost of an interval of this length at one event per second.
+/// Returns the integral of [`cost_at`] over ages from 0 to `age_s`: the cost of an interval of this length at one event per second.
 pub fn cost_integral(cost: &CostFunction, age_s: f64) -> f64 {
     if age_s <= 0.0 {
         return 0.0;
@@ -106,7 +106,7 @@ fn table_integral(points: &[(f64, f64)], age_s: f64) -> f64 {
     sum + 0.5 * (cost_from + cost_until) * (age_s - from)
 }
 
-/// Cost of ignorance between an observation that ended at `from_s` and one that ends at `until_s`.
+/// Returns the cost of ignorance between an observation that ended at `from_s` and one that ends at `until_s`.
 pub fn interval_cost(target: &SurveillanceTarget, from_s: f64, until_s: f64) -> f64 {
     if until_s <= from_s {
         return 0.0;
@@ -122,7 +122,7 @@ pub fn interval_cost(target: &SurveillanceTarget, from_s: f64, until_s: f64) -> 
         .sum()
 }
 
-/// The spans of constant rate in `[from_s, until_s]`: beginning, end, events per second.
+/// Returns the spans of constant rate in `[from_s, until_s]`: beginning, end, events per second.
 pub(crate) fn pieces(rate: &EventRate, from_s: f64, until_s: f64) -> impl Iterator<Item = (f64, f64, f64)> + '_ {
     let ends = rate.steps.iter().skip(1).map(|(time_s, _)| *time_s).chain([f64::INFINITY]);
     rate.steps.iter().zip(ends).enumerate().filter_map(move |(index, ((time_s, events_per_s), end_s))| {
@@ -174,7 +174,7 @@ pub struct ExpectedCost {
     pub targets: Vec<TargetCost>,
 }
 
-/// Cost of one target whose observations end at `ends_s`, in order of time; those after the horizon do not count.
+/// Returns the cost of one target whose observations end at `ends_s`, in order of time; those after the horizon do not count.
 pub fn target_cost(target: &SurveillanceTarget, ends_s: impl IntoIterator<Item = f64>, horizon_s: f64) -> TargetCost {
     let Ok(cost) = over_intervals(target, ends_s, horizon_s, |from_s, until_s| {
         Ok::<f64, Infallible>(interval_cost(target, from_s, until_s))
@@ -182,7 +182,7 @@ pub fn target_cost(target: &SurveillanceTarget, ends_s: impl IntoIterator<Item =
     cost
 }
 
-/// As [`target_cost`], with what an interval costs from its beginning and end.
+/// Like [`target_cost`], with what an interval costs from its beginning and end.
 pub(crate) fn over_intervals<E>(
     target: &SurveillanceTarget,
     ends_s: impl IntoIterator<Item = f64>,
@@ -202,7 +202,7 @@ pub(crate) fn over_intervals<E>(
     Ok(cost)
 }
 
-/// Expected cost of ignorance of flying `visits` (in order of time): a plan's, or what was truly flown.
+/// Returns the expected cost of ignorance of flying `visits` (in order of time): a plan's, or what was truly flown.
 pub fn expected_cost(problem: &SurveillanceProblem, visits: &[SurveillanceVisit]) -> ExpectedCost {
     let cost_of = |target: &SurveillanceTarget| {
         let ends = visits.iter().filter(|visit| visit.target == target.name).map(|visit| visit.end_s);

@@ -1,13 +1,12 @@
-//! Adaptive Gauss-Kronrod quadrature (7 and 15 points): the second witness of the closed forms, and the way to integrate
-//! cost functions that users write themselves.
+//! Adaptive Gauss-Kronrod quadrature (7 and 15 points). It checks closed forms, and integrates cost functions that users define.
 //!
-//! The two rules agree by coincidence on jumps that no node sees, beyond the outermost ones, and on pairs of jumps to
-//! both sides of the middle. So the function is also compared with the polynomial through the nodes, at the ends.
+//! Both rules miss jumps beyond the outermost nodes, and symmetric pairs of jumps around the middle. So the function is also compared
+//! with the polynomial through the nodes at both ends.
 //! Bound: at most [`PIECES_MAX`] bisections, 17 evaluations each.
 
 use std::sync::LazyLock;
 
-/// Pieces of one integral: bisecting one jump to the last bit takes 60.
+/// Maximum number of pieces of one integral; bisecting one jump to the last bit takes 60.
 pub const PIECES_MAX: usize = 4_000;
 
 const NODES: [f64; 7] = [
@@ -36,11 +35,10 @@ const GAUSS_MIDDLE: f64 = 0.417_959_183_673_469_4;
 
 /// Points of comparison, in halves of a piece's width from its middle, and the width that the comparison represents.
 const COMPARED: [(f64, f64); 2] = [(-1.0, 0.009), (1.0, 0.009)];
-/// Distance inside of an end that still counts as the end, as a share of the greater end: jumps at an end belong to the
-/// next piece.
+/// Distance from an end, as a share of the greater end, within which a point counts as the end: jumps there belong to the next piece.
 const END_SHARE: f64 = 1e-13;
 
-/// The nodes of a piece, with those of its other half.
+/// Returns the nodes of a piece, with those of its other half.
 fn nodes() -> impl Iterator<Item = f64> + Clone {
     NODES.iter().map(|node| -node).chain([0.0]).chain(NODES.iter().rev().copied())
 }
@@ -85,7 +83,7 @@ fn rule(function: &mut dyn FnMut(f64) -> f64, from: f64, until: f64) -> Subinter
     Subinterval { from, until, value: kronrod * half, error: error * half }
 }
 
-/// The integral of `function` from `from` to `until`, to `tolerance` relative to the integral (or absolute below 1).
+/// Returns the integral of `function` from `from` to `until`, to `tolerance` relative to the integral (or absolute below 1).
 /// `breaks` are places of kinks and jumps, where known; without them the result is as good but slower.
 ///
 /// # Errors
@@ -107,7 +105,7 @@ pub fn integrate(
         let value: f64 = pieces.iter().map(|piece| piece.value).sum();
         let error: f64 = pieces.iter().map(|piece| piece.error).sum();
         if !value.is_finite() || !error.is_finite() {
-            return Err(format!("The function has no finite integral between {from} and {until}."));
+            return Err(format!("the function has no finite integral between {from} and {until}"));
         }
         if error <= tolerance * value.abs().max(1.0) {
             return Ok(value);
@@ -120,14 +118,14 @@ pub fn integrate(
         let piece = pieces.swap_remove(worst);
         let middle = 0.5 * (piece.from + piece.until);
         if middle <= piece.from || middle >= piece.until {
-            // A jump between two neighbouring numbers: nothing is left to integrate there.
+            // The piece is a jump between two neighbouring floating-point numbers: its integral is negligible.
             pieces.push(Subinterval { error: 0.0, ..piece });
             continue;
         }
         pieces.push(rule(function, piece.from, middle));
         pieces.push(rule(function, middle, piece.until));
     }
-    Err(format!("The integral between {from} and {until} does not settle; name the places of its jumps."))
+    Err(format!("the integral between {from} and {until} does not settle; name the places of its jumps"))
 }
 
 #[cfg(test)]
@@ -151,7 +149,7 @@ mod tests {
         assert!((jump - 2.0 / 3.0).abs() < 1e-11);
     }
 
-    /// At every thousandth of the way a jump, alone and with another one at the other side of the middle.
+    /// Jumps at every thousandth of the interval, alone and with a second one at the mirrored place.
     #[test]
     fn no_jump_is_overlooked() {
         for thousandth in 0..990 {

@@ -13,7 +13,7 @@ use apex_model::problem::{CostFunction, EventRate, SurveillanceProblem, Surveill
 /// Below this share of its time constant a saturating cost is integrated by quadrature: its closed form loses digits.
 const BEGUN: f64 = 0.02;
 
-/// Cost of ignorance between an observation that ended at `from_s` and one that ends at `until_s`, of the first event.
+/// Returns the cost of ignorance between an observation that ended at `from_s` and one that ends at `until_s`, of the first event.
 ///
 /// # Errors
 /// An error message if quadrature does not converge.
@@ -35,10 +35,10 @@ pub fn interval_cost_of(
     over_pieces(rate, from_s, until_s, |span| by_quadrature(cost, jumps, span))
 }
 
-/// Expected cost of ignorance of flying `visits` (in order of time), of first events.
+/// Returns the expected cost of ignorance of flying `visits` (in order of time), of first events.
 ///
 /// # Errors
-/// As [`interval_cost`].
+/// Like [`interval_cost`].
 pub fn expected_cost(problem: &SurveillanceProblem, visits: &[SurveillanceVisit]) -> Result<ExpectedCost, String> {
     let cost_of = |target: &SurveillanceTarget| {
         let ends = visits.iter().filter(|visit| visit.target == target.name).map(|visit| visit.end_s);
@@ -56,7 +56,7 @@ struct LikelihoodPeriod {
     length_s: f64,
 }
 
-/// The sum of what spans cost for one event per second and a target that has survived until they begin.
+/// Returns the sum of what spans cost for one event per second and a target that has survived until they begin.
 fn over_pieces(
     rate: &EventRate,
     from_s: f64,
@@ -74,7 +74,7 @@ fn over_pieces(
     Ok(sum)
 }
 
-/// The integral over the time `s` since the span began of `exp(-p s) Cost(oldest - s)`.
+/// Returns the integral over the time `s` since the span began of `exp(-p s) Cost(oldest - s)`.
 fn weighted_integral(cost: &CostFunction, span: LikelihoodPeriod) -> Result<f64, String> {
     let LikelihoodPeriod { events_per_s: rate, oldest_s, length_s } = span;
     Ok(match cost {
@@ -97,19 +97,19 @@ fn weighted_integral(cost: &CostFunction, span: LikelihoodPeriod) -> Result<f64,
     })
 }
 
-/// The same by quadrature.
+/// Returns the same by quadrature.
 fn by_quadrature(cost: &mut dyn FnMut(f64) -> f64, jumps: &[f64], span: LikelihoodPeriod) -> Result<f64, String> {
     let LikelihoodPeriod { events_per_s, oldest_s, length_s } = span;
     let mut weighted = |age_s: f64| libm::exp(-events_per_s * (oldest_s - age_s)) * cost(age_s);
     quadrature::integrate(&mut weighted, oldest_s - length_s, oldest_s, jumps, QUADRATURE_TOLERANCE)
 }
 
-/// The integral of `exp(-q s)` over `s` from 0 to `length_s`; `q` may be negative.
+/// Returns the integral of `exp(-q s)` over `s` from 0 to `length_s`; `q` may be negative.
 fn weight(q: f64, length_s: f64) -> f64 {
     if q == 0.0 { length_s } else { -libm::expm1(-q * length_s) / q }
 }
 
-/// The integral of `s exp(-q s)` over `s` from 0 to `length_s`, `q` not negative; for few events by its series, where the
+/// Returns the integral of `s exp(-q s)` over `s` from 0 to `length_s`, `q` not negative; for few events by its series, where the
 /// difference would lose all digits.
 fn first_moment(q: f64, length_s: f64) -> f64 {
     let x = q * length_s;
@@ -145,7 +145,7 @@ fn of_table(points: &[(f64, f64)], span: LikelihoodPeriod) -> f64 {
     constant(*first, youngest_s.min(*first_s), *first_s) + lines.sum::<f64>() + constant(*last, *last_s, span.oldest_s)
 }
 
-/// The part of one straight line between two ages.
+/// Returns the part of one straight line between two ages.
 fn of_line((from_s, cost_from): (f64, f64), (until_s, cost_until): (f64, f64), span: LikelihoodPeriod) -> f64 {
     let LikelihoodPeriod { events_per_s, oldest_s, length_s } = span;
     let (young_s, old_s) = (from_s.max(oldest_s - length_s), until_s.min(oldest_s));

@@ -22,17 +22,17 @@ pub const LEAST_SHARE: f64 = 1e-3;
 /// A jump lies between two points that are so near each other, as a share of the oldest age: forty halvings.
 pub const JUMP_SHARE: f64 = 1.0 / (1_u64 << 40) as f64;
 
-/// Points `(age_s, cost)` by rising age from 0 to `oldest_s`, for `CostFunction::Table`.
+/// Returns points `(age_s, cost)` by rising age from 0 to `oldest_s`, for `CostFunction::Table`.
 ///
 /// # Errors
 /// An error message with the age at which the function has no cost, a negative one, one that is not finite, or falls;
 /// or if it takes too many calls or points.
 pub fn tabulate(function: &mut Function<'_>, oldest_s: f64, relative_error: f64) -> Result<Vec<(f64, f64)>, String> {
     if !oldest_s.is_finite() || oldest_s <= 0.0 {
-        return Err(format!("The oldest age is {oldest_s} s; it must be a positive number."));
+        return Err(format!("the oldest age is {oldest_s} s; it must be a positive number"));
     }
     if !(relative_error > 0.0 && relative_error <= 0.5) {
-        return Err(format!("The relative error is {relative_error}; it must be above 0 and at most 0.5."));
+        return Err(format!("the relative error is {relative_error}; it must be above 0 and at most 0.5"));
     }
     let oldest = user_cost::ask(function, oldest_s)?;
     // One half for what happens between ages asked, one for the straight lines; a little less, since the lines' half is taken
@@ -43,7 +43,7 @@ pub fn tabulate(function: &mut Function<'_>, oldest_s: f64, relative_error: f64)
     let points = straightened(&asked, near);
     if points.len() > POINTS_MAX {
         return Err(format!(
-            "The cost takes {} points and may have {POINTS_MAX}; allow a relative error above {relative_error}.",
+            "the cost takes {} points and may have {POINTS_MAX}; allow a relative error above {relative_error}",
             points.len()
         ));
     }
@@ -81,7 +81,7 @@ fn asked(
         }
         if done.len() + ahead.len() >= ASKED_MAX {
             return Err(format!(
-                "The cost takes more than {ASKED_MAX} calls, up to {} s of age; allow a greater relative error.",
+                "the cost takes more than {ASKED_MAX} calls, up to {} s of age; allow a greater relative error",
                 last.0
             ));
         }

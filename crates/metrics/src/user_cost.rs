@@ -26,25 +26,25 @@ pub struct UserCost<'a> {
     pub jumps_s: Vec<f64>,
 }
 
-/// The function's cost at `age_s`.
+/// Returns the function's cost at `age_s`.
 ///
 /// # Errors
 /// An error message if it has no cost, or one that is negative or not finite.
 pub(crate) fn ask(function: &mut Function<'_>, age_s: f64) -> Result<f64, String> {
     let cost =
-        function(age_s).map_err(|why| format!("The cost of an event {age_s} s old cannot be computed: {why}"))?;
+        function(age_s).map_err(|why| format!("the cost of an event {age_s} s old cannot be computed: {why}"))?;
     if !cost.is_finite() || cost < 0.0 {
-        return Err(format!("The cost of an event {age_s} s old is {cost}; a cost is finite and not negative."));
+        return Err(format!("the cost of an event {age_s} s old is {cost}; a cost is finite and not negative"));
     }
     Ok(cost)
 }
 
 /// Returns the error of a function that falls from the younger to the older of two ages with their costs.
 pub(crate) fn falls((young_s, young): (f64, f64), (old_s, old): (f64, f64)) -> String {
-    format!("The cost of an event falls from {young} at {young_s} s to {old} at {old_s} s; cost never falls with age.")
+    format!("the cost of an event falls from {young} at {young_s} s to {old} at {old_s} s; cost never falls with age")
 }
 
-/// Expected cost of ignorance of flying `visits`, in any order, where targets named in `own` have those costs instead of
+/// Returns the expected cost of ignorance of flying `visits`, in any order, where targets named in `own` have those costs instead of
 /// their families: by quadrature to [`eci::QUADRATURE_TOLERANCE`]. `likelihoods` of events are added up or survived.
 ///
 /// # Errors
@@ -59,10 +59,10 @@ pub fn expected_cost_with(
     let named = visits.iter().map(|visit| &visit.target).chain(own.keys());
     if let Some(stranger) = named.into_iter().find(|name| !known(name)) {
         let names: Vec<&str> = problem.targets.iter().map(|target| target.name.as_str()).take(12).collect();
-        return Err(format!("{stranger} is not a target of the problem; targets are {}.", names.join(", ")));
+        return Err(format!("{stranger} is not a target of the problem; targets are {}", names.join(", ")));
     }
     if let Some(visit) = visits.iter().find(|visit| !visit.end_s.is_finite()) {
-        return Err(format!("A visit of {} ends at {}, which is not a time.", visit.target, visit.end_s));
+        return Err(format!("a visit of {} ends at {}, which is not a time", visit.target, visit.end_s));
     }
     let cost_of = |target: &SurveillanceTarget| {
         let mut ends_s: Vec<f64> =
@@ -78,7 +78,7 @@ pub fn expected_cost_with(
     Ok(ExpectedCost { total: targets.iter().map(|target| target.expected_cost).sum(), targets })
 }
 
-/// The cost of a target with a family of the model's.
+/// Returns the cost of a target with a family of the model's.
 fn target_cost(
     target: &SurveillanceTarget,
     ends_s: Vec<f64>,
@@ -107,7 +107,7 @@ fn target_cost_of(
             return f64::NAN;
         }
         if asked.len() >= CALLS_MAX {
-            trouble = Some(format!("The cost takes more than {CALLS_MAX} calls; name the ages of its jumps."));
+            trouble = Some(format!("the cost takes more than {CALLS_MAX} calls; name the ages of its jumps"));
             return f64::NAN;
         }
         match ask(function.as_mut(), age_s) {
@@ -217,10 +217,10 @@ mod tests {
     fn trouble_is_told_with_target_and_age() {
         let problem = problem(CostFunction::Linear { cost_per_s: 1.0 }, EventRate::constant(1.0));
         let told = |cost: &dyn Fn(f64) -> f64| scored(&problem, &[("a", 60.0)], |age_s| Ok(cost(age_s))).unwrap_err();
-        assert!(told(&|_| -1.0).starts_with("a: The cost of an event "), "{}", told(&|_| -1.0));
+        assert!(told(&|_| -1.0).starts_with("a: the cost of an event "), "{}", told(&|_| -1.0));
         assert!(told(&|_| -1.0).contains(" s old is -1; a cost is finite and not negative"));
         assert!(told(&|_| f64::INFINITY).contains("is inf; a cost is finite"));
-        assert!(told(&|age_s| 5_000.0 - age_s).starts_with("a: The cost of an event falls from "));
+        assert!(told(&|age_s| 5_000.0 - age_s).starts_with("a: the cost of an event falls from "));
         assert!(told(&|age_s| libm::sin(age_s) + 1.0).contains("cost never falls"));
         let mut calls = 0;
         let raises = scored(&problem, &[], |_| {
@@ -235,8 +235,8 @@ mod tests {
     fn strangers_and_times_that_are_none_are_told() {
         let problem = problem(CostFunction::Linear { cost_per_s: 1.0 }, EventRate::constant(1.0));
         let told = |ends: &[(&str, f64)]| scored(&problem, ends, Ok).unwrap_err();
-        assert_eq!(told(&[("barn", 1.0)]), "barn is not a target of the problem; targets are a, b.");
-        assert!(told(&[("b", f64::NAN)]).contains("A visit of b ends at NaN"));
+        assert_eq!(told(&[("barn", 1.0)]), "barn is not a target of the problem; targets are a, b");
+        assert!(told(&[("b", f64::NAN)]).contains("a visit of b ends at NaN"));
         let own = UserCost { function: Box::new(Ok), jumps_s: Vec::new() };
         let unknown =
             expected_cost_with(&problem, &[], &mut BTreeMap::from([("c".to_string(), own)]), Likelihoods::Added);

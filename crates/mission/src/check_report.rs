@@ -24,7 +24,7 @@ fn counted(count: usize, noun: &str) -> String {
     if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
 }
 
-/// One object for each diagnostic: code, severity, message, file, line, column, reason, help and fixes.
+/// Returns one object for each diagnostic: code, severity, message, file, line, column, reason, help and fixes.
 pub fn diagnostics_json(checked: &Checked) -> Vec<Value> {
     let object = |each: &apex_pdl::Diagnostic| {
         json!({
@@ -63,7 +63,7 @@ fn file_name(checked: &Checked, file: u32) -> Option<String> {
     source.map(|source| source.name.to_string())
 }
 
-/// One object for each history that a program keeps (span in seconds, samples, bytes), then one for each clause that asks for one.
+/// Returns one object for each history that a program keeps (span in seconds, samples, bytes), then one for each clause that requires it.
 pub fn memory_json(library: &Library) -> Vec<Value> {
     let kept = memory::kept(library).into_iter().map(|kept| {
         json!({

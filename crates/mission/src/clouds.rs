@@ -54,8 +54,8 @@ fn deck(row: &tables::TableRow<'_>) -> MissionResult<CloudDeck> {
     Ok(deck)
 }
 
-/// Share of the sky between a place in the air and the ground that is free of cloud, seen straight down: the product over the decks
-/// whose base is below.
+/// Returns the share of the sky between a place in the air and the ground that is free of cloud, seen straight down: the product over the
+/// decks whose base is below.
 pub(crate) fn clear_share(decks: &[CloudDeck], position: Position, altitude_m: f64, time_s: f64) -> f64 {
     let below = decks.iter().filter(|deck| {
         altitude_m > deck.base_m && deck.active.contains(time_s) && deck.area.is_none_or(|area| area.contains(position))

@@ -29,7 +29,7 @@ pub struct Comparison<'a> {
 type ComparisonRow = (String, [String; 2]);
 
 impl Comparison<'_> {
-    /// Both reports as JSON, under their headings.
+    /// Returns both reports as JSON, under their headings.
     pub fn json(&self) -> Value {
         let sections = |report: &Report| -> Map<String, Value> {
             report.sections().into_iter().map(|(name, body)| (name.to_string(), body)).collect()
@@ -39,7 +39,7 @@ impl Comparison<'_> {
         json!({ a: first, b: second })
     }
 
-    /// The table for the terminal.
+    /// Returns the table for the terminal.
     pub fn text(&self) -> String {
         let [a, b] = self.headings.map(str::to_string);
         let groups = [
@@ -159,7 +159,7 @@ fn write_row(
     }
 }
 
-/// Lines of at most `width` characters, broken at single spaces; a longer word is broken where it reaches the width.
+/// Returns lines of at most `width` characters, broken at single spaces; a longer word is broken where it reaches the width.
 fn wrapped(text: &str, width: usize) -> Vec<String> {
     let width = width.max(1);
     let mut lines = vec![String::new()];
@@ -186,7 +186,7 @@ fn wrapped(text: &str, width: usize) -> Vec<String> {
     lines
 }
 
-/// Begin and worth of a target's observation, or how often it was observed.
+/// Returns begin and worth of a target's observation, or the number of its observations.
 fn observation(report: &Report, id: &str) -> String {
     let mut visits = report.visits.iter().filter(|visit| visit.target == id && visit.end.is_some());
     let Some(first) = visits.next() else { return "-".to_string() };

@@ -9,7 +9,7 @@ use apex_model::library::{AgentDeclaration, Library};
 use apex_model::source::SourceFile;
 use std::sync::Arc;
 
-/// The functions of a mission: ways to places keep out of its zones, inside its permitted area and within its landing distance.
+/// Returns the functions of a mission: ways to places keep out of its zones, inside its permitted area and within its landing distance.
 pub fn host_functions_of(mission: &Mission) -> HostFunctions {
     let mut functions = program::host_functions();
     register(Limits::of(mission), &mut functions);
@@ -17,7 +17,7 @@ pub fn host_functions_of(mission: &Mission) -> HostFunctions {
     functions
 }
 
-/// The agents of a mission's program, ready for their first steps, in the order of their declarations.
+/// Returns the agents of a mission's program, ready for their first steps, in the order of their declarations.
 ///
 /// # Errors
 /// A host function that is declared and not there.
@@ -25,10 +25,10 @@ pub fn crew_of_mission(mission: &Mission) -> MissionResult<Vec<Agent>> {
     program::crew_with(&mission.library, &host_functions_of(mission))
 }
 
-/// As [`program::load_recorded`], with the functions of the mission that the record holds.
+/// Like [`program::load_recorded`], with the functions of the mission that the record holds.
 ///
 /// # Errors
-/// As [`program::load_recorded`].
+/// Like [`program::load_recorded`].
 pub fn load_recorded_mission(
     mission: &Mission,
     sources: &[SourceFile],

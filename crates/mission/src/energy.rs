@@ -19,7 +19,7 @@ pub(crate) struct PlannedEnergy {
     pub(crate) reserve_s: f64,
 }
 
-/// Energy of the mission's vehicle, as last reported. A rotorcraft is counted with the greater of its drains in cruise and
+/// Returns the energy of the mission's vehicle, as last reported. A rotorcraft is counted with the greater of its drains in cruise and
 /// hover, so that a plan may hover for as long as it likes.
 pub(crate) fn energy(mission: &Mission, situation: &Situation) -> PlannedEnergy {
     let (model, vehicle) = (&mission.model, &situation.vehicle);
@@ -47,8 +47,8 @@ pub(crate) fn energy(mission: &Mission, situation: &Situation) -> PlannedEnergy 
     }
 }
 
-/// The reserve that the mission requires, as a multiple of that of the vehicle's own rule: plans keep the greater one, so that a flight
-/// as planned raises no alarm.
+/// Returns the reserve that the mission requires, as a multiple of that of the vehicle's own rule: plans keep the greater one, so that a
+/// flight as planned raises no alarm.
 fn reserve_share(mission: &Mission) -> f64 {
     let stated_s = mission.requirements.energy_reserve_s.unwrap_or(0.0);
     (stated_s / mission.model.reserve_s()).max(1.0)

@@ -49,52 +49,52 @@ pub struct MissionError {
 pub type MissionResult<T = ()> = Result<T, MissionError>;
 
 impl MissionError {
-    /// A failure of this kind.
+    /// Returns a failure of this kind.
     pub fn new(kind: ErrorKind, message: impl Into<String>) -> MissionError {
         MissionError { kind, place: None, message: message.into(), reason: None, help: None, diagnostics: None }
     }
 
-    /// The program is at fault.
+    /// Returns an error of the program.
     pub fn program(message: impl Into<String>) -> MissionError {
         MissionError::new(ErrorKind::Program, message)
     }
 
-    /// A data file is at fault.
+    /// Returns an error of a data file.
     pub fn data(message: impl Into<String>) -> MissionError {
         MissionError::new(ErrorKind::Data, message)
     }
 
-    /// An option of the application is at fault.
+    /// Returns an error of an option of the application.
     pub fn setting(message: impl Into<String>) -> MissionError {
         MissionError::new(ErrorKind::Setting, message)
     }
 
-    /// A planning problem or a plan is at fault.
+    /// Returns an error of a planning problem or a plan.
     pub fn planning(message: impl Into<String>) -> MissionError {
         MissionError::new(ErrorKind::Planning, message)
     }
 
-    /// A file cannot be written.
+    /// Returns the error of a file that cannot be written.
     pub fn output(message: impl Into<String>) -> MissionError {
         MissionError::new(ErrorKind::Output, message)
     }
 
-    /// The path of a flight record is at fault.
+    /// Returns an error of the path of a flight record.
     pub fn record_file(message: impl Into<String>) -> MissionError {
         MissionError::new(ErrorKind::RecordFile, message)
     }
 
-    /// A flight record cannot be written.
+    /// Returns the error of a flight record that cannot be written.
     pub fn record(message: impl Into<String>) -> MissionError {
         MissionError::new(ErrorKind::Record, message)
     }
 
-    /// The vehicle is at fault.
+    /// Returns an error of the vehicle.
     pub fn vehicle(message: impl Into<String>) -> MissionError {
         MissionError::new(ErrorKind::Vehicle, message)
     }
 
-    /// A flight cannot begin, or was aborted.
+    /// Returns the error of a flight that cannot begin, or was aborted.
     pub fn flight(message: impl Into<String>) -> MissionError {
         MissionError::new(ErrorKind::Flight, message)
     }

@@ -18,7 +18,7 @@ const STREAM_BYTES_MAX: u64 = 64 << 20;
 /// Some editors begin a file with this mark; it is not part of the text.
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
-/// The bytes of the file `place` as text, without a byte order mark.
+/// Returns the bytes of the file `place` as text, without a byte order mark.
 pub(crate) fn text_of(place: &str, bytes: Vec<u8>) -> MissionResult<String> {
     let text = String::from_utf8(bytes);
     let text = text.map(|text| text.strip_prefix(BYTE_ORDER_MARK).map(str::to_string).unwrap_or(text));
@@ -54,7 +54,7 @@ pub fn read_bytes(path: &std::path::Path) -> MissionResult<Vec<u8>> {
     Ok(bytes)
 }
 
-/// A file that cannot be read: not found, or not readable.
+/// Returns a file that cannot be read: not found, or not readable.
 pub fn unreadable(path: &std::path::Path, error: &std::io::Error) -> MissionError {
     let help = match error.kind() {
         std::io::ErrorKind::PermissionDenied => "ask its owner for the right to read it".to_string(),

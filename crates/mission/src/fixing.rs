@@ -76,7 +76,7 @@ impl Program {
         self.texts.get_mut(path).map(|known| std::mem::replace(&mut known.now, text)).unwrap_or_default()
     }
 
-    /// The texts after one pass, and what was done; none when there is nothing safe to do.
+    /// Returns the texts after one pass, and the fixes made; `None` if there is no safe fix.
     fn fixed(&self, checked: &Checked) -> Option<(BTreeMap<PathBuf, String>, Vec<Made>)> {
         let path_of = |file: u32| {
             let source = checked.library.sources.get(usize::try_from(file).ok()?)?;

@@ -30,12 +30,12 @@ pub struct FlightOutcome {
 }
 
 impl MissionFlight {
-    /// A flight of `mission` that plans by `means`.
+    /// Returns a flight of `mission` that plans by `means`.
     pub fn new(mission: Arc<Mission>, means: PlanningResources) -> MissionFlight {
         MissionFlight { mission, means }
     }
 
-    /// The terms of a run that ends at `until`, or after the mission's duration if that is earlier, with the scripted inputs
+    /// Returns the terms of a run that ends at `until`, or after the mission's duration if that is earlier, with the scripted inputs
     /// of the mission.
     pub fn terms(mission: &Mission, until: Option<Time>) -> FlyOptions {
         let limit = Time::ZERO + mission.settings.duration;
@@ -58,10 +58,10 @@ impl MissionFlight {
         })
     }
 
-    /// As [`MissionFlight::fly`], where `drive` runs the agents: with a vehicle, or at the clock of an outside simulator.
+    /// Like [`MissionFlight::fly`], where `drive` runs the agents: with a vehicle, or at the clock of an outside simulator.
     ///
     /// # Errors
-    /// As [`MissionFlight::fly`].
+    /// Like [`MissionFlight::fly`].
     pub fn run(
         &self,
         terms: FlyOptions,

@@ -85,7 +85,7 @@ fn check(mission: &Mission, changes: &Changes, at: Time) -> MissionResult {
     }
 }
 
-/// The inputs that impose a plan and make the mission plan again.
+/// Returns the inputs that impose a plan and make the mission plan again.
 fn imposed(plan: &[String], at: Time) -> Vec<Input> {
     if plan.is_empty() {
         return Vec::new();
@@ -99,7 +99,7 @@ fn imposed(plan: &[String], at: Time) -> Vec<Input> {
     ]
 }
 
-/// The same wind, `factor` times as strong; turbulence is as before.
+/// Returns the same wind, `factor` times as strong; turbulence is as before.
 pub fn scaled_wind(wind: &WindField, factor: f64) -> WindField {
     let mut wind = wind.clone();
     for layer in &mut wind.layers {

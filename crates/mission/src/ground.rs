@@ -14,7 +14,7 @@ pub(crate) struct MissionGround {
 }
 
 impl MissionGround {
-    /// The ground of a mission with this terrain, in which no target lies lower than `lowest_m`.
+    /// Returns the ground of a mission with this terrain, in which no target lies lower than `lowest_m`.
     pub(crate) fn new(terrain: Option<Arc<Terrain>>, lowest_m: f64) -> MissionGround {
         // Without terrain no higher than any target, so that each one's own elevation counts.
         let range_m = terrain.as_ref().map_or((lowest_m - 1.0, lowest_m), |terrain| {

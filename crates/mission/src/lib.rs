@@ -245,7 +245,7 @@ impl Mission {
         Ok(())
     }
 
-    /// The requirements must hold at the start.
+    /// Checks that the requirements hold at the start.
     fn check_start(&self) -> MissionResult {
         requirements::check_start(&requirements::StartConditions {
             place: self.settings.place_of("requirements"),
@@ -259,7 +259,7 @@ impl Mission {
         })
     }
 
-    /// The vehicle must be able to fly above the place where it starts, and above every target.
+    /// Checks that the vehicle can fly above the place where it starts, and above every target.
     fn check_ceiling(&self) -> MissionResult<()> {
         let (ceiling_m, cruise_m) = (self.model.ceiling_m, self.cruise_altitude_m());
         let too_low = |what: String, altitude_m: f64| {
@@ -295,7 +295,7 @@ impl Mission {
         })
     }
 
-    /// Highest ground of the terrain in the box around all places, with space for turns.
+    /// Returns the highest ground of the terrain in the box around all places, with space for turns.
     fn ground_between_m(&self) -> f64 {
         let room_m = self.ground_room_m();
         let places = self.targets.iter().map(|target| target.position).chain([self.start]);
@@ -307,19 +307,19 @@ impl Mission {
         found.and_then(|(terrain, area)| terrain.highest_m_in(&area)).unwrap_or(f64::NEG_INFINITY)
     }
 
-    /// Space for turns around a place.
+    /// Returns the space for turns around a place.
     fn ground_room_m(&self) -> f64 {
         ROOM_M_MIN.max(ROOM_RADII * vehicle::turn_radius_m(&self.model))
     }
 
-    /// The lowest altitude that keeps the clearance of requirement `terrain` within `reach_m` of a place and of the turns around it;
-    /// none where the ground is not known.
+    /// Returns the lowest altitude that keeps the clearance of requirement `terrain` within `reach_m` of a place and of the turns around
+    /// it; none where the ground is not known.
     pub(crate) fn clear_altitude_m(&self, position: Position, reach_m: f64) -> Option<f64> {
         let highest_m = self.terrain.as_ref()?.highest_m_near(position, reach_m + self.ground_room_m())?;
         Some(highest_m + self.requirements.terrain_clearance_m.unwrap_or(0.0))
     }
 
-    /// Altitude above mean sea level of flights between targets.
+    /// Returns the altitude above mean sea level of flights between targets.
     pub fn cruise_altitude_m(&self) -> f64 {
         let targets = self.targets.iter().map(|target| target.elevation_m + target.height_m);
         let fields = self.airfields.iter().map(|airfield| airfield.elevation_m);
@@ -352,7 +352,7 @@ impl Mission {
             .or_else(|| target.map(|target| (target.position, target.elevation_m)))
     }
 
-    /// Emergency landing places: all airfields and bases.
+    /// Returns the emergency landing places: all airfields and bases.
     pub fn landing_places(&self) -> Vec<LandingPlace> {
         let airfields = self.airfields.iter().map(|airfield| (&airfield.id, airfield.position));
         let bases = self.targets.iter().filter(|target| matches!(target.kind, TargetKind::Base));
@@ -367,7 +367,7 @@ impl Mission {
         self.weak_targets.iter().find(|(known, _)| known == target).map(|(_, reason)| reason.as_str())
     }
 
-    /// A short name for files: the folder's, or the program's.
+    /// Returns a short name for files: the folder's, or the program's.
     pub fn short_name(path: &Path) -> String {
         let program = program::program_path(path);
         let absolute = std::fs::canonicalize(&program).unwrap_or(program);
@@ -390,7 +390,7 @@ pub fn read_wind(path: &Path) -> MissionResult<WindField> {
     surroundings::wind(&DataFile { place: path.display().to_string(), bytes })
 }
 
-/// Distance that plans keep from zones, m: that of single visits where there are fires, else that of surveillance.
+/// Returns the distance that plans keep from zones, m: that of single visits where there are fires, else that of surveillance.
 fn planned_margin_m(settings: &Settings, targets: &[Target]) -> f64 {
     let has_fires = targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_)));
     if has_fires { settings.zone_margin_m } else { settings.obstacle_margin_m }
@@ -413,7 +413,7 @@ struct Files<'a> {
 }
 
 impl Files<'_> {
-    /// The ground of these files; none without any.
+    /// Returns the ground of these files; `None` without any.
     fn terrain(&mut self, names: &[String]) -> MissionResult<Option<Arc<Terrain>>> {
         let mut grids = Vec::new();
         for name in names {
@@ -422,7 +422,7 @@ impl Files<'_> {
         Ok(Terrain::new(grids).map(Arc::new))
     }
 
-    /// The forecasts of these files with their names.
+    /// Returns the forecasts of these files with their names.
     fn forecasts(&mut self, names: &[String]) -> MissionResult<Vec<(String, WindField)>> {
         let mut forecasts = Vec::new();
         for name in names {

@@ -23,7 +23,7 @@ pub(crate) struct LinkForm<'a> {
 }
 
 impl<'a> LinkForm<'a> {
-    /// An error of this form.
+    /// Returns an error of this form.
     pub(crate) fn wrong(&self, why: String) -> MissionError {
         MissionError::setting(format!("in :{}, `{}` cannot be read", self.option, self.form))
             .at(self.at)
@@ -51,7 +51,7 @@ impl<'a> LinkForm<'a> {
         Ok(pairs)
     }
 
-    /// The pairs of a list inside of the form.
+    /// Returns the pairs of a list inside of the form.
     pub(crate) fn pairs_of<'v>(&self, item: &'v Value) -> MissionResult<Vec<(&'v str, &'v Value)>> {
         let items = item.as_list().ok_or_else(|| self.wrong(format!("`{item}` is not a list of keys with values")))?;
         self.pairs(items)
@@ -61,7 +61,7 @@ impl<'a> LinkForm<'a> {
         value.as_list().ok_or_else(|| self.wrong(format!("`{key} {value}` is not a list")))
     }
 
-    /// A figure in SI units above zero and up to `most`; bare numbers are SI.
+    /// Returns a figure in SI units above zero and up to `most`; bare numbers are SI.
     pub(crate) fn figure(&self, key: &str, value: &Value, unit: Dimension, most: f64) -> MissionResult<f64> {
         match value.as_number() {
             Some((si, found)) if (found == unit || found == Dimension::NONE) && si > 0.0 && si <= most => Ok(si),
@@ -76,7 +76,7 @@ impl<'a> LinkForm<'a> {
         }
     }
 
-    /// A number from 0 to 1.
+    /// Returns a number from 0 to 1.
     pub(crate) fn share(&self, key: &str, value: &Value) -> MissionResult<f64> {
         match value.as_number() {
             Some((share, Dimension::NONE)) if (0.0..=1.0).contains(&share) => Ok(share),
@@ -84,7 +84,7 @@ impl<'a> LinkForm<'a> {
         }
     }
 
-    /// A direction, clockwise from north; bare numbers are degrees.
+    /// Returns a direction, clockwise from north; bare numbers are degrees.
     pub(crate) fn angle_deg(&self, key: &str, value: &Value) -> MissionResult<f64> {
         let degrees = match value.as_number() {
             Some((radians, Dimension::ANGLE)) => Some(radians.to_degrees()),
@@ -96,7 +96,7 @@ impl<'a> LinkForm<'a> {
             .ok_or_else(|| self.wrong(format!("`{key}`: `{value}` is not a direction from -360 to 360 degrees")))
     }
 
-    /// A location or the name of a place, with its elevation.
+    /// Returns a location or the name of a place, with its elevation.
     pub(crate) fn place(&self, key: &str, value: &Value) -> MissionResult<(Position, f64)> {
         (self.place_of)(value).ok_or_else(|| self.wrong(format!("`{key}`: `{value}` is not a place of the mission")))
     }

@@ -64,7 +64,7 @@ impl LevelReader {
         Ok(true)
     }
 
-    /// The level of what was read.
+    /// Returns the level model of the options that were read.
     ///
     /// # Errors
     /// Keys that exclude one another, a range that is not beyond full level, a figure of distance without a station.
@@ -134,8 +134,8 @@ fn table(form: &LinkForm<'_>, value: &Value) -> MissionResult<Vec<(f64, f64)>> {
     }
 }
 
-/// `(:around PLACE :radius 300m | :corners (PLACE ..) | :sector (40deg 80deg) [:beyond 2km] | :ridge (PLACE PLACE) :top 140m)`
-/// with `[:below 120m] [:factor 0.1]`.
+/// Reads `(:around PLACE :radius 300m | :corners (PLACE ..) | :sector (40deg 80deg) [:beyond 2km] | :ridge (PLACE PLACE) :top 140m)` with
+/// `[:below 120m] [:factor 0.1]`.
 fn shadow(form: &LinkForm<'_>, item: &Value) -> MissionResult<Shadow> {
     let mut shape: Option<(&str, &Value)> = None;
     let (mut radius_m, mut beyond_m, mut top_m, mut below_m, mut factor) = (None, None, None, None, None);

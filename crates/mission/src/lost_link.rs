@@ -30,7 +30,7 @@ pub enum LostDefault {
 }
 
 impl LostDefault {
-    /// The word in PDL.
+    /// Returns the word in PDL.
     pub fn word(self) -> &'static str {
         match self {
             LostDefault::Resume => "resume",
@@ -79,8 +79,8 @@ impl Default for LostLink {
 }
 
 impl LostLink {
-    /// The mean level from which on a place is one to return to: as far above `good` as that is above `nominal`, so that fading does not
-    /// take the signal away again; at most halfway to full.
+    /// Returns the mean level from which on a place is one to return to: as far above `good` as that is above `nominal`, so that fading
+    /// does not take the signal away again; at most halfway to full.
     pub(crate) fn known_good(&self) -> f64 {
         (2.0 * self.good - self.nominal).min(0.5 * (1.0 + self.good))
     }
@@ -154,7 +154,7 @@ pub(crate) fn figures_for(library: &Library) -> Option<SourceText> {
     (text != *shipped.text).then(|| SourceText { name: FIGURES_NAME.to_string(), text })
 }
 
-/// The figures as a library of PDL.
+/// Returns the figures as a library of PDL.
 fn figures(lost: &LostLink) -> String {
     let constants = [
         ("nominal", lost.nominal, ""),

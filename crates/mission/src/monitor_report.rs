@@ -24,7 +24,7 @@ pub struct Style {
 }
 
 impl Style {
-    /// A result as a line or lines; nothing where a later one will say more.
+    /// Returns a result as a line or lines; nothing where a later one will say more.
     pub fn result(self, result: &MonitorResult) -> Option<String> {
         let number = result.watch.0 + 1;
         let satisfaction = &result.result;
@@ -91,7 +91,7 @@ impl Style {
         Some(text)
     }
 
-    /// The instant in civil time (ISO 8601); none where it is not known or not asked for.
+    /// Returns the instant in civil time (ISO 8601); `None` if it is not known or not asked for.
     fn utc(self, at: Time) -> Option<String> {
         let nanoseconds = i128::from(self.utc_of_zero?) + i128::from(at.0);
         time::OffsetDateTime::from_unix_timestamp_nanos(nanoseconds).ok()?.format(&Rfc3339).ok()
@@ -141,7 +141,7 @@ fn gap_json(gap: &SamplingGap) -> Json {
     })
 }
 
-/// A verdict as programs and `--expect` name it.
+/// Returns a verdict as programs and `--expect` name it.
 pub fn verdict_word(verdict: &Verdict) -> &'static str {
     match verdict {
         Verdict::Satisfied(_) => "satisfied",
@@ -157,7 +157,7 @@ fn unmet_json(unmet: &Unmet) -> Json {
     })
 }
 
-/// A message with its place in a text, where it has one.
+/// Returns a message with its place in a text, where it has one.
 pub fn placed(message: &str, place: Option<Place>, library: &Library) -> String {
     match place {
         Some(place) => format!("{}: {message}", library.describe_place(place)),

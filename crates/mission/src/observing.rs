@@ -39,12 +39,12 @@ pub(crate) const TIMING: [LossCause; 7] = [
     LossCause::Interval,
 ];
 
-/// Share of valid lines in turbulence of this eddy dissipation rate, m^(2/3)/s.
+/// Returns the share of valid lines in turbulence of this eddy dissipation rate, m^(2/3)/s.
 pub(crate) fn clarity(scanner: &PredictedScanner, edr: f64) -> f64 {
     scanner.setting.roll.map_or(1.0, |roll| share_within(scanner.hold.roll_sigma_deg(edr), &roll))
 }
 
-/// The line scanner that a vehicle carries, in the mode that it is flown in, and how the vehicle holds its attitude; none if
+/// Returns the line scanner that a vehicle carries, in the mode that it is flown in, and how the vehicle holds its attitude; `None` if
 /// it carries none.
 pub(crate) fn scanner_of(model: &VehicleModel) -> Option<PredictedScanner> {
     let scanner = model.scanner.as_ref()?;
@@ -67,17 +67,17 @@ const VIDEO_EXPOSURE_S: f64 = 0.002;
 /// Least elevation of the sun for a camera without a band for the night.
 const SUN_DEG_MIN: f64 = 0.0;
 
-/// Names of the cameras that a vehicle carries.
+/// Returns names of the cameras that a vehicle carries.
 pub(crate) fn camera_names(model: &VehicleModel) -> Vec<&str> {
     model.cameras.iter().map(|camera| camera.name.as_str()).collect()
 }
 
-/// True if the vehicle carries a line scanner: pictures of a frame camera are not one.
+/// Returns true if the vehicle carries a line scanner: pictures of a frame camera are not one.
 pub(crate) fn carries_scanner(model: &VehicleModel) -> bool {
     model.sensors.iter().any(|sensor| sensor.scanner_mode().is_some())
 }
 
-/// A camera of the vehicle by its name; none if it carries no such camera.
+/// Returns a camera of the vehicle by its name; `None` if it carries no such camera.
 pub(crate) fn camera_of(model: &VehicleModel, name: &str) -> Option<CameraSetting> {
     let carried = model.sensors.iter().find(|sensor| sensor.name.eq_ignore_ascii_case(name))?;
     let commanded = carried.camera()?;
@@ -115,8 +115,8 @@ pub(crate) fn camera_of(model: &VehicleModel, name: &str) -> Option<CameraSettin
     })
 }
 
-/// The camera that sees sites from where the vehicle visits them: straight down from a hover, or to the side from a
-/// circle. None if the vehicle carries no camera that can.
+/// Returns the camera that sees sites from where the vehicle visits them: straight down from a hover, or to the side from a
+/// circle. `None` if the vehicle carries no camera that can.
 pub(crate) fn looks_with(model: &VehicleModel) -> Option<CameraSetting> {
     let cameras = camera_names(model).into_iter().filter_map(|name| camera_of(model, name));
     let can = |camera: &CameraSetting| match model.airframe {
@@ -142,12 +142,12 @@ pub(crate) struct ForecastAir<'a> {
 }
 
 impl<'a> ForecastAir<'a> {
-    /// By the forecasts that the mission believes.
+    /// Returns air by the forecasts that the mission assumes.
     pub(crate) fn new(mission: &'a Mission) -> ForecastAir<'a> {
         ForecastAir { field: &mission.forecast, clouds: &mission.clouds }
     }
 
-    /// Eddy dissipation rate, m^(2/3)/s.
+    /// Returns the eddy dissipation rate, m^(2/3)/s.
     pub(crate) fn edr(&self, position: Position, altitude_m: f64, time_s: f64) -> f64 {
         wind::at(self.field, position, altitude_m, time_s).edr
     }

@@ -34,7 +34,7 @@ impl std::fmt::Display for NoPlan {
     }
 }
 
-/// The problem that a plan of the mission, as it is assumed at `at`, has to solve: what has been observed already is left
+/// Returns the problem that a plan of the mission, as it is assumed at `at`, has to solve: what has been observed already is left
 /// out, and what has been seen in part is worth the rest.
 ///
 /// # Errors
@@ -58,10 +58,10 @@ pub(crate) type Asked<'a> = (&'a dyn Fn(&str) -> bool, bool);
 /// Knowledge, observations until now, and the instant.
 pub(crate) type PlanningKnowledge<'a> = (&'a Situation, Option<&'a FlownScore>, Time);
 
-/// The problem of single visits of those looks that are asked for.
+/// Returns the problem of single visits of those looks that are asked for.
 ///
 /// # Errors
-/// As [`pose`].
+/// Like [`pose`].
 pub(crate) fn single_visits(
     mission: &Mission,
     known: PlanningKnowledge<'_>,
@@ -116,7 +116,7 @@ fn latest_end_s(duration_s: f64, end_margin_s: f64, now_s: f64) -> f64 {
 /// Targets of a problem, and pairs of their names of which the first must come first.
 type ProblemTargets = (Vec<SingleVisitTarget>, Vec<(String, String)>);
 
-/// The looks that are still wanted and asked for, each posed as a separate target, and which come before which.
+/// Returns the looks that are still wanted and asked for, each posed as a separate target, and which come before which.
 fn wanted(
     mission: &Mission,
     (situation, flown, at): PlanningKnowledge<'_>,
@@ -219,7 +219,7 @@ fn surveillance(mission: &Mission, situation: &Situation, at: Time) -> Result<Su
     })
 }
 
-/// The ways between the sites at `positions`, around obstacles, for a plan that begins at `now_s`.
+/// Returns the ways between the sites at `positions`, around obstacles, for a plan that begins at `now_s`.
 ///
 /// # Errors
 /// A message that names what is wrong with a zone, the start or the base.
@@ -258,14 +258,14 @@ fn site_target(target: &super::Target, site: &Site, situation: &Situation, now_s
     }
 }
 
-/// The rate in a time that begins at `now_s`.
+/// Returns the rate in a time that begins at `now_s`.
 fn from(rate: &EventRate, now_s: f64) -> EventRate {
     let now = std::iter::once((0.0, rate.at(now_s)));
     let later = rate.steps.iter().filter(|(from_s, _)| *from_s > now_s).map(|(from_s, rate)| (from_s - now_s, *rate));
     EventRate { steps: now.chain(later).collect() }
 }
 
-/// A zone with the height that the flight must keep from its faces: plans that keep out of it raise no alarm. A face at sea
+/// Returns a zone with the height that the flight must keep from its faces: plans that keep out of it raise no alarm. A face at sea
 /// level is the ground.
 fn grown(zone: &AirspaceZone, mission: &Mission) -> AirspaceZone {
     let height_m = mission.requirements.airspace.map_or(0.0, |buffer| buffer.vertical_m);

@@ -24,12 +24,12 @@ pub fn host_signatures() -> Vec<HostSignature> {
     apex_geo::functions::host_signatures().into_iter().map(HostSignature::pure).collect()
 }
 
-/// The functions that the command registers for PDL.
+/// Returns the functions that the command registers for PDL.
 pub fn host_functions() -> HostFunctions {
     apex_geo::functions::host_functions()
 }
 
-/// `mission.pdl` in a folder, or the file itself.
+/// Returns `mission.pdl` in a folder, or the file itself.
 pub fn program_path(path: &Path) -> PathBuf {
     if path.is_dir() { path.join("mission.pdl") } else { path.to_path_buf() }
 }
@@ -42,10 +42,10 @@ pub fn check_program(path: &Path, fragment: bool) -> MissionResult<Checked> {
     check_program_with(path, fragment, &mut read_text)
 }
 
-/// As [`check_program`], reading files through `read`. A source that was read so is named by its path.
+/// Like [`check_program`], reading files through `read`. A source that was read so is named by its path.
 ///
 /// # Errors
-/// As [`check_program`].
+/// Like [`check_program`].
 pub fn check_program_with(
     path: &Path,
     fragment: bool,
@@ -110,7 +110,7 @@ pub fn check_conditions(texts: Vec<SourceText>, conditions: Vec<SourceText>, fol
     apex_pdl::check_conditions(texts, conditions, apex_pdl::CheckOptions { fragment: false, host: &host, resolve })
 }
 
-/// A required text among `known` ones, else next to them, else one that ships.
+/// Returns a required text among `known` ones, else next to them, else one that ships.
 fn resolve_among(known: &[SourceText], folder: &Path, requirement: Requirement) -> Result<SourceText, String> {
     let wanted = match &requirement {
         Requirement::File { name, .. } => name.clone(),
@@ -160,7 +160,7 @@ pub fn load_recorded(sources: &[SourceFile]) -> Result<(Arc<Library>, AgentDecla
     Ok((Arc::new(checked.library), declaration, host_functions()))
 }
 
-/// The agents of a program, ready for their first steps, in the order of their declarations.
+/// Returns the agents of a program, ready for their first steps, in the order of their declarations.
 ///
 /// # Errors
 /// A host function that is declared and not there.
@@ -168,10 +168,10 @@ pub fn crew_of(library: &Arc<Library>) -> MissionResult<Vec<Agent>> {
     crew_with(library, &host_functions())
 }
 
-/// As [`crew_of`], with these functions of the host.
+/// Like [`crew_of`], with these functions of the host.
 ///
 /// # Errors
-/// As [`crew_of`].
+/// Like [`crew_of`].
 pub(crate) fn crew_with(library: &Arc<Library>, functions: &HostFunctions) -> MissionResult<Vec<Agent>> {
     let load =
         |declaration: &AgentDeclaration| apex_executive::load(Arc::clone(library), declaration, functions.clone());
@@ -179,7 +179,7 @@ pub(crate) fn crew_with(library: &Arc<Library>, functions: &HostFunctions) -> Mi
     crew.map_err(|reason| MissionError::program("the program cannot be executed").because(reason))
 }
 
-/// The agent that flies the vehicle: the first that is declared.
+/// Returns the agent that flies the vehicle: the first that is declared.
 pub fn agent_of(library: &Library) -> AgentDeclaration {
     library.agents.first().cloned().unwrap_or_else(AgentDeclaration::of_program)
 }

@@ -16,7 +16,7 @@ use apex_runtime::record::{RecordReader, RestoredProgram};
 use apex_runtime::replay::{Difference, Differing, ReplayReport, replay_with};
 use std::sync::Arc;
 
-/// The mission that a record holds; `None` if its program is not a mission.
+/// Returns the mission that a record holds; `None` if its program is not a mission.
 ///
 /// # Errors
 /// A record that cannot be read, a program or data that this version does not accept.
@@ -29,7 +29,7 @@ pub fn mission_of(reader: &RecordReader) -> MissionResult<Option<Mission>> {
     Mission::from_sources(&reader.pdl_sources().map_err(read)?, data).map(Some)
 }
 
-/// The program of a record with the functions that it was flown with: those of its mission, where it holds one.
+/// Returns the program of a record with the functions that it was flown with: those of its mission, where it holds one.
 ///
 /// # Errors
 /// A message that states why the record's program or mission cannot be loaded.
@@ -62,7 +62,7 @@ pub fn replay(reader: &RecordReader) -> MissionResult<ReplayReport> {
     report.map_err(read)
 }
 
-/// The first section of the stored report that does not follow from the steps; none before the flight has ended.
+/// Returns the first section of the stored report that does not follow from the steps; `None` before the flight has ended.
 fn report_difference(reader: &RecordReader, mission: &Mission) -> MissionResult<Option<Difference>> {
     let stored = reader.report_sections().map_err(read)?;
     if stored.is_empty() {
@@ -78,7 +78,7 @@ fn report_difference(reader: &RecordReader, mission: &Mission) -> MissionResult<
     Ok(Some(Difference { at, batch: 0, what, recorded: shown(&stored), replayed: shown(&made) }))
 }
 
-/// The situation after the last step not later than `at`.
+/// Returns the situation after the last step not later than `at`.
 ///
 /// # Errors
 /// A record that cannot be read.
@@ -101,7 +101,7 @@ pub fn situation_at(reader: &RecordReader, mission: &Mission, at: Time) -> Missi
 /// A situation, and what was observed until then; an error if the targets are invalid.
 type Folded = (Situation, Result<Option<FlownScore>, String>);
 
-/// The situation after the last step not later than `until`, and what was observed until then, both folded from the record's
+/// Returns the situation after the last step not later than `until`, and what was observed until then, both folded from the record's
 /// steps alone.
 pub(crate) fn folded_until(reader: &RecordReader, mission: &Mission, until: Time) -> MissionResult<Folded> {
     let mut situation = Situation::default();

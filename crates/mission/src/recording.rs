@@ -47,7 +47,7 @@ pub fn create(
 /// Starts a record of a flight of `mission`, with its program, data and targets inside.
 ///
 /// # Errors
-/// As [`create`].
+/// Like [`create`].
 pub fn of_mission(path: &Path, mission: &Mission, durability: Durability) -> MissionResult<Recorder> {
     let vehicle = mission.agent.name.printed().to_string();
     let options = RecordOptions { vehicle: Some(vehicle), durability, ..RecordOptions::default() };
@@ -84,7 +84,7 @@ pub fn release(path: &Path) {
     HELD.lock().unwrap_or_else(PoisonError::into_inner).retain(|(held, _)| held != path);
 }
 
-/// A record that another run still writes or serves must not be taken away from it.
+/// Refuses to replace a record that another run still writes or serves.
 fn refuse_when_held(path: &Path) -> MissionResult {
     let Ok(file) = File::open(path) else { return Ok(()) };
     match file.try_lock() {
@@ -97,14 +97,14 @@ fn refuse_when_held(path: &Path) -> MissionResult {
     }
 }
 
-/// The disk has not even space for what every record begins with.
+/// Returns the error of a disk without space even for the beginning of a record.
 fn no_room(path: &Path) -> MissionError {
     MissionError::record(format!("the flight record {} cannot be begun", path.display()))
         .because("the disk is full")
         .help("free some space, or record to another disk with `--record`; nothing was run, and no record is left")
 }
 
-/// A record without its whole program explains nothing. If it cannot be removed, it still says that it is incomplete.
+/// Removes a record without its whole program, because it explains nothing. If it cannot be removed, it is still marked as incomplete.
 fn remove_beginning(path: &Path) {
     for suffix in ["", "-wal", "-shm", "-journal"] {
         let mut name = path.as_os_str().to_owned();
@@ -172,7 +172,7 @@ pub fn open(path: &Path) -> MissionResult<(RecordReader, Option<String>)> {
     Ok((reader, warning))
 }
 
-/// A record that cannot be written, with the exit code that it deserves.
+/// Returns a record that cannot be written, with the exit code that it deserves.
 pub fn written(error: RecordError) -> MissionError {
     match error {
         RecordError::NotARecord { .. } => MissionError::record_file(error.to_string()),
@@ -180,7 +180,7 @@ pub fn written(error: RecordError) -> MissionError {
     }
 }
 
-/// A record that cannot be read: the user gave the file.
+/// Returns a record that cannot be read: the user gave the file.
 pub fn read(error: RecordError) -> MissionError {
     match error {
         RecordError::NotARecord { path, found } => {

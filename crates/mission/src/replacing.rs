@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 /// UTF-8's.
 const BYTE_ORDER_MARK: &[u8] = &[0xef, 0xbb, 0xbf];
 
-/// Puts `text` in place of the file that held `before`. The text is written to a temporary file in the same folder and renamed, so that a full disk
-/// cannot leave half a file; the file's permissions stay, and of a link the file behind it is replaced.
+/// Puts `text` in place of the file that held `before`. The text is written to a temporary file in the same folder and renamed, so that a
+/// full disk cannot leave half a file; the file's permissions stay, and of a link the file behind it is replaced.
 ///
 /// # Errors
 /// The file has changed since it was read, or cannot be written; it is unchanged then.
@@ -47,7 +47,7 @@ pub fn replace(file: &Path, before: &str, text: &str) -> MissionResult {
     })
 }
 
-/// A name in the same folder that belongs to this process alone.
+/// Returns a name in the same folder that belongs to this process alone.
 fn temporary_of(file: &Path) -> PathBuf {
     let mut name = file.as_os_str().to_owned();
     name.push(format!(".writing-{}", std::process::id()));

@@ -87,7 +87,7 @@ pub fn report(
     }
 }
 
-/// Names in plans of what is to be observed of a target: its own, or one for each wanted look.
+/// Returns the names of the observations of a target in plans: the target's name, or one for each wanted look.
 fn names_of(target: &Target) -> Vec<String> {
     match &target.kind {
         TargetKind::Fire(fire) => fire.looks().map(|(name, _)| name).collect(),
@@ -99,7 +99,7 @@ fn names_of(target: &Target) -> Vec<String> {
 /// Share of its worth from which a look counts as complete.
 const COMPLETE: f64 = 0.999;
 
-/// True if a look that no visit observed was seen completely all the same.
+/// Returns true if a look that no visit observed was seen completely all the same.
 fn is_seen_in_passing(target: &Target, name: &str, flown: Result<&FlownScore, &str>) -> bool {
     let (TargetKind::Fire(fire), Ok(flown)) = (&target.kind, flown) else { return false };
     let look = fire.looks().find(|(of_look, _)| of_look == name);

@@ -12,7 +12,7 @@ use std::fmt::Write;
 const NOTES_PRINTED_MAX: usize = 30;
 
 impl Report {
-    /// The report's sections as JSON, in order.
+    /// Returns the report's sections as JSON, in order.
     pub fn sections(&self) -> Vec<(&'static str, Value)> {
         let visits: Vec<Value> = self.visits.iter().map(visit_json).collect();
         let left_out: Vec<Value> =
@@ -29,7 +29,7 @@ impl Report {
         ]
     }
 
-    /// The report as one object with its sections.
+    /// Returns the report as one object with its sections.
     pub fn json(&self) -> Value {
         Value::Object(self.sections().into_iter().map(|(name, body)| (name.to_string(), body)).collect())
     }
@@ -59,7 +59,7 @@ impl Report {
         }
     }
 
-    /// The report for operators.
+    /// Returns the report for operators.
     pub fn text(&self) -> String {
         let mut text = String::new();
         // Writing to a string cannot fail.

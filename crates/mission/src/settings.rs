@@ -127,7 +127,7 @@ const KNOWN: &[&str] = &[
 ];
 
 impl Settings {
-    /// The place of an option, else that of the application: `mission.pdl:7:3`.
+    /// Returns the place of an option, else that of the application: `mission.pdl:7:3`.
     pub fn place_of(&self, option: &str) -> &str {
         // A key of `:vehicle`.
         let option = if option == "model" { "vehicle" } else { option };
@@ -238,7 +238,7 @@ impl SettingsReader<'_> {
         }
     }
 
-    /// One string, or a list of them.
+    /// Reads one string, or a list of strings.
     fn texts(&self, option: &str) -> MissionResult<Vec<String>> {
         let Some(Value::List(items)) = self.application.option(option) else {
             return Ok(self.text(option)?.into_iter().collect());
@@ -250,7 +250,7 @@ impl SettingsReader<'_> {
         items.iter().map(text).collect()
     }
 
-    /// A list of forms; none without the option.
+    /// Returns a list of forms; none without the option.
     fn list(&self, option: &str) -> MissionResult<Vec<Value>> {
         match self.application.option(option) {
             None => Ok(Vec::new()),
@@ -305,7 +305,7 @@ impl SettingsReader<'_> {
         }
     }
 
-    /// `(:probability-per-hour P :vehicle-share S :vehicle-cost C :mission-share S :mission-cost C)`, each optional.
+    /// Reads `(:probability-per-hour P :vehicle-share S :vehicle-cost C :mission-share S :mission-cost C)`, each optional.
     fn failure(&self) -> MissionResult<FailureTerm> {
         use apex_model::quantity::Dimension;
         let Some(found) = self.application.option("failure") else { return Ok(FailureTerm::default()) };
@@ -414,7 +414,7 @@ impl SettingsReader<'_> {
     }
 }
 
-/// Seconds since 1970-01-01T00:00Z of an RFC 3339 time such as `2007-09-07T18:00:00-07:00`.
+/// Returns seconds since 1970-01-01T00:00Z of an RFC 3339 time such as `2007-09-07T18:00:00-07:00`.
 pub(crate) fn parse_utc(text: &str) -> Option<f64> {
     let time = OffsetDateTime::parse(text, &Rfc3339).ok()?;
     Some(time.unix_timestamp() as f64 + f64::from(time.millisecond()) / 1000.0)

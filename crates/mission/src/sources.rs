@@ -23,7 +23,7 @@ pub(crate) struct DataFile {
 }
 
 impl DataFile {
-    /// The file as text.
+    /// Returns the file as text.
     pub(crate) fn text(&self) -> MissionResult<String> {
         text_of(&self.place, self.bytes.clone())
     }

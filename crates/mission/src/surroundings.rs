@@ -149,7 +149,7 @@ pub(crate) fn wind(file: &DataFile) -> MissionResult<WindField> {
     Ok(WindField { layers, blend: true })
 }
 
-/// The area of a row by its four edges; none if it has none.
+/// Returns the area of a row by its four edges; `None` if it has none.
 pub(crate) fn area_of(row: &tables::TableRow<'_>) -> MissionResult<Option<Area>> {
     let edges = [
         row.number("south_deg", -90.0, 90.0)?,
@@ -169,7 +169,7 @@ pub(crate) fn area_of(row: &tables::TableRow<'_>) -> MissionResult<Option<Area>>
     }
 }
 
-/// The span of a row between `from_h` and `until_h`, in seconds; without them it has no beginning or end.
+/// Returns the span of a row between `from_h` and `until_h`, in seconds; without them it has no beginning or end.
 pub(crate) fn hours_of(row: &tables::TableRow<'_>) -> MissionResult<(f64, f64)> {
     let from_s = row.number("from_h", -1e6, 1e6)?.map_or(-FOREVER_S, |hours| hours * 3600.0);
     let until_s = row.number("until_h", -1e6, 1e6)?.map_or(FOREVER_S, |hours| hours * 3600.0);

@@ -70,25 +70,25 @@ pub(crate) fn rows(file: &DataFile) -> MissionResult<Rows> {
 }
 
 impl DataTable {
-    /// The rows in order.
+    /// Returns the rows in order.
     pub(crate) fn rows(&self) -> impl Iterator<Item = TableRow<'_>> {
         self.rows.iter().map(|(line, cells)| TableRow { table: self, line: *line, cells })
     }
 }
 
 impl TableRow<'_> {
-    /// An error in this row.
+    /// Returns an error in this row.
     pub(crate) fn trouble(&self, what: impl std::fmt::Display) -> MissionError {
         MissionError::data(what.to_string()).at(format!("{}:{}", self.table.file, self.line))
     }
 
-    /// The cell, if the column exists and the cell is not empty.
+    /// Returns the cell, if the column exists and the cell is not empty.
     pub(crate) fn text(&self, column: &str) -> Option<&str> {
         let index = self.table.header.iter().position(|name| name == column)?;
         self.cells.get(index).map(String::as_str).filter(|text| !text.is_empty())
     }
 
-    /// The cell as a number inside `[low, high]`, if it is there.
+    /// Returns the cell as a number inside `[low, high]`, if it is there.
     pub(crate) fn number(&self, column: &str, low: f64, high: f64) -> MissionResult<Option<f64>> {
         let Some(text) = self.text(column) else { return Ok(None) };
         match text.parse::<f64>() {
@@ -98,7 +98,7 @@ impl TableRow<'_> {
         }
     }
 
-    /// The cell as a number that must be there.
+    /// Returns the cell as a number that must be there.
     pub(crate) fn required(&self, column: &str, low: f64, high: f64) -> MissionResult<f64> {
         self.number(column, low, high)?.ok_or_else(|| self.trouble(format!("`{column}` is empty")))
     }

@@ -81,12 +81,12 @@ pub struct PictureTerms {
 }
 
 impl Fire {
-    /// Worth of perfect looks.
+    /// Returns the worth of perfect looks.
     pub fn value(&self) -> f64 {
         self.wanted.looks.iter().map(|look| look.value).sum()
     }
 
-    /// The wanted looks with their names in plans: the target's where it has one look only, else `TARGET/LOOK`.
+    /// Returns the wanted looks with their names in plans: the target's where it has one look only, else `TARGET/LOOK`.
     pub fn looks(&self) -> impl Iterator<Item = (String, &WantedLook)> {
         let alone = self.wanted.looks.len() == 1;
         let name = move |look: &WantedLook| match alone {
@@ -96,7 +96,7 @@ impl Fire {
         self.wanted.looks.iter().map(move |look| (name(look), look))
     }
 
-    /// Only its perimeter must be seen.
+    /// Returns true if only the perimeter must be seen.
     pub fn perimeter_only(&self) -> bool {
         matches!(self.wanted.area, TargetArea::Perimeter { .. })
     }
@@ -120,7 +120,7 @@ pub struct Site {
 }
 
 impl Target {
-    /// Worth of a perfect observation, or importance, for display.
+    /// Returns the worth of a perfect observation, or importance, for display.
     pub fn worth(&self) -> f64 {
         match &self.kind {
             TargetKind::Fire(fire) => fire.value(),
@@ -148,7 +148,7 @@ impl Target {
         self.id == name || of_look()
     }
 
-    /// True for what is to be observed.
+    /// Returns true for what is to be observed.
     pub fn is_observable(&self) -> bool {
         !matches!(self.kind, TargetKind::Base)
     }
@@ -268,7 +268,7 @@ fn grid(
     })
 }
 
-/// A point, a line or an area that a camera observes. A point is at the height of the thing itself.
+/// Returns a point, a line or an area that a camera observes. A point is at the height of the thing itself.
 fn inspection(feature: &NamedFeature, polygons: &[Vec<Position>], terms: Terms<'_>) -> MissionResult<Fire> {
     let position = feature.position()?;
     let line = feature.line()?;
@@ -359,7 +359,7 @@ fn site(feature: &NamedFeature) -> MissionResult<Site> {
     })
 }
 
-/// `rate_per_h`, or `rates_per_h` where it changes.
+/// Reads `rate_per_h`, or `rates_per_h` if the rate changes.
 fn rate(feature: &NamedFeature) -> MissionResult<EventRate> {
     const SECONDS_PER_HOUR: f64 = 3600.0;
     let wrong = |what: String| {

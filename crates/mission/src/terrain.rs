@@ -142,7 +142,7 @@ impl Header {
     }
 }
 
-/// A tile of the Shuttle Radar Topography Mission: big-endian 16-bit metres from the north-western post on; its name states the
+/// Returns a tile of the Shuttle Radar Topography Mission: big-endian 16-bit metres from the north-western post on; its name states the
 /// south-western post.
 fn tile(place: &str, bytes: &[u8]) -> MissionResult<TerrainGrid> {
     let name = place.rsplit(['/', '\\']).next().unwrap_or(place);
@@ -181,7 +181,7 @@ fn tile_corner(name: &str) -> Option<Position> {
     (latitude_deg.abs() <= 90.0 && longitude_deg.abs() <= 180.0).then(|| Position::new(latitude_deg, longitude_deg))
 }
 
-/// The grid of posts that a file gives from the northern row on.
+/// Returns the grid of posts that a file gives from the northern row on.
 fn made(
     place: &str,
     south_west: Position,
@@ -198,7 +198,7 @@ fn made(
     })
 }
 
-/// The elevation of a place of the mission: the stated one, which must agree with the ground, or that of the ground.
+/// Returns the elevation of a place of the mission: the stated one, which must agree with the ground, or that of the ground.
 ///
 /// # Errors
 /// The terrain does not reach the place, or knows another elevation there.
@@ -234,7 +234,7 @@ pub(crate) enum Mismatch {
 }
 
 impl Mismatch {
-    /// The error about `what`, which `place` names.
+    /// Returns the error about `what`, which `place` names.
     pub(crate) fn error(self, what: &str, place: &str) -> MissionError {
         match self {
             Mismatch::NotCovered { position } => {

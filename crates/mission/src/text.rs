@@ -9,7 +9,7 @@ const TIME_INDENT: &str = "                ";
 /// The narrowest column of names.
 const NAME_WIDTH_MIN: usize = 10;
 
-/// A duration as text: `22 h 4 min 56 s`, `4 min 3 s`, `13.5 s`.
+/// Returns a duration as text: `22 h 4 min 56 s`, `4 min 3 s`, `13.5 s`.
 pub fn plain_duration(duration: Duration) -> String {
     let seconds = duration.seconds();
     if seconds < 60.0 {
@@ -59,7 +59,7 @@ pub fn wrapped_line(line: &str) -> String {
     wrapped(&words, " ", 0, &indent)
 }
 
-/// A name in a column of `width`, with its text wrapped in the next column.
+/// Returns a name in a column of `width`, with its text wrapped in the next column.
 pub fn named(name: &str, width: usize, text: &str) -> String {
     let words: Vec<String> = text.split(' ').map(str::to_string).collect();
     format!("  {name:<width$}  {}", wrapped(&words, " ", width + 4, &" ".repeat(width + 4)))

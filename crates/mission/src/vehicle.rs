@@ -94,7 +94,7 @@ fn with_sensors(file: &str, text: &str, files: &mut Files<'_>) -> MissionResult<
     parsed.map_err(invalid)
 }
 
-/// Name in the record, name in messages, and bytes of the sensor that the vehicle file `vehicle` calls `reference`: a file next to
+/// Returns name in the record, name in messages, and bytes of the sensor that the vehicle file `vehicle` calls `reference`: a file next to
 /// the mission, or a sensor that ships, of which the copy in a record counts more.
 fn sensor_file(reference: &str, sources: &Sources, vehicle: &str) -> Result<(String, String, Vec<u8>), String> {
     if reference.ends_with(".json") {
@@ -186,7 +186,7 @@ pub fn figures(model: &VehicleModel) -> String {
     text
 }
 
-/// Least radius of the turns that a plan counts on; 0 for a vehicle that turns on the spot.
+/// Returns the least radius of the turns that a plan counts on; 0 for a vehicle that turns on the spot.
 pub fn turn_radius_m(model: &VehicleModel) -> f64 {
     match model.airframe {
         Airframe::FixedWing => travel::turn_radius_m(

@@ -51,7 +51,7 @@ pub enum Violation {
 }
 
 impl Violation {
-    /// The requirement as a flight names it in `(requirement-broken NAME WHY)`.
+    /// Returns the requirement as a flight names it in `(requirement-broken NAME WHY)`.
     pub fn requirement(&self) -> &str {
         match self {
             Violation::Inside(zone) => zone,
@@ -112,12 +112,12 @@ pub struct CheckResult {
 }
 
 impl CheckResult {
-    /// Positions at which some requirement was violated.
+    /// Returns positions at which some requirement was violated.
     pub fn violations(&self) -> u64 {
         self.inside_zones + self.outside_permitted + self.near_ground + self.beyond_landing_distance
     }
 
-    /// The kept findings of which the flight did not say before that it had to break this requirement.
+    /// Returns the kept findings of which the flight did not say before that it had to break this requirement.
     pub fn unsaid(&self) -> impl Iterator<Item = &Finding> {
         self.findings.iter().filter(|finding| {
             let name = finding.violation.requirement();
@@ -128,7 +128,7 @@ impl CheckResult {
 }
 
 impl FlightCheck {
-    /// A check of flights of `mission`.
+    /// Returns a check of flights of `mission`.
     pub fn new(mission: &Mission) -> FlightCheck {
         let is_place = |target: &&crate::Target| matches!(target.kind, TargetKind::Base);
         let bases = mission.targets.iter().filter(is_place).map(|base| base.position);
@@ -284,12 +284,12 @@ impl fmt::Display for CheckResult {
     }
 }
 
-/// Nothing, or the reason, follows a whole name.
+/// Returns true if a whole name is followed by nothing or by the reason.
 fn ends_name(rest: &str) -> bool {
     rest.is_empty() || rest.starts_with(": ")
 }
 
-/// Do the corners go around a place? The bearings of a polygon's corners, followed edge by edge, make a full turn then.
+/// Returns true if the corners go around a place: the bearings of a polygon's corners, followed edge by edge, then make a full turn.
 fn is_around(corners: &[Position], here: Position) -> bool {
     let next = corners.iter().skip(1).chain(corners.first());
     let turned: f64 =

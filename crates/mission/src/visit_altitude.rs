@@ -8,7 +8,7 @@ pub(crate) fn sites(mission: &Mission) -> impl Iterator<Item = &Target> {
     mission.targets.iter().filter(|target| matches!(target.kind, TargetKind::Site(_)))
 }
 
-/// Altitude above mean sea level from which a site is observed.
+/// Returns the altitude above mean sea level from which a site is observed.
 pub fn visit_altitude_m(mission: &Mission, site: &Target) -> f64 {
     match mission.model.airframe {
         Airframe::Rotorcraft => {
@@ -25,7 +25,7 @@ pub fn visit_altitude_m(mission: &Mission, site: &Target) -> f64 {
     }
 }
 
-/// Height over the ground from which a rotorcraft sees a site: the one of its vehicle file, lower where the camera needs that
+/// Returns the height over the ground from which a rotorcraft sees a site: the one of its vehicle file, lower where the camera needs that
 /// for the wanted pixels, but not lower than the clearance from terrain.
 fn hover_height_m(mission: &Mission, site: &Target) -> f64 {
     let usual_m = mission.model.planning.visit_height_m;

@@ -15,7 +15,7 @@ use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_observation::result::{LookResult, LossCause};
 
-/// A Predator B and one fire of 8 by 8 km at sea level, 50 km north of the field, below these clouds.
+/// Returns a Predator B and one fire of 8 by 8 km at sea level, 50 km north of the field, below these clouds.
 fn mission(clouds: Option<&str>) -> Mission {
     let folder = tempfile::tempdir().unwrap();
     let put = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
@@ -83,7 +83,8 @@ fn planners_fly_below_an_overcast_sky() {
     assert!(!below.is_empty() && below.iter().all(|one| one.altitude_m <= 5_200.0), "{below:?}");
 }
 
-/// A line of 10 km over the middle of the fire, from west to east, at 5,000 m and 100 m/s; clouds hide the ground from `hidden_s` on.
+/// Returns a line of 10 km over the middle of the fire, from west to east, at 5,000 m and 100 m/s; clouds hide the ground from `hidden_s`
+/// on.
 fn flown(hidden_s: f64) -> LookResult {
     let mission = mission(None);
     let mut score = FlownScore::new(&mission).unwrap().unwrap();

@@ -81,7 +81,7 @@ fn fire(id: &str, ground: &str, properties: &str) -> String {
     )
 }
 
-/// The mission `western-states` with these fires instead.
+/// Returns the mission `western-states` with these fires instead.
 fn mission(fires: &[String]) -> Result<Mission, String> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/western-states");
     let mission = Mission::load(&folder).unwrap();
@@ -103,7 +103,7 @@ fn of_unit(number: f64, unit: &str) -> Value {
     Value::Quantity(Quantity::of(number, unit))
 }
 
-/// The batches of a flight along the lines, one every 0.2 s.
+/// Returns the batches of a flight along the lines, one every 0.2 s.
 fn batches(lines: &[Line]) -> Vec<Batch> {
     let mut batches = Vec::new();
     let mut sequence = 0;
@@ -409,7 +409,7 @@ fn adopt_plan(deliberator: &mut MissionDeliberator, at_s: f64) {
     assert!(deliberator.situation().plan.is_some());
 }
 
-/// A kilometre with a low wing, between 5 and 6 km of the line.
+/// Returns a kilometre with a low wing, between 5 and 6 km of the line.
 fn low_wing(flown_m: f64) -> f64 {
     if (5_000.0..6_000.0).contains(&flown_m) { 5.0 } else { 0.0 }
 }

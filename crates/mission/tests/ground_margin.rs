@@ -31,7 +31,7 @@ fn mission(vehicle: &str) -> Mission {
     Mission::load(folder.path()).unwrap_or_else(|error| panic!("{error:?}"))
 }
 
-/// Positions that count as too near to the ground, in level flight at this height.
+/// Returns positions that count as too near to the ground, in level flight at this height.
 fn too_near(vehicle: &str, height_m: f64) -> u64 {
     let mut check = FlightCheck::new(&mission(vehicle));
     let measured = |attribute: &str, value: Value| {

@@ -93,7 +93,7 @@ fn mission_path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions").join(name).join("mission.pdl")
 }
 
-/// The lines of all that is said about the mission with this text, warnings and errors; and the words of it.
+/// Returns the lines of all that is said about the mission with this text, warnings and errors; and the words of it.
 fn said_about(path: &Path, text: &str) -> (Vec<u32>, Vec<String>) {
     let mut read = |file: &Path| -> MissionResult<String> {
         if file == path { Ok(text.to_string()) } else { apex_mission::files::read_text(file) }

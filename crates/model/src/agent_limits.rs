@@ -62,7 +62,7 @@ impl Limit {
         Limit::MemoryMebibytes,
     ];
 
-    /// The constant's name, the word in PDL, and the values between which the limit may be set.
+    /// Returns the constant's name, the word in PDL, and the values between which the limit may be set.
     fn facts(self) -> (&'static str, &'static str, u64, u64) {
         let samples_least = limits::HISTORY_SAMPLES_DEFAULT as u64;
         match self {
@@ -101,27 +101,27 @@ impl Limit {
         }
     }
 
-    /// The constant's name in [`crate::limits`], as causes tell it.
+    /// Returns the constant's name in [`crate::limits`], as causes tell it.
     pub fn constant(self) -> &'static str {
         self.facts().0
     }
 
-    /// The word in PDL.
+    /// Returns the word in PDL.
     pub fn word(self) -> &'static str {
         self.facts().1
     }
 
-    /// The least value that it may be set to.
+    /// Returns the least value that it may be set to.
     pub fn least(self) -> u64 {
         self.facts().2
     }
 
-    /// The greatest value that it may be set to.
+    /// Returns the greatest value that it may be set to.
     pub fn most(self) -> u64 {
         self.facts().3
     }
 
-    /// The executive's own limit, where an agent states none: the greatest value, except for memory, of which computers differ.
+    /// Returns the executive's own limit, where an agent states none: the greatest value, except for memory, of which computers differ.
     pub fn usual(self) -> u64 {
         if self == Limit::MemoryMebibytes { limits::MEMORY_MEBIBYTES_MAX } else { self.most() }
     }
@@ -141,12 +141,12 @@ pub struct Limits {
 pub const UNLOWERED: &Limits = &Limits { set: Vec::new() };
 
 impl Limits {
-    /// The value of `limit`.
+    /// Returns the value of `limit`.
     pub fn of(&self, limit: Limit) -> u64 {
         self.set.iter().find(|(each, _)| *each == limit).map_or_else(|| limit.usual(), |(_, value)| *value)
     }
 
-    /// The same as a number of things in memory.
+    /// Returns the same as a number of things in memory.
     pub fn count(&self, limit: Limit) -> usize {
         usize::try_from(self.of(limit)).unwrap_or(usize::MAX)
     }
@@ -167,7 +167,7 @@ impl Limits {
         Limits { set: kept.map(|limit| (limit, LOG_ITEMS_MAX)).to_vec() }
     }
 
-    /// The cause of what happens because `limit` was reached.
+    /// Returns the cause of effects of a reached `limit`.
     pub fn reached(&self, limit: Limit) -> Cause {
         Cause::LimitReached { limit: limit.constant().into(), value: self.of(limit) }
     }

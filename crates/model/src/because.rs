@@ -167,12 +167,12 @@ pub struct Strength {
 }
 
 impl Strength {
-    /// Of a task that claims.
+    /// Returns the strength of a task that claims.
     pub fn claiming(priority: f64) -> Strength {
         Strength { priority, interrupt_cost: 0.0 }
     }
 
-    /// Value that is compared.
+    /// Returns the value that is compared.
     pub fn total(self) -> f64 {
         self.priority + self.interrupt_cost
     }
@@ -188,7 +188,7 @@ impl std::fmt::Display for Strength {
 }
 
 impl Because {
-    /// A cause with a place and no evidence.
+    /// Returns a cause with a place and no evidence.
     pub fn new(cause: Cause, place: Option<Place>) -> Because {
         Because { cause, place, evidence: EvidenceList::default() }
     }
@@ -198,7 +198,7 @@ impl Because {
         self.text_at(&|place| library.describe_place(place))
     }
 
-    /// The same, where `describe` knows the names of places.
+    /// Returns the same, where `describe` knows the names of places.
     pub fn text_at(&self, describe: &dyn Fn(Place) -> String) -> String {
         let mut text = self.cause.text();
         for (index, evidence) in self.evidence.iter().enumerate() {
@@ -214,7 +214,7 @@ impl Because {
 }
 
 impl Evidence {
-    /// `(roll-angle aircraft-1) = 7.2deg at 12.5s`
+    /// Returns the sample as text: `(roll-angle aircraft-1) = 7.2deg at 12.5s`
     pub fn text(&self) -> String {
         match self {
             Evidence::Sample { variable, value, at } => format!("{variable} = {value} at {at}"),

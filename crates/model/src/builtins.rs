@@ -245,7 +245,7 @@ pub const SPECIAL_FORMS: &[&str] = &[
     "setq", "unless", "when",
 ];
 
-/// The built-in function called `name` (folded) or by an alias; its `name` field is the one to store.
+/// Returns the built-in function called `name` (folded) or by an alias; its `name` field is the one to store.
 pub fn built_in(name: &str) -> Option<&'static BuiltIn> {
     let name = match ALIASES.binary_search_by(|(alias, _)| (*alias).cmp(name)) {
         Ok(index) => ALIASES.get(index).map_or(name, |(_, target)| target),

@@ -3,7 +3,7 @@
 use crate::cause::Cause;
 
 impl Cause {
-    /// The name of the cause's kind: `resources-granted`.
+    /// Returns the name of the cause's kind: `resources-granted`.
     pub fn kind(&self) -> &'static str {
         match self {
             Cause::InitialTask => "initial-task",

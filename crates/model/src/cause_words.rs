@@ -7,7 +7,7 @@ use crate::task::TaskId;
 use crate::value::Value;
 
 impl Cause {
-    /// The cause as text, after "because".
+    /// Returns the cause as text, after "because".
     pub fn text(&self) -> String {
         match self {
             Cause::InitialTask => "it is the agent's initial task".into(),
@@ -55,7 +55,7 @@ impl Cause {
         }
     }
 
-    /// Ends from outside, choices, bindings, faults.
+    /// Returns ends from outside, choices, bindings, faults.
     fn text_of_the_rest(&self) -> String {
         match self {
             Cause::ItemsEnded { items, last } => items_text(*items, *last),

@@ -224,7 +224,7 @@ pub enum AllenRelation {
 }
 
 impl AllenRelation {
-    /// The relation's keyword, without its colon.
+    /// Returns the relation's keyword, without its colon.
     pub fn word(self) -> &'static str {
         match self {
             AllenRelation::Before => "before",

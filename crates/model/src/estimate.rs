@@ -49,7 +49,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// `(altitude uav) = 120ft at 30s by :linear-regression over 12 samples, 4s beyond them, error 0.3ft`
+    /// Returns the estimate as text: `(altitude uav) = 120ft at 30s by :linear-regression over 12 samples, 4s beyond them, error 0.3ft`
     pub fn text(&self) -> String {
         let Estimate { estimator, variable, value, at, samples, extrapolation, .. } = self;
         let mut text = format!("{variable} = {} at {at} by {estimator}", computed(value));
@@ -90,14 +90,14 @@ pub struct Aggregate {
 }
 
 impl Aggregate {
-    /// `mean of (rpm engine-1) from 2s to 9s = 812`
+    /// Returns the statistic as text: `mean of (rpm engine-1) from 2s to 9s = 812`
     pub fn text(&self) -> String {
         let Aggregate { variable, name, value, interval: (start, end), .. } = self;
         format!("{name} of {variable} from {start} to {end} = {}", computed(value))
     }
 }
 
-/// A computed value without the last bits, which say nothing.
+/// Returns a computed value without the last bits, which say nothing.
 pub fn computed(value: &Value) -> String {
     match value {
         Value::Real(real) => format_rounded(*real),

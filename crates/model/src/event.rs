@@ -61,7 +61,7 @@ pub enum CommandProgress {
 }
 
 impl CommandProgress {
-    /// The word in `(command-state ?step = accepted)` and in inputs.
+    /// Returns the word in `(command-state ?step = accepted)` and in inputs.
     pub fn word(self) -> &'static str {
         match self {
             CommandProgress::Accepted => "accepted",
@@ -69,7 +69,7 @@ impl CommandProgress {
         }
     }
 
-    /// The progress with this word.
+    /// Returns the progress with this word.
     pub fn named(word: &str) -> Option<CommandProgress> {
         [CommandProgress::Accepted, CommandProgress::InProgress].into_iter().find(|each| each.word() == word)
     }
@@ -106,7 +106,7 @@ pub struct StateVariable {
     pub object: Value,
 }
 
-/// The measurement that a message of the form `(ATTRIBUTE OBJECT.. = VALUE)` is, as in the original system; none for other
+/// Returns the measurement that a message of the form `(ATTRIBUTE OBJECT.. = VALUE)` is, as in the original system; `None` for other
 /// messages.
 pub fn measured(form: &Value) -> Option<(StateVariable, Value)> {
     let [attribute, objects @ .., relation, value] = form.as_list()? else { return None };
@@ -123,7 +123,7 @@ pub fn measured(form: &Value) -> Option<(StateVariable, Value)> {
 }
 
 impl StateVariable {
-    /// The variable `(attribute object)`; a whole real object is the integer, so that 2 and 2.0 name one variable.
+    /// Returns the variable `(attribute object)`; a whole real object is the integer, so that 2 and 2.0 name one variable.
     pub fn new(attribute: Symbol, object: Value) -> StateVariable {
         let object = match object {
             Value::Real(real) if libm::trunc(real) == real && real.abs() < 9e15 => Value::Integer(real as i64),
@@ -134,7 +134,7 @@ impl StateVariable {
 }
 
 impl StateVariable {
-    /// The variable as a list, `(altitude aircraft-1)`, as topics of routers are compared with it.
+    /// Returns the variable as a list, `(altitude aircraft-1)`, as topics of routers are compared with it.
     pub fn form(&self) -> Value {
         let attribute = Value::Symbol(self.attribute.clone());
         match &self.object {

@@ -10,12 +10,12 @@ use std::sync::Arc;
 pub struct EvidenceList(Option<Arc<[Evidence]>>);
 
 impl EvidenceList {
-    /// One fact.
+    /// Returns a list of one fact.
     pub fn one(evidence: Evidence) -> EvidenceList {
         EvidenceList(Some(Arc::from([evidence])))
     }
 
-    /// The facts of both, those of `self` first.
+    /// Returns the facts of both, those of `self` first.
     pub fn joined(&self, other: &EvidenceList) -> EvidenceList {
         match (self.is_empty(), other.is_empty()) {
             (true, _) => other.clone(),

@@ -103,17 +103,17 @@ impl Parameters {
         Parameters { required: names.into_iter().collect(), ..Parameters::default() }
     }
 
-    /// All names in order of writing.
+    /// Returns all names in order of writing.
     pub fn names(&self) -> impl Iterator<Item = &Symbol> {
         self.required.iter().chain(self.optional.iter().map(|(name, _)| name)).chain(&self.rest)
     }
 
-    /// The least number of arguments.
+    /// Returns the least number of arguments.
     pub fn arguments_min(&self) -> usize {
         self.required.len()
     }
 
-    /// The greatest number of arguments; none is unlimited.
+    /// Returns the greatest number of arguments; none is unlimited.
     pub fn arguments_max(&self) -> Option<usize> {
         self.rest.is_none().then_some(self.required.len() + self.optional.len())
     }

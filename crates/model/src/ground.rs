@@ -6,7 +6,7 @@ use crate::pattern::Pattern;
 use crate::value::Value;
 
 impl Condition {
-    /// The state variables of all its parts whose objects are written out, in written order, each once. Variables whose
+    /// Returns the state variables of all its parts whose objects are written out, in written order, each once. Variables whose
     /// object is a pattern or is computed are not among them.
     pub fn ground_variables(&self) -> Vec<StateVariable> {
         let mut found = Vec::new();

@@ -19,12 +19,12 @@ impl HostFunctions {
         self.0.insert(Symbol::new(name), function);
     }
 
-    /// The function called `name`.
+    /// Returns the function called `name`.
     pub fn get(&self, name: &Symbol) -> Option<&HostFunction> {
         self.0.get(name)
     }
 
-    /// All names, in order.
+    /// Returns all names, in order.
     pub fn names(&self) -> impl Iterator<Item = &Symbol> {
         self.0.keys()
     }

@@ -72,12 +72,12 @@ impl NameKind {
         (NameKind::Aircraft, "aircraft"),
     ];
 
-    /// The kind that `word` declares.
+    /// Returns the kind that `word` declares.
     pub fn of_word(word: &str) -> Option<NameKind> {
         NameKind::ALL.into_iter().find(|(_, known)| *known == word).map(|(kind, _)| kind)
     }
 
-    /// The word that declares it.
+    /// Returns the word that declares it.
     pub fn word(self) -> &'static str {
         NameKind::ALL.into_iter().find(|(kind, _)| *kind == self).map_or("", |(_, word)| word)
     }
@@ -100,7 +100,7 @@ impl ArgumentType {
         ["any", "text", "list"].into_iter().chain(quantities).chain(names)
     }
 
-    /// The type that `word` declares.
+    /// Returns the type that `word` declares.
     pub fn of_word(word: &str) -> Option<ArgumentType> {
         let quantity = || QUANTITIES.iter().find(|(known, _)| *known == word).map(|(_, dimension)| *dimension);
         match word {
@@ -111,7 +111,7 @@ impl ArgumentType {
         }
     }
 
-    /// As text with an article: `a length`, `the name of a camera`.
+    /// Returns the type as text with an article: `a length`, `the name of a camera`.
     pub fn described(&self) -> String {
         match self {
             ArgumentType::Any => "anything".to_string(),

@@ -58,18 +58,18 @@ pub struct Library {
 }
 
 impl Library {
-    /// The agents to run: the declared ones in order, else the one of [`AgentDeclaration::of_program`].
+    /// Returns the agents to run: the declared ones in order, else the one of [`AgentDeclaration::of_program`].
     pub fn crew(&self) -> Vec<AgentDeclaration> {
         if self.agents.is_empty() { vec![AgentDeclaration::of_program()] } else { self.agents.clone() }
     }
 
-    /// True if samples of the attribute are read by a derivation.
+    /// Returns true if samples of the attribute are read by a derivation.
     pub fn feeds_derivations(&self, attribute: &Symbol) -> bool {
         let reads = |each: &Derivation| each.inputs.iter().any(|input| input.attribute == *attribute);
         !self.derivations.is_empty() && self.derivations.values().any(reads)
     }
 
-    /// The parts of a resource and their parts, in order of their names; none for most resources.
+    /// Returns the parts of a resource and their parts, in order of their names; none for most resources.
     pub fn parts_of<'a>(&'a self, resource: &Symbol) -> Vec<&'a Symbol> {
         let mut parts: BTreeSet<&Symbol> = BTreeSet::new();
         let mut open = vec![resource.clone()];
@@ -81,12 +81,12 @@ impl Library {
         parts.into_iter().collect()
     }
 
-    /// True when several agents are declared: what one says may concern others.
+    /// Returns true when several agents are declared: what one says may concern others.
     pub fn has_several_agents(&self) -> bool {
         self.agents.len() > 1
     }
 
-    /// `file.pdl:14:3`, as shown in every message.
+    /// Returns the place as text, `file.pdl:14:3`, as in every message.
     pub fn describe_place(&self, place: Place) -> String {
         let name = usize::try_from(place.file).ok().and_then(|index| self.sources.get(index));
         match name {
@@ -210,7 +210,7 @@ pub const DEFAULT_WORKLOAD: f64 = 5.0;
 pub const DEFAULT_ROUTER: &str = "default";
 
 impl AgentDeclaration {
-    /// The agent of a program that declares none: it is called `agent` and does `(do-domain)`.
+    /// Returns the agent of a program that declares none: it is called `agent` and does `(do-domain)`.
     pub fn of_program() -> AgentDeclaration {
         AgentDeclaration {
             name: Symbol::new("agent"),
@@ -280,12 +280,12 @@ pub struct Application {
 }
 
 impl Application {
-    /// The datum of option `name` (folded, without the colon), if given.
+    /// Returns the datum of option `name` (folded, without the colon), if given.
     pub fn option(&self, name: &str) -> Option<&Value> {
         self.options.iter().find(|(key, _)| key.is(name)).map(|(_, value)| value)
     }
 
-    /// The place of option `name`, else that of the application.
+    /// Returns the place of option `name`, else that of the application.
     pub fn option_place(&self, name: &str) -> Place {
         self.option_places.iter().find(|(key, _)| key.is(name)).map_or(self.place, |(_, place)| *place)
     }

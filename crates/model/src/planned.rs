@@ -49,7 +49,7 @@ pub struct Location {
 }
 
 impl Location {
-    /// The PDL value `(LATITUDE LONGITUDE ALTITUDE)`.
+    /// Returns the PDL value `(LATITUDE LONGITUDE ALTITUDE)`.
     pub fn value(&self) -> Value {
         let Position { latitude_deg, longitude_deg } = self.position;
         Value::list([latitude_deg, longitude_deg, self.altitude_m].map(Value::Real))
@@ -149,7 +149,7 @@ pub enum PlannedActivity {
 }
 
 impl PlannedActivity {
-    /// The target that the activity observes; `None` for a transit.
+    /// Returns the target that the activity observes; `None` for a transit.
     pub fn target(&self) -> Option<&str> {
         match self {
             PlannedActivity::Observe { target, .. }
@@ -163,7 +163,7 @@ impl PlannedActivity {
         }
     }
 
-    /// The goal that the step pursues.
+    /// Returns the goal that the step pursues.
     pub fn goal(&self) -> Value {
         let word = Value::symbol;
         match self {
@@ -206,13 +206,19 @@ impl PlannedActivity {
         }
     }
 
-    /// Reads a ground goal back; a goal of any other form is [`PlannedActivity::Goal`].
+    /// Reads a ground goal back. A goal of any other form is [`PlannedActivity::Goal`], and so is one about a location in place of
+    /// a named target: the other variants hold names.
     pub fn from_goal(goal: &Value) -> PlannedActivity {
         known_goal(goal).unwrap_or_else(|| PlannedActivity::Goal(goal.clone()))
     }
 }
 
-/// True if the words at these places of a list are these.
+/// Returns the name of a target, camera or place; `None` for a location.
+fn name_of(value: &Value) -> Option<String> {
+    value.as_list().is_none().then(|| value.to_string())
+}
+
+/// Returns true if the items at the given indices are the given words.
 fn has_words(items: &[Value], words: &[(usize, &str)]) -> bool {
     let is = |(index, word): &(usize, &str)| {
         items.get(*index).and_then(Value::as_symbol).is_some_and(|symbol| symbol.is(word))
@@ -233,9 +239,9 @@ fn photograph(goal: &Value) -> Option<PlannedActivity> {
     };
     has_words(items, &[(2, "along"), (4, "with"), (6, "every"), (8, "at"), (10, "due")]).then_some(())?;
     Some(PlannedActivity::Photograph {
-        target: target.to_string(),
+        target: name_of(target)?,
         lines: lines.as_list()?.iter().map(ends).collect::<Option<_>>()?,
-        camera: camera.to_string(),
+        camera: name_of(camera)?,
         every_m: measured(every, Dimension::LENGTH)?,
         speed_mps: measured(speed, Dimension::SPEED)?,
         due: *due,
@@ -250,10 +256,10 @@ fn inspect(goal: &Value) -> Option<PlannedActivity> {
     has_words(items, &[(2, "from"), (4, "with"), (6, "pointed"), (7, "at"), (9, "taking"), (11, "due")])
         .then_some(())?;
     Some(PlannedActivity::Inspect {
-        target: target.to_string(),
+        target: name_of(target)?,
         from: Location::from_value(from)?,
-        camera: camera.to_string(),
-        at: at.to_string(),
+        camera: name_of(camera)?,
+        at: name_of(at)?,
         count: u32::try_from(*count).ok()?,
         due: *due,
     })
@@ -273,14 +279,14 @@ fn known_goal(goal: &Value) -> Option<PlannedActivity> {
                 _ => None,
             };
             let lines = lines.as_list()?.iter().map(ends).collect::<Option<_>>()?;
-            Some(PlannedActivity::Observe { target: target.to_string(), lines, due })
+            Some(PlannedActivity::Observe { target: name_of(target)?, lines, due })
         }
         [head, ..] if is(head, "photograph") => photograph(goal),
         [head, ..] if is(head, "inspect") => inspect(goal),
         [head, site, from, at, time, Value::Duration(dwell), rest @ ..] if is(head, "visit") && is(time, "for") => {
             let camera = match rest {
                 [] => None,
-                [with, camera] if is(with, "with") => Some(camera.to_string()),
+                [with, camera] if is(with, "with") => Some(name_of(camera)?),
                 _ => return None,
             };
             let from = match from.as_symbol()? {
@@ -289,7 +295,7 @@ fn known_goal(goal: &Value) -> Option<PlannedActivity> {
                 _ => return None,
             };
             let at = Location::from_value(at)?;
-            Some(PlannedActivity::Visit { site: site.to_string(), from, at, dwell: *dwell, camera })
+            Some(PlannedActivity::Visit { site: name_of(site)?, from, at, dwell: *dwell, camera })
         }
         [head, to, place] if is(head, "fly") && is(to, "to") => Location::from_value(place).map(PlannedActivity::FlyTo),
         [head, word, place, span, Value::Duration(time)] if is(head, "loiter") && is(word, "at") && is(span, "for") => {
@@ -356,6 +362,22 @@ mod tests {
         for activity in all {
             assert_eq!(PlannedActivity::from_goal(&activity.goal()), activity);
         }
+    }
+
+    #[test]
+    fn a_location_in_place_of_a_target_is_kept_as_a_location() {
+        let visit = PlannedActivity::Inspect {
+            target: "valve-3".into(),
+            from: location(1.5),
+            camera: "camera-1".into(),
+            at: "valve-3".into(),
+            count: 1,
+            due: Duration::from_seconds(60.0),
+        };
+        let replaced =
+            |item: &Value| if *item == Value::symbol("valve-3") { location(0.5).value() } else { item.clone() };
+        let goal = Value::list(visit.goal().as_list().unwrap_or_default().iter().map(replaced));
+        assert_eq!(PlannedActivity::from_goal(&goal).goal(), goal);
     }
 
     #[test]

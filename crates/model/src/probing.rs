@@ -36,7 +36,7 @@ pub fn ordinal(number: u64, limit: Option<u64>) -> String {
     }
 }
 
-/// `probing stopped after 3 of 3 probes: its :count-limit of 3 is reached`.
+/// Returns the end of probing as text: `probing stopped after 3 of 3 probes: its :count-limit of 3 is reached`.
 pub fn stopped_text(probes: u64, reason: ProbingEnd) -> String {
     let of = match reason {
         ProbingEnd::CountLimit(limit) => format!(" of {limit}"),

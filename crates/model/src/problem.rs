@@ -46,7 +46,7 @@ pub enum Plan {
 }
 
 impl Plan {
-    /// The name of the solver that made it.
+    /// Returns the name of the solver that made it.
     pub fn solver(&self) -> &str {
         match self {
             Plan::Surveillance(plan) => &plan.solver,
@@ -54,7 +54,7 @@ impl Plan {
         }
     }
 
-    /// One line for operators: what is visited, what it is worth, what was left out.
+    /// Returns one line for operators: visits, worth, and targets left out.
     pub fn summary(&self) -> &str {
         match self {
             Plan::Surveillance(plan) => &plan.summary,
@@ -62,7 +62,7 @@ impl Plan {
         }
     }
 
-    /// The targets that the plan does not visit, each with the reason.
+    /// Returns the targets that the plan does not visit, each with the reason.
     pub fn left_out(&self) -> &[LeftOut] {
         match self {
             Plan::Surveillance(plan) => &plan.left_out,
@@ -70,7 +70,7 @@ impl Plan {
         }
     }
 
-    /// The visited targets' names in order; a cycle is listed as flown until the horizon.
+    /// Returns the visited targets' names in order; a cycle is listed as flown until the horizon.
     pub fn targets(&self) -> Vec<&str> {
         match self {
             Plan::Surveillance(plan) => plan.visits.iter().map(|visit| visit.target.as_str()).collect(),

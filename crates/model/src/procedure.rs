@@ -151,7 +151,7 @@ pub struct Step {
 }
 
 impl Step {
-    /// A step that does `activity` at once: no clauses.
+    /// Returns a step that does `activity` at once: no clauses.
     pub fn plain(tag: Symbol, activity: Activity, place: Place) -> Step {
         Step {
             tag,
@@ -222,12 +222,12 @@ pub enum BuiltInActivity {
 }
 
 impl BuiltInActivity {
-    /// The activity's name in PDL: the first of its [`words`](BuiltInActivity::words).
+    /// Returns the activity's name in PDL: the first of its [`words`](BuiltInActivity::words).
     pub fn word(self) -> &'static str {
         self.words().0.first().copied().unwrap_or_default()
     }
 
-    /// The words that the activity begins with in PDL, and the keywords of its last arguments.
+    /// Returns the words that the activity begins with in PDL, and the keywords of its last arguments.
     pub fn words(self) -> (&'static [&'static str], &'static [&'static str]) {
         match self {
             BuiltInActivity::Reset => (&["reset"], &[]),

@@ -56,12 +56,12 @@ impl Dimension {
     /// Area (m^2).
     pub const AREA: Dimension = Dimension::new(2, 0, 0, 0, 0, 0);
 
-    /// The dimension of a product.
+    /// Returns the dimension of a product.
     pub fn times(self, other: Dimension) -> Dimension {
         self.combine(other, i8::saturating_add)
     }
 
-    /// The dimension of a quotient.
+    /// Returns the dimension of a quotient.
     pub fn over(self, other: Dimension) -> Dimension {
         self.combine(other, i8::saturating_sub)
     }
@@ -79,7 +79,7 @@ impl Dimension {
 }
 
 impl fmt::Display for Dimension {
-    /// A word where there is one (`length`, `speed`), else SI base units (`m^2 kg s^-3`).
+    /// Returns a word where there is one (`length`, `speed`), else SI base units (`m^2 kg s^-3`).
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let words = [
             (Dimension::NONE, "a pure number"),
@@ -190,7 +190,7 @@ pub static UNITS: &[Unit] = &[
     unit("ha", &["hectare", "hectares"], Dimension::AREA, 1e4),
 ];
 
-/// The unit with this spelling, in any case; the exact spelling wins where two differ by case only.
+/// Returns the unit with this spelling, in any case; the exact spelling wins where two differ by case only.
 pub fn unit_named(name: &str) -> Option<&'static Unit> {
     let folded = name.to_lowercase();
     UNITS
@@ -221,31 +221,31 @@ impl Quantity {
         }
     }
 
-    /// A quantity given in SI that prints in its dimension's SI unit.
+    /// Returns a quantity given in SI that prints in its dimension's SI unit.
     pub fn si(si: f64, dimension: Dimension) -> Quantity {
         let unit = UNITS.iter().position(|unit| unit.dimension == dimension && unit.factor == 1.0);
         Quantity { si, dimension, unit: unit.and_then(|index| u8::try_from(index).ok()) }
     }
 
-    /// The number of `unit`s this is; the caller has checked the dimension.
+    /// Returns the number of `unit`s; the caller has checked the dimension.
     pub fn in_unit(&self, unit: &Unit) -> f64 {
         self.si / unit.factor
     }
 
-    /// The unit this prints in.
+    /// Returns the unit this prints in.
     pub fn unit(&self) -> Option<&'static Unit> {
         self.unit.and_then(|index| UNITS.get(usize::from(index)))
     }
 }
 
 impl PartialEq for Quantity {
-    /// Equal value and dimension; the printing unit does not count.
+    /// Compares value and dimension; the unit for printing does not count.
     fn eq(&self, other: &Quantity) -> bool {
         self.dimension == other.dimension && self.si.to_bits() == other.si.to_bits()
     }
 }
 
-/// Twelve significant digits without trailing zeros: hides the last bits of a unit conversion.
+/// Formats a number with twelve significant digits without trailing zeros, which hides the last bits of a unit conversion.
 pub fn format_rounded(number: f64) -> String {
     if !number.is_finite() || number == 0.0 {
         return format!("{number}");

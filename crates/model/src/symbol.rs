@@ -20,7 +20,7 @@ struct SymbolText {
     prefix: u64,
 }
 
-/// The first eight bytes of `text`, the first one greatest; zeros behind a shorter text.
+/// Returns the first eight bytes of `text`, the first one greatest; zeros behind a shorter text.
 fn prefix(text: &str) -> u64 {
     let mut bytes = [0; 8];
     bytes.iter_mut().zip(text.bytes()).for_each(|(place, byte)| *place = byte);
@@ -28,7 +28,7 @@ fn prefix(text: &str) -> u64 {
 }
 
 impl Symbol {
-    /// The symbol written as `text`.
+    /// Returns the symbol written as `text`.
     pub fn new(text: &str) -> Symbol {
         let folded: Box<str> = text.to_lowercase().into();
         let printed = (*folded != *text).then(|| text.into());
@@ -36,12 +36,12 @@ impl Symbol {
         Symbol(Arc::new(SymbolText { folded, printed, hash, prefix }))
     }
 
-    /// The folded (lower case) text: the symbol's identity.
+    /// Returns the folded (lower case) text: the symbol's identity.
     pub fn folded(&self) -> &str {
         &self.0.folded
     }
 
-    /// The text as its author wrote it.
+    /// Returns the text as its author wrote it.
     pub fn printed(&self) -> &str {
         self.0.printed.as_deref().unwrap_or(&self.0.folded)
     }

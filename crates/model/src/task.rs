@@ -36,7 +36,7 @@ pub enum TaskState {
 }
 
 impl TaskState {
-    /// The state's word in PDL and in traces.
+    /// Returns the state's word in PDL and in traces.
     pub fn word(self) -> &'static str {
         match self {
             TaskState::Pending => "pending",
@@ -74,12 +74,12 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    /// True for each kind of failure: its parent fails unless something handles it.
+    /// Returns true for each kind of failure: its parent fails unless something handles it.
     pub fn is_failure(&self) -> bool {
         matches!(self, Outcome::Failure | Outcome::PreconditionFailed | Outcome::InvariantViolated)
     }
 
-    /// The outcome's word in traces and answers.
+    /// Returns the outcome's word in traces and answers.
     pub fn word(&self) -> &'static str {
         match self {
             Outcome::Success(_) => "success",
@@ -92,7 +92,7 @@ impl Outcome {
         }
     }
 
-    /// The past tense of the outcome for sentences about a task: `it failed`.
+    /// Returns the past tense of the outcome for sentences about a task: `it failed`.
     pub fn phrase(&self) -> &'static str {
         match self {
             Outcome::Success(_) => "succeeded",
@@ -105,7 +105,7 @@ impl Outcome {
         }
     }
 
-    /// The words of [`OUTCOME_STATES`] that hold of a task with this outcome.
+    /// Returns the words of [`OUTCOME_STATES`] that hold of a task with this outcome.
     pub fn states(&self) -> &'static [&'static str] {
         match self {
             Outcome::Success(_) => &["succeeded"],

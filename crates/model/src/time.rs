@@ -24,12 +24,12 @@ impl Duration {
     /// Longer than every mission; arithmetic saturates here.
     pub const MAX: Duration = Duration(i64::MAX);
 
-    /// The nearest duration to `seconds`; not-a-number is zero, infinities saturate.
+    /// Returns the nearest duration to `seconds`; not-a-number is zero, infinities saturate.
     pub fn from_seconds(seconds: f64) -> Duration {
         Duration(libm::round(seconds * NANOSECONDS_PER_SECOND as f64) as i64)
     }
 
-    /// This duration in seconds.
+    /// Returns the duration in seconds.
     pub fn seconds(self) -> f64 {
         self.0 as f64 / NANOSECONDS_PER_SECOND as f64
     }
@@ -43,12 +43,12 @@ impl Time {
     /// `+end-of-time+`: after every event.
     pub const END: Time = Time(i64::MAX);
 
-    /// The instant `seconds` after the start of the mission.
+    /// Returns the instant `seconds` after the start of the mission.
     pub fn from_seconds(seconds: f64) -> Time {
         Time(Duration::from_seconds(seconds).0)
     }
 
-    /// Seconds since the start of the mission.
+    /// Returns seconds since the start of the mission.
     pub fn seconds(self) -> f64 {
         Duration(self.0).seconds()
     }
@@ -97,7 +97,7 @@ impl Neg for Duration {
 }
 
 impl fmt::Display for Duration {
-    /// ISO 8601 with the manual's short spelling: `P1H3M4.5S`, `P0S`, `-P2S`.
+    /// Writes ISO 8601 with the manual's short spelling: `P1H3M4.5S`, `P0S`, `-P2S`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let total = self.0.unsigned_abs();
         if self.0 < 0 {
@@ -125,7 +125,7 @@ impl fmt::Display for Duration {
 }
 
 impl fmt::Display for Time {
-    /// Mission elapsed time for operators: `12.5s`, `1:03:04.500`.
+    /// Returns mission elapsed time for operators: `12.5s`, `1:03:04.500`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Time::BEGINNING => return f.write_str("the beginning of time"),

@@ -42,7 +42,7 @@ pub enum Value {
 }
 
 impl Value {
-    /// The first word of a form: the symbol itself, or the symbol that a list begins with.
+    /// Returns the first word of a form: the symbol itself, or the symbol that a list begins with.
     #[inline]
     pub fn head(&self) -> Option<&Symbol> {
         match self {
@@ -57,22 +57,22 @@ impl Value {
         Value::List(Arc::default())
     }
 
-    /// The symbol `name`.
+    /// Returns the symbol `name`.
     pub fn symbol(name: &str) -> Value {
         Value::Symbol(Symbol::new(name))
     }
 
-    /// A string.
+    /// Returns a string.
     pub fn text(text: &str) -> Value {
         Value::Text(Arc::from(text))
     }
 
-    /// A list of `items`.
+    /// Returns a list of `items`.
     pub fn list(items: impl IntoIterator<Item = Value>) -> Value {
         Value::List(items.into_iter().collect())
     }
 
-    /// A list of `items`, which are taken out.
+    /// Returns a list of `items`, which are taken out.
     pub fn list_of(items: &mut [Value]) -> Value {
         Value::List(items.iter_mut().map(|item| std::mem::replace(item, Value::Integer(0))).collect())
     }
@@ -82,7 +82,7 @@ impl Value {
         if truth { Value::symbol("t") } else { Value::nil() }
     }
 
-    /// A number of SI units: a real when dimensionless, a duration when time, else a quantity.
+    /// Returns a number of SI units: a real when dimensionless, a duration when time, else a quantity.
     pub fn measured(si: f64, dimension: Dimension) -> Value {
         match dimension {
             Dimension::NONE => Value::Real(si),
@@ -91,12 +91,12 @@ impl Value {
         }
     }
 
-    /// False only for `nil`.
+    /// Returns false only for `nil`.
     pub fn is_true(&self) -> bool {
         !matches!(self, Value::List(items) if items.is_empty())
     }
 
-    /// The list's items, if this is a list.
+    /// Returns the list's items, if this is a list.
     pub fn as_list(&self) -> Option<&[Value]> {
         match self {
             Value::List(items) => Some(items),
@@ -104,7 +104,7 @@ impl Value {
         }
     }
 
-    /// The symbol, if this is one.
+    /// Returns the symbol, if this is one.
     pub fn as_symbol(&self) -> Option<&Symbol> {
         match self {
             Value::Symbol(symbol) => Some(symbol),
@@ -112,7 +112,7 @@ impl Value {
         }
     }
 
-    /// SI number and dimension, if this is numeric. Instants are not numbers.
+    /// Returns SI number and dimension of a numeric value. Instants are not numbers.
     pub fn as_number(&self) -> Option<(f64, Dimension)> {
         match self {
             Value::Integer(integer) => Some((*integer as f64, Dimension::NONE)),
@@ -123,13 +123,13 @@ impl Value {
         }
     }
 
-    /// PDL's `=`: numbers by value (2 = 2.0) within one dimension, symbols in any case, strings exactly, lists element-wise.
-    /// Not-a-number equals nothing.
+    /// Compares as PDL's `=`: numbers by value (2 = 2.0) within one dimension, symbols in any case, strings exactly, lists element-wise.
+    /// NaN equals nothing.
     pub fn equals(&self, other: &Value) -> bool {
         self.compare_items(other, |a, b| a == b)
     }
 
-    /// Equality inside patterns: as [`Value::equals`], but strings in any case.
+    /// Compares as patterns do: like [`Value::equals`], but strings in any case.
     pub fn matches(&self, other: &Value) -> bool {
         self.compare_items(other, |a, b| a == b || a.to_lowercase() == b.to_lowercase())
     }
@@ -154,7 +154,7 @@ impl Value {
         }
     }
 
-    /// Order of two numbers of one dimension, or of two instants; none for everything else and for not-a-number.
+    /// Compares two numbers of one dimension, or two instants; `None` for all other values and for NaN.
     pub fn order(&self, other: &Value) -> Option<Ordering> {
         match (self, other) {
             (Value::Integer(a), Value::Integer(b)) => Some(a.cmp(b)),
@@ -243,7 +243,7 @@ impl Hash for Value {
 }
 
 impl fmt::Display for Value {
-    /// PDL text that reads back as the same value, except for tasks, intervals, instants and functions.
+    /// Writes PDL text that reads back as the same value, except for tasks, intervals, instants and functions.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Value::Integer(integer) => write!(f, "{integer}"),

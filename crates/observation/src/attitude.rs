@@ -15,7 +15,7 @@ pub struct Vector {
 }
 
 impl Vector {
-    /// The vector of these components.
+    /// Returns the vector of these components.
     pub const fn new(x: f64, y: f64, z: f64) -> Vector {
         Vector { x, y, z }
     }
@@ -34,7 +34,7 @@ impl Vector {
         }
     }
 
-    /// Length.
+    /// Returns length.
     pub fn length(self) -> f64 {
         libm::sqrt(self.dot(self))
     }
@@ -44,7 +44,7 @@ impl Vector {
         Vector { x: self.x + scale * other.x, y: self.y + scale * other.y, z: self.z + scale * other.z }
     }
 
-    /// Angle between two vectors in radians, exact for small and for large angles; 0 if one has no length.
+    /// Returns the angle between two vectors in radians, exact for small and for large angles; 0 if one has no length.
     pub fn angle_rad(self, other: Vector) -> f64 {
         libm::atan2(self.cross(other).length(), self.dot(other))
     }
@@ -69,7 +69,7 @@ pub struct Rotation {
 }
 
 impl Attitude {
-    /// The rotation of this attitude.
+    /// Returns the rotation of this attitude.
     pub fn rotation(&self) -> Rotation {
         let angle = |degrees: f64| (libm::sin(degrees * RAD_PER_DEG), libm::cos(degrees * RAD_PER_DEG));
         let ((sy, cy), (sp, cp), (sr, cr)) = (angle(self.heading_deg), angle(self.pitch_deg), angle(self.roll_deg));
@@ -82,7 +82,7 @@ impl Attitude {
         }
     }
 
-    /// The attitude at `fraction` (0 here, 1 at `to`) on the shortest turn. For the small differences between successive
+    /// Returns the attitude at `fraction` (0 here, 1 at `to`) on the shortest turn. For the small differences between successive
     /// samples the angles are interpolated one by one; it differs from the turn about one axis by the product of the
     /// differences.
     pub fn interpolate(&self, to: &Attitude, fraction: f64) -> Attitude {

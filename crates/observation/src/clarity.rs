@@ -25,12 +25,12 @@ pub struct AttitudeHold {
 }
 
 impl AttitudeHold {
-    /// Standard deviation of the roll angle in turbulence.
+    /// Returns the standard deviation of the roll angle in turbulence.
     pub fn roll_sigma_deg(&self, edr: f64) -> f64 {
         self.roll_deg_per_edr * edr.max(0.0)
     }
 
-    /// Standard deviation of the roll rate in turbulence; 0 where the natural frequency is not known.
+    /// Returns the standard deviation of the roll rate in turbulence; 0 where the natural frequency is not known.
     pub fn roll_rate_sigma_deg_s(&self, edr: f64) -> f64 {
         self.natural_frequency_rad_s.unwrap_or(0.0) * self.roll_sigma_deg(edr)
     }
@@ -61,7 +61,7 @@ pub fn edr_of_gusts(sigma_mps: f64, scale_m: f64) -> f64 {
     0.894 * sigma_mps / libm::cbrt(scale_m)
 }
 
-/// Share of time within a limit, for a normal variable with mean 0; with a ramp, its mean worth. 1 without variation.
+/// Returns the share of time within a limit, for a normal variable with mean 0; with a ramp, its mean worth. 1 without variation.
 fn expected_ramp(sigma: f64, full: f64, zero: f64) -> f64 {
     if sigma.is_nan() || sigma <= 0.0 {
         return if sigma.is_nan() { 0.0 } else { 1.0 };
@@ -80,7 +80,7 @@ pub fn share_within(roll_sigma_deg: f64, limits: &RollLimits) -> f64 {
     expected_ramp(roll_sigma_deg, limits.valid_deg, limits.zero_deg.unwrap_or(limits.valid_deg))
 }
 
-/// Mean worth of a line at a standard deviation of the shift between lines, in pixels.
+/// Returns the mean worth of a line at a standard deviation of the shift between lines, in pixels.
 pub fn expected_rate_weight(shift_sigma_pixels: f64, limits: &RateLimits) -> f64 {
     expected_ramp(shift_sigma_pixels, limits.full_pixels, limits.zero_pixels)
 }
@@ -122,7 +122,7 @@ pub enum TurbulenceClass {
 }
 
 impl TurbulenceClass {
-    /// The class of an EDR.
+    /// Returns the class of an EDR.
     pub fn of(edr: f64) -> TurbulenceClass {
         if edr < 0.10 {
             TurbulenceClass::Nil
@@ -136,7 +136,7 @@ impl TurbulenceClass {
     }
 }
 
-/// Probability that a line of sight is free of cloud: `(1 - n)^(1 + 0.5 tan o)` for the cover n seen straight down
+/// Returns the probability that a line of sight is free of cloud: `(1 - n)^(1 + 0.5 tan o)` for the cover n seen straight down
 /// (assumption: clouds half as high as wide).
 pub fn clear_probability(clear_share: f64, tangent_look_angle: f64) -> f64 {
     if clear_share >= 1.0 {
@@ -189,7 +189,7 @@ impl ClarityWeights {
         clear_share: 1.0,
     };
 
-    /// The product of the weights that are not chances: rates, gaps, smear, exposure, readiness and knowledge of the attitude.
+    /// Returns the product of the weights that are not chances: rates, gaps, smear, exposure, readiness and knowledge of the attitude.
     pub fn steady(&self) -> f64 {
         self.rates * self.line_gaps * self.smear * self.exposed * self.ready * self.attitude_known
     }

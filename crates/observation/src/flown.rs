@@ -160,7 +160,7 @@ pub struct FlownObservation {
 }
 
 impl FlownObservation {
-    /// An accumulation of nothing yet. `ground` gives the elevations of the targets.
+    /// Returns an accumulation of nothing yet. `ground` gives the elevations of the targets.
     ///
     /// # Errors
     /// [`ObservationError`] if an area is not usable, a target wants too many looks, or two have the same name.
@@ -249,7 +249,7 @@ impl FlownObservation {
         self.watched.iter().find(|watched| watched.target.name == name).map(|watched| &watched.looks)
     }
 
-    /// Elevation of the target whose middle is nearest to a position; 0 without targets.
+    /// Returns the elevation of the target whose middle is nearest to a position; 0 without targets.
     pub fn elevation_m_near(&self, position: Position) -> f64 {
         let distance_m = |watched: &TargetObservations| geodesy::distance_m(watched.grid.plane().centre(), position);
         let nearest = self.watched.iter().min_by(|a, b| distance_m(a).total_cmp(&distance_m(b)));
@@ -267,12 +267,12 @@ impl FlownObservation {
         watched.looks.valid().filter(|(look, _)| is_fine(look)).map(|(_, time_s)| time_s).collect()
     }
 
-    /// The grid of a target; none for an unknown name.
+    /// Returns the grid of a target; `None` for an unknown name.
     pub fn grid(&self, name: &str) -> Option<&TargetGrid> {
         self.watched.iter().find(|watched| watched.target.name == name).map(|watched| &watched.grid)
     }
 
-    /// First valid look of each target seen so far.
+    /// Returns the first valid look of each target seen so far.
     pub fn first_valid_s(&self) -> BTreeMap<String, f64> {
         let seen = |watched: &TargetObservations| Some((watched.target.name.clone(), watched.looks.first_valid_s()?));
         self.watched.iter().filter_map(seen).collect()
@@ -284,8 +284,8 @@ impl FlownObservation {
         self.watched.iter().map(|watched| self.assessed(watched, &first_valid_s, true)).collect()
     }
 
-    /// The result of one target without the causes of its losses; none for an unknown name, and for a target of which nothing has been
-    /// seen. Bound: O(looks of the target).
+    /// Returns the result of one target without the causes of its losses; `None` for an unknown name, and for a target of which nothing has
+    /// been seen. Bound: O(looks of the target).
     pub fn result(&self, name: &str) -> Option<TargetResult> {
         let seen = |watched: &&TargetObservations| watched.looks.passes.iter().any(|pass| !pass.looks.is_empty());
         let watched = self.watched.iter().find(|watched| watched.target.name == name).filter(seen)?;
@@ -309,7 +309,7 @@ impl FlownObservation {
 }
 
 impl TargetObservations {
-    /// True if ground within `swath_m` of a position may belong to the target. Degrees first: most targets are far.
+    /// Returns true if ground within `swath_m` of a position may belong to the target. Degrees first: most targets are far.
     fn is_near(&self, position: Position, swath_m: f64) -> bool {
         let centre = self.grid.plane().centre();
         let reach_m = self.reach_m + swath_m + 1_000.0;
@@ -400,7 +400,7 @@ impl TargetObservations {
         sample.clear_share.unwrap_or(1.0).clamp(0.0, 1.0)
     }
 
-    /// Azimuth and zenith angle of the sun, where glint counts.
+    /// Returns the azimuth and zenith angle of the sun, where glint counts.
     fn sun(&self, unix_s: f64) -> Option<(f64, f64)> {
         self.target.is_water.then(|| {
             let sun = solar_position(self.grid.plane().centre(), unix_s);
@@ -434,7 +434,7 @@ fn pieces(from: &FlightSample, to: &FlightSample) -> usize {
     libm::ceil((to.time_s - from.time_s) / INTERPOLATION_S).clamp(1.0, PIECES_MAX) as usize
 }
 
-/// The vehicle between two samples; they are at most a sample gap apart, so that the way between them is straight.
+/// Returns the vehicle between two samples; they are at most a sample gap apart, so that the way between them is straight.
 fn between(from: &FlightSample, to: &FlightSample, share: f64) -> FlightSample {
     let mix = |a: f64, b: f64| a + share * (b - a);
     let turn_deg = geodesy::wrap_180(to.position.longitude_deg - from.position.longitude_deg);

@@ -18,9 +18,9 @@ const ECCENTRICITY_SQUARED: f64 = 6.694_379_990_141_316e-3;
 
 /// The ground below a flight.
 pub trait Ground {
-    /// Elevation above mean sea level; none where it is not known.
+    /// Returns the elevation above mean sea level; `None` if it is not known.
     fn elevation_m_at(&self, position: Position) -> Option<f64>;
-    /// Least and greatest elevation anywhere; equal for flat ground.
+    /// Returns the least and greatest elevation anywhere; equal for flat ground.
     fn elevation_range_m(&self) -> (f64, f64);
     /// Size of a terrain cell: the step of marching rays.
     fn cell_m(&self) -> f64;
@@ -76,7 +76,7 @@ impl GroundHit {
     }
 }
 
-/// The position at an offset from another; good to metres at 20 km.
+/// Returns the position at an offset from another; good to metres at 20 km.
 pub fn offset_position(from: Position, north_m: f64, east_m: f64) -> Position {
     let latitude_rad = from.latitude_deg * RAD_PER_DEG;
     let sine = libm::sin(latitude_rad);
@@ -139,12 +139,12 @@ pub fn hit_terrain(
     None
 }
 
-/// The ray of a scanner's pixel at a scan angle (positive to the right), in north-east-down axes.
+/// Returns the ray of a scanner's pixel at a scan angle (positive to the right), in north-east-down axes.
 pub fn scan_ray(attitude: &Attitude, scan_rad: f64) -> Vector {
     attitude.rotation().to_ground(Vector::new(0.0, libm::sin(scan_rad), libm::cos(scan_rad)))
 }
 
-/// The left and right edge rays of a scan line, cut at [`OFF_NADIR_DEG_MAX`]; none if the whole line is beyond it.
+/// Returns the left and right edge rays of a scan line, cut at [`OFF_NADIR_DEG_MAX`]; `None` if the whole line is beyond it.
 pub fn scan_edges(attitude: &Attitude, half_field_rad: f64) -> Option<[Vector; 2]> {
     let rotation = attitude.rotation();
     let ray = |scan_rad: f64| rotation.to_ground(Vector::new(0.0, libm::sin(scan_rad), libm::cos(scan_rad)));
@@ -161,7 +161,7 @@ pub fn scan_edges(attitude: &Attitude, half_field_rad: f64) -> Option<[Vector; 2
     (left_rad < right_rad).then(|| [ray(left_rad), ray(right_rad)])
 }
 
-/// The corner rays of a picture, in order around it, cut at [`OFF_NADIR_DEG_MAX`]; empty if all of it is beyond.
+/// Returns the corner rays of a picture, in order around it, cut at [`OFF_NADIR_DEG_MAX`]; empty if all of it is beyond.
 ///
 /// `sight` turns the camera's axes (x along the view, y right, z down in the picture) into north-east-down.
 /// The rays are scaled to a down component of 1: their x and y are offsets north and east at a height of 1.
@@ -189,7 +189,7 @@ pub fn picture_rays(
     cut
 }
 
-/// The part of a polygon of rays where `side` is not negative (Sutherland and Hodgman).
+/// Returns the part of a polygon of rays where `side` is not negative (Sutherland and Hodgman).
 fn clip(rays: &[Vector], side: impl Fn(&Vector) -> f64) -> Vec<Vector> {
     let mut kept = Vec::with_capacity(rays.len() + 1);
     let before = rays.iter().cycle().skip(rays.len().saturating_sub(1));
@@ -207,7 +207,7 @@ fn clip(rays: &[Vector], side: impl Fn(&Vector) -> f64) -> Vec<Vector> {
     kept
 }
 
-/// Distance over the curved Earth to the point seen at a look angle from `height_m` above a sphere; none beyond the
+/// Returns the distance over the curved Earth to the point seen at a look angle from `height_m` above a sphere; `None` beyond the
 /// horizon. `sin i = (Re + h) / Re sin o`, `ground arc = Re (i - o)`.
 pub fn curved_ground_offset_m(height_m: f64, look_angle_rad: f64) -> Option<f64> {
     const RADIUS_M: f64 = apex_geo::geodesy::EARTH_RADIUS_M_MEAN;
@@ -215,7 +215,7 @@ pub fn curved_ground_offset_m(height_m: f64, look_angle_rad: f64) -> Option<f64>
     (sine.abs() <= 1.0).then(|| RADIUS_M * (libm::asin(sine) - look_angle_rad))
 }
 
-/// True if higher ground hides a ground point from a vehicle. The line from the point to the vehicle is marched in steps
+/// Returns true if higher ground hides a ground point from a vehicle. The line from the point to the vehicle is marched in steps
 /// of a terrain cell up to the height of the highest ground; ground less than 1 m above the line does not hide it.
 pub fn is_occluded(
     point: Position,

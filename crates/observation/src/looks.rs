@@ -58,12 +58,12 @@ pub struct TargetPass {
 }
 
 impl TargetPass {
-    /// The strip of a look.
+    /// Returns the strip of a look.
     pub fn strip(&self, look: &CellLook) -> Option<&StripFacts> {
         self.strips.get(look.strip as usize)
     }
 
-    /// First instant; none without strips.
+    /// Returns the first instant; `None` without strips.
     pub fn from_s(&self) -> Option<f64> {
         self.strips.first().map(|strip| strip.time_s)
     }
@@ -188,12 +188,12 @@ impl TargetLooks {
         is_seen
     }
 
-    /// True if the looks belong to a grid with as many cells, or there are none.
+    /// Returns true if the looks belong to a grid with as many cells, or there are none.
     pub fn fits(&self, grid: &TargetGrid) -> bool {
         self.cells == 0 || self.cells == grid.len()
     }
 
-    /// The same looks on another grid of the target: each of its cells was seen as the nearest cell of `from` was.
+    /// Returns the same looks on another grid of the target: each of its cells was seen as the nearest cell of `from` was.
     pub fn on_grid(&self, from: &TargetGrid, to: &TargetGrid) -> TargetLooks {
         let nearest: Vec<Option<usize>> = to.centres().map(|(x, y)| from.nearest_cell(Point { x, y })).collect();
         let mut by_cell: Vec<Vec<u32>> = vec![Vec::new(); from.len()];
@@ -220,7 +220,7 @@ impl TargetLooks {
         TargetLooks { passes, remarks: self.remarks.clone(), cells: to.len(), last: Vec::new() }
     }
 
-    /// First instant at which a wanted cell was seen clearly: a valid look.
+    /// Returns the first instant at which a wanted cell was seen clearly: a valid look.
     pub fn first_valid_s(&self) -> Option<f64> {
         self.valid().map(|(_, time_s)| time_s).reduce(f64::min)
     }
@@ -270,7 +270,7 @@ fn hides(grid: &TargetGrid, cell: usize, middle: Point, offset: Point, altitude_
     footprint::is_occluded(position, grid.elevation_m(cell), -north_m, -east_m, altitude_m, ground)
 }
 
-/// Weight of glint of a cell so far east and north of the vehicle.
+/// Returns the weight of glint of a cell so far east and north of the vehicle.
 fn glint((east_m, north_m): (f64, f64), height_m: f64, (azimuth_deg, zenith_deg): (f64, f64)) -> f64 {
     use crate::timing::sun::{glint_angle_deg, glint_weight};
     use apex_geo::geodesy::RAD_PER_DEG;

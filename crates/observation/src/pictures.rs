@@ -92,7 +92,7 @@ pub fn add_picture(
     looks.add(grid, &seen, facts, terrain)
 }
 
-/// The result of a target after planned pictures. Those of one pass are one chance, as pictures of one line are; separate
+/// Returns the result of a target after planned pictures. Those of one pass are one chance, as pictures of one line are; separate
 /// passes are separate chances.
 pub fn predict_pictures(
     target: &ObservedTarget,

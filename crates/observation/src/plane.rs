@@ -24,17 +24,17 @@ pub struct EqualAreaPlane {
 }
 
 impl EqualAreaPlane {
-    /// The plane around `centre`.
+    /// Returns the plane around `centre`.
     pub fn new(centre: Position) -> EqualAreaPlane {
         EqualAreaPlane { centre, arc_m: meridian_arc_m(centre.latitude_deg * RAD_PER_DEG) }
     }
 
-    /// The centre.
+    /// Returns the centre.
     pub fn centre(&self) -> Position {
         self.centre
     }
 
-    /// The point so far east and north of the centre.
+    /// Returns the point so far east and north of the centre.
     pub fn point(&self, east_m: f64, north_m: f64) -> Point {
         Point { x: TURN_COSINE * east_m + TURN_SINE * north_m, y: TURN_COSINE * north_m - TURN_SINE * east_m }
     }
@@ -44,7 +44,7 @@ impl EqualAreaPlane {
         (TURN_COSINE * vector.x - TURN_SINE * vector.y, TURN_COSINE * vector.y + TURN_SINE * vector.x)
     }
 
-    /// The point of a position; not finite where the position is not.
+    /// Returns the point of a position; not finite where the position is not.
     pub fn project(&self, position: Position) -> Point {
         let latitude_rad = position.latitude_deg * RAD_PER_DEG;
         let (sine, cosine) = (libm::sin(latitude_rad), libm::cos(latitude_rad));
@@ -53,7 +53,7 @@ impl EqualAreaPlane {
         self.point(normal_m * cosine * turn_rad, arc_of(latitude_rad, sine, cosine) - self.arc_m)
     }
 
-    /// The position of a point: undoes [`EqualAreaPlane::project`].
+    /// Returns the position of a point: undoes [`EqualAreaPlane::project`].
     pub fn position(&self, point: Point) -> Position {
         let (east_m, north_m) = self.east_north(point);
         let wanted_m = self.arc_m + north_m;
@@ -73,7 +73,7 @@ impl EqualAreaPlane {
         }
     }
 
-    /// Positions of points with the same y, interpolated between the first and the last: within 25 m on 50 km.
+    /// Returns the positions of points with the same y, interpolated between the first and the last: within 25 m on 50 km.
     pub fn row_positions(&self, y: f64, x: &[f64]) -> impl Iterator<Item = Position> {
         let (first, last) = (x.first().copied().unwrap_or(0.0), x.last().copied().unwrap_or(0.0));
         let (from, to) = (self.position(Point { x: first, y }), self.position(Point { x: last, y }));
@@ -93,7 +93,7 @@ fn meridian_arc_m(latitude_rad: f64) -> f64 {
     arc_of(latitude_rad, libm::sin(latitude_rad), libm::cos(latitude_rad))
 }
 
-/// Length of the meridian from the equator (series in the eccentricity to its sixth power: 0.03 m).
+/// Returns the length of the meridian from the equator (series in the eccentricity to its sixth power: 0.03 m).
 fn arc_of(latitude_rad: f64, sine: f64, cosine: f64) -> f64 {
     const E4: f64 = E2 * E2;
     const E6: f64 = E4 * E2;

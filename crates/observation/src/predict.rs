@@ -42,7 +42,7 @@ pub struct PlannedLine {
 }
 
 impl PlannedLine {
-    /// Length over ground.
+    /// Returns the length over ground.
     pub fn length_m(&self) -> f64 {
         geodesy::distance_m(self.from, self.to)
     }
@@ -69,7 +69,7 @@ impl AirConditions {
 
 /// Forecast of the air.
 pub trait Conditions {
-    /// The air at a place, altitude above mean sea level, and time.
+    /// Returns the air at a place, altitude above mean sea level, and time.
     fn at(&self, position: Position, altitude_m: f64, time_s: f64) -> AirConditions;
 }
 
@@ -144,13 +144,13 @@ pub fn gain_points(
     with.points() - without.points()
 }
 
-/// True if flying again is worth it: its gain exceeds what its time displaces. `points_per_s` is the benefit per second of
+/// Returns true if flying again is worth it: its gain exceeds what its time displaces. `points_per_s` is the benefit per second of
 /// what is displaced, best the difference of the values of two plans; 0 where there is slack.
 pub fn is_worth_flying_again(gain_points: f64, points_per_s: f64, flight_s: f64) -> bool {
     gain_points > points_per_s * flight_s
 }
 
-/// The looks that planned lines will give, one pass per line.
+/// Returns the looks that planned lines will give, one pass per line.
 pub fn planned_looks(
     target: &ObservedTarget,
     grid: &TargetGrid,

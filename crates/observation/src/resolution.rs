@@ -4,7 +4,7 @@ use crate::sensor::scanner::ramp_down;
 use crate::target::{LookAngles, PixelMeasure, ResolutionNeed};
 
 impl ResolutionNeed {
-    /// The factor of a pixel of `along_m` by `across_m` on the ground: 1 up to the wanted size, falling linearly to 0 at
+    /// Returns the factor of a pixel of `along_m` by `across_m` on the ground: 1 up to the wanted size, falling linearly to 0 at
     /// `zero_multiple` times that size.
     pub fn factor(&self, along_m: f64, across_m: f64) -> f64 {
         let size_m = match self.measure {
@@ -16,7 +16,7 @@ impl ResolutionNeed {
 }
 
 impl LookAngles {
-    /// The factor of a look angle: 1 inside, falling linearly to 0 over the ramp outside.
+    /// Returns the factor of a look angle: 1 inside, falling linearly to 0 over the ramp outside.
     pub fn factor(&self, look_angle_deg: f64) -> f64 {
         ramp_down((self.min_deg - look_angle_deg).max(look_angle_deg - self.max_deg), 0.0, self.ramp_deg)
     }

@@ -19,7 +19,7 @@ pub struct Factors {
 }
 
 impl Factors {
-    /// The product `c s r o`.
+    /// Returns the product `c s r o`.
     pub fn product(&self) -> f64 {
         self.coverage * self.clarity * self.resolution * self.timing
     }
@@ -200,17 +200,17 @@ pub struct TargetResult {
 }
 
 impl TargetResult {
-    /// Points of all looks.
+    /// Returns points of all looks.
     pub fn points(&self) -> f64 {
         self.looks.iter().map(|look| look.points).sum()
     }
 
-    /// Value of all looks.
+    /// Returns the value of all looks.
     pub fn value(&self) -> f64 {
         self.looks.iter().map(|look| look.value).sum()
     }
 
-    /// First instant of a valid look of the target, by which order constraints are judged.
+    /// Returns the first instant of a valid look of the target, by which order constraints are judged.
     pub fn first_valid_s(&self) -> Option<f64> {
         self.looks.iter().filter_map(|look| look.seen.first_valid_s).reduce(f64::min)
     }

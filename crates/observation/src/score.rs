@@ -41,7 +41,7 @@ pub enum CostTerm {
 }
 
 impl CostTerm {
-    /// The cost in money.
+    /// Returns the cost in money.
     pub fn money(&self) -> f64 {
         match *self {
             CostTerm::Work { hours, wage_per_hour } => hours * wage_per_hour,
@@ -76,7 +76,7 @@ pub struct MissionScore {
     pub total: f64,
 }
 
-/// The score of results and costs. `money_per_point` converts costs into points and must be positive; it is 1 where the
+/// Returns the score of results and costs. `money_per_point` converts costs into points and must be positive; it is 1 where the
 /// mission counts values in money.
 pub fn mission_score(results: &[TargetResult], costs: &[CostRow], money_per_point: f64) -> MissionScore {
     let scored = |name: String, money: f64| ScoredCost { name, money, points: money / money_per_point };
@@ -91,7 +91,7 @@ pub fn mission_score(results: &[TargetResult], costs: &[CostRow], money_per_poin
     MissionScore { benefits, costs: rows, cost_points, total: benefits - cost_points }
 }
 
-/// Probability of a critical failure in flight phases, each with a rate per hour and a time in hours:
+/// Returns the probability of a critical failure in flight phases, each with a rate per hour and a time in hours:
 /// `1 - exp(-sum lambda t)`.
 pub fn failure_probability(phases: &[(f64, f64)]) -> f64 {
     let exposure: f64 = phases.iter().map(|(rate_per_hour, hours)| rate_per_hour * hours.max(0.0)).sum();

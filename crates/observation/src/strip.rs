@@ -27,7 +27,7 @@ pub struct ScanLine {
     pub height_m: f64,
 }
 
-/// The scan line of a scanner at a place and attitude; none if it does not meet the ground within the limits.
+/// Returns the scan line of a scanner at a place and attitude; `None` if it does not meet the ground within the limits.
 pub fn scan_line(
     time_s: f64,
     position: Position,
@@ -72,7 +72,7 @@ pub fn add_between(
     looks.add(grid, &seen, facts, terrain)
 }
 
-/// The ground, where it is steep enough to hide cells from a sensor with this half field of view.
+/// Returns the ground, where it is steep enough to hide cells from a sensor with this half field of view.
 pub(crate) fn hiding<'a>(grid: &TargetGrid, ground: &'a dyn Ground, half_field_rad: f64) -> Option<&'a dyn Ground> {
     let flattest_ray = libm::tan((0.5 * std::f64::consts::PI - half_field_rad).max(0.0));
     (grid.slope_max() > flattest_ray).then_some(ground)
@@ -105,7 +105,7 @@ pub struct AngularRates {
 }
 
 impl AngularRates {
-    /// Mean rates between two attitudes `span_s` apart; zero without a span.
+    /// Returns the mean rates between two attitudes `span_s` apart; zero without a span.
     pub fn between(from: &Attitude, to: &Attitude, span_s: f64) -> AngularRates {
         if span_s.is_nan() || span_s <= 0.0 {
             return AngularRates::default();
@@ -120,7 +120,7 @@ impl AngularRates {
 }
 
 impl ScannerSetting {
-    /// The scan rate at a height and speed; none if the rates of the mode are not known.
+    /// Returns the scan rate at a height and speed; `None` if the rates of the mode are not known.
     pub fn scan_rate_hz_at(&self, height_m: f64, ground_speed_mps: f64) -> Option<f64> {
         self.scan_rate_hz.or_else(|| self.mode.choose_scan_rate_hz(height_m, ground_speed_mps))
     }

@@ -96,7 +96,7 @@ pub struct WantedLook {
 }
 
 impl WantedLook {
-    /// A look worth `value` at `wanted_m` per pixel (factor 0 from twice that on), at any time and in any light.
+    /// Returns a look worth `value` at `wanted_m` per pixel (factor 0 from twice that on), at any time and in any light.
     pub fn new(name: &str, value: f64, wanted_m: f64) -> WantedLook {
         WantedLook {
             name: name.to_string(),

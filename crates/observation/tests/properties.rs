@@ -119,7 +119,7 @@ fn grid(target: &ObservedTarget, cells: usize) -> TargetGrid {
     TargetGrid::new(target, GridSettings { cells, ..GridSettings::default() }).unwrap()
 }
 
-/// The factors by points on a lattice, with the best look of each by its worth, then resolution, then clarity.
+/// Returns the factors by points on a lattice, with the best look of each by its worth, then resolution, then clarity.
 fn naive(strips: &[Strip]) -> Factors {
     const STEP_M: f64 = 40.0;
     let (mut points, mut seen, mut s, mut sr) = (0.0, 0.0, 0.0, 0.0);

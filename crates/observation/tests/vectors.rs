@@ -346,7 +346,7 @@ fn the_sun_stands_where_the_almanac_says() {
     near(zaca.azimuth_deg, 195.2, 0.06);
 }
 
-/// Seconds of Unix time of a PDT clock time in the night of 7 to 8 September 2007.
+/// Returns seconds of Unix time of a PDT clock time in the night of 7 to 8 September 2007.
 fn pdt(clock: &str) -> f64 {
     let day_s = clock.split(':').fold(0.0, |sum, part| 60.0 * sum + part.parse::<f64>().unwrap_or(f64::NAN));
     // 2007-09-07T07:00:00Z is midnight PDT; hours before noon belong to the next day.

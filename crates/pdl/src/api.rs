@@ -9,12 +9,12 @@ use crate::read::read_file;
 use apex_model::condition::Condition;
 use apex_model::value::Value;
 
-/// All codes of messages, in order.
+/// Returns all codes of messages, in order.
 pub fn error_codes() -> &'static [ErrorCode] {
     TABLE
 }
 
-/// The code written as `text`, in any case and also without its zeros: `E0203`, `e203`.
+/// Returns the code written as `text`, in any case and also without its zeros: `E0203`, `e203`.
 pub fn error_code(text: &str) -> Option<&'static ErrorCode> {
     let key = |code: &str| {
         let digits = code.trim_start_matches(|letter: char| letter.is_ascii_alphabetic());
@@ -38,7 +38,7 @@ pub fn read_value(text: &str) -> Result<Value, Diagnostic> {
         [one] => Ok(one.to_value()),
         [] => {
             let span = Span { line: 1, column: 1, ..Span::default() };
-            Err(Diagnostic::error(codes::NOT_ONE_DATUM, span, "there is no value here"))
+            Err(Diagnostic::error(codes::NOT_ONE_DATUM, span, "expected a value, found none"))
         }
         [_, second, ..] => Err(Diagnostic::error(codes::NOT_ONE_DATUM, second.span, "a second value follows")
             .reason("exactly one value is expected")

@@ -59,8 +59,8 @@ fn bounds(edit: &TextEdit) -> std::ops::Range<usize> {
     bound(edit.start)..bound(edit.end)
 }
 
-/// Two edits are apart when one ends before the other begins, or just there. Two at one start are not: the order of
-/// their insertions would be a guess.
+/// Returns true if one edit ends before the other begins, or just there. Two edits at one start are not apart: the order of their
+/// insertions would be a guess.
 fn apart(one: &TextEdit, other: &TextEdit) -> bool {
     one.start != other.start && (one.end <= other.start || other.end <= one.start)
 }

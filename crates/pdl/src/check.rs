@@ -28,7 +28,7 @@ pub struct SourceText {
 }
 
 impl HostSignature {
-    /// A pure function called `name` of `parameters_min` to `parameters_max` arguments.
+    /// Returns a pure function called `name` of `parameters_min` to `parameters_max` arguments.
     pub fn pure((name, parameters_min, parameters_max): (&str, usize, Option<usize>)) -> HostSignature {
         HostSignature { name: name.to_string(), parameters_min, parameters_max, pure: true }
     }
@@ -69,7 +69,7 @@ pub struct Checked {
 }
 
 impl Checked {
-    /// True if any message is an error.
+    /// Returns true if any message is an error.
     pub fn has_errors(&self) -> bool {
         self.diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
     }
@@ -204,7 +204,7 @@ impl Loader {
         renames_marked(span, name, words, |name| if quoted { format!("\"{name}\"") } else { name.to_string() })
     }
 
-    /// The library of all texts; `texts` are those that [`Loader::split_off`] held back, and hold conditions.
+    /// Returns the library of all texts; `texts` are those that [`Loader::split_off`] held back, and hold conditions.
     pub(crate) fn finish(
         mut self,
         names: Names,
@@ -267,7 +267,7 @@ impl Loader {
         (Checked { library: self.library, diagnostics: self.diagnostics }, conditions)
     }
 
-    /// Each form is dropped once it is lowered: long programs are then not in memory twice.
+    /// Lowers all forms of a file. Each form is dropped once it is lowered, so that long programs are not in memory twice.
     fn lower_file(&mut self, lowering: &mut Lowering, forms: Vec<Datum>) {
         lowering.bundle = None;
         for form in forms {
@@ -396,7 +396,7 @@ fn names_of(data: &[Datum]) -> impl Iterator<Item = (String, Span)> + '_ {
     })
 }
 
-/// `(in-apex-bundle :name)`: the forms after it belong to the bundle; the default bundle has no name.
+/// Handles `(in-apex-bundle :name)`: the forms after it belong to the bundle; the default bundle has no name.
 fn enter_bundle(lowering: &mut Lowering, form: &Datum) {
     match form.tail() {
         [Datum { kind: DatumKind::Symbol(name), .. }] => {

@@ -15,7 +15,7 @@ pub enum Severity {
 }
 
 impl Severity {
-    /// The displayed word.
+    /// Returns the displayed word.
     pub fn word(self) -> &'static str {
         match self {
             Severity::Error => "error",
@@ -41,12 +41,12 @@ pub struct Span {
 }
 
 impl Span {
-    /// The start as a place of the model.
+    /// Returns the start as a place of the model.
     pub fn place(self) -> Place {
         Place { file: self.file, line: self.line, column: self.column }
     }
 
-    /// From the start of this to the end of `last`.
+    /// Returns the span from the start of this one to the end of `last`.
     pub(crate) fn to(self, last: Span) -> Span {
         Span { end: last.end.max(self.end), ..self }
     }
@@ -83,7 +83,7 @@ pub struct Diagnostic {
 }
 
 impl Diagnostic {
-    /// A message without labels, reason, help and fixes.
+    /// Returns a message without labels, reason, help and fixes.
     pub(crate) fn new(severity: Severity, code: &'static str, span: Span, message: impl Into<String>) -> Diagnostic {
         let (labels, help, fixes) = (Vec::new(), Vec::new(), Vec::new());
         Diagnostic { code, severity, message: message.into(), span, labels, reason: None, help, fixes }

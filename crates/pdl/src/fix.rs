@@ -12,7 +12,7 @@ pub enum Applicability {
 }
 
 impl Applicability {
-    /// The displayed word.
+    /// Returns the displayed word.
     pub fn word(self) -> &'static str {
         match self {
             Applicability::Safe => "safe",
@@ -46,12 +46,12 @@ pub struct Fix {
 }
 
 impl Fix {
-    /// A fix that needs no review, still without edits.
+    /// Returns a fix that needs no review, still without edits.
     pub(crate) fn safe(title: impl Into<String>) -> Fix {
         Fix { title: title.into(), applicability: Applicability::Safe, edits: Vec::new() }
     }
 
-    /// A fix that its author must review, still without edits.
+    /// Returns a fix that its author must review, still without edits.
     pub(crate) fn look(title: impl Into<String>) -> Fix {
         Fix { title: title.into(), applicability: Applicability::NeedsLook, edits: Vec::new() }
     }

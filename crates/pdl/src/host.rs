@@ -17,7 +17,7 @@ pub struct HostSignature {
     pub pure: bool,
 }
 
-/// The host program's functions as names that text may use.
+/// Returns the host program's functions as names that text may use.
 pub(crate) fn host_names(host: &[HostSignature]) -> Names {
     let mut names = Names::default();
     for signature in host {

@@ -15,12 +15,12 @@ pub(crate) struct Locator<'l> {
 }
 
 impl<'l> Locator<'l> {
-    /// Over the texts of a library.
+    /// Returns a locator over the texts of a library.
     pub(crate) fn new(sources: &'l [SourceFile]) -> Locator<'l> {
         Locator { sources, lines: BTreeMap::new() }
     }
 
-    /// The datum that begins at `place`, with its spans.
+    /// Returns the datum that begins at `place`, with its spans.
     pub(crate) fn datum(&mut self, place: Place) -> Option<Datum> {
         let source = self.sources.get(usize::try_from(place.file).ok()?)?;
         let text: &str = &source.text;
@@ -38,13 +38,13 @@ impl<'l> Locator<'l> {
         Some(datum)
     }
 
-    /// The stretch of the datum at `place`; an empty one there if the text is not available.
+    /// Returns the stretch of the datum at `place`; an empty one there if the text is not available.
     pub(crate) fn span(&mut self, place: Place) -> Span {
         let nowhere = Span { file: place.file, start: 0, end: 0, line: place.line, column: place.column };
         self.datum(place).map_or(nowhere, |datum| datum.span)
     }
 
-    /// The clause `name` of the form at `place`, else the whole form.
+    /// Returns the clause `name` of the form at `place`, else the whole form.
     pub(crate) fn clause(&mut self, place: Place, name: &str) -> Span {
         let datum = self.datum(place);
         let clause = datum.as_ref().and_then(|form| form.tail().iter().find(|part| part.head_name() == name));
@@ -60,7 +60,7 @@ impl<'l> Locator<'l> {
         Some(if clause.tail().len() == 1 { clause.span } else { condition })
     }
 
-    /// A wait for the end of `tag`, added to the step at `place`.
+    /// Returns a wait for the end of `tag`, added to the step at `place`.
     pub(crate) fn add_wait(&mut self, place: Place, tag: &Symbol) -> Option<Fix> {
         let datum = self.datum(place)?;
         let clause = datum.tail().iter().find(|part| part.head_name() == "waitfor");
@@ -71,7 +71,7 @@ impl<'l> Locator<'l> {
         Some(Fix::look(format!("let the step wait for `{tag}`")).insert_before(closing(form), text))
     }
 
-    /// The `=> ?name` of the step at `place`, if the result is this variable alone.
+    /// Returns the `=> ?name` of the step at `place`, if the result is this variable alone.
     pub(crate) fn result(&mut self, place: Place, name: &Symbol) -> Option<Span> {
         let datum = self.datum(place)?;
         let activity = datum.tail().iter().find(|part| part.as_list().is_some())?;
@@ -83,20 +83,20 @@ impl<'l> Locator<'l> {
         })
     }
 
-    /// The tag of the step at `place`, else its activity.
+    /// Returns the tag of the step at `place`, else its activity.
     pub(crate) fn tag(&mut self, place: Place) -> Span {
         let datum = self.datum(place);
         datum.as_ref().and_then(|step| step.tail().first()).map_or_else(|| self.span(place), |tag| tag.span)
     }
 
-    /// The activity of the step at `place`.
+    /// Returns the activity of the step at `place`.
     pub(crate) fn activity(&mut self, place: Place) -> Span {
         let datum = self.datum(place);
         let activity = datum.as_ref().and_then(|step| step.tail().iter().find(|part| part.as_list().is_some()));
         activity.map_or_else(|| self.span(place), |activity| activity.span)
     }
 
-    /// The index of the procedure, primitive or solver at `place`.
+    /// Returns the index of the procedure, primitive or solver at `place`.
     pub(crate) fn index(&mut self, place: Place) -> Span {
         let datum = self.datum(place);
         let clause = datum.as_ref().and_then(|form| form.tail().iter().find(|part| part.head_name() == "index"));
@@ -107,19 +107,19 @@ impl<'l> Locator<'l> {
         pattern.map_or_else(|| self.span(place), |pattern| pattern.span)
     }
 
-    /// The first `?name` in the form at `place`, else the whole form.
+    /// Returns the first `?name` in the form at `place`, else the whole form.
     pub(crate) fn variable(&mut self, place: Place, name: &Symbol) -> Span {
         let datum = self.datum(place);
         let found = datum.as_ref().and_then(|form| find(form, &|part| part.as_variable() == Some(name)));
         found.unwrap_or_else(|| self.span(place))
     }
 
-    /// The goal of the `:probing` in the condition at `place`, else the whole condition.
+    /// Returns the goal of the `:probing` in the condition at `place`, else the whole condition.
     pub(crate) fn probe(&mut self, place: Place) -> Span {
         self.datum(place).as_ref().and_then(probe).map_or_else(|| self.span(place), |goal| goal.span)
     }
 
-    /// The first `?name` in the goal of the `:probing` in the condition at `place`, else the whole goal.
+    /// Returns the first `?name` in the goal of the `:probing` in the condition at `place`, else the whole goal.
     pub(crate) fn variable_of_probe(&mut self, place: Place, name: &Symbol) -> Span {
         let datum = self.datum(place);
         let found =
@@ -127,7 +127,7 @@ impl<'l> Locator<'l> {
         found.unwrap_or_else(|| self.probe(place))
     }
 
-    /// The definition at `place`: what it is of, without its body.
+    /// Returns the definition at `place`: what it is of, without its body.
     pub(crate) fn head_line(&mut self, place: Place) -> Span {
         let datum = self.datum(place);
         let part = datum.as_ref().and_then(|form| {
@@ -137,7 +137,7 @@ impl<'l> Locator<'l> {
         part.map_or_else(|| self.span(place), |part| part.span)
     }
 
-    /// The first `?name` of the step's activity, else the last one in the form at `place`, else the whole form.
+    /// Returns the first `?name` of the step's activity, else the last one in the form at `place`, else the whole form.
     pub(crate) fn use_of_variable(&mut self, place: Place, name: &Symbol) -> Span {
         let datum = self.datum(place);
         let is_it = |part: &Datum| part.as_variable() == Some(name);
@@ -153,7 +153,7 @@ impl<'l> Locator<'l> {
         last.unwrap_or_else(|| self.span(place))
     }
 
-    /// The first use of the word `name` in a clause `clause` of the form at `place`, else the whole clause.
+    /// Returns the first use of the word `name` in a clause `clause` of the form at `place`, else the whole clause.
     pub(crate) fn word_in_clause(&mut self, place: Place, clause: &str, name: &Symbol) -> Span {
         let datum = self.datum(place);
         let found = datum.as_ref().and_then(|form| {
@@ -163,7 +163,7 @@ impl<'l> Locator<'l> {
         found.unwrap_or_else(|| self.clause(place, clause))
     }
 
-    /// The first `?name` in the clause `clause` of the form at `place`, else the whole clause.
+    /// Returns the first `?name` in the clause `clause` of the form at `place`, else the whole clause.
     pub(crate) fn variable_in_clause(&mut self, place: Place, clause: &str, name: &Symbol) -> Span {
         let datum = self.datum(place);
         let part = datum.as_ref().and_then(|form| form.tail().iter().find(|part| part.head_name() == clause));
@@ -171,7 +171,7 @@ impl<'l> Locator<'l> {
         found.unwrap_or_else(|| self.clause(place, clause))
     }
 
-    /// The first use of the word `name` in the form at `place`, else the whole form.
+    /// Returns the first use of the word `name` in the form at `place`, else the whole form.
     pub(crate) fn word(&mut self, place: Place, name: &Symbol) -> Span {
         let datum = self.datum(place);
         let found = datum.as_ref().and_then(|form| find(form, &|part| part.as_symbol() == Some(name)));
@@ -179,19 +179,19 @@ impl<'l> Locator<'l> {
     }
 }
 
-/// The goal after the option `:probing` of a condition.
+/// Returns the goal after the option `:probing` of a condition.
 fn probe(condition: &Datum) -> Option<&Datum> {
     let mut items = condition.tail().iter();
     items.find(|item| item.is(":probing"))?;
     items.next()?.as_list()?.first()
 }
 
-/// The closing parenthesis of the form.
+/// Returns the closing parenthesis of the form.
 pub(crate) fn closing(form: Span) -> Span {
     Span { start: form.end.saturating_sub(1), ..form }
 }
 
-/// Every part of `datum` in order of writing.
+/// Visits every part of `datum` in order of writing.
 pub(crate) fn each(datum: &Datum, visit: &mut dyn FnMut(&Datum)) {
     visit(datum);
     match &datum.kind {
@@ -205,7 +205,7 @@ pub(crate) fn each(datum: &Datum, visit: &mut dyn FnMut(&Datum)) {
     }
 }
 
-/// The first part of `datum`, in order of writing, that is wanted.
+/// Returns the first part of `datum`, in order of writing, that is wanted.
 pub(crate) fn find(datum: &Datum, wanted: &dyn Fn(&Datum) -> bool) -> Option<Span> {
     if wanted(datum) {
         return Some(datum.span);
@@ -241,7 +241,7 @@ fn shift(datum: &mut Datum, offset: u32, place: Place) {
     }
 }
 
-/// Bytes of the first datum of `text`.
+/// Returns bytes of the first datum of `text`.
 fn datum_length(text: &str) -> usize {
     let mut depth = 0_usize;
     let mut comment = 0_usize;

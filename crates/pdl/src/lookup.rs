@@ -49,14 +49,14 @@ impl<K: Eq + Hash + Ord + Clone, V> Lookup<K, V> {
         self.0.entry(key.clone()).or_insert(new)
     }
 
-    /// All of it in the order of the keys.
+    /// Returns all of it in the order of the keys.
     pub(crate) fn in_order(&self) -> Vec<(&K, &V)> {
         let mut all: Vec<(&K, &V)> = self.0.iter().collect();
         all.sort_unstable_by(|one, other| one.0.cmp(other.0));
         all
     }
 
-    /// All keys in order.
+    /// Returns all keys in order.
     pub(crate) fn keys_in_order(&self) -> Vec<&K> {
         self.in_order().into_iter().map(|(key, _)| key).collect()
     }

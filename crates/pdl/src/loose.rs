@@ -6,7 +6,7 @@ use crate::read::{Datum, DatumKind};
 use crate::vocabulary::{ACTIVITIES, PROCEDURE_CLAUSES};
 use apex_model::symbol::Symbol;
 
-/// May this clause of a procedure stand alone in a fragment? Not where its short spelling is an activity too.
+/// Returns true if this clause of a procedure may stand alone in a fragment; false if its short spelling is an activity, too.
 fn is_clause(word: &str) -> bool {
     PROCEDURE_CLAUSES.contains(&word) && !ACTIVITIES.contains(&word)
 }
@@ -38,7 +38,7 @@ pub(crate) fn gather(forms: Vec<Datum>) -> Vec<Datum> {
     gathered
 }
 
-/// `(waitfor ..)`, a form headed by a keyword, or a measurement.
+/// Returns true for `(waitfor ..)`, a form headed by a keyword, or a measurement.
 fn is_condition(form: &Datum) -> bool {
     let items = form.as_list().unwrap_or_default();
     let headed = items.first().is_some_and(|head| head.keyword().is_some());
@@ -46,7 +46,7 @@ fn is_condition(form: &Datum) -> bool {
     headed || measured || form.head_name() == "waitfor"
 }
 
-/// A step that does nothing but wait for the condition.
+/// Returns a step that does nothing but wait for the condition.
 fn waiting_step(condition: Datum) -> Datum {
     let span = condition.span;
     let waitfor = if condition.head_name() == "waitfor" {
@@ -57,7 +57,7 @@ fn waiting_step(condition: Datum) -> Datum {
     list(span, vec![symbol(span, "step"), list(span, vec![symbol(span, "terminate")]), waitfor])
 }
 
-/// The procedure that the clauses of `run` may have been taken from; none for no clauses. Additions are in empty
+/// Returns the procedure that the clauses of `run` may have been taken from; `None` for no clauses. Additions are in empty
 /// spans before and after them: equal spans mean the same clause to the rest of the front end.
 fn procedure(run: Vec<Datum>, number: &mut i64) -> Option<Datum> {
     let (first, last) = (run.first()?.span, run.last()?.span);

@@ -8,7 +8,7 @@ use apex_model::value::Value;
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
 
-/// The symbol that every value matching `pattern` begins with, if there is one.
+/// Returns the symbol that every value matching `pattern` begins with, if there is one.
 pub(crate) fn pattern_head(pattern: &Pattern) -> Option<&Symbol> {
     match pattern {
         Pattern::Literal(Value::List(items)) => items.first().and_then(Value::as_symbol),
@@ -41,7 +41,7 @@ fn second_of_value(value: &Value) -> Option<Second> {
     }
 }
 
-/// The second word that every value matching `index` has, if there is one.
+/// Returns the second word that every value matching `index` has, if there is one.
 pub(crate) fn second_of_pattern(index: &Pattern) -> Option<Second> {
     match index {
         Pattern::Literal(Value::List(items)) => items.get(1).and_then(second_of_value),
@@ -53,7 +53,7 @@ pub(crate) fn second_of_pattern(index: &Pattern) -> Option<Second> {
     }
 }
 
-/// The second word of the goal, where it is known.
+/// Returns the second word of the goal, where it is known.
 pub(crate) fn second_of_goal(goal: View<'_>) -> Option<Second> {
     goal.item(1)?.value().and_then(second_of_value)
 }
@@ -68,7 +68,7 @@ pub(crate) enum View<'t> {
 }
 
 impl<'t> View<'t> {
-    /// The value, if nothing is left open.
+    /// Returns the value, if nothing is left open.
     pub(crate) fn value(self) -> Option<&'t Value> {
         match self {
             View::Template(Template::Constant(value)) | View::Value(value) => Some(value),
@@ -76,7 +76,7 @@ impl<'t> View<'t> {
         }
     }
 
-    /// The parts of a list; `None` if this is not a list, or when a splice makes its length unknown.
+    /// Returns the parts of a list; `None` if this is not a list, or when a splice makes its length unknown.
     pub(crate) fn items(self) -> Option<Vec<View<'t>>> {
         match (self, self.value()) {
             (_, Some(Value::List(items))) => Some(items.iter().map(View::Value).collect()),
@@ -89,7 +89,7 @@ impl<'t> View<'t> {
         }
     }
 
-    /// The part with this number of a list; none as for `items`.
+    /// Returns the part with this number of a list; `None` as for `items`.
     pub(crate) fn item(self, number: usize) -> Option<View<'t>> {
         match (self, self.value()) {
             (_, Some(Value::List(items))) => items.get(number).map(View::Value),
@@ -102,7 +102,7 @@ impl<'t> View<'t> {
         }
     }
 
-    /// The symbol that the goal begins with.
+    /// Returns the symbol that the goal begins with.
     pub(crate) fn head(self) -> Option<&'t Symbol> {
         match (self, self.value()) {
             (_, Some(Value::List(items))) => items.first().and_then(Value::as_symbol),
@@ -115,7 +115,7 @@ impl<'t> View<'t> {
     }
 }
 
-/// True unless the goal provably does not match. Running out of steps counts as a match.
+/// Returns false only if the goal provably does not match. Running out of steps counts as a match.
 pub(crate) fn may_match(goal: View<'_>, pattern: &Pattern, steps: &mut u64) -> bool {
     *steps = steps.saturating_sub(1);
     if *steps == 0 || matches!(goal, View::Template(Template::Hole(_) | Template::Splice(_))) {
@@ -140,7 +140,7 @@ pub(crate) fn may_match(goal: View<'_>, pattern: &Pattern, steps: &mut u64) -> b
     }
 }
 
-/// As `may_match`, for a pattern that is a value.
+/// Like `may_match`, for a pattern that is a value.
 fn may_be(goal: View<'_>, value: &Value, steps: &mut u64) -> bool {
     let Value::List(items) = value else {
         return goal.value().is_some_and(|found| found.matches(value));
@@ -175,7 +175,7 @@ fn list_may_match(parts: &[View<'_>], patterns: &[Pattern], steps: &mut u64) -> 
     }
 }
 
-/// True when the goal provably matches, whatever its holes get.
+/// Returns true when the goal provably matches, whatever its holes get.
 pub(crate) fn must_match(goal: View<'_>, pattern: &Pattern) -> bool {
     must(goal, pattern) && is_linear(pattern, &mut BTreeSet::new())
 }
@@ -200,7 +200,7 @@ fn list_must(parts: &[View<'_>], patterns: &[Pattern]) -> bool {
     }
 }
 
-/// No variable twice: a second one would have to match an equal value.
+/// Returns true if no variable occurs twice: a second occurrence would have to match an equal value.
 fn is_linear<'p>(pattern: &'p Pattern, seen: &mut BTreeSet<&'p Symbol>) -> bool {
     match pattern {
         Pattern::Variable(name)
@@ -213,7 +213,7 @@ fn is_linear<'p>(pattern: &'p Pattern, seen: &mut BTreeSet<&'p Symbol>) -> bool 
     }
 }
 
-/// True when `general` provably matches everything that `special` matches.
+/// Returns true when `general` provably matches everything that `special` matches.
 pub(crate) fn covers(general: &Pattern, special: &Pattern) -> bool {
     let mut seen = BTreeSet::new();
     is_linear(general, &mut seen) && cover(general, special)
@@ -262,7 +262,7 @@ pub(crate) struct Specificity {
     segments: Reverse<usize>,
 }
 
-/// Fewest variables first, then the longest constant prefix, then fewest segments.
+/// Returns the specificity: fewer variables are more specific, then a longer constant prefix, then fewer segments.
 pub(crate) fn specificity(pattern: &Pattern) -> Specificity {
     let (mut named, mut nameless, mut segments) = (BTreeSet::new(), 0, 0);
     count(pattern, &mut named, &mut nameless, &mut segments);

@@ -24,7 +24,7 @@ struct MessageEntry {
     said_by: Vec<String>,
 }
 
-/// The page in Markdown: `docs/reference/library.md`.
+/// Returns the page in Markdown: `docs/reference/library.md`.
 pub fn library_reference() -> String {
     let mut sections = Sections::default();
     for (name, text) in LIBRARIES {

@@ -57,7 +57,7 @@ fn render_one(diagnostic: &Diagnostic, sources: &[SourceFile], renderer: &Render
     renderer.render(&[group])
 }
 
-/// The lines of the spans, with the spans marked. Long spans are cut after their first line, so that a
+/// Returns the lines of the spans, with the spans marked. Long spans are cut after their first line, so that a
 /// message about a form does not print the whole form.
 fn snippet<'s>(source: &'s SourceFile, spans: &[Mark<'s>]) -> Snippet<'s, annotate_snippets::Annotation<'s>> {
     let ranges: Vec<Range<usize>> = spans.iter().map(|(span, ..)| first_line(&source.text, span)).collect();
@@ -79,7 +79,7 @@ fn snippet<'s>(source: &'s SourceFile, spans: &[Mark<'s>]) -> Snippet<'s, annota
     Snippet::source(text).path(&*source.name).line_start(line).annotations(annotations)
 }
 
-/// The part of a span on its first line; byte offsets that are always inside of the text.
+/// Returns the part of a span on its first line; byte offsets that are always inside of the text.
 fn first_line(text: &str, span: &Span) -> Range<usize> {
     let bound = |offset: u32| usize::try_from(offset).unwrap_or(usize::MAX).min(text.len());
     let (start, end) = (bound(span.start), bound(span.end));

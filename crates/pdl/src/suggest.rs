@@ -25,7 +25,7 @@ pub(crate) struct Near<'a> {
     pub(crate) cost: u32,
 }
 
-/// Known names near enough to be meant by `name`, nearest first; equally near ones in the order given.
+/// Returns known names similar enough to be meant by `name`, nearest first; equally near ones in the order given.
 pub(crate) fn near<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Vec<Near<'a>> {
     let wanted: Vec<char> = name.to_lowercase().chars().take(NAME_CHARACTERS_MAX + 1).collect();
     if wanted.is_empty() || wanted.len() > NAME_CHARACTERS_MAX {
@@ -49,8 +49,8 @@ pub(crate) fn near<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> 
     found
 }
 
-/// Is the first of these names certainly meant? The others must be clearly farther, and a short name has so many
-/// neighbours that one edit proves nothing.
+/// Returns true if the first of these names is certainly meant: the others are clearly farther, and the name is long enough (a short name
+/// has many neighbours).
 pub(crate) fn is_certain(name: &str, found: &[Near<'_>]) -> bool {
     let Some(first) = found.first() else { return false };
     let alone = found.get(1).is_none_or(|second| second.cost > first.cost + MARGIN);
@@ -62,7 +62,7 @@ pub(crate) fn is_certain(name: &str, found: &[Near<'_>]) -> bool {
         && first.cost <= if letters >= 6 { 2 * EDIT } else { EDIT }
 }
 
-/// The known name nearest to `name`, if it is near enough to be meant. Ties go to the first.
+/// Returns the known name nearest to `name`, if it is near enough to be meant. Ties go to the first.
 pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     near(name, known).first().map(|near| near.name)
 }
@@ -72,7 +72,7 @@ pub(crate) fn renames<'a>(span: Span, name: &str, known: impl IntoIterator<Item 
     renames_marked(span, name, known, str::to_string)
 }
 
-/// As [`renames`] for names that are written with marks: `mark` makes `?x` of `x`, `+x+`, or `:x`.
+/// Like [`renames`] for names that are written with marks: `mark` makes `?x` of `x`, `+x+`, or `:x`.
 pub(crate) fn renames_marked<'a>(
     span: Span,
     name: &str,
@@ -96,7 +96,7 @@ pub(crate) fn unit_renames(span: Span, name: &str, mark: impl Fn(&str) -> String
     renames_marked(span, name, near_units(name), mark)
 }
 
-/// The best spelling of each unit that is near, nearest first.
+/// Returns the best spelling of each unit that is near, nearest first.
 pub(crate) fn near_units(name: &str) -> Vec<&'static str> {
     let spelling = |unit: &'static Unit| {
         let spellings = std::iter::once(unit.name).chain(unit.aliases.iter().copied());
@@ -111,7 +111,7 @@ pub(crate) fn near_units(name: &str) -> Vec<&'static str> {
     likely.map(|near| near.name).collect()
 }
 
-/// Names of several words that differ in the order of the words, in the marks between them, or in both.
+/// Returns names of several words that differ in the order of the words, in the marks between them, or in both.
 fn distance_by_words(a: &[char], b: &[char]) -> Option<u32> {
     let is_mark = |c: &char| matches!(c, '-' | '_' | '/' | ' ');
     let words = |name: &[char]| -> Vec<String> {

@@ -21,7 +21,7 @@ pub fn read_time(text: &str) -> Option<Time> {
     }
 }
 
-/// `1:30:00` or `1:30`: hours, minutes and seconds, or minutes and seconds.
+/// Parses `1:30:00` or `1:30`: hours, minutes and seconds, or minutes and seconds.
 fn clock_time(text: &str) -> Option<Time> {
     let parts: Vec<f64> = text.split(':').map(str::parse).collect::<Result<_, _>>().ok()?;
     let rest_in_range = parts.iter().skip(1).all(|part| (0.0..60.0).contains(part));

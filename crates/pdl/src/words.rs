@@ -72,7 +72,7 @@ pub fn explain_word(word: &str) -> Option<String> {
     (!text.is_empty()).then_some(text)
 }
 
-/// The row of the table of mission options for an option: its cells after the name.
+/// Returns the row of the table of mission options for an option: its cells after the name.
 fn mission_option(name: &str) -> Option<String> {
     let page = include_str!("../../../docs/reference/mission-data.md");
     let option = format!("`:{name}`");
@@ -84,7 +84,7 @@ fn mission_option(name: &str) -> Option<String> {
     page.lines().find_map(of_row)
 }
 
-/// The known word nearest to `word`.
+/// Returns the known word nearest to `word`.
 pub fn nearest_word(word: &str) -> Option<&'static str> {
     let functions = BUILT_INS.iter().map(|each| each.name);
     let words = VOCABULARY.iter().flat_map(|words| words.words.iter().copied());
@@ -132,7 +132,7 @@ fn of_library(word: &str, name: &str, library: &str, text: &mut String) {
                     }
                     ("inform" | "cogevent", Some(message)) if message.head_name() == word => {
                         let goal = written(library, index);
-                        say(format!("{}: a message, said by what serves {goal}", written(library, message)));
+                        say(format!("{}: a message, sent for the goal {goal}", written(library, message)));
                     }
                     _ => {}
                 });
@@ -163,7 +163,7 @@ fn of_library(word: &str, name: &str, library: &str, text: &mut String) {
     }
 }
 
-/// `take-off` are the first words of `(take off to ?altitude)`.
+/// Returns true if the words of a hyphenated name are the first words of the goal: `take-off` and `(take off to ?altitude)`.
 fn begins_with(index: &Datum, word: &str) -> bool {
     let mut joined = String::new();
     for item in index.as_list().unwrap_or_default() {

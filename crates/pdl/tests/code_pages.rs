@@ -22,7 +22,7 @@ fn checked(text: &str) -> Checked {
     checked
 }
 
-/// The codes of all messages about the example of this kind.
+/// Returns the codes of all messages about the example of this kind.
 fn codes(kind: &str, text: &str) -> Vec<&'static str> {
     match kind {
         "value" => read_value(text).err().map(|diagnostic| diagnostic.code).into_iter().collect(),

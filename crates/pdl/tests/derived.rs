@@ -24,7 +24,10 @@ fn what_cannot_be_computed_is_refused_with_its_reason() {
         ("(state-variable (e uav) :derived (abs (x ?a)))", "has one object variable"),
         ("(state-variable (e ?a) :derived (rate-of 5))", "a state variable is written as `(ATTRIBUTE OBJECT)`"),
         ("(state-variable (e ?a) :derived (rate-of))", "`rate-of` takes one state variable"),
-        ("(state-variable (e ?a) :derived (x ?a) :join (:hold 0s))", "a limit of P0S joins nothing"),
+        (
+            "(state-variable (e ?a) :derived (x ?a) :join (:hold 0s))",
+            "the limit of `:join` is P0S, expected a duration above zero",
+        ),
         ("(state-variable (e ?a) :derived (x ?a) :join (:spline 1s))", "this is not a join"),
         ("(state-variable (e ?a) :join :hold)", "`:join` stands without `:derived`"),
         ("(state-variable (e ?a) :derived (asb (x ?a)))", "`asb`"),

@@ -1,4 +1,4 @@
-//! The listings and the table of the paper load as they are printed.
+//! The checker accepts the listings and Table 1 of the paper as printed.
 
 use apex_model::condition::{ConditionKind, Constraint};
 use apex_model::pattern::Pattern;
@@ -40,7 +40,7 @@ fn every_listing_loads_as_a_fragment() {
     }
 }
 
-/// The listings of section IV as printed on the page: a step and its select, in no procedure.
+/// The listing of section IV as printed: a step with its select, outside of a procedure.
 const REFLY_ALONE: &str = "(step (refly segment visited from ?loc to +current-location+)
   (waitfor
     (:episode roll-violation (roll-angle +this-aircraft+)

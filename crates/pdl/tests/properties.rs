@@ -22,7 +22,7 @@ fn checked(text: &str, fragment: bool) -> Checked {
     check(vec![source], CheckOptions { fragment, host: &[], resolve: &mut resolve })
 }
 
-/// The debug text of nouns with every place left out.
+/// Returns the debug text of nouns with every place left out.
 fn without_places(text: &str) -> String {
     let mut parts = text.split("Place {");
     let first = parts.next().unwrap_or_default().to_string();

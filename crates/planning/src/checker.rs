@@ -30,5 +30,5 @@ pub fn accept(problem: &Problem, plan: &Plan) -> Result<(), String> {
     if found.is_empty() {
         return Ok(());
     }
-    Err(format!("The plan of {} is not valid: it {}.", plan.solver(), found.join("; ")))
+    Err(format!("the plan of {} is not valid: it {}", plan.solver(), found.join("; ")))
 }

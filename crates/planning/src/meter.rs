@@ -51,7 +51,7 @@ impl<'a> Meter<'a> {
         self.cut = true;
     }
 
-    /// The budget itself, for those who charge it in units.
+    /// Returns the budget itself, for those who charge it in units.
     pub fn budget(&mut self) -> &mut dyn Budget {
         self.budget
     }

@@ -5,12 +5,12 @@
 pub struct Generator(u64);
 
 impl Generator {
-    /// A generator that yields the sequence of `seed`.
+    /// Returns a generator that yields the sequence of `seed`.
     pub fn new(seed: u64) -> Generator {
         Generator(seed)
     }
 
-    /// The next 64 bits.
+    /// Returns the next 64 bits.
     pub fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut bits = self.0;
@@ -19,12 +19,12 @@ impl Generator {
         bits ^ (bits >> 31)
     }
 
-    /// A real number in 0..1.
+    /// Returns a real number in 0..1.
     pub fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// A whole number below `count`; 0 for a count of 0.
+    /// Returns a whole number below `count`; 0 for a count of 0.
     pub fn below(&mut self, count: usize) -> usize {
         ((self.unit() * count as f64) as usize).min(count.saturating_sub(1))
     }

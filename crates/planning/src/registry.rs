@@ -11,7 +11,7 @@ pub struct Registry {
 }
 
 impl Registry {
-    /// A registry of `solvers`, whose names must be valid and differ ([`Registry::add`]).
+    /// Returns a registry of `solvers`, whose names must be valid and differ ([`Registry::add`]).
     pub fn of(solvers: Vec<Arc<dyn Solver>>) -> Registry {
         Registry { solvers }
     }
@@ -35,7 +35,7 @@ impl Registry {
         Ok(())
     }
 
-    /// The planner called `name`.
+    /// Returns the planner called `name`.
     pub fn find(&self, name: &str) -> Option<&Arc<dyn Solver>> {
         self.solvers.iter().find(|solver| solver.name() == name)
     }

@@ -39,7 +39,7 @@ pub struct Environment<'a> {
 pub trait Budget {
     /// Charges `units` of work.
     fn charge(&mut self, units: u64);
-    /// True when the solver must return its best plan now.
+    /// Returns true when the solver must return its best plan now.
     fn exhausted(&self) -> bool;
     /// Units charged so far.
     fn used(&self) -> u64;
@@ -47,7 +47,7 @@ pub trait Budget {
     fn left(&self) -> Option<u64> {
         None
     }
-    /// True when the answer is not wanted any longer: the solver must end at once, whatever it has.
+    /// Returns true when the answer is not wanted any longer: the solver must end at once, whatever it has.
     fn is_stopped(&self) -> bool {
         false
     }
@@ -76,7 +76,7 @@ pub struct WorkBudget {
 }
 
 impl WorkBudget {
-    /// A fresh budget of `allowed` units.
+    /// Returns a fresh budget of `allowed` units.
     pub fn new(allowed: u64) -> WorkBudget {
         WorkBudget { allowed, used: 0 }
     }
@@ -99,7 +99,7 @@ impl Budget for WorkBudget {
 
 /// A planner. Third parties implement this.
 pub trait Solver: Send + Sync {
-    /// The name in profile tables, records and `(solver NAME ..)` forms.
+    /// Returns the name in profile tables, records and `(solver NAME ..)` forms.
     fn name(&self) -> &str;
 
     /// Returns true if it can plan for problems of this kind.

@@ -16,12 +16,12 @@ pub const TARGETS_MAX: usize = 5_000;
 /// An error message that names the target and the field.
 pub fn surveillance(problem: &SurveillanceProblem) -> Result<(), String> {
     if problem.targets.is_empty() {
-        return Err("There is no target to watch.".to_string());
+        return Err("there is no target to watch".to_string());
     }
     at_most_targets(problem.targets.len())?;
-    positive("The horizon", problem.horizon_s)?;
+    positive("the horizon", problem.horizon_s)?;
     if let Some(endurance_s) = problem.endurance_s {
-        positive("The endurance", endurance_s)?;
+        positive("the endurance", endurance_s)?;
     }
     unique_names(problem.targets.iter().map(|target| target.name.as_str()))?;
     problem.targets.iter().try_for_each(surveillance_target)?;
@@ -31,14 +31,14 @@ pub fn surveillance(problem: &SurveillanceProblem) -> Result<(), String> {
 fn surveillance_target(target: &SurveillanceTarget) -> Result<(), String> {
     let name = &target.name;
     on_map(&format!("Target {name}"), target.position)?;
-    not_negative(&format!("The dwell of target {name}"), target.dwell_s)?;
-    not_negative(&format!("The initial age of target {name}"), target.initial_age_s)?;
+    not_negative(&format!("the dwell of target {name}"), target.dwell_s)?;
+    not_negative(&format!("the initial age of target {name}"), target.initial_age_s)?;
     let rates = &target.rate.steps;
     if rates.iter().any(|(time_s, rate)| !time_s.is_finite() || !rate.is_finite() || *rate < 0.0) {
-        return Err(format!("The event rate of target {name} has a step that is negative or not finite."));
+        return Err(format!("the event rate of target {name} has a step that is negative or not finite"));
     }
     if rates.iter().zip(rates.iter().skip(1)).any(|((before, _), (after, _))| before >= after) {
-        return Err(format!("The event rate of target {name} has steps out of order of time."));
+        return Err(format!("the event rate of target {name} has steps out of order of time"));
     }
     cost_function(name, &target.cost)
 }
@@ -56,12 +56,12 @@ fn cost_function(name: &str, cost: &CostFunction) -> Result<(), String> {
         CostFunction::Table { points } => points.iter().flat_map(|(age_s, cost)| [*age_s, *cost]).collect(),
     };
     if numbers.iter().any(|number| !number.is_finite() || *number < 0.0) {
-        return Err(format!("The cost function of target {name} has a number that is negative or not finite."));
+        return Err(format!("the cost function of target {name} has a number that is negative or not finite"));
     }
     if let CostFunction::Table { points } = cost {
         let falls = |((age0, cost0), (age1, cost1)): (&(f64, f64), &(f64, f64))| age1 < age0 || cost1 < cost0;
         if points.is_empty() || points.iter().zip(points.iter().skip(1)).any(falls) {
-            return Err(format!("The cost table of target {name} is empty or falls; cost never falls with age."));
+            return Err(format!("the cost table of target {name} is empty or falls; cost never falls with age"));
         }
     }
     Ok(())
@@ -74,7 +74,7 @@ fn travel_times(problem: &SurveillanceProblem) -> Result<(), String> {
         let least_s = (0..count).map(|from| problem.travel.between_s_min(from, index)).fold(f64::INFINITY, f64::min);
         if target.dwell_s + least_s <= 0.0 {
             return Err(format!(
-                "Observing target {} takes no time at all; give it a dwell of at least a second.",
+                "observing target {} takes no time at all; give it a dwell of at least a second",
                 target.name
             ));
         }
@@ -88,37 +88,37 @@ fn travel_times(problem: &SurveillanceProblem) -> Result<(), String> {
 /// An error message that names the target and the field.
 pub fn single_visit(problem: &SingleVisitProblem) -> Result<(), String> {
     if problem.targets.is_empty() {
-        return Err("There is no target to visit.".to_string());
+        return Err("there is no target to visit".to_string());
     }
     at_most_targets(problem.targets.len())?;
     unique_names(problem.targets.iter().map(|target| target.name.as_str()))?;
     let vehicle = &problem.vehicle;
-    positive("The true airspeed", vehicle.true_airspeed_mps)?;
-    positive("The endurance", vehicle.endurance_s)?;
-    not_negative("The endurance reserve", vehicle.endurance_reserve_s)?;
+    positive("the true airspeed", vehicle.true_airspeed_mps)?;
+    positive("the endurance", vehicle.endurance_s)?;
+    not_negative("the endurance reserve", vehicle.endurance_reserve_s)?;
     turn_radius(vehicle.turn_radius_m)?;
-    not_negative("The fuel flow", vehicle.fuel_flow_kg_per_s)?;
-    not_negative("The fuel reserve", vehicle.fuel_reserve_kg)?;
-    not_negative("The margin of zones", problem.zone_margin_m)?;
-    finite("The cruise altitude", vehicle.cruise_altitude_m)?;
-    finite("The start altitude", problem.start_altitude_m)?;
-    finite("The start time", problem.start_s)?;
-    finite("The civil time of zero", problem.zero_unix_s)?;
-    on_map("The start", problem.start)?;
-    problem.base.map_or(Ok(()), |base| on_map("The base", base))?;
+    not_negative("the fuel flow", vehicle.fuel_flow_kg_per_s)?;
+    not_negative("the fuel reserve", vehicle.fuel_reserve_kg)?;
+    not_negative("the margin of zones", problem.zone_margin_m)?;
+    finite("the cruise altitude", vehicle.cruise_altitude_m)?;
+    finite("the start altitude", problem.start_altitude_m)?;
+    finite("the start time", problem.start_s)?;
+    finite("the civil time of zero", problem.zero_unix_s)?;
+    on_map("the start", problem.start)?;
+    problem.base.map_or(Ok(()), |base| on_map("the base", base))?;
     for place in &problem.landing_places {
         on_map(&format!("Landing place {}", place.name), place.position)?;
     }
     problem.zones.iter().try_for_each(zone)?;
     for target in &problem.targets {
         on_map(&format!("Target {}", target.name), target.position)?;
-        not_negative(&format!("The value of target {}", target.name), target.value)?;
+        not_negative(&format!("the value of target {}", target.name), target.value)?;
         if target.manoeuvres.is_empty() {
-            return Err(format!("Target {} has no manoeuvre; give at least one way to observe it.", target.name));
+            return Err(format!("target {} has no manoeuvre; give at least one way to observe it", target.name));
         }
         target.manoeuvres.iter().try_for_each(|manoeuvre| manoeuvre_of(&target.name, manoeuvre))?;
         if target.timing.iter().any(|(time_s, factor)| !time_s.is_finite() || !(0.0..=1.0).contains(factor)) {
-            return Err(format!("The timing of target {} has a factor outside 0..1.", target.name));
+            return Err(format!("the timing of target {} has a factor outside 0..1", target.name));
         }
     }
     problem.travel.as_ref().map_or(Ok(()), |travel| given_times(problem, travel))?;
@@ -133,10 +133,10 @@ const TURN_RADIUS_M_MAX: f64 = 200_000.0;
 /// # Errors
 /// An error message that states the limits of turns.
 pub fn turn_radius(radius_m: f64) -> Result<(), String> {
-    not_negative("The turn radius", radius_m)?;
+    not_negative("the turn radius", radius_m)?;
     if radius_m > TURN_RADIUS_M_MAX {
         return Err(format!(
-            "The turn radius is {radius_m} m, wider than the {TURN_RADIUS_M_MAX} m that any aircraft needs; give metres, from its speed and bank."
+            "the turn radius is {radius_m} m, wider than the {TURN_RADIUS_M_MAX} m that any aircraft needs; give metres, from its speed and bank"
         ));
     }
     Ok(())
@@ -151,7 +151,7 @@ fn given_times(problem: &SingleVisitProblem, travel: &TravelTimes) -> Result<(),
         (!problem.wind.layers.is_empty(), "wind"),
     ];
     match flown.iter().find(|(given, _)| *given) {
-        Some((_, what)) => Err(format!("The problem has travel times and {what}; leave one of the two out.")),
+        Some((_, what)) => Err(format!("the problem has travel times and {what}; leave one of the two out")),
         None => Ok(()),
     }
 }
@@ -159,7 +159,7 @@ fn given_times(problem: &SingleVisitProblem, travel: &TravelTimes) -> Result<(),
 fn precedence(problem: &SingleVisitProblem) -> Result<(), String> {
     for name in problem.precedence.iter().flat_map(|(earlier, later)| [earlier, later]) {
         if !problem.targets.iter().any(|target| target.name == *name) {
-            return Err(format!("The order of visits names {name}, which is not a target."));
+            return Err(format!("the order of visits names {name}, which is not a target"));
         }
     }
     // Repeatedly remove targets with nothing before them; the remaining ones form a circle.
@@ -174,27 +174,27 @@ fn precedence(problem: &SingleVisitProblem) -> Result<(), String> {
         }
     }
     match open.first() {
-        Some((earlier, later)) => Err(format!("The order of visits goes round in a circle at {earlier} and {later}.")),
+        Some((earlier, later)) => Err(format!("the order of visits goes round in a circle at {earlier} and {later}")),
         None => Ok(()),
     }
 }
 
 fn zone(zone: &AirspaceZone) -> Result<(), String> {
-    zone.corners.iter().try_for_each(|corner| on_map(&format!("A corner of zone {}", zone.name), *corner))
+    zone.corners.iter().try_for_each(|corner| on_map(&format!("a corner of zone {}", zone.name), *corner))
 }
 
 fn manoeuvre_of(target: &str, manoeuvre: &Manoeuvre) -> Result<(), String> {
     let name = format!("Manoeuvre {} of target {target}", manoeuvre.name);
-    not_negative(&format!("The duration of {name}"), manoeuvre.duration_s)?;
-    finite(&format!("The altitude of {name}"), manoeuvre.altitude_m)?;
+    not_negative(&format!("the duration of {name}"), manoeuvre.duration_s)?;
+    finite(&format!("the altitude of {name}"), manoeuvre.altitude_m)?;
     let quality = &manoeuvre.quality;
     let factors = [&quality.coverage, &quality.resolution, &quality.clarity].map(|factor| factor.factor);
     if let Some(factor) = factors.into_iter().find(|factor| !(0.0..=1.0).contains(factor)) {
-        return Err(format!("A factor of the quality of {name} is {factor}; it must be within 0..1."));
+        return Err(format!("a factor of the quality of {name} is {factor}; it must be within 0..1"));
     }
     if let Some(entry) = manoeuvre.entry {
         if manoeuvre.lines.is_empty() {
-            return Err(format!("{name} has an `entry` but no line that it leads into."));
+            return Err(format!("{name} has an `entry` but no line that it leads into"));
         }
         on_map(&name, entry)?;
     }
@@ -203,7 +203,7 @@ fn manoeuvre_of(target: &str, manoeuvre: &Manoeuvre) -> Result<(), String> {
 
 fn at_most_targets(count: usize) -> Result<(), String> {
     if count > TARGETS_MAX {
-        Err(format!("{count} targets are more than {TARGETS_MAX}; split the mission."))
+        Err(format!("{count} targets are more than {TARGETS_MAX}; split the mission"))
     } else {
         Ok(())
     }
@@ -213,23 +213,23 @@ fn unique_names<'a>(names: impl Iterator<Item = &'a str>) -> Result<(), String> 
     let mut sorted: Vec<&str> = names.collect();
     sorted.sort_unstable();
     let twice = sorted.iter().zip(sorted.iter().skip(1)).find(|(a, b)| a == b);
-    twice.map_or(Ok(()), |(name, _)| Err(format!("Two targets are called {name}; names must differ.")))
+    twice.map_or(Ok(()), |(name, _)| Err(format!("two targets are called {name}; names must differ")))
 }
 
 fn positive(what: &str, number: f64) -> Result<(), String> {
-    if number.is_finite() && number > 0.0 { Ok(()) } else { Err(format!("{what} is {number}; it must be positive.")) }
+    if number.is_finite() && number > 0.0 { Ok(()) } else { Err(format!("{what} is {number}; it must be positive")) }
 }
 
 fn not_negative(what: &str, number: f64) -> Result<(), String> {
     if number.is_finite() && number >= 0.0 {
         Ok(())
     } else {
-        Err(format!("{what} is {number}; it must not be negative."))
+        Err(format!("{what} is {number}; it must not be negative"))
     }
 }
 
 fn finite(what: &str, number: f64) -> Result<(), String> {
-    if number.is_finite() { Ok(()) } else { Err(format!("{what} is {number}; it must be a number.")) }
+    if number.is_finite() { Ok(()) } else { Err(format!("{what} is {number}; it must be a number")) }
 }
 
 fn on_map(what: &str, position: Position) -> Result<(), String> {
@@ -237,6 +237,6 @@ fn on_map(what: &str, position: Position) -> Result<(), String> {
     if latitude.abs() <= 90.0 && longitude.abs() <= 360.0 {
         Ok(())
     } else {
-        Err(format!("{what} lies at ({latitude} {longitude}), which is not on the map."))
+        Err(format!("{what} lies at ({latitude} {longitude}), which is not on the map"))
     }
 }

@@ -71,7 +71,7 @@ impl Scale {
         }
     }
 
-    /// Its word in names of cells.
+    /// Returns its word in names of cells.
     pub fn word(self) -> &'static str {
         match self {
             Scale::Large => "large",
@@ -85,7 +85,7 @@ impl Spread {
     /// Every spread.
     pub const ALL: [Spread; 3] = [Spread::Clustered, Spread::Fixed, Spread::Uniform];
 
-    /// Its word in names of cells.
+    /// Returns its word in names of cells.
     pub fn word(self) -> &'static str {
         match self {
             Spread::Clustered => "clustered",
@@ -99,7 +99,7 @@ impl Space {
     /// Every way to lie, as the columns of Figure 4 have them.
     pub const ALL: [Space; 3] = [Space::TwoClusters, Space::Globular, Space::Uniform];
 
-    /// Its word in names of cells.
+    /// Returns its word in names of cells.
     pub fn word(self) -> &'static str {
         match self {
             Space::TwoClusters => "two-cluster",
@@ -110,7 +110,7 @@ impl Space {
 }
 
 impl Cell {
-    /// All 243, by scale, rate, cost, count and space.
+    /// Returns all 243, by scale, rate, cost, count and space.
     pub fn all() -> Vec<Cell> {
         let mut cells = Vec::with_capacity(243);
         for scale in Scale::ALL {
@@ -139,7 +139,7 @@ impl Cell {
 }
 
 impl Cell {
-    /// Its words, by the names of the classifiers that read them.
+    /// Returns its words, by the names of the classifiers that read them.
     pub fn words(&self) -> [(&'static str, String); 5] {
         let Cell { scale, rate, cost, count, space } = self;
         [

@@ -107,7 +107,7 @@ fn of_surveillance(
     Ok(Selection { solver: entry.next.clone(), reason, people_plan_better })
 }
 
-/// The line of the nearest cell at the largest budget that is not above `budget_units`, or at the smallest of all.
+/// Returns the line of the nearest cell at the largest budget that is not above `budget_units`, or at the smallest of all.
 fn look_up<'a>(table: &'a [Conclusion], features: &[Feature], budget_units: u64) -> Option<&'a Conclusion> {
     let distance = |entry: &Conclusion| -> f64 {
         let words = entry.cell.words();
@@ -124,7 +124,7 @@ fn look_up<'a>(table: &'a [Conclusion], features: &[Feature], budget_units: u64)
     measured.min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, entry)| entry)
 }
 
-/// The first planner that serves the problem.
+/// Returns the first planner that serves the problem.
 fn fallback(problem: &Problem, reason: &str, planners: &Registry) -> Selection {
     let serves = planners.iter().find(|solver| solver.serves(problem));
     let solver = serves.map_or_else(|| "none".to_string(), |solver| solver.name().to_string());

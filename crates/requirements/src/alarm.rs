@@ -41,7 +41,7 @@ impl Thresholds {
         Thresholds { warning, raise_samples: 2, clear_share: 0.2, clear_s: 15.0 }
     }
 
-    /// The margin above which the requirement is clear.
+    /// Returns the margin above which the requirement is clear.
     fn clear(&self) -> f64 {
         self.warning * (1.0 + self.clear_share)
     }
@@ -126,7 +126,7 @@ impl Alarm {
         (self.state, self.asked, self.clear_since_s) = (AlarmState::Raised, 0, None);
     }
 
-    /// True if the alarm has been raised so often in the last hour that another response is needed.
+    /// Returns true if the alarm has been raised so often in the last hour that another response is needed.
     pub fn is_escalated(&self) -> bool {
         self.raised_s.len() > ALARMS_PER_HOUR_MAX
     }

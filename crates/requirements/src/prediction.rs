@@ -25,7 +25,7 @@ pub struct RouteSpan {
     pub until_s: f64,
 }
 
-/// The first instant in `span` at which `margin` is negative; `None` if there is none before the route ends.
+/// Returns the first instant in `span` at which `margin` is negative; `None` if there is none before the route ends.
 ///
 /// `change_per_s` bounds how fast the margin can fall along the route: the search advances by the time that the margin lasts, and by
 /// at least [`STEP_S_MIN`]. For a distance in metres the bound is [`Route::speed_mps_max`]. An infinite bound samples at
@@ -57,7 +57,7 @@ pub fn first_violation(
     }
 }
 
-/// The instant of the change of sign between `kept_s` and the violated `state`.
+/// Returns the instant of the change of sign between `kept_s` and the violated `state`.
 fn bisect(
     route: &Route,
     kept_s: Option<f64>,
@@ -76,7 +76,7 @@ fn bisect(
     Violation { after_s: state.after_s, state }
 }
 
-/// The part of a route, from now (`now_s` of mission time) on, in which something that is active from `from_s` until `until_s` of
+/// Returns the part of a route, from now (`now_s` of mission time) on, in which something that is active from `from_s` until `until_s` of
 /// mission time can be met: widened by `before_s` at both ends and by the arrival spread of a speed that is wrong by `speed_error`
 /// (a share, less than 1). `None` if that is not before `look_ahead_s`.
 pub fn active_span(

@@ -3,7 +3,7 @@
 use crate::GRAVITY_M_S2;
 use std::f64::consts::FRAC_PI_2;
 
-/// Radius of a turn with `bank_deg` in still air: `V^2 / (g tan bank)`. A bank of 0 or less gives infinity.
+/// Returns the radius of a turn with `bank_deg` in still air: `V^2 / (g tan bank)`. A bank of 0 or less gives infinity.
 pub fn turn_radius_m(true_airspeed_mps: f64, bank_deg: f64) -> f64 {
     let tangent = libm::tan(bank_deg.to_radians());
     if tangent > 0.0 { true_airspeed_mps * true_airspeed_mps / (GRAVITY_M_S2 * tangent) } else { f64::INFINITY }
@@ -14,12 +14,12 @@ pub fn drift_m(turn_radius_m: f64, true_airspeed_mps: f64, tail_wind_mps: f64) -
     if true_airspeed_mps > 0.0 { tail_wind_mps * FRAC_PI_2 * turn_radius_m / true_airspeed_mps } else { 0.0 }
 }
 
-/// Radius over ground that a turn needs at worst: the radius in still air, and the drift of a quarter turn.
+/// Returns the radius over ground that a turn needs at worst: the radius in still air, and the drift of a quarter turn.
 pub fn drifted_radius_m(turn_radius_m: f64, true_airspeed_mps: f64, wind_mps: f64) -> f64 {
     turn_radius_m + drift_m(turn_radius_m, true_airspeed_mps, wind_mps.max(0.0))
 }
 
-/// Time at the present ground speed that turning away from an edge straight ahead needs: roll-in, turn radius, drift.
+/// Returns the time at the present ground speed that turning away from an edge straight ahead needs: roll-in, turn radius, drift.
 /// An edge that is nearer than this in time cannot be avoided by a turn.
 pub fn turn_away_s(true_airspeed_mps: f64, turn_radius_m: f64, tail_wind_mps: f64, roll_in_s: f64) -> f64 {
     let ground_speed_mps = true_airspeed_mps + tail_wind_mps;
@@ -30,7 +30,7 @@ pub fn turn_away_s(true_airspeed_mps: f64, turn_radius_m: f64, tail_wind_mps: f6
     needed_m / ground_speed_mps
 }
 
-/// Time that a climb over `height_m` takes; infinity if the vehicle cannot climb, 0 if no climb is needed.
+/// Returns the time that a climb over `height_m` takes; infinity if the vehicle cannot climb, 0 if no climb is needed.
 pub fn climb_s(height_m: f64, climb_mps: f64) -> f64 {
     if height_m <= 0.0 {
         0.0
@@ -41,12 +41,12 @@ pub fn climb_s(height_m: f64, climb_mps: f64) -> f64 {
     }
 }
 
-/// Time at the present speed that stopping needs: `v / (2 a)`, since the distance is `v^2 / (2 a)`.
+/// Returns the time at the present speed that stopping needs: `v / (2 a)`, since the distance is `v^2 / (2 a)`.
 pub fn stop_s(speed_mps: f64, braking_m_s2: f64) -> f64 {
     if braking_m_s2 > 0.0 { speed_mps.max(0.0) / (2.0 * braking_m_s2) } else { f64::INFINITY }
 }
 
-/// True if a response that takes `response_s` must begin now: the requirement is violated in `violation_s` (0: it is violated
+/// Returns true if a response that takes `response_s` must begin now: the requirement is violated in `violation_s` (0: it is violated
 /// now), and is checked every `loop_s`. One check may be missed.
 pub fn must_act(violation_s: f64, response_s: f64, loop_s: f64) -> bool {
     violation_s <= response_s + 2.0 * loop_s

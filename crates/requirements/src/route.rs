@@ -62,7 +62,7 @@ pub struct Route {
 }
 
 impl Route {
-    /// A route that begins at `point` in the direction `track` (any length; north if it has none), at `altitude_m.0` with
+    /// Returns a route that begins at `point` in the direction `track` (any length; north if it has none), at `altitude_m.0` with
     /// `altitude_m.1` commanded.
     pub fn begin(point: Point, track: Point, altitude_m: (f64, f64), motion: Motion) -> Route {
         let track = track.unit().unwrap_or(Point { x: 0.0, y: 1.0 });
@@ -160,13 +160,13 @@ impl Route {
         self.end
     }
 
-    /// An upper bound of the speed in space on the whole route.
+    /// Returns an upper bound of the speed in space on the whole route.
     pub fn speed_mps_max(&self) -> f64 {
         let vertical_mps = self.motion.climb_mps.max(self.motion.descent_mps);
         libm::hypot(self.speed_mps_max, vertical_mps)
     }
 
-    /// The state `after_s` seconds from now; `None` before now and after the end.
+    /// Returns the state `after_s` seconds from now; `None` before now and after the end.
     pub fn at(&self, after_s: f64) -> Option<RouteState> {
         if !(after_s >= 0.0 && after_s <= self.end_s) {
             return None;
@@ -244,7 +244,7 @@ impl Turn {
     }
 }
 
-/// Time of half a turn at `radius_m`: 94 s for 95 m/s and 18 degrees of bank.
+/// Returns the time of half a turn at `radius_m`: 94 s for 95 m/s and 18 degrees of bank.
 pub fn half_turn_s(radius_m: f64, true_airspeed_mps: f64) -> f64 {
     PI * radius_m / true_airspeed_mps
 }

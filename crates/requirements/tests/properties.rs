@@ -44,7 +44,7 @@ impl Block {
         LocalZone::new(0, &zone, &plane()).unwrap()
     }
 
-    /// Distance outside of the box, by clamping; 0 inside.
+    /// Returns the distance outside of the box, by clamping; 0 inside.
     fn outside_m(&self, x: f64, y: f64) -> f64 {
         let (dx, dy) = (x - x.clamp(self.low.0, self.high.0), y - y.clamp(self.low.1, self.high.1));
         (dx * dx + dy * dy).sqrt()

@@ -24,7 +24,7 @@ fn bank_18_m() -> f64 {
     turn_radius_m(SPEED_MPS, 18.0)
 }
 
-/// A zone whose near edge lies 8,000 m north of the vehicle, 20 km deep and 40 km wide.
+/// Returns a zone whose near edge lies 8,000 m north of the vehicle, 20 km deep and 40 km wide.
 fn zone_ahead(plane: &Plane, altitude_m: (f64, f64), active: TimeWindow) -> LocalZone {
     let corners = [(-20e3, 8e3), (20e3, 8e3), (20e3, 28e3), (-20e3, 28e3)];
     let zone = AirspaceZone {

@@ -1,8 +1,8 @@
-//! The agents of one application, each with its inbox, at one clock.
+//! The agents of one application, each with its inbox, driven by one clock.
 //!
-//! At an instant agents step in rounds, within a round in the order of their declarations. What an agent says to another
-//! in a round reaches it at the same instant in the next round, so no agent depends on its place in the order. Rounds are
-//! bounded: what agents say to each other after the last round of an instant is dropped, and that is noted.
+//! At each instant agents step in rounds, within a round in the order of their declarations. A message from one agent to
+//! another arrives at the same instant in the next round, so results do not depend on that order. Rounds are bounded:
+//! messages after the last round of an instant are dropped with a note.
 
 use crate::error::RunError;
 use crate::inbox::Inbox;
@@ -15,7 +15,7 @@ use apex_model::event::{Batch, EventKind, Message};
 use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 
-/// Numbers of commands and requests outside of the group: every agent counts from 0, the world must tell them apart.
+/// Translation of command and request numbers: every agent counts from 0, and outside of the group the numbers are unique.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Numbering {
     agent: u64,
@@ -23,12 +23,12 @@ pub struct Numbering {
 }
 
 impl Numbering {
-    /// The numbering of agent `agent` (from 0) of `agents`.
+    /// Returns the numbering of agent `agent` (from 0) of `agents`.
     pub fn new(agent: usize, agents: usize) -> Numbering {
         Numbering { agent: agent as u64, agents: (agents as u64).max(1) }
     }
 
-    /// The number outside of what this agent calls `own`. An only agent's numbers are the same outside.
+    /// Returns the outer number of this agent's number `own`; with a single agent both are equal.
     pub fn outer(self, own: u64) -> u64 {
         own.saturating_mul(self.agents).saturating_add(self.agent)
     }
@@ -40,7 +40,7 @@ impl Numbering {
     }
 }
 
-/// Agents with their inboxes, and what they said to each other in this round.
+/// Agents with their inboxes, and the messages between them in the present round.
 pub(crate) struct AgentGroup<'a> {
     agents: &'a mut [Agent],
     inboxes: Vec<Inbox>,
@@ -66,17 +66,17 @@ impl<'a> AgentGroup<'a> {
         self.agents.len()
     }
 
-    /// The agent with this number.
+    /// Returns the agent with this index.
     pub(crate) fn agent(&self, index: usize) -> Option<&Agent> {
         self.agents.get(index)
     }
 
-    /// The agent with this number, to step it.
+    /// Returns the agent with this index, mutable for its step.
     pub(crate) fn agent_mut(&mut self, index: usize) -> Option<&mut Agent> {
         self.agents.get_mut(index)
     }
 
-    /// True when no input waits.
+    /// Returns true if no inbox holds an input.
     pub(crate) fn is_idle(&self) -> bool {
         self.inboxes.iter().all(Inbox::is_empty)
     }
@@ -106,7 +106,7 @@ impl<'a> AgentGroup<'a> {
         self.agents.iter().filter_map(|agent| agent.next_wake().map(|(at, _)| at)).min()
     }
 
-    /// Wakes the agents that want it by `now`; answers with the first reason.
+    /// Wakes the agents whose requested instant is not after `now`; returns the first reason.
     pub(crate) fn wake(&mut self, now: Time) -> Result<Option<String>, RunError> {
         let mut cause = None;
         for (agent, inbox) in self.agents.iter().zip(&mut self.inboxes) {
@@ -119,7 +119,7 @@ impl<'a> AgentGroup<'a> {
         Ok(cause)
     }
 
-    /// Puts an input into the inboxes of those that it is for.
+    /// Puts an input into the inboxes of the agents that it addresses.
     pub(crate) fn deliver(&mut self, mut input: Input) -> Result<(), RunError> {
         let one = match &mut input.kind {
             EventKind::CommandAcknowledged(command, _) => {
@@ -157,7 +157,7 @@ impl<'a> AgentGroup<'a> {
     /// Checks that an input can be delivered.
     ///
     /// # Errors
-    /// [`RunError::Options`] when it is for an agent that does not exist.
+    /// [`RunError::Options`] if it addresses an agent that does not exist.
     pub(crate) fn check(&self, input: &Input) -> Result<(), RunError> {
         input.agent.as_ref().map_or(Ok(()), |name| self.index_of(name).map(|_| ()))
     }
@@ -174,27 +174,27 @@ impl<'a> AgentGroup<'a> {
         self.agents.iter().position(|agent| agent.name == *name).ok_or_else(|| {
             let names: Vec<&str> = self.agents.iter().map(|agent| agent.name.printed()).collect();
             RunError::Options(format!(
-                "An input is for the agent {name}, which does not exist; there is {}.",
+                "an input is for the agent {name}, which does not exist; there is {}",
                 names.join(", ")
             ))
         })
     }
 
-    /// Returns the agent that asked question `question`: the first that has it open, else the first that has ever asked so many.
+    /// Returns the agent that asked `question`: the first for which it is open, or else the first that has asked that many questions.
     fn asker(&self, question: QuestionId) -> usize {
         let open = self.agents.iter().position(|agent| agent.questions.contains_key(&question));
         let asked = || self.agents.iter().position(|agent| agent.next.question > question.0);
         open.or_else(asked).unwrap_or(0)
     }
 
-    /// The batch of agent `index` at `now`; none when nothing is there for it, or it is finished.
+    /// Returns the batch of agent `index` at `now`; `None` if its inbox is empty or it is finished.
     pub(crate) fn take(&mut self, index: usize, now: Time) -> Option<Batch> {
         let batch = self.inboxes.get_mut(index)?.take(now);
-        // What comes for an agent that is done is taken off the queue, and not executed.
+        // Inputs of a finished agent are removed from its queue, and not executed.
         batch.filter(|_| self.agents.get(index).is_some_and(|agent| !agent.is_finished()))
     }
 
-    /// Keeps what agent `from` said to others for the next round; answers with notes about what cannot be delivered.
+    /// Stores the messages of agent `from` for the next round; returns notes about messages that cannot be delivered.
     pub(crate) fn post(&mut self, from: usize, told: Vec<(Symbol, Message)>) -> Vec<String> {
         let mut notes = Vec::new();
         let Some(author) = self.agents.get(from).map(|agent| agent.name.clone()) else { return notes };
@@ -218,12 +218,12 @@ impl<'a> AgentGroup<'a> {
         notes
     }
 
-    /// A new instant begins: agents may answer each other again.
+    /// Begins a new instant: the count of rounds starts again.
     pub(crate) fn new_instant(&mut self) {
         self.rounds = 0;
     }
 
-    /// Ends a round: what was said in it is delivered at `now`.
+    /// Ends a round: delivers its messages at `now`.
     pub(crate) fn end_round(&mut self, now: Time) -> Result<(), RunError> {
         if !self.post.is_empty() {
             self.rounds += 1;
@@ -236,7 +236,7 @@ impl<'a> AgentGroup<'a> {
         Ok(())
     }
 
-    /// Tells the agents that are not finished, except for `except`, that the application ends; answers with their numbers.
+    /// Informs the agents that are not finished, except for `except`, that the application ends; returns their indices.
     pub(crate) fn stop(&mut self, except: Option<usize>, now: Time, reason: &str) -> Result<Vec<usize>, RunError> {
         let mut stopped = Vec::new();
         for (index, (agent, inbox)) in self.agents.iter().zip(&mut self.inboxes).enumerate() {

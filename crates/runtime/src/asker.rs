@@ -33,7 +33,7 @@ impl Asker {
         (self.print)(&format!("? {number}: {text}{choices}{}", end.unwrap_or_default()));
     }
 
-    /// `2`, or `pilot/2` where several agents ask.
+    /// Returns the number of a question as text: `2`, or `pilot/2` if several agents ask.
     fn number(&self, question: QuestionId) -> String {
         match self.names.get(self.turn) {
             Some(agent) if self.names.len() > 1 => format!("{agent}/{}", question.0),

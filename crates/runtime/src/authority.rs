@@ -33,7 +33,7 @@ impl ActorRole {
     /// All roles, the smallest first.
     pub const ALL: [ActorRole; 3] = [ActorRole::Observer, ActorRole::Operator, ActorRole::PilotInCommand];
 
-    /// The role as written.
+    /// Returns the role as written.
     pub fn word(self) -> &'static str {
         match self {
             ActorRole::Observer => "observer",
@@ -42,7 +42,7 @@ impl ActorRole {
         }
     }
 
-    /// The role called `word`.
+    /// Returns the role called `word`.
     pub fn of_word(word: &str) -> Option<ActorRole> {
         ActorRole::ALL.into_iter().find(|role| role.word() == word)
     }
@@ -103,7 +103,7 @@ pub enum AuthorityChange {
 }
 
 impl AuthorityChange {
-    /// The change as recorded.
+    /// Returns the change as recorded.
     pub fn word(self) -> &'static str {
         match self {
             AuthorityChange::Taken => "taken",
@@ -116,7 +116,7 @@ impl AuthorityChange {
         }
     }
 
-    /// The event that records the change by `actor`, after it.
+    /// Returns the event that records the change by `actor`, after it.
     pub(crate) fn entry(self, authority: &Authority, actor: &Actor) -> EventKind {
         let epoch = Value::Integer(i64::try_from(authority.epoch).unwrap_or(i64::MAX));
         let mut parts = vec![
@@ -145,12 +145,12 @@ impl Authority {
         Some((to, left))
     }
 
-    /// True if the holder was last heard at least [`SILENT_AFTER`] ago, so that others may take its authority.
+    /// Returns true if the holder was last heard at least [`SILENT_AFTER`] ago, so that others may take its authority.
     pub fn is_silent(&self, now: Duration) -> bool {
         self.holder.is_some() && now.saturating_sub(self.heard) >= SILENT_AFTER
     }
 
-    /// The holder, if it is `name`, was heard at `now`.
+    /// Records that the holder, if it is `name`, was heard at `now`.
     pub fn hear(&mut self, name: &str, now: Duration) {
         if self.holder.as_ref().is_some_and(|holder| holder.name == name) {
             self.heard = now;
@@ -271,7 +271,7 @@ impl Default for AuthorityBoard {
 }
 
 impl AuthorityBoard {
-    /// The wall time that authority counts with.
+    /// Returns the wall time that authority counts with.
     pub fn now(&self) -> Duration {
         self.began.elapsed()
     }
@@ -282,7 +282,7 @@ impl AuthorityBoard {
         self.authority.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The actor called `name` was heard: the holder is not silent.
+    /// Records that the actor called `name` was heard: the holder is not silent.
     pub fn hear(&self, name: &str) {
         let now = self.now();
         self.authority().hear(name, now);

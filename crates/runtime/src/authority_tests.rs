@@ -60,7 +60,7 @@ fn offers_end_silent_holders_lose_it_and_the_pilot_takes_it() {
 
 const NAMES: [&str; 4] = ["guest", "tower", "van", "pilot"];
 
-/// Twin: folds the whole history again for every question.
+/// Returns the holder by folding the whole history again (naive twin).
 fn holder_of(accepted: &[(u64, usize, AuthorityRequest)]) -> (u64, Option<usize>) {
     accepted.iter().fold((0, None), |(epoch, holder), (_, who, request)| match request {
         AuthorityRequest::Take => (epoch + 1, Some(*who)),

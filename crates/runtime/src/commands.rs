@@ -34,9 +34,9 @@ pub enum Order {
 /// The operator or program that gives a command.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Author {
-    /// Its name and role.
+    /// Name and role of the author.
     pub actor: Actor,
-    /// The epoch of authority in which it commands, if it states one: a command of another epoch is refused.
+    /// Epoch of authority that the command states; a command of another epoch is refused. `None`: not stated.
     pub epoch: Option<u64>,
 }
 
@@ -72,7 +72,7 @@ impl Ticket {
         true
     }
 
-    /// The end, if there is one.
+    /// Returns the end, if there is one.
     pub fn end(&self) -> Option<CommandEnd> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
@@ -94,7 +94,7 @@ pub struct Command {
 }
 
 impl Command {
-    /// The event that records the command with its end.
+    /// Returns the event that records the command with its end.
     pub(crate) fn entry(&self, end: &CommandEnd) -> EventKind {
         let number = Value::Integer(i64::try_from(self.number).unwrap_or(i64::MAX));
         let mut parts = vec![Value::symbol(HEAD), number, Value::text(&self.words)];
@@ -120,7 +120,7 @@ impl PartialEq for Command {
 
 impl Drop for Command {
     fn drop(&mut self) {
-        // A run that ends leaves commands behind that it has not taken.
+        // Commands that the run has not taken when it ends are rejected.
         self.ticket.settle(CommandEnd::Rejected { reason: "the flight ended before it took the command".into() });
     }
 }

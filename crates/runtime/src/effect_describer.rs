@@ -65,13 +65,13 @@ pub struct EffectDescriber {
 }
 
 impl EffectDescriber {
-    /// A describer for a run of `library`, from the run's first step on.
+    /// Returns a describer for a run of `library`, from the run's first step on.
     pub fn new(library: &Library) -> EffectDescriber {
         let library = Library { sources: library.sources.clone(), ..Library::default() };
         EffectDescriber { library, goals: BTreeMap::new(), ended: VecDeque::new(), ends: 0, plans: BTreeMap::new() }
     }
 
-    /// A describer of single effects, whose places are in `sources`; plans among them.
+    /// Returns a describer of single effects, whose places are in `sources`; plans among them.
     pub(crate) fn of_sources(sources: Vec<SourceFile>) -> EffectDescriber {
         EffectDescriber::new(&Library { sources, ..Library::default() })
     }
@@ -81,17 +81,17 @@ impl EffectDescriber {
         self.goals.insert(task, TaskGoal { text: goal, end: None });
     }
 
-    /// `file.pdl:14:3`, also for places inside of plans.
+    /// Returns a place as text, `file.pdl:14:3`, also for places inside of plans.
     pub fn place(&self, place: Place) -> String {
         self.library.describe_place(place)
     }
 
-    /// The goal of `task` as known now.
+    /// Returns the goal of `task` as known now.
     pub fn goal(&self, task: TaskId) -> Arc<str> {
         self.goals.get(&task).map(|goal| Arc::clone(&goal.text)).unwrap_or_default()
     }
 
-    /// The step's inputs; must be passed before its effects, because plans bring sources.
+    /// Processes the step's inputs, which must precede its effects, because plans bring sources.
     pub fn hear(&mut self, batch: &Batch) {
         for event in &batch.events {
             if let EventKind::SolverReported(request, SolverReport::Plan(plan)) = &event.kind {
@@ -246,7 +246,7 @@ impl EffectDescriber {
     }
 }
 
-/// The cause with its evidence, without the place, which has a separate column.
+/// Returns the cause with its evidence, without the place, which has a separate column.
 pub fn cause_text(because: &Because) -> String {
     let mut text = because.cause.text();
     for (index, evidence) in because.evidence.iter().enumerate() {
@@ -256,7 +256,7 @@ pub fn cause_text(because: &Because) -> String {
     text
 }
 
-/// `success`, `failure`, `cut`, `skipped`, `exited`, `precondition failed` or `invariant violated`.
+/// Returns `success`, `failure`, `cut`, `skipped`, `exited`, `precondition failed` or `invariant violated`.
 pub fn outcome_word(outcome: &Outcome) -> &'static str {
     outcome.word()
 }

@@ -48,7 +48,7 @@ impl<W: Write> Write for Escaped<W> {
     }
 }
 
-/// A text as one line of a log: line ends as `\\n`, other control characters as `\\u{1b}`, tabs as they are.
+/// Returns a text as one line of a log: line ends as `\\n`, other control characters as `\\u{1b}`, tabs as they are.
 pub(crate) fn one_line(text: &str) -> String {
     if !text.contains(|each: char| each.is_control() && each != '\t') {
         return text.to_owned();

@@ -79,7 +79,7 @@ enum Waited {
 }
 
 impl<'a, 'o> Flight<'a, 'o> {
-    /// A flight that has not begun.
+    /// Returns a flight that has not begun.
     pub(crate) fn new(
         step: StepFunction,
         agents: &'a mut [Agent],
@@ -161,7 +161,7 @@ impl<'a, 'o> Flight<'a, 'o> {
         }
     }
 
-    /// Everything that happens up to `to`, with these inputs: for a clock outside. Some: the run is over.
+    /// Executes everything up to `to` with these inputs, for an outside clock. Returns `Some` if the run is over.
     pub(crate) fn advance(&mut self, to: Time, inputs: Vec<Input>) -> Result<Option<EndReason>, RunError> {
         if std::mem::take(&mut self.is_new)
             && let Some(reason) = self.live_instant(Time::ZERO, true)?
@@ -182,12 +182,12 @@ impl<'a, 'o> Flight<'a, 'o> {
         Ok(None)
     }
 
-    /// The next instant at which the agents want to be stepped, if nothing comes in before.
+    /// Returns the next instant at which the agents want to be stepped, if nothing comes in before.
     pub(crate) fn next_wake(&self) -> Option<Time> {
         self.next_instant()
     }
 
-    /// The names of the agents.
+    /// Returns the names of the agents.
     pub(crate) fn names(&self) -> Vec<String> {
         (0..self.group.len()).filter_map(|index| Some(self.group.agent(index)?.name.printed().to_string())).collect()
     }
@@ -223,7 +223,7 @@ impl<'a, 'o> Flight<'a, 'o> {
         Ok(())
     }
 
-    /// The next instant at which something happens, never before now. None: nothing ever will.
+    /// Returns the next instant at which something happens, never before now. None: nothing ever will.
     fn next_instant(&self) -> Option<Time> {
         let report = self.vehicle.next_report();
         let poll = self.poll.filter(|_| report.is_none()).map(|poll| self.now + poll.max(Duration(1)));
@@ -252,7 +252,7 @@ impl<'a, 'o> Flight<'a, 'o> {
         Ok(true)
     }
 
-    /// Everything that happens at one instant. Some: the run is over.
+    /// Executes everything at one instant. Returns `Some` if the run is over.
     fn live_instant(&mut self, at: Time, first: bool) -> Result<Option<EndReason>, RunError> {
         if at > self.now {
             self.steps_at_now = 0;
@@ -320,7 +320,7 @@ impl<'a, 'o> Flight<'a, 'o> {
         Ok(self.group.wake(now)?.unwrap_or_else(|| cause.to_owned()))
     }
 
-    /// One executive step of one agent with everything around it. Some: the application is over.
+    /// Executes one step of one agent with recording and sending. Returns `Some` if the application is over.
     fn execute(&mut self, index: usize, batch: &Batch) -> Result<Option<String>, RunError> {
         let now = batch.now;
         if self.group.len() > 1 {

@@ -88,7 +88,7 @@ pub struct ForeignEnd {
 /// Runs `agents` at the clock of an outside simulator until it says `stop`, its lines end, or the application ends.
 ///
 /// # Errors
-/// As [`crate::fly_all`]; and when an answer cannot be written.
+/// Like [`crate::fly_all`]; and when an answer cannot be written.
 pub fn run(
     agents: &mut [Agent],
     link: &mut SimulatorLink<'_>,
@@ -163,7 +163,7 @@ enum SimulatorRequest {
     Reset,
 }
 
-/// The next line; none at the end of the simulator's words. Empty lines are skipped.
+/// Returns the next line; `None` at the end of the simulator's words. Empty lines are skipped.
 fn read_request(link: &mut SimulatorLink<'_>, now: Time) -> Result<Option<String>, RunError> {
     loop {
         let mut bytes = Vec::new();
@@ -180,7 +180,7 @@ fn read_request(link: &mut SimulatorLink<'_>, now: Time) -> Result<Option<String
     }
 }
 
-/// `{"advance": T, "inputs": [..]}` or `{"stop": true}`.
+/// Reads `{"advance": T, "inputs": [..]}` or `{"stop": true}`.
 fn understand(line: &str, now: Time, read_value: ReadValue<'_>) -> Result<SimulatorRequest, String> {
     if line.len() > INPUT_LINE_BYTES_MAX {
         return Err(format!("the line is longer than {INPUT_LINE_BYTES_MAX} bytes"));
@@ -266,7 +266,7 @@ fn texts(forms: &[Value]) -> Json {
     forms.iter().map(|form| Json::from(form.to_string())).collect()
 }
 
-/// Seconds with all of their decimals.
+/// Returns seconds with all of their decimals.
 fn seconds(time: Time) -> Json {
     serde_json::from_str(&seconds_text(time)).unwrap_or(Json::Null)
 }

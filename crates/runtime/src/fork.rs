@@ -91,7 +91,7 @@ pub fn fork<V: Vehicle>(
 
 type OpenRequests = BTreeMap<SolveRequestId, (SolveRequest, Time, Posed)>;
 
-/// Open requests with their recorded answers, and those whose answer the record does not hold.
+/// Splits open requests into those with a recorded answer and those whose answer the record does not hold.
 fn split(
     open: OpenRequests,
     problems: &BTreeMap<SolveRequestId, ProblemRow>,
@@ -242,7 +242,7 @@ impl Past {
     }
 }
 
-/// An event with its numbers as outside of the agents.
+/// Returns an event with its numbers as outside of the agents.
 fn outside(kind: &EventKind, numbering: Numbering) -> EventKind {
     match kind {
         EventKind::CommandAcknowledged(command, result) => {

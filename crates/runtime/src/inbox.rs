@@ -20,7 +20,7 @@ pub struct Inbox {
 }
 
 impl Inbox {
-    /// An empty inbox; the first event gets number 1.
+    /// Returns an empty inbox; the first event gets number 1.
     pub fn new() -> Inbox {
         Inbox { queue: VecDeque::new(), ordered: true, last_sequence: 0 }
     }
@@ -35,7 +35,7 @@ impl Inbox {
         self.queue.len()
     }
 
-    /// True when nothing waits.
+    /// Returns true when nothing waits.
     pub fn is_empty(&self) -> bool {
         self.queue.is_empty()
     }
@@ -53,8 +53,8 @@ impl Inbox {
         Ok(())
     }
 
-    /// The batch of the step at `now`: everything that happened until then, oldest first, numbered. More than
-    /// [`BATCH_EVENTS_MAX`] events are left for a further batch of the same instant. None when there is nothing.
+    /// Returns the batch of the step at `now`: everything that happened until then, oldest first, numbered. More than
+    /// [`BATCH_EVENTS_MAX`] events are left for a further batch of the same instant. `None` if there is nothing.
     pub fn take(&mut self, now: Time) -> Option<Batch> {
         if !self.ordered {
             self.queue.make_contiguous().sort_by_key(|input| input.at);

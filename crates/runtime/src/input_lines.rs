@@ -58,10 +58,10 @@ pub fn read_inputs(name: &str, text: &str, read_value: ReadValue<'_>) -> Result<
     Ok(inputs)
 }
 
-/// Reads the line `number` of a file; `None` where it holds no input.
+/// Reads line `number` of a file; `None` for an empty line or a comment.
 ///
 /// # Errors
-/// What is wrong with the line, with `name:line`.
+/// The fault of the line, with `name:line`.
 pub(crate) fn read_numbered(
     name: &str,
     number: usize,
@@ -75,10 +75,10 @@ pub(crate) fn read_numbered(
     read_line(line, read_value).map(Some).map_err(|fault| format!("{name}:{number}{fault}"))
 }
 
-/// Reads one line that is said during a run: without `"t"` it happens at `now`.
+/// Reads one line that arrives during a run; without `"t"` its instant is `now`.
 ///
 /// # Errors
-/// What is wrong with the line.
+/// The fault of the line.
 pub fn read_live(line: &str, now: Time, read_value: ReadValue<'_>) -> Result<Input, String> {
     if line.len() > INPUT_LINE_BYTES_MAX {
         return Err(format!("the line is longer than {INPUT_LINE_BYTES_MAX} bytes"));
@@ -91,7 +91,7 @@ pub fn read_live(line: &str, now: Time, read_value: ReadValue<'_>) -> Result<Inp
 /// Reads an input from the fields of a JSON object.
 ///
 /// # Errors
-/// What is wrong with them.
+/// The name of the field that is missing, unknown or malformed.
 pub(crate) fn read_fields(fields: &Map<String, Json>, now: Time, read_value: ReadValue<'_>) -> Result<Input, String> {
     let at = if fields.contains_key("t") { time_of(fields)? } else { now };
     if let Some(Json::String(form)) = fields.get("acknowledge") {
@@ -121,7 +121,7 @@ fn read_line(line: &str, read_value: ReadValue<'_>) -> Result<Input, String> {
     Ok(Input { at, kind, agent, command_form })
 }
 
-/// `:7: this is not JSON: expected ..` with the column in the place where readers look for it.
+/// Returns the text of a JSON error with its column first, `:7: this is not JSON: expected ..`, as in `file:line:column`.
 fn json_fault(error: &serde_json::Error) -> String {
     let text = error.to_string();
     let what = text.split(" at line ").next().unwrap_or(&text);
@@ -137,7 +137,7 @@ fn time_of(fields: &Map<String, Json>) -> Result<Time, String> {
     }
 }
 
-/// `"agent": "pilot"`: an input for one agent of several.
+/// Returns the agent of an input from its field `"agent"`; `None` addresses all agents.
 fn agent_of(fields: &Map<String, Json>) -> Result<Option<Symbol>, String> {
     match fields.get("agent") {
         None => Ok(None),
@@ -178,10 +178,10 @@ fn kind_of(fields: &Map<String, Json>, read_value: ReadValue<'_>) -> Result<Even
     Ok(EventKind::OperatorAnswered(QuestionId(question), value))
 }
 
-/// `{"acknowledge": 3}`, with a `"value"` or an `"error"`: the vehicle has carried out command 3, or has not; with
-/// `"progress"` it continues.
+/// Reads `{"acknowledge": 3}`: with `"value"` the vehicle has carried out command 3, with `"error"` it could not, and with
+/// `"progress"` the command continues.
 fn acknowledgement(fields: &Map<String, Json>, datum: &Json, read_value: ReadValue<'_>) -> Result<EventKind, String> {
-    // A command that is named by its form has its number only when it is sent.
+    // An acknowledgement may name its command by form, because the executive numbers commands only as it sends them.
     let command = match datum {
         Json::String(_) => u64::MAX,
         _ => datum.as_u64().ok_or_else(|| {

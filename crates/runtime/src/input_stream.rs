@@ -35,7 +35,7 @@ impl fmt::Debug for InputStream {
 }
 
 impl InputStream {
-    /// The inputs of a file that [`survey`] has found fit to be streamed. `name` is for messages.
+    /// Returns the inputs of a file that [`survey`] has found fit to be streamed. `name` is for messages.
     pub fn new(
         name: &str,
         file: Box<dyn BufRead + Send>,
@@ -48,12 +48,12 @@ impl InputStream {
         stream
     }
 
-    /// The agents that lines are for by name.
+    /// Returns the agents that lines are for by name.
     pub fn agents(&self) -> &BTreeSet<Symbol> {
         &self.agents
     }
 
-    /// The instant of the next input.
+    /// Returns the instant of the next input.
     pub(crate) fn next_at(&self) -> Option<Time> {
         // A fault of the file is reported at once.
         if self.failure.is_some() { Some(self.last) } else { self.next.as_ref().map(|input| input.at) }
@@ -135,7 +135,7 @@ struct Lines<R> {
 }
 
 impl<R: BufRead> Lines<R> {
-    /// The next input; `None` at the end.
+    /// Returns the next input; `None` at the end.
     fn next(&mut self, read_value: ReadValue<'_>) -> Result<Option<Input>, String> {
         loop {
             let Some(line) = self.line()? else { return Ok(None) };

@@ -216,12 +216,12 @@ impl Invocation {
         Ok(Invocation { solver, limits, shared, answers, begun: Instant::now(), grown_from })
     }
 
-    /// The best plan reported so far, unchecked.
+    /// Returns the best plan reported so far, unchecked.
     pub fn best(&self) -> Option<Plan> {
         self.shared.state().best.clone()
     }
 
-    /// Work units used so far.
+    /// Returns the work units used so far.
     pub fn used(&self) -> u64 {
         self.shared.used.load(Ordering::Relaxed)
     }
@@ -316,14 +316,14 @@ fn solve(
     }
 }
 
-/// Bytes of memory that the program holds now; none where the system does not tell.
+/// Returns bytes of memory that the program holds now; `None` if the system does not tell.
 fn resident_bytes() -> Option<u64> {
     let told = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = told.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
     line.split_whitespace().next()?.parse::<u64>().ok().map(|kibibytes| kibibytes << 10)
 }
 
-/// Time that this thread has spent on a processor; none where the system does not tell.
+/// Returns the time that this thread has spent on a processor; `None` if the system does not tell.
 fn cpu_s() -> Option<f64> {
     let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
     told.split_whitespace().next()?.parse::<f64>().ok().map(|nanoseconds| 1e-9 * nanoseconds)
@@ -337,12 +337,12 @@ pub struct Invocations {
 }
 
 impl Invocations {
-    /// No solver was left behind yet.
+    /// Returns a register without abandoned solvers.
     pub fn new() -> Invocations {
         Invocations::default()
     }
 
-    /// Wall time that all solvers together took.
+    /// Returns the wall time that all solvers together took.
     pub fn worked(&self) -> Duration {
         self.worked
     }

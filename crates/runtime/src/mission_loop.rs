@@ -28,11 +28,11 @@ pub fn fly(
     fly_all(std::slice::from_mut(agent), vehicle, deliberator, observers, options)
 }
 
-/// As [`fly`], with all agents of an application at one clock, in the order of their declarations: see
-/// [`crate::agent_group`]. The run is over after `(end-application)`, or when all agents are done.
+/// Like [`fly`], with all agents of an application at one clock, in the order of their declarations: see [`crate::agent_group`]. The run is
+/// over after `(end-application)`, or when all agents are done.
 ///
 /// # Errors
-/// As [`fly`], and when an input is for an agent that does not exist.
+/// Like [`fly`], and when an input is for an agent that does not exist.
 pub fn fly_all(
     agents: &mut [Agent],
     vehicle: &mut dyn Vehicle,

@@ -16,7 +16,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::channel;
 
-/// Test double of the executive: does what messages say, `(go)`, `(plan)`, `(forget)`, `(loop)`, `(stop)`.
+/// Executes what messages say (test double of the executive): `(go)`, `(plan)`, `(forget)`, `(loop)`, `(stop)`.
 fn obey(agent: &mut Agent, batch: &Batch) -> Vec<Effect> {
     agent.started = true;
     let mut effects = Vec::new();

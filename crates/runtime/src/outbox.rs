@@ -56,7 +56,7 @@ pub fn send(
     sent
 }
 
-/// True for an effect that a vehicle or an operator acts upon.
+/// Returns true for an effect that a vehicle or an operator acts upon.
 pub fn leaves(effect: &Effect) -> bool {
     match effect {
         Effect::Command { .. }
@@ -75,7 +75,7 @@ pub fn leaves(effect: &Effect) -> bool {
     }
 }
 
-/// The requests to solvers among the effects of one step, in order, numbered as outside of the agents. A request that
+/// Returns the requests to solvers among the effects of one step, in order, numbered as outside of the agents. A request that
 /// the same step cancels is never posed.
 pub fn requests(effects: &[Effect], numbering: Numbering) -> Vec<SolveRequest> {
     let is_cancelled =

@@ -13,7 +13,7 @@ const SLEEP_MAX: Duration = Duration::from_secs(3600);
 
 /// A clock by which a pace is kept.
 pub trait Clock: fmt::Debug + Send + Sync {
-    /// Time since an instant of the clock's own.
+    /// Returns the time since an instant of the clock's own.
     fn elapsed(&self) -> Duration;
     /// Waits.
     fn sleep(&self, span: Duration);
@@ -24,7 +24,7 @@ pub trait Clock: fmt::Debug + Send + Sync {
 pub struct WallClock(Instant);
 
 impl WallClock {
-    /// It counts from now on.
+    /// Returns a clock that counts from now on.
     pub fn new() -> WallClock {
         WallClock(Instant::now())
     }
@@ -91,7 +91,8 @@ impl Wait {
 }
 
 impl Pacer {
-    /// Mission time is `now`; `pace` seconds of it pass in one second; none is as fast as possible, 0 is a pause.
+    /// Returns a pacer at mission time `now`; `pace` seconds of mission time pass in one second; `None` is as fast as possible, 0 is a
+    /// pause.
     ///
     /// # Errors
     /// A message for a pace that is negative or not a number.
@@ -115,7 +116,7 @@ impl Pacer {
         Ok(())
     }
 
-    /// Mission time was `now` until this moment of the clock.
+    /// Records that mission time was `now` until this moment of the clock.
     pub fn hold(&mut self, now: Time) {
         (self.anchor_wall, self.anchor_mission) = (self.clock.elapsed(), now);
     }
@@ -129,7 +130,7 @@ impl Pacer {
         self.clock.sleep(span);
     }
 
-    /// True when steps wait for the wall clock.
+    /// Returns true when steps wait for the wall clock.
     pub fn is_paced(&self) -> bool {
         self.pace.is_some()
     }
@@ -158,7 +159,7 @@ impl Pacer {
         Duration::try_from_secs_f64(self.elapsed_s() - due_s.max(0.0)).unwrap_or(Duration::ZERO)
     }
 
-    /// Mission time by the wall clock, within `from ..= to`.
+    /// Returns mission time by the wall clock, within `from ..= to`.
     pub fn now(&self, from: Time, to: Time) -> Time {
         let Some(pace) = self.pace else { return to };
         let passed_s = self.elapsed_s() * pace;

@@ -51,7 +51,7 @@ pub struct Arrival {
 }
 
 impl SolverPool {
-    /// A pool whose jobs run in `queue`.
+    /// Returns a pool whose jobs run in `queue`.
     pub fn new(queue: Box<dyn SolverQueue>) -> SolverPool {
         SolverPool { queue, answered: BTreeMap::new(), submitted: BTreeMap::new(), fresh: Vec::new() }
     }
@@ -98,12 +98,12 @@ impl SolverPool {
         self.answered.insert((due, request), Answered { solver, report });
     }
 
-    /// True while a job runs or is queued.
+    /// Returns true while a job runs or is queued.
     pub fn is_waiting(&self) -> bool {
         !self.submitted.is_empty()
     }
 
-    /// True if an answer may still arrive whose request is not cancelled.
+    /// Returns true if an answer may still arrive whose request is not cancelled.
     pub fn is_expecting(&self) -> bool {
         self.submitted.values().any(|open| open.cancelled.is_none())
     }
@@ -119,7 +119,7 @@ impl SolverPool {
         notes
     }
 
-    /// An answer has arrived at `now`.
+    /// Records that an answer has arrived at `now`.
     fn arrived(&mut self, request: SolveRequestId, answer: SolverAnswer, now: Time) -> Option<String> {
         let Submitted { solver, at, cancelled } = self.submitted.remove(&request)?;
         let due = at + answer.charged.max(Duration::ZERO);

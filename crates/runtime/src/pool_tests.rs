@@ -9,7 +9,7 @@ use apex_model::value::Value;
 use std::cell::RefCell;
 use std::rc::Rc;
 
-/// A job that answers by the goal: `plan`, `panic`, anything else fails.
+/// Returns a job that answers by the goal: `plan`, `panic`, anything else fails.
 fn job(request: &SolveRequest) -> Box<dyn SolverJob> {
     let charged = Duration::from_seconds(request.budget.map_or(0.0, Duration::seconds));
     let is = |goal| request.goal.equals(&Value::symbol(goal));

@@ -28,7 +28,7 @@ pub struct Input {
 }
 
 impl Input {
-    /// An input for every agent.
+    /// Returns an input for every agent.
     pub fn new(at: Time, kind: EventKind) -> Input {
         Input { at, kind, agent: None, command_form: None }
     }
@@ -52,7 +52,7 @@ pub trait Vehicle {
     /// Withdraws a command that is still being carried out.
     fn withdraw(&mut self, command: CommandId, at: Time);
 
-    /// True if a command has effects outside of this program at once. The observers then keep the step safe first
+    /// Returns true if a command has effects outside of this program at once. The observers then keep the step safe first
     /// ([`Observer::flush`]): what a vehicle obeys is in the record, whatever happens next. False for simulated vehicles and
     /// for links that keep commands until they are flushed themselves.
     fn acts_outside(&self) -> bool {
@@ -89,12 +89,12 @@ pub trait Deliberator {
     /// Poses the problem that answers `request`, made at `at`. Must not change the situation.
     fn pose(&mut self, request: &SolveRequest, at: Time) -> Posed;
 
-    /// The situation now, encoded for a snapshot; `None` without a mission.
+    /// Returns the situation now, encoded for a snapshot; `None` without a mission.
     fn snapshot(&self) -> Option<Vec<u8>> {
         None
     }
 
-    /// All changes of targets' states so far, in order.
+    /// Returns all changes of targets' states so far, in order.
     fn target_changes(&self) -> &[TargetChange] {
         &[]
     }
@@ -109,12 +109,12 @@ pub struct Posed {
 }
 
 impl Posed {
-    /// A problem with the job that solves it.
+    /// Returns a problem with the job that solves it.
     pub fn new(problem: String, job: impl FnOnce(&CancelToken) -> SolverAnswer + Send + 'static) -> Posed {
         Posed { problem, job: Box::new(job) }
     }
 
-    /// No problem can be posed for this reason: the request fails at once.
+    /// Returns a problem that cannot be posed for this reason: the request fails at once.
     pub fn failed(reason: String) -> Posed {
         let problem = serde_json::json!({ "no_problem": reason }).to_string();
         Posed::new(problem, |_| SolverAnswer { result: Err(reason), charged: Duration::ZERO })
@@ -158,7 +158,7 @@ pub trait SolverQueue {
 pub struct CancelToken(Arc<AtomicBool>);
 
 impl CancelToken {
-    /// A token that is not cancelled.
+    /// Returns a token that is not cancelled.
     pub fn new() -> CancelToken {
         CancelToken::default()
     }
@@ -168,7 +168,7 @@ impl CancelToken {
         self.0.store(true, Ordering::Release);
     }
 
-    /// True after [`CancelToken::cancel`].
+    /// Returns true after [`CancelToken::cancel`].
     pub fn is_cancelled(&self) -> bool {
         self.0.load(Ordering::Acquire)
     }
@@ -180,7 +180,7 @@ impl CancelToken {
 /// Per step the calls are `begin`, (the executive works), `observe`, (the effects go out), `inspect`.
 /// An error of any call is a message that states why continuing would lose data (an unwritable record); the run stops.
 pub trait Observer {
-    /// The agent with this number, in order of declaration from 0, steps from now on.
+    /// Announces the agent whose steps follow, by its number in order of declaration from 0.
     ///
     /// # Errors
     /// A message; the run stops.
@@ -189,7 +189,7 @@ pub trait Observer {
         Ok(())
     }
 
-    /// The batch that is about to be executed: recorders store inputs before they are used.
+    /// Receives the batch that is about to be executed: recorders store inputs before they are used.
     ///
     /// # Errors
     /// A message; the run stops.
@@ -198,13 +198,13 @@ pub trait Observer {
         Ok(())
     }
 
-    /// One executive step: the batch that went in and the effects that came out, before they are sent.
+    /// Receives one executive step: the batch and its effects, before they are sent.
     ///
     /// # Errors
     /// A message if continuing would lose data (an unwritable record); the run stops.
     fn observe(&mut self, batch: &Batch, effects: &[Effect]) -> Result<(), String>;
 
-    /// The agent after the step, for snapshots; `deliberator` has observed the same step.
+    /// Receives the agent after the step, for snapshots; `deliberator` has observed the same step.
     ///
     /// # Errors
     /// An error message; the run stops.
@@ -213,8 +213,8 @@ pub trait Observer {
         Ok(())
     }
 
-    /// A planning problem was posed at `at` for `request`, before a solver works on it. The request has its number
-    /// outside of the agents.
+    /// Receives a planning problem that was posed at `at` for `request`, before a solver works on it. The request has its number outside of
+    /// the agents.
     ///
     /// # Errors
     /// An error message; the run stops.
@@ -223,7 +223,7 @@ pub trait Observer {
         Ok(())
     }
 
-    /// A solver answered `request`; the answer takes effect at `due`. It is stored even if it comes too late to be used.
+    /// Receives the answer of a solver to `request`, which takes effect at `due`. It is stored even if it comes too late to be used.
     ///
     /// # Errors
     /// An error message; the run stops.
@@ -232,7 +232,7 @@ pub trait Observer {
         Ok(())
     }
 
-    /// A decision of the runtime, for example a solver's answer that was dropped.
+    /// Receives a decision of the runtime, for example that a solver's answer was dropped.
     ///
     /// # Errors
     /// A message; the run stops.
@@ -241,7 +241,7 @@ pub trait Observer {
         Ok(())
     }
 
-    /// The run is about to sleep or to end: whatever is held back should go out now.
+    /// Writes everything that is held back, because the run is about to sleep or to end.
     ///
     /// # Errors
     /// A message; the run stops.

@@ -18,15 +18,15 @@ use std::collections::BTreeSet;
 /// reason; give a deliberator to [`run_with`] if planners are available.
 ///
 /// # Errors
-/// As [`fly`].
+/// Like [`fly`].
 pub fn run(agent: &mut Agent, observers: &mut [&mut dyn Observer], options: FlyOptions) -> Result<RunEnd, RunError> {
     run_with(agent, &mut NoDeliberator, observers, options)
 }
 
-/// As [`run`], with planners.
+/// Like [`run`], with planners.
 ///
 /// # Errors
-/// As [`fly`].
+/// Like [`fly`].
 pub fn run_with(
     agent: &mut Agent,
     deliberator: &mut dyn Deliberator,
@@ -36,10 +36,10 @@ pub fn run_with(
     fly(agent, &mut NoVehicle::beside(&mut options.inputs), deliberator, observers, options)
 }
 
-/// As [`run`], with all agents of an application.
+/// Like [`run`], with all agents of an application.
 ///
 /// # Errors
-/// As [`fly_all`].
+/// Like [`fly_all`].
 pub fn run_all(
     agents: &mut [Agent],
     observers: &mut [&mut dyn Observer],
@@ -129,7 +129,7 @@ impl Vehicle for NoVehicle {
         });
     }
 
-    /// A vehicle that acknowledges by inputs reads commands in the trace.
+    /// Returns true if inputs acknowledge the commands; an outside vehicle then reads them from the trace.
     fn acts_outside(&self) -> bool {
         self.silent
     }

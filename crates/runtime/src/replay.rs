@@ -115,11 +115,11 @@ pub fn replay(reader: &RecordReader, load: LoadProgram<'_>) -> Result<ReplayRepo
     replay_steps(reader, load, None)
 }
 
-/// As [`replay`]; `deliberator` observes the steps again, poses every recorded problem again and must be
-/// in the recorded situation at each snapshot.
+/// Like [`replay`]; `deliberator` observes the steps again, poses every recorded problem again and must be in the recorded situation at
+/// each snapshot.
 ///
 /// # Errors
-/// As [`replay`].
+/// Like [`replay`].
 pub fn replay_with(
     reader: &RecordReader,
     load: LoadProgram<'_>,
@@ -196,7 +196,7 @@ fn replay_steps(
     Ok(report)
 }
 
-/// A row that differs, found after a step.
+/// Returns a row that differs, found after a step.
 fn of_row(row: &RowDifference, at: Time, batch: i64) -> Difference {
     let RowDifference { row, column, recorded, replayed } = row.clone();
     Difference { at, batch, what: Differing::Row(row, column), recorded, replayed }
@@ -262,7 +262,7 @@ impl<'a> Witness<'a> {
         }
     }
 
-    /// A recorded problem that no step of the replay posed.
+    /// Returns a recorded problem that no step of the replay posed.
     fn left_over(self) -> Option<Difference> {
         let (request, row) = self.problems.into_iter().next()?;
         let what = Differing::Problem(request);
@@ -270,7 +270,7 @@ impl<'a> Witness<'a> {
     }
 }
 
-/// The first of the derived inputs that the next batch does not hold, as text.
+/// Returns the first of the derived inputs that the next batch does not hold, as text.
 fn missing(derived: &[Input], batch: &Batch) -> Option<String> {
     let holds = |input: &&Input| batch.events.iter().any(|event| event.at == input.at && event.kind == input.kind);
     derived.iter().find(|input| !holds(input)).map(|input| format!("{:?} at {}", input.kind, input.at))
@@ -313,7 +313,7 @@ fn compare(recorded: &RecordedStep, effects: &[Effect], describer: &mut EffectDe
     None
 }
 
-/// `transition T3 (power-up camera-1): enabled -> ongoing; it was granted camera-1; from file.pdl:14:3`
+/// Returns the effect as text: `transition T3 (power-up camera-1): enabled -> ongoing; it was granted camera-1; from file.pdl:14:3`
 fn words(told: &EffectRow) -> String {
     let mut words = told.kind.to_owned();
     if let Some(task) = told.task {

@@ -13,13 +13,13 @@ use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use std::sync::Arc;
 
-/// A library with one source, `camera.pdl`.
+/// Returns a library with one source, `camera.pdl`.
 pub(crate) fn library() -> Library {
     let source = SourceFile { name: Arc::from("camera.pdl"), text: Arc::from("(procedure (noop))\n") };
     Library { sources: vec![source], ..Library::default() }
 }
 
-/// A place in `camera.pdl`.
+/// Returns a place in `camera.pdl`.
 pub(crate) fn place(line: u32) -> Option<Place> {
     Some(Place { file: 0, line, column: 3 })
 }
@@ -40,7 +40,7 @@ pub(crate) fn sample(attribute: &str, value: Value) -> EventKind {
     EventKind::Measurement(variable(attribute, "aircraft-1"), value)
 }
 
-/// A batch at `seconds` whose events happened then, numbered from `first`.
+/// Returns a batch at `seconds` whose events happened then, numbered from `first`.
 pub(crate) fn batch(seconds: f64, first: u64, kinds: Vec<EventKind>) -> Batch {
     let now = Time::from_seconds(seconds);
     let events = (first..).zip(kinds).map(|(sequence, kind)| Event { sequence, at: now, kind }).collect();
@@ -78,7 +78,7 @@ pub(crate) fn transition(task: u64, from: TaskState, to: TaskState, cause: Cause
     decided(task, DecisionKind::Transition { from, to, outcome }, Because::new(cause, place(4)))
 }
 
-/// Three steps that hold every kind of input and effect.
+/// Returns three steps that hold every kind of input and effect.
 pub(crate) fn steps() -> Vec<(Batch, Vec<Effect>)> {
     let late = |sequence, seconds, kind| Event { sequence, at: Time::from_seconds(seconds), kind };
     let mut second = batch(

@@ -12,7 +12,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
 use std::thread;
 
-/// An answer without a plan.
+/// Returns an answer without a plan.
 pub(crate) fn failed(reason: String) -> SolverAnswer {
     SolverAnswer { result: Err(reason), charged: Duration::ZERO }
 }
@@ -82,7 +82,7 @@ pub struct SolverThread {
 }
 
 impl SolverThread {
-    /// A queue whose answers are waited for at most for `timeout` of wall time.
+    /// Returns a queue whose answers are waited for at most for `timeout` of wall time.
     pub fn new(timeout: std::time::Duration) -> SolverThread {
         SolverThread { worker: None, timeout, pending: Vec::new() }
     }
@@ -94,7 +94,7 @@ impl SolverThread {
         (!pending.is_abandoned).then_some((request, answer))
     }
 
-    /// The thread has ended: the oldest request fails.
+    /// Handles the end of the thread: the oldest request fails.
     fn ended(&mut self) -> Option<(SolveRequestId, SolverAnswer)> {
         self.worker = None;
         let oldest = self.pending.first()?.request;

@@ -17,7 +17,7 @@ pub enum TargetState {
 }
 
 impl TargetState {
-    /// The state's word in the record.
+    /// Returns the state's word in the record.
     pub fn word(self) -> &'static str {
         match self {
             TargetState::Planned => "planned",

@@ -114,12 +114,12 @@ pub enum EndReason {
 }
 
 impl EndReason {
-    /// True if the application ended without an order and its initial task did not fail.
+    /// Returns true if the application ended without an order and its initial task did not fail.
     pub fn is_success(&self) -> bool {
         matches!(self, EndReason::Application { failed: false, .. })
     }
 
-    /// The reason as text, as stored under `end_reason` in the record.
+    /// Returns the reason as text, as stored under `end_reason` in the record.
     pub fn text(&self) -> String {
         match self {
             EndReason::Application { reason, .. } => reason.clone(),

@@ -15,12 +15,12 @@ use crate::record::view::{
 use std::path::Path;
 use ts_rs::{Config, TS};
 
-/// Whole numbers are numbers: nanoseconds of mission time stay below 2^53 for a hundred days.
+/// Returns the configuration in which whole numbers are numbers: nanoseconds of mission time stay below 2^53 for a hundred days.
 fn config() -> Config {
     Config::default().with_large_int("number")
 }
 
-/// `export type ..` with its documentation.
+/// Returns `export type ..` with its documentation.
 fn declaration<T: TS>() -> String {
     format!("{}export {}\n", T::docs().unwrap_or_default(), T::decl(&config()))
 }

@@ -41,7 +41,7 @@ pub(crate) async fn page(uri: Uri, headers: HeaderMap) -> Response {
     }
 }
 
-/// True if the client accepts gzip: it names it, or everything, and not with the weight 0.
+/// Returns true if the client accepts gzip: it names it, or everything, and not with the weight 0.
 fn takes_gzip(headers: &HeaderMap) -> bool {
     let accepted = headers.get(ACCEPT_ENCODING).and_then(|value| value.to_str().ok()).unwrap_or_default();
     accepted.split(',').any(|one| {

@@ -58,7 +58,7 @@ fn text<'a>(headers: &'a HeaderMap, name: &HeaderName) -> Option<&'a str> {
     headers.get(name).map(|value| value.to_str().unwrap_or("?"))
 }
 
-/// True if `host` names this server on a connection to `endpoint`, or is one of `names`.
+/// Returns true if `host` names this server on a connection to `endpoint`, or is one of `names`.
 fn is_ours(host: &str, endpoint: Option<IpAddr>, names: &[String]) -> bool {
     let name = match host.rsplit_once(':') {
         Some((name, port)) if !port.is_empty() && port.bytes().all(|digit| digit.is_ascii_digit()) => name,

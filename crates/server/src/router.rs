@@ -1,4 +1,4 @@
-//! The table of addresses: from a request to the record view and back.
+//! Routes of the HTTP API: each maps a request to a query of the record view.
 
 use crate::answer::{ApiError, ApiResult};
 use crate::params::{
@@ -22,10 +22,10 @@ use std::sync::Arc;
 use tower_http::CompressionLevel;
 use tower_http::compression::CompressionLayer;
 
-/// Bytes of a message from a client of `/api/live`, which has nothing to say.
+/// Maximum bytes of a message from a client of `/api/live`; the server expects none.
 const LIVE_MESSAGE_MAX_BYTES: usize = 1 << 10;
 
-/// All routes. From outside to inside: headers of answers, the site that asks, compression, the body, the caller's role.
+/// Returns all routes. From outside to inside: headers of answers, the site that asks, compression, the body, the caller's role.
 pub(crate) fn router(state: Arc<AppState>) -> Router {
     Router::new()
         .route("/api/mission", get(mission))

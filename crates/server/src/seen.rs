@@ -17,7 +17,7 @@ use axum::routing::get;
 use serde::Serialize;
 use std::sync::Arc;
 
-/// The routes.
+/// Returns the routes.
 pub(crate) fn routes() -> Router<Arc<AppState>> {
     Router::new()
         .route("/api/footprints", get(footprints))

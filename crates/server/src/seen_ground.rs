@@ -19,7 +19,7 @@ struct Fold {
 }
 
 impl SeenGround {
-    /// The footprints in a window. One caller at a time folds; the others wait for what it finds.
+    /// Returns the footprints in a window. One caller at a time folds; the others wait for what it finds.
     pub(crate) fn between(&self, path: &Path, from_ns: i64, to_ns: i64) -> ApiResult<Footprints> {
         let mut slot = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let reader = RecordReader::open(path)?.of_agent(0)?;

@@ -211,7 +211,7 @@ fn bind_error(address: SocketAddr, source: io::Error) -> ServeError {
     }
 }
 
-/// A future that ends when the user or the system asks the program to stop.
+/// Returns a future that ends when the user or the system asks the program to stop.
 #[cfg(unix)]
 fn stop_asked() -> Result<impl Future<Output = ()> + Send + 'static, ServeError> {
     use tokio::signal::unix::{SignalKind, signal};
@@ -225,7 +225,7 @@ fn stop_asked() -> Result<impl Future<Output = ()> + Send + 'static, ServeError>
     })
 }
 
-/// A future that ends when the user asks the program to stop.
+/// Returns a future that ends when the user asks the program to stop.
 #[cfg(not(unix))]
 fn stop_asked() -> Result<impl Future<Output = ()> + Send + 'static, ServeError> {
     Ok(async {

@@ -16,7 +16,7 @@ use axum::{Json, Router};
 use std::sync::{Arc, OnceLock};
 use tower::ServiceExt;
 
-/// The routes.
+/// Returns the routes.
 pub(crate) fn routes() -> Router<Arc<AppState>> {
     Router::new().route("/api/records", get(list)).route("/api/records/{id}/{*what}", get(of_one))
 }
@@ -50,7 +50,7 @@ async fn of_one(
     Ok(routes.oneshot(request).await.into_response())
 }
 
-/// The routes of one entry, made at the first question about it.
+/// Returns the routes of one entry, made at the first question about it.
 fn routes_of(state: &Arc<AppState>, id: usize) -> ApiResult<Router> {
     if id == 0 {
         return Ok((state.routes)(Arc::clone(state)));

@@ -68,7 +68,7 @@ impl AppState {
         self.views.as_ref().ok_or_else(no_record)?.read(query)
     }
 
-    /// Another connection to the record, for work that takes a while. The record was checked when the server began; to open it as a
+    /// Returns another connection to the record, for work that takes a while. The record was checked when the server began; to open it as a
     /// new one would read the whole file.
     pub(crate) fn reader(&self) -> ApiResult<RecordReader> {
         self.read(|view| Ok(view.reader().of_agent(self.agent)?))
@@ -83,14 +83,14 @@ impl AppState {
         growth
     }
 
-    /// The record's checked program; none without a loader, and if its sources cannot be loaded.
+    /// Returns the record's checked program; `None` without a loader, and if its sources cannot be loaded.
     pub(crate) fn program(&self) -> Option<RestoredProgram> {
         let load = self.load.as_deref()?;
         let loaded = || self.read(|view| Ok(view.reader().load(load)?)).ok();
         self.program.get_or_init(loaded).clone()
     }
 
-    /// The means of continuing flights and of drafting plans.
+    /// Returns the means of continuing flights and of drafting plans.
     ///
     /// # Errors
     /// The server was started without them.
@@ -103,7 +103,7 @@ impl AppState {
         })
     }
 
-    /// The flights of this server.
+    /// Returns the flights of this server.
     ///
     /// # Errors
     /// It was started without a folder of missions.
@@ -124,7 +124,7 @@ pub(crate) struct Views {
 }
 
 impl Views {
-    /// The connection `first` and copies of it.
+    /// Returns the connection `first` and copies of it.
     ///
     /// # Errors
     /// A view of the same record with another connection.
@@ -164,7 +164,7 @@ impl Drop for Lent<'_> {
     }
 }
 
-/// The answer to questions about a record of a server that serves none.
+/// Returns the answer to questions about a record of a server that serves none.
 pub(crate) fn no_record() -> ApiError {
     ApiError::not_found("this server serves no flight record", "start it with one: `apex serve RECORD`")
 }

@@ -46,7 +46,7 @@ pub(crate) fn why(state: &AppState, id: u64, at_ns: i64, restore: bool) -> ApiRe
     Ok(TaskExplanation::new(at_ns, task, children, why, error))
 }
 
-/// The conditions that living tasks of an instant watch; of task `id` alone, with its variables, if one is given.
+/// Returns the conditions that living tasks of an instant watch; of task `id` alone, with its variables, if one is given.
 pub(crate) fn monitors(state: &AppState, at_ns: Option<i64>, id: Option<u64>) -> ApiResult<Monitors> {
     let reader = state.reader()?;
     let program = state.program().ok_or_else(|| {

@@ -42,7 +42,7 @@ fn start(records: &Path) -> SocketAddr {
     url.trim_start_matches("http://").trim_end_matches('/').parse().unwrap()
 }
 
-/// The status of an answer, and its text.
+/// Returns the status of an answer, and its text.
 fn ask_for_head(server: SocketAddr, method: &str, path: &str, headers: &str, body: &str) -> (u16, String) {
     let mut stream = TcpStream::connect(server).unwrap();
     let length = body.len();

@@ -98,7 +98,7 @@ fn ended(server: SocketAddr, id: &Value) -> Value {
     }
 }
 
-/// Every line of a record's trace.
+/// Returns every line of a record's trace.
 fn trace(record: &Path) -> String {
     #[derive(Clone, Default)]
     struct Shared(Arc<std::sync::Mutex<Vec<u8>>>);

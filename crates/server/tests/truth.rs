@@ -201,7 +201,7 @@ fn answers(record: &Path, agent: usize, at_ns: i64) -> Value {
     })
 }
 
-/// The record as it would be if the flight had been cut off after `at_ns`.
+/// Returns the record as it would be if the flight had been cut off after `at_ns`.
 fn cut_off(record: &Path, at_ns: i64) -> PathBuf {
     let cut = record.with_extension("cut");
     std::fs::copy(record, &cut).unwrap();

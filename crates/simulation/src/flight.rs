@@ -18,15 +18,15 @@ pub(crate) const BUILT_IN: &str = "built-in simulator";
 /// Starts the record of a flight of `mission` in the world of `seed`, or of the mission's own seed.
 ///
 /// # Errors
-/// As [`recording::of_mission`].
+/// Like [`recording::of_mission`].
 pub fn create_record(path: &Path, mission: &Mission, seed: Option<u64>) -> MissionResult<Recorder> {
     create_durable_record(path, mission, seed, Durability::Program)
 }
 
-/// As [`create_record`], with this durability.
+/// Like [`create_record`], with this durability.
 ///
 /// # Errors
-/// As [`recording::of_mission`].
+/// Like [`recording::of_mission`].
 pub fn create_durable_record(
     path: &Path,
     mission: &Mission,
@@ -40,7 +40,7 @@ pub fn create_durable_record(
     Ok(recorder)
 }
 
-/// The pace at which `mission` is flown: a mission in real time has pace 1 unless another is wished.
+/// Returns the pace at which `mission` is flown: a mission in real time has pace 1 unless another is wished.
 ///
 /// # Errors
 /// The clock of the mission belongs to an outside simulator.
@@ -79,7 +79,7 @@ pub fn fly(
     lost.map_or(Ok(outcome), Err)
 }
 
-/// As [`fly`]. A flight whose record was lost on the way has an outcome, too: it comes with the error of the record.
+/// Like [`fly`]. A flight whose record was lost on the way has an outcome, too: it comes with the error of the record.
 ///
 /// # Errors
 /// A mission that cannot be simulated, a flight that breaks.

@@ -98,7 +98,7 @@ pub fn fork(
     Ok(Forked { recorded: recorded::report_of(reader, &mission)?, forked })
 }
 
-/// The mission of a record that can be forked at `at`.
+/// Returns the mission of a record that can be forked at `at`.
 fn forkable(reader: &RecordReader, at: Time) -> MissionResult<Mission> {
     let path = reader.path().display();
     let cannot =

@@ -50,7 +50,7 @@ pub enum RunOutcome {
 }
 
 impl RunOutcome {
-    /// The word in tables.
+    /// Returns the word in tables.
     pub fn word(self) -> &'static str {
         match self {
             RunOutcome::Completed => "completed",
@@ -171,7 +171,7 @@ impl RunRow {
         }
     }
 
-    /// Positions at which some requirement was violated.
+    /// Returns positions at which some requirement was violated.
     pub fn violations(&self) -> u64 {
         self.inside_zones + self.outside_permitted + self.near_ground + self.beyond_landing_distance
     }
@@ -294,7 +294,7 @@ impl IgnoranceSummary {
         })
     }
 
-    /// The difference of realised and expected in standard errors.
+    /// Returns the difference of realised and expected in standard errors.
     pub fn deviation(&self) -> f64 {
         if self.standard_error > 0.0 { (self.realised - self.expected) / self.standard_error } else { 0.0 }
     }
@@ -324,7 +324,7 @@ pub struct NotCompleted {
 const SHARES: [f64; 7] = [0.0, 0.05, 0.25, 0.5, 0.75, 0.95, 1.0];
 
 impl RunSummary {
-    /// The summary of these flights.
+    /// Returns the summary of these flights.
     pub fn of(rows: &[RunRow]) -> RunSummary {
         let scores: Vec<f64> = rows.iter().filter_map(|row| row.score).collect();
         let costs: Vec<f64> = rows.iter().filter_map(|row| row.expected_cost).collect();

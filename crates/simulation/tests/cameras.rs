@@ -1,5 +1,5 @@
-//! Pictures planned, flown in the simulator, recorded and scored again from the record: what was predicted happens, in still air
-//! within 5 %, in wind within 10 %, for each manoeuvre of a quadrotor, a helicopter and a fixed-wing mapper.
+//! Pictures planned, flown in the simulator, recorded, and scored again from the record. For each manoeuvre of a quadrotor, a helicopter
+//! and a fixed-wing mapper the flown result equals the prediction, within 5 % in still air and within 10 % in wind.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops where it is surprised")]
 
@@ -15,7 +15,7 @@ use std::sync::Arc;
 const STILL: &str = "altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps,edr\n0,3000,0,0,0\n";
 const WIND: &str = "altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps,edr\n0,3000,250,4,0.05\n";
 
-/// Longitude and latitude of a place east and north of the pad, as GeoJSON has them.
+/// Returns longitude and latitude of a place east and north of the pad, as a GeoJSON position.
 fn place(east_m: f64, north_m: f64) -> String {
     let (latitude, longitude) = (40.0 + north_m / 111_034.0, -100.0 + east_m / 85_395.0);
     format!("[{longitude:.6}, {latitude:.6}]")
@@ -27,7 +27,7 @@ fn feature(properties: &str, geometry: &str, coordinates: &str) -> String {
     )
 }
 
-/// A point, a line of two pieces and a field; with an oblique view of a second point for a vehicle that hovers.
+/// Returns a point, a line of two pieces and a field; with an oblique view of a second point for a vehicle that hovers.
 fn targets(hovers: bool, pixel_m: f64, scale: f64) -> Vec<String> {
     let wanted = |id: &str| format!(r#""id": "{id}", "kind": "inspection", "value": 100, "resolution_m": {pixel_m}"#);
     let at = |east: f64, north: f64| place(scale * east, scale * north);
@@ -58,7 +58,7 @@ fn targets(hovers: bool, pixel_m: f64, scale: f64) -> Vec<String> {
     all
 }
 
-/// A mission of one vehicle in a separate folder.
+/// Returns a mission of one vehicle in a separate folder.
 fn mission(folder: &Path, model: &str, winds: &str, targets: &[String]) -> Mission {
     let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
     write("targets.geojson", &format!(r#"{{"type": "FeatureCollection", "features": [{}]}}"#, targets.join(",\n")));
@@ -141,9 +141,9 @@ fn pictures_give_what_the_plan_predicted_in_the_time_that_it_predicted() {
             println!("{}", flown.report.text());
             let looks = compare(&format!("{model}, {share}"), &flown.report, share);
             assert_eq!(looks, wanted.len() - 1, "{model}: {}", flown.report.text());
-            // It is home again, on the ground.
+            // The flight ends at home, on the ground.
             assert_eq!(flown.report.end.1, "the initial task is done", "{model}");
-            // From the record alone, byte for byte.
+            // The report from the record alone equals that of the flight byte for byte.
             let (reader, warning) = recording::open(&path).unwrap();
             assert_eq!(warning, None);
             let recorded = mission_of(&reader).unwrap().unwrap();
@@ -153,7 +153,7 @@ fn pictures_give_what_the_plan_predicted_in_the_time_that_it_predicted() {
     }
 }
 
-/// The reason why the only target that a mission does not observe is left out.
+/// Returns the reason why the only target that a mission does not observe is left out.
 fn reason(model: &str, targets: &[String]) -> String {
     let folder = tempfile::tempdir().unwrap();
     let pad = feature(r#""id": "pad", "kind": "base""#, "Point", &place(0.0, 0.0));

@@ -11,7 +11,7 @@ use flown::{Flown, World};
 
 const SHADOW: &str = ":shadows ((:around mill :radius 700m :factor 0.05))";
 
-/// Three sites; the mill lies in a shadow that the mission does not state.
+/// Returns three sites; the mill lies in a shadow that the mission does not state.
 fn hidden_shadow(vehicle: &str) -> World {
     World::new(vehicle)
         .site("barn", 900.0, 300.0)

@@ -1,4 +1,5 @@
-//! The living world in whole flights: what ignorance costs against what was expected of it, bad world files, and two failures that a model separates.
+//! The living world in whole flights: what ignorance costs against what was expected of it, bad world files, and two failures that a model
+//! separates.
 //!
 //! `APEX_IGNORANCE_SEEDS` sets the number of seeds.
 
@@ -23,7 +24,7 @@ fn means() -> PlanningResources {
     PlanningResources::of(&Arc::new(apex_solvers::shipped()))
 }
 
-/// A helicopter that watches two structures in turn, each every minute and a half or so, whatever it sees.
+/// Returns a helicopter that watches two structures in turn, each every minute and a half or so, whatever it sees.
 fn watch(folder: &Path, world: &str) -> Mission {
     let site = |id: &str, north_deg: f64, more: &str| {
         format!(

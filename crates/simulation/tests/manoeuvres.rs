@@ -21,7 +21,7 @@ fn place(east_m: f64, north_m: f64) -> String {
     format!("[{longitude:.7}, {latitude:.7}]")
 }
 
-/// A mission whose program performs one manoeuvre over a square field, with its middle so far east of the pad.
+/// Returns a mission whose program performs one manoeuvre over a square field, with its middle so far east of the pad.
 fn mission(folder: &Path, model: &str, winds: &str, away_m: f64, half_m: f64, goal: &str) -> Mission {
     let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
     let corner = |x: f64, y: f64| place(away_m + x * half_m, y * half_m);
@@ -303,6 +303,7 @@ fn the_smoke_is_filmed_from_all_sides_and_from_above_without_entering_it() {
     let MissionValue::Score(score) = &flight.report.value else { panic!("of another kind") };
     assert!(score.looks[0].flown.points > 99.0, "{text}");
     assert!(text.contains("acquire") || flight.report.plans > 0, "{text}");
+    assert!(!text.contains("was not observed"), "the reported place is photographed\n{text}");
     let (reader, _) = apex_mission::recording::open(&path).unwrap();
     assert_eq!(apex_mission::recorded::replay(&reader).unwrap().difference, None);
     let checked = apex_mission::verification::verify(&reader, &mission).unwrap();

@@ -49,7 +49,7 @@ impl Flown {
         RecordReader::open(&self.record).unwrap()
     }
 
-    /// All events with their instants.
+    /// Returns all events with their instants.
     fn events(&self) -> Vec<(f64, EventKind)> {
         let mut events = Vec::new();
         for step in self.reader().steps_of_all(Time::END).unwrap() {
@@ -58,7 +58,7 @@ impl Flown {
         events
     }
 
-    /// Time, latitude, longitude and altitude of each reported location.
+    /// Returns time, latitude, longitude and altitude of each reported location.
     fn track(&self) -> Vec<(f64, f64, f64, f64)> {
         let location = |(at_s, kind): (f64, EventKind)| match kind {
             EventKind::Measurement(variable, Value::List(items)) if variable.attribute.is("location") => {
@@ -70,7 +70,7 @@ impl Flown {
         self.events().into_iter().filter_map(location).collect()
     }
 
-    /// The messages that begin with `head`, as text.
+    /// Returns the messages that begin with `head`, as text.
     fn said(&self, head: &str) -> Vec<(f64, String)> {
         let message = |(at_s, kind): (f64, EventKind)| match kind {
             EventKind::Occurrence(form) => {
@@ -88,7 +88,7 @@ impl Flown {
     }
 }
 
-/// Metres north and east of a place, on a sphere.
+/// Returns metres north and east of a place, on a sphere.
 fn offset_m(from: (f64, f64), to: (f64, f64)) -> (f64, f64) {
     const DEGREE_M: f64 = 111_195.0;
     ((to.0 - from.0) * DEGREE_M, (to.1 - from.1) * DEGREE_M * from.0.to_radians().cos())
@@ -263,7 +263,7 @@ fn what_is_kept_is_reported_and_raises_no_alarm() {
     flown.assert_replays();
 }
 
-/// The camera of a helicopter in the evening: at 01:30 UTC of the equinox the sun stands 5 degrees above the western horizon there.
+/// Returns the camera of a helicopter in the evening: at 01:30 UTC of the equinox the sun stands 5 degrees above the western horizon there.
 fn evening(target: &str) -> Flown {
     fly(
         ":vehicle (sim :model rmax :at home) :start \"2026-03-20T01:30:00Z\" :duration 1h :targets \"base.geojson\"",

@@ -16,14 +16,14 @@ use std::fmt::Write;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Ground of 500 m with a ridge from west to east along 37.5 N, 2,600 m higher and some 15 km wide, with a pass at 116.0 W.
+/// Returns ground of 500 m with a ridge from west to east along 37.5 N, 2,600 m higher and some 15 km wide, with a pass at 116.0 W.
 fn ground_m(latitude_deg: f64, longitude_deg: f64) -> f64 {
     let across = (latitude_deg - 37.5) / 0.07;
     let from_pass = (longitude_deg + 116.0) / 0.12;
     500.0 + 2_600.0 * (-across * across).exp() * (1.0 - 0.8 * (-from_pass * from_pass).exp())
 }
 
-/// The ground as an ASCII grid of 0.01 degrees around 37.4 N 117 W.
+/// Returns the ground as an ASCII grid of 0.01 degrees around 37.4 N 117 W.
 fn grid() -> String {
     let (columns, rows, step) = (301, 181, 0.01);
     let (west, south) = (-118.5, 36.5);
@@ -104,7 +104,7 @@ impl Flown {
         self.events.iter().find(|(_, text)| text.starts_with(&format!("({head} "))).map(|(at_s, _)| *at_s)
     }
 
-    /// The least height over ground between the climb from the field and the approach to it.
+    /// Returns the least height over ground between the climb from the field and the approach to it.
     fn least_m(&self) -> f64 {
         let from_s = self.at_s("airborne").unwrap() + 300.0;
         let until_s = self.at_s("landed").map_or(f64::INFINITY, |landed_s| landed_s - 900.0);

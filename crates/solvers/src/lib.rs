@@ -19,17 +19,17 @@ use planners::{
 };
 use std::sync::Arc;
 
-/// Every planner that ships, in the order of their complexity.
+/// Returns every planner that ships, in the order of their complexity.
 pub fn solvers() -> Vec<Arc<dyn Solver>> {
     vec![Arc::new(NearestNeighbour), Arc::new(TwoOpt), Arc::new(Wam), Arc::new(TourAnnealing), Arc::new(SingleVisit)]
 }
 
-/// The planner called `name`.
+/// Returns the planner called `name`.
 pub fn solver(name: &str) -> Option<Arc<dyn Solver>> {
     solvers().into_iter().find(|solver| solver.name() == name)
 }
 
-/// A registry of the planners that ship.
+/// Returns a registry of the planners that ship.
 pub fn shipped() -> Registry {
     Registry::of(solvers())
 }

@@ -16,7 +16,7 @@ fn solved(problem: &Problem, units: u64, seed: u64) -> SingleVisitPlan {
     plan
 }
 
-/// A flight through wind and around zones, where each target can be observed from several altitudes: what there is to choose from
+/// Returns a flight through wind and around zones, where each target can be observed from several altitudes: what there is to choose from
 /// must not keep the planner from a first plan.
 fn with_altitudes(count: usize, seed: u64) -> SingleVisitProblem {
     let mut problem = examples::random(count, seed);

@@ -59,7 +59,7 @@ fn more_work_never_gives_a_worse_plan() {
     assert_eq!(worse, Vec::<String>::new());
 }
 
-/// A plan without faults, and the units of work that it took.
+/// Returns a plan without faults, and the units of work that it took.
 fn solved(problem: &Problem, units: u64, seed: u64) -> (SingleVisitPlan, u64) {
     let mut budget = WorkBudget::new(units);
     let mut environment = Environment { seed, budget: &mut budget, report: &mut |_| {}, previous: None };

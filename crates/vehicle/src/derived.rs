@@ -32,13 +32,13 @@ pub struct GapFreeHeight {
     pub height_m: f64,
 }
 
-/// Radius of a turn with `bank_deg` at `true_airspeed_m_s` in still air, m: `V^2 / (g tan bank)`.
+/// Returns the radius of a turn with `bank_deg` at `true_airspeed_m_s` in still air, m: `V^2 / (g tan bank)`.
 pub fn turn_radius_m(true_airspeed_m_s: f64, bank_deg: f64) -> f64 {
     true_airspeed_m_s * true_airspeed_m_s / (GRAVITY_M_S2 * tan(bank_deg.to_radians()))
 }
 
 impl VehicleModel {
-    /// Radius of the turns that plans use at cruise speed, m; 0 for a rotorcraft, which turns in place.
+    /// Returns the radius of the turns that plans use at cruise speed, m; 0 for a rotorcraft, which turns in place.
     pub fn planned_turn_radius_m(&self) -> f64 {
         match self.airframe {
             Airframe::FixedWing => {
@@ -100,7 +100,7 @@ impl VehicleModel {
         mode.scan_rates_hz.iter().map(height).collect()
     }
 
-    /// Three heights at which figures of `sensor` are printed: for a scanner and a long range aircraft a quarter, a half and three
+    /// Returns three heights at which figures of `sensor` are printed: for a scanner and a long range aircraft a quarter, a half and three
     /// quarters of the ceiling; for others half, once and twice the height of visits.
     pub fn sample_heights_m(&self) -> [f64; 3] {
         match self.airframe {
@@ -113,7 +113,7 @@ impl VehicleModel {
         }
     }
 
-    /// Greatest height at which the pixel straight below is at most `resolution_m`, m.
+    /// Returns the greatest height at which the pixel straight below is at most `resolution_m`, m.
     pub fn height_for_resolution_m(&self, sensor: &CarriedSensor, resolution_m: f64) -> f64 {
         resolution_m / self.sight(sensor, 1.0).nadir_pixel_m
     }

@@ -166,7 +166,7 @@ impl FlightPower {
 }
 
 impl BatteryModel {
-    /// Energy of the full battery at its age, J.
+    /// Returns the energy of the full battery at its age, J.
     pub fn full_j(&self) -> f64 {
         self.capacity_wh * self.health_share * JOULES_PER_WH
     }
@@ -185,7 +185,7 @@ impl BatteryModel {
 }
 
 impl VehicleModel {
-    /// Energy of the full tank or battery: kg or J.
+    /// Returns the energy of the full tank or battery: kg or J.
     pub fn stored_full(&self) -> f64 {
         match &self.energy {
             EnergyModel::Fuel(fuel) => fuel.capacity_kg,
@@ -193,7 +193,7 @@ impl VehicleModel {
         }
     }
 
-    /// The part of `stored` that can be drained at an outside temperature: kg or J. Cold locks a share of a battery.
+    /// Returns the part of `stored` that can be drained at an outside temperature: kg or J. Cold locks a share of a battery.
     pub fn available(&self, stored: f64, temperature_c: f64) -> f64 {
         match &self.energy {
             EnergyModel::Fuel(_) => stored,
@@ -260,7 +260,7 @@ impl VehicleModel {
         }
     }
 
-    /// Energy that must remain when the flight ends: kg or J.
+    /// Returns the energy that must remain when the flight ends: kg or J.
     pub fn reserve(&self) -> f64 {
         match self.reserve {
             Reserve::Minutes(minutes) => minutes * 60.0 * self.drain_cruise_per_s(),
@@ -273,17 +273,17 @@ impl VehicleModel {
         self.reserve() / self.drain_cruise_per_s()
     }
 
-    /// Energy below which `(watch the fuel)` reports low energy: the reserve and five hundredths of the capacity, kg or J.
+    /// Returns the energy below which `(watch the fuel)` reports low energy: the reserve and five hundredths of the capacity, kg or J.
     pub fn low(&self) -> f64 {
         self.reserve() + LOW_MARGIN_SHARE * self.stored_full()
     }
 
-    /// Time from full to empty at cruise, s.
+    /// Returns the time from full to empty at cruise, s.
     pub fn endurance_cruise_s(&self) -> f64 {
         self.stored_full() / self.drain_cruise_per_s()
     }
 
-    /// Time from full to empty in hover at sea level, s; `None` for a fixed wing.
+    /// Returns the time from full to empty in hover at sea level, s; `None` for a fixed wing.
     pub fn endurance_hover_s(&self) -> Option<f64> {
         (self.airframe == Airframe::Rotorcraft).then(|| self.stored_full() / self.drain_per_s(0.0, 0.0, 0.0))
     }

@@ -30,17 +30,17 @@ pub(crate) struct FileName<'a> {
 }
 
 impl<'a> FileName<'a> {
-    /// A vehicle file.
+    /// Returns a vehicle file.
     pub(crate) fn vehicle(name: &'a str) -> FileName<'a> {
         FileName { kind: FileKind::Vehicle, name }
     }
 
-    /// A sensor file.
+    /// Returns a sensor file.
     pub(crate) fn sensor(name: &'a str) -> FileName<'a> {
         FileName { kind: FileKind::Sensor, name }
     }
 
-    /// An error at `path` in this file.
+    /// Returns an error at `path` in this file.
     pub(crate) fn error(
         self,
         path: impl Into<String>,

@@ -167,7 +167,7 @@ pub enum CruiseLevel {
 }
 
 impl CruiseLevel {
-    /// Altitude above mean sea level, m, in a mission whose highest ground is at `ground_m`.
+    /// Returns the altitude above mean sea level, m, in a mission whose highest ground is at `ground_m`.
     pub fn altitude_m(self, ground_m: f64) -> f64 {
         match self {
             CruiseLevel::Altitude(altitude_m) => altitude_m,

@@ -85,7 +85,7 @@ impl VehicleModel {
     /// Reads the text of a vehicle file whose sensors ship with Apex; `file` names it in errors.
     ///
     /// # Errors
-    /// As [`VehicleModel::parse_with`]; a sensor that is a file.
+    /// Like [`VehicleModel::parse_with`]; a sensor that is a file.
     pub fn parse(file: &str, text: &str) -> Result<VehicleModel, VehicleFileError> {
         VehicleModel::parse_with(file, text, &mut |_| Ok(None))
     }
@@ -194,7 +194,7 @@ fn fuel(section: &Section<'_>) -> Read<FuelModel> {
     })
 }
 
-/// The section of the fuel or of the battery: one of them.
+/// Returns the section of the fuel or of the battery: one of them.
 fn energy(root: &Section<'_>) -> Read<EnergyModel> {
     match (root.member("fuel"), root.member("battery")) {
         (_, None) => Ok(EnergyModel::Fuel(fuel(&section(root, "fuel", FUEL)?)?)),
@@ -308,7 +308,7 @@ fn sensor(section: &Section<'_>, sensor_file: &mut SensorFile<'_>) -> Read<Carri
     })
 }
 
-/// The mode in use of a line scanner; it may be left out if there is only one.
+/// Returns the mode in use of a line scanner; it may be left out if there is only one.
 fn mode(section: &Section<'_>, model: &SensorModel) -> Read<Option<String>> {
     let Optics::LineScanner { modes } = &model.optics else {
         return match section.member("mode") {

@@ -18,7 +18,7 @@ pub(crate) enum Rule {
 }
 
 impl Rule {
-    /// True if the value obeys the rule.
+    /// Returns true if the value obeys the rule.
     pub(crate) fn holds(self, value: f64) -> bool {
         value.is_finite()
             && match self {

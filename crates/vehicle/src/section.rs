@@ -50,7 +50,7 @@ impl<'a> Section<'a> {
         Ok(section)
     }
 
-    /// The file's name.
+    /// Returns the file's name.
     pub(crate) fn file(&self) -> FileName<'a> {
         self.file
     }
@@ -64,7 +64,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// An error at the member `name`.
+    /// Returns an error at the member `name`.
     pub(crate) fn wrong(&self, name: &str, expected: &str, found: impl Into<String>, help: &str) -> VehicleFileError {
         self.file.error(self.path_of(name), expected, found, help)
     }
@@ -110,7 +110,7 @@ impl<'a> Section<'a> {
     /// Returns one figure; `None` if the member is absent.
     ///
     /// # Errors
-    /// As [`Section::figure`].
+    /// Like [`Section::figure`].
     pub(crate) fn figure_optional(&self, name: &str) -> Result<Option<f64>, VehicleFileError> {
         self.member(name).map(|_| self.figure(name)).transpose()
     }
@@ -166,7 +166,7 @@ impl<'a> Section<'a> {
     /// Returns the text `name`, which must be present.
     ///
     /// # Errors
-    /// As [`Section::text`]; an absent member.
+    /// Like [`Section::text`]; an absent member.
     pub(crate) fn name(&self, example: &str) -> Result<String, VehicleFileError> {
         self.required("name", "a text", &format!("write \"name\": \"{example}\""))?;
         Ok(self.text("name")?.unwrap_or_default().to_owned())
@@ -175,7 +175,7 @@ impl<'a> Section<'a> {
     /// Returns a figure that only vehicles of some airframe have: present if `wanted`, else zero.
     ///
     /// # Errors
-    /// As [`Section::figure`]; a figure that this airframe does not have.
+    /// Like [`Section::figure`]; a figure that this airframe does not have.
     pub(crate) fn figure_if(&self, name: &str, wanted: bool, airframe: &str) -> Result<f64, VehicleFileError> {
         if wanted {
             return self.figure(name);
@@ -191,7 +191,7 @@ impl<'a> Section<'a> {
     /// Returns a list of numbers that must be present.
     ///
     /// # Errors
-    /// As [`Section::figure`].
+    /// Like [`Section::figure`].
     pub(crate) fn figures(&self, name: &str) -> Result<Vec<f64>, VehicleFileError> {
         let found = self.sourced(name)?;
         let wrong =

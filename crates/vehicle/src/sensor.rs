@@ -193,7 +193,7 @@ pub struct CarriedSensor {
 }
 
 impl CarriedSensor {
-    /// The mode in use of a line scanner; `None` for other sensors.
+    /// Returns the mode in use of a line scanner; `None` for other sensors.
     pub fn scanner_mode(&self) -> Option<&ScannerMode> {
         let Optics::LineScanner { modes } = &self.model.optics else { return None };
         modes.iter().find(|mode| Some(&mode.name) == self.mode.as_ref())
@@ -211,7 +211,7 @@ impl CarriedSensor {
         scanner.or_else(|| sensors.iter().find_map(CarriedSensor::strip))
     }
 
-    /// The strip that overlapping pictures of a frame camera straight down make, as a mode of a scanner; `None` for other sensors,
+    /// Returns the strip that overlapping pictures of a frame camera straight down make, as a mode of a scanner; `None` for other sensors,
     /// and for a camera that cannot look straight down. A fifth of each picture overlaps the neighbouring strip.
     pub fn strip(&self) -> Option<ScannerMode> {
         let Optics::Frame(frame) = &self.model.optics else { return None };
@@ -224,7 +224,7 @@ impl CarriedSensor {
         })
     }
 
-    /// The sensor as a camera of commands; `None` for a line scanner. A fixed mount has equal limits and turns at once.
+    /// Returns the sensor as a camera of commands; `None` for a line scanner. A fixed mount has equal limits and turns at once.
     pub fn camera(&self) -> Option<CameraModel> {
         let (field_of_view_deg, interval_s_min) = match &self.model.optics {
             Optics::LineScanner { .. } => return None,
@@ -261,7 +261,7 @@ impl SensorModel {
         }
     }
 
-    /// True if it can look straight down.
+    /// Returns true if it can look straight down.
     pub fn sees_nadir(&self) -> bool {
         match (&self.optics, &self.mount) {
             (Optics::LineScanner { .. }, _) => true,
@@ -270,19 +270,19 @@ impl SensorModel {
         }
     }
 
-    /// True if a band works by night.
+    /// Returns true if a band works by night.
     pub fn works_by_night(&self) -> bool {
         self.bands.iter().any(|band| band.by_night)
     }
 
-    /// True if a band works by day.
+    /// Returns true if a band works by day.
     pub fn works_by_day(&self) -> bool {
         self.bands.iter().any(|band| band.by_day)
     }
 }
 
 impl FrameOptics {
-    /// Angle of one pixel at the centre of the picture, rad: pixel spacing over focal length.
+    /// Returns the angle of one pixel at the centre of the picture, rad: pixel spacing over focal length.
     pub fn pixel_rad(&self) -> f64 {
         self.pixel_um * 1e-3 / self.focal_mm
     }
@@ -299,7 +299,7 @@ impl FrameOptics {
 }
 
 impl VideoOptics {
-    /// Angle of one pixel at the centre of the picture, rad.
+    /// Returns the angle of one pixel at the centre of the picture, rad.
     pub fn pixel_rad(&self) -> f64 {
         2.0 * libm::tan(self.field_of_view_deg.to_radians() / 2.0) / self.pixels_across
     }

@@ -5,7 +5,7 @@ use crate::sensor::CarriedSensor;
 use std::fmt::Write;
 
 impl VehicleModel {
-    /// The figures that follow from the vehicle file, as text with one figure a line.
+    /// Returns the figures that follow from the vehicle file, as text with one figure a line.
     pub fn sheet(&self) -> String {
         sheet(self)
     }

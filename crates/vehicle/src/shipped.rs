@@ -117,7 +117,7 @@ impl VehicleModel {
     /// Returns the shipped model called `name`, in any case.
     ///
     /// # Errors
-    /// As [`ShippedVehicle::find`]; a shipped file that is invalid, which a test excludes.
+    /// Like [`ShippedVehicle::find`]; a shipped file that is invalid, which a test excludes.
     pub fn named(name: &str) -> Result<VehicleModel, String> {
         let shipped = ShippedVehicle::find(name)?;
         VehicleModel::parse(shipped.file, shipped.text).map_err(|error| error.to_string())

@@ -35,7 +35,7 @@ fn rejects_sensor(name: &str, from: &str, to: &str, path: &str, expected: &str) 
     complains(&error, "sensor file `my-camera.json`", path, expected);
 }
 
-/// The names of the files in a folder of the library.
+/// Returns the names of the files in a folder of the library.
 fn files(folder: &str) -> Vec<String> {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../library").join(folder);
     let entries = std::fs::read_dir(path).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());

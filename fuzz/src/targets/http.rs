@@ -1,6 +1,7 @@
-//! Requests to the server over a connection: HTTP, and WebSocket after an upgrade. The bytes are sent as they are.
+//! Fuzz target of the server: sends the bytes over a connection as they are, as HTTP, or as WebSocket frames after an upgrade.
 //!
-//! Properties: the server answers or closes; no answer is a server error; it still answers a good request afterwards.
+//! Properties: the server answers or closes the connection; no answer is a server error; it still answers a valid request
+//! afterwards.
 //! A panic of the server's threads ends the process, as libFuzzer sets a hook for panics.
 
 use crate::planted;
@@ -61,7 +62,7 @@ pub(crate) fn run(bytes: &[u8]) {
     let answer = exchange(bytes);
     assert!(status(&answer).is_none_or(|status| status < 500), "a server error: {}", String::from_utf8_lossy(&answer));
     if planted::ARE_IN {
-        // The bug: the client takes every answer to have a status line.
+        // Planted bug: the client assumes that every answer has a status line.
         assert!(bytes.is_empty() || answer.len() >= 12, "the answer ends before its status");
     }
     let good = format!("GET /api/mission HTTP/1.1\r\nHost: {}\r\nConnection: close\r\n\r\n", *SERVER);

@@ -61,7 +61,7 @@ impl Outcome {
         }
     }
 
-    /// The counts as a table for operators.
+    /// Returns the counts as a table for operators.
     pub fn text(&self) -> String {
         let mut text = format!("{} alike, {} of them with a result\n", self.same, self.satisfied);
         for (feature, (asked, satisfied)) in &self.features {

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 /// refusal must name one of these.
 pub const NOT_YET: &[&str] = &[];
 
-/// The forms and odd data of a question.
+/// Returns the forms and odd data of a question.
 pub fn features(question: &Question) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     of_condition(&question.condition, &mut found);

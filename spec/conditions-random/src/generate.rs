@@ -18,7 +18,7 @@ const STEP: Span = SECOND / 2;
 /// Added to bounds of statistics and lines, so that none is met exactly: which way the last bit falls is not compared.
 const BESIDE: f64 = 0.123;
 
-/// The question of a seed.
+/// Returns the question of a seed.
 pub fn question(seed: u64) -> Question {
     let mut maker = Maker { dice: Dice::new(seed), tags: 0, cycles: false };
     let created = if maker.dice.chance(40) { 0 } else { maker.steps(1, 8) };
@@ -48,7 +48,7 @@ impl Maker {
         self.dice.between(low, high) as Span * STEP
     }
 
-    /// A span of the grid, seldom a nanosecond next to it.
+    /// Returns a span of the grid, seldom a nanosecond next to it.
     fn span(&mut self, low: usize, high: usize) -> Span {
         let span = self.steps(low, high);
         if self.dice.chance(6) { span + 1 } else { span }

@@ -6,7 +6,7 @@ use crate::print;
 use apex_definition::Question;
 use std::fmt::Write;
 
-/// The page of a question. Its trace is empty: `UPDATE=1` fills it, and its reader judges it.
+/// Returns the page of a question. Its trace is empty: `UPDATE=1` fills it, and its reader judges it.
 pub fn of(seed: u64, question: &Question) -> String {
     let condition = print::condition(&question.condition);
     let found = match &question.condition.tag {

@@ -1,4 +1,4 @@
-//! A question as PDL.
+//! Conversion of a random question (a condition with its samples) to the PDL of a specification page.
 
 use apex_definition::condition::{
     Allen, Condition, Constraint, Cyclic, Edge, Episode, Estimation, Kind, Measurement, Relation, Span, Statistic,
@@ -7,13 +7,13 @@ use apex_definition::condition::{
 use apex_definition::{Question, Value, What};
 use std::fmt::Write;
 
-/// The declarations of variables.
+/// Returns the declarations of the question's state variables.
 pub fn declarations(question: &Question) -> String {
     let late = question.lateness.iter();
     late.map(|(attribute, late)| format!("(state-variable ({attribute} ?o) :lateness {})\n", span(*late))).collect()
 }
 
-/// The condition.
+/// Returns a condition as PDL.
 pub fn condition(condition: &Condition) -> String {
     let tag = condition.tag.as_ref().map(|tag| format!("{tag} ")).unwrap_or_default();
     match &condition.kind {
@@ -51,7 +51,8 @@ fn conditions(parts: &[Condition]) -> String {
     parts.iter().map(condition).collect::<Vec<_>>().join(" ")
 }
 
-/// Parts that hold together. What a part certainly binds is named `<?x>` in the later ones, which means the same as `?x`.
+/// Returns the parts of a conjunction. A variable that an earlier part certainly binds is written `<?x>` in later parts; this
+/// means the same as `?x`.
 fn joined(parts: &[Condition]) -> String {
     let mut bound: Vec<&str> = Vec::new();
     let mut texts = Vec::new();
@@ -200,7 +201,7 @@ fn edge((edge, tag): &(Edge, String)) -> String {
     }
 }
 
-/// An instant on the time line.
+/// Returns an instant as PDL.
 fn instant(at: Time) -> String {
     format!("(+ (- +now+ +met+) {})", span(at))
 }
@@ -213,7 +214,7 @@ fn term(term: &Term) -> String {
     }
 }
 
-/// `2.5`, `up`, `"text"`.
+/// Returns a value as PDL: `2.5`, `up`, `"text"`.
 pub fn value(value: &Value) -> String {
     match value {
         Value::Number(number) => number.to_string(),
@@ -222,7 +223,7 @@ pub fn value(value: &Value) -> String {
     }
 }
 
-/// `2500ms`, or nanoseconds where milliseconds do not do.
+/// Returns a duration as PDL: `2500ms`, or nanoseconds if it is not a whole number of milliseconds.
 pub fn span(length: Span) -> String {
     if length % 1_000_000 == 0 { format!("{}ms", length / 1_000_000) } else { format!("{length}ns") }
 }
@@ -273,7 +274,7 @@ fn allen(relation: Allen) -> &'static str {
     }
 }
 
-/// The arrivals as lines of a page. Late ones are marked.
+/// Returns the arrivals of samples as input lines of a page; late samples state both instants.
 pub fn inputs(question: &Question) -> String {
     let mut text = String::new();
     for arrival in &question.arrivals {

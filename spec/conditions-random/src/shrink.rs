@@ -4,7 +4,7 @@ use crate::compare::{Finding, compare};
 use apex_definition::Question;
 use apex_definition::condition::{Condition, Cyclic, Episode, Kind, Measurement};
 
-/// A smallest question that is still answered differently, found by leaving out one thing after the other.
+/// Returns a smallest question that is still answered differently, found by leaving out one thing after the other.
 pub fn shrink(question: &Question) -> Question {
     let mut smallest = question.clone();
     while let Some(smaller) = simpler(&smallest).into_iter().find(differs) {
@@ -153,7 +153,7 @@ fn less_of_measurement(measurement: &Measurement) -> Vec<Measurement> {
     found
 }
 
-/// The list without one of its items, not shorter than `least`.
+/// Returns the list without one of its items, not shorter than `least`.
 fn shorter<T: Clone>(items: &[T], least: usize) -> Vec<Vec<T>> {
     let without = |index: usize| {
         let mut less = items.to_vec();
@@ -163,7 +163,7 @@ fn shorter<T: Clone>(items: &[T], least: usize) -> Vec<Vec<T>> {
     if items.len() <= least { Vec::new() } else { (0..items.len()).map(without).collect() }
 }
 
-/// The list with one part made simpler.
+/// Returns the list with one part made simpler.
 fn changed(parts: &[Condition]) -> Vec<Vec<Condition>> {
     let mut found = Vec::new();
     for (index, part) in parts.iter().enumerate() {

@@ -98,7 +98,7 @@ fn is_of(arrival: &Arrival, variable: &Variable) -> bool {
     }
 }
 
-/// The variables that the condition watches.
+/// Returns the variables that the condition watches.
 fn variables(condition: &Condition) -> Vec<&Variable> {
     match &condition.kind {
         Kind::Measurement(measurement) => vec![&measurement.variable],
@@ -173,7 +173,7 @@ struct Quiet {
     decided: bool,
 }
 
-/// The spans without the part up to now. One begins with the creation, or after evidence of the part.
+/// Returns the spans without the part up to now. One begins with the creation, or after evidence of the part.
 fn quiet_spans(part: &Condition, span: Span, view: View<'_>) -> Quiet {
     // The whole run of an episode counts, and a value as long as it persists: while they continue nothing is absent, and
     // while it is unknown whether they do, absence is unknown.
@@ -207,7 +207,7 @@ fn quiet_spans(part: &Condition, span: Span, view: View<'_>) -> Quiet {
     Quiet { found: ways.into(), decided: true }
 }
 
-/// The evidence, and on as long as what it rests on persists.
+/// Returns the evidence, and on as long as what it rests on persists.
 fn lasting(way: &Way) -> Option<Interval> {
     way.hull.map(|(start, end)| (start, way.lasts.map_or(end, |lasts| lasts.max(end))))
 }

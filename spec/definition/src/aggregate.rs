@@ -55,7 +55,7 @@ pub(crate) fn contradicted(episode: &Episode, run: &Run<'_>, view: View<'_>) -> 
     })
 }
 
-/// The length that is wanted: of the run at least, and of the window where no value makes the run.
+/// Returns the length that is wanted: of the run at least, and of the window where no value makes the run.
 fn wanted(episode: &Episode) -> Span {
     let least = episode.duration.iter().map(|(relation, bound)| match relation {
         Relation::Greater => bound + 1,
@@ -64,7 +64,7 @@ fn wanted(episode: &Episode) -> Span {
     least.max().unwrap_or(0)
 }
 
-/// Every sample's instant; and where a gap licenses the passing of time, where the length is reached or a sample leaves.
+/// Returns every sample's instant; and where a gap licenses the passing of time, where the length is reached or a sample leaves.
 /// What is weighted by time moves between them too, but is judged at these instants only.
 fn ends(episode: &Episode, run: &Run<'_>, view: View<'_>) -> Vec<Time> {
     let wanted = wanted(episode);

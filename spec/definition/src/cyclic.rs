@@ -13,7 +13,7 @@ struct Turn {
     known: Time,
 }
 
-/// The cycles of all objects.
+/// Returns the cycles of all objects.
 pub(crate) fn ways(cyclic: &Cyclic, view: View<'_>) -> Ways {
     let mut found = Ways::default();
     for (series, bound) in series_of(&cyclic.variable, |_| view.created, view) {
@@ -46,7 +46,7 @@ fn number(sample: &Sample) -> Option<f64> {
     }
 }
 
-/// The turning points among samples that are all numbers: maxima and minima, in order of time.
+/// Returns the turning points among samples that are all numbers: maxima and minima, in order of time.
 fn turns(samples: &[Sample], hysteresis: f64) -> Vec<Turn> {
     let points: Vec<(Time, f64)> = samples.iter().filter_map(|sample| Some((sample.at, number(sample)?))).collect();
     let turned: Vec<(Time, f64)> = points.iter().map(|(at, value)| (*at, -value)).collect();
@@ -56,7 +56,7 @@ fn turns(samples: &[Sample], hysteresis: f64) -> Vec<Turn> {
     all
 }
 
-/// A maximum: the value came up to it by the hysteresis, and came back from it by the hysteresis; of equal values the first.
+/// Returns a maximum: the value came up to it by the hysteresis, and came back from it by the hysteresis; of equal values the first.
 fn maxima(points: &[(Time, f64)], hysteresis: f64) -> Vec<Turn> {
     let mut found = Vec::new();
     for (index, (at, value)) in points.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Episodes: runs of samples (rules 5, 6, 7, 8, 13).
+//! Naive definition of episodes as runs of samples (rules 5, 6, 7, 8, 13).
 
 use crate::aggregate;
 use crate::condition::{Episode, Relation, Time};
@@ -7,18 +7,18 @@ use crate::measurement::{heard_of, in_window, series_of};
 use crate::value::{Bindings, fits, numbers};
 use crate::ways::{Runs, View, Way, Ways, instant_fits};
 
-/// A run: neighbours whose values all fit, without a gap, as far as it is known.
+/// A run: consecutive samples without a gap whose values all satisfy the constraints, as far as it is known.
 pub(crate) struct Run<'a> {
     pub(crate) samples: &'a [Sample],
-    /// A sample that does not fit is right before it.
+    /// True if the sample before the run does not satisfy the constraints.
     begins: bool,
-    /// The first sample after it.
+    /// The first sample after the run.
     pub(crate) next: Option<&'a Sample>,
-    /// It cannot continue.
+    /// True if the run cannot continue.
     pub(crate) closed: bool,
 }
 
-/// Every interval of a run that is what the condition asks for.
+/// Returns every interval of a run that satisfies the condition.
 pub(crate) fn ways(episode: &Episode, view: View<'_>) -> Ways {
     let mut found = Ways::default();
     let timed = !episode.start.is_empty() || !episode.end.is_empty();
@@ -26,14 +26,14 @@ pub(crate) fn ways(episode: &Episode, view: View<'_>) -> Ways {
     for (series, bound) in &all {
         let samples = windowed(episode, series, view);
         let runs = runs(episode, samples, view);
-        // Rule 3: a run of which nothing shows where it began, or whether it continues, may be what is asked for.
+        // Rule 3: a run with an unknown beginning, or one that may continue, may still satisfy the condition.
         let decided = |run: &Run<'_>| !run.closed && aggregate::contradicted(episode, run, view);
         let newest = runs.last().filter(|run| run.next.is_none() && (!run.begins || run.closed) && !decided(run));
         if let Some(run) = newest {
             let why = if run.closed { "no sample for too long" } else { "unknown for how long" };
             found.unknown = Some(why.into());
         }
-        // One that is what is asked for, and continues, leaves nothing to know; two samples of one say nothing of others.
+        // A continuing run that satisfies the condition leaves nothing unknown; two samples of a run do not exclude other pairs.
         let mut found_before = found.all.len();
         for run in &runs {
             found_before = found.all.len();
@@ -65,14 +65,14 @@ pub(crate) fn ways(episode: &Episode, view: View<'_>) -> Ways {
     found
 }
 
-/// The samples that count: from the creation on, unless the condition says when its episode starts or ends (rule 2).
+/// Returns the samples that count: from the creation on, unless the condition says when its episode starts or ends (rule 2).
 fn windowed<'a>(episode: &Episode, series: &'a Series, view: View<'_>) -> &'a [Sample] {
     let timed = !episode.start.is_empty() || !episode.end.is_empty();
     let first = series.samples.iter().position(|sample| timed || in_window(sample.at, &[], view));
     first.and_then(|first| series.samples.get(first..)).unwrap_or_default()
 }
 
-/// Rules 7 and 8: maximal runs; a sample that does not fit ends one, and so does a gap, also one up to now.
+/// Returns the maximal runs (rules 7 and 8): a run ends at a sample that violates the constraints, or at a gap, also at one up to now.
 fn runs<'a>(episode: &Episode, samples: &'a [Sample], view: View<'_>) -> Vec<Run<'a>> {
     let fitting = |sample: &Sample| fits(&sample.value, &episode.value, &mut Bindings::new());
     let apart = |from: Time, to: Time| episode.gap.is_some_and(|gap| to - from > gap);
@@ -96,13 +96,13 @@ fn runs<'a>(episode: &Episode, samples: &'a [Sample], view: View<'_>) -> Vec<Run
     found
 }
 
-/// The first moment at which it is decided that the run is what is asked for.
+/// Returns the first instant at which it is decided that the run satisfies the condition.
 fn begun(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Option<Way> {
     let parts = (1..=run.samples.len()).filter_map(|length| going_on(episode, run, length, bound, view));
     parts.min_by_key(|way| way.known).or_else(|| over(episode, run, bound))
 }
 
-/// The run, if its first samples show that it is what is asked for however it continues: only lower bounds can show that.
+/// Returns the run if its first samples decide that it satisfies the condition however it continues; only lower bounds can decide that.
 /// The interval is that of the whole run, as far as it is known.
 fn going_on(episode: &Episode, run: &Run<'_>, length: usize, bound: &Bindings, view: View<'_>) -> Option<Way> {
     let samples = run.samples.get(..length)?;
@@ -118,7 +118,7 @@ fn going_on(episode: &Episode, run: &Run<'_>, length: usize, bound: &Bindings, v
     fitting.then(|| way(run.samples, bound, first.at + needed))
 }
 
-/// The least instant or span that the relation allows, if it allows everything above.
+/// Returns the least instant or span that the relation allows, if it allows everything above.
 fn lower(relation: Relation, bound: i64) -> Option<i64> {
     match relation {
         Relation::GreaterOrEqual => Some(bound),
@@ -127,7 +127,7 @@ fn lower(relation: Relation, bound: i64) -> Option<i64> {
     }
 }
 
-/// The run, if it is over and was what is asked for, and only that could decide.
+/// Returns the run if it is over and satisfied the condition, and only its end could decide that.
 fn over(episode: &Episode, run: &Run<'_>, bound: &Bindings) -> Option<Way> {
     let bounded = |relation: &Relation| lower(*relation, 0).is_none();
     let until_the_end = episode.duration.iter().any(|(relation, _)| bounded(relation))
@@ -135,8 +135,8 @@ fn over(episode: &Episode, run: &Run<'_>, bound: &Bindings) -> Option<Way> {
     when_over(episode, run, bound).filter(|_| until_the_end)
 }
 
-/// The run, if it is over and was what is asked for. All bounds count between the first and the last sample, as the result
-/// reports them.
+/// Returns the run if it is over and satisfied the condition. All bounds count between the first and the last sample, as in the reported
+/// result.
 fn when_over(episode: &Episode, run: &Run<'_>, bound: &Bindings) -> Option<Way> {
     let (first, last) = (run.samples.first()?, run.samples.last()?);
     let fitting = run.closed
@@ -148,8 +148,8 @@ fn when_over(episode: &Episode, run: &Run<'_>, bound: &Bindings) -> Option<Way> 
     fitting.then(|| way(run.samples, bound, ended))
 }
 
-/// Rule 5: up to when the last value counts as held: its own instant, or as long as a gap licenses it, but not at the
-/// instant of the next sample.
+/// Returns the instant up to which the last value counts as held (rule 5): its own instant, or the end of the permitted gap, but before
+/// the instant of the next sample.
 pub(crate) fn held(episode: &Episode, last: &Sample, next: Option<Time>, view: View<'_>) -> Time {
     let until = next.map_or(view.now, |next| next - 1).min(view.now);
     episode.gap.map_or(last.at, |gap| (last.at + gap).min(until)).max(last.at)
@@ -172,7 +172,7 @@ fn way(samples: &[Sample], bound: &Bindings, known: Time) -> Way {
     Way::over(interval, known, bound.clone())
 }
 
-/// Every pair of samples of the run: what lies between two samples, and nothing that is only held.
+/// Returns the intervals between all pairs of samples of the run; held values after the last sample do not count.
 fn any(episode: &Episode, run: &Run<'_>, bound: &Bindings) -> Vec<Way> {
     let mut found = Vec::new();
     for end in 1..=run.samples.len() {
@@ -190,7 +190,7 @@ fn any(episode: &Episode, run: &Run<'_>, bound: &Bindings) -> Vec<Way> {
     found
 }
 
-/// The run as far as it is known. What its last value is, is known when it is over.
+/// Returns the run as far as it is known. Its last value is known when it is over.
 fn whole(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Option<Way> {
     if !episode.last_value.is_empty() {
         return when_over(episode, run, bound);

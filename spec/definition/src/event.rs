@@ -4,7 +4,7 @@ use crate::condition::{Relation, Term, Time};
 use crate::value::{Bindings, matches};
 use crate::ways::{View, Way, Ways, instant_fits};
 
-/// Every message within the window that matches the pattern.
+/// Returns every message within the window that matches the pattern.
 pub(crate) fn messages(pattern: &[Term], when: &[(Relation, Time)], view: View<'_>) -> Ways {
     let mut found = Vec::new();
     for message in &view.past.messages {
@@ -20,7 +20,7 @@ pub(crate) fn messages(pattern: &[Term], when: &[(Relation, Time)], view: View<'
     found.into()
 }
 
-/// The instants since the creation at which the task was found in, or came to, the state.
+/// Returns the instants since the creation at which the task was found in, or came to, the state.
 pub(crate) fn task_states(task: &str, state: &str, view: View<'_>) -> Ways {
     let moves: Vec<_> = view.past.moves.iter().filter(|each| each.task == task && each.at <= view.now).collect();
     let mut found = Vec::new();

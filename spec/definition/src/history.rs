@@ -68,7 +68,7 @@ pub(crate) struct Move {
     pub(crate) state: String,
 }
 
-/// All that had arrived by `now`. `lateness` is by attribute, 0 unless it says otherwise.
+/// Returns all that had arrived by `now`. `lateness` is by attribute, 0 unless it says otherwise.
 pub(crate) fn known(arrivals: &[Arrival], lateness: &BTreeMap<String, Span>, now: Time) -> Past {
     let mut past = Past { known_at: now, ..Past::default() };
     for (number, arrival) in arrivals.iter().enumerate().filter(|(_, arrival)| arrival.arrives <= now) {

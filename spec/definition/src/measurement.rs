@@ -5,7 +5,7 @@ use crate::history::Series;
 use crate::value::{Bindings, Value, fits, matches};
 use crate::ways::{View, Way, Ways, instant_fits};
 
-/// The series that the variable may mean, each with what that binds, in the order of arrival of the first sample that
+/// Returns the series that the variable may mean, each with what that binds, in the order of arrival of the first sample that
 /// counts (rule 19). `from` says from which instant on samples of a series count.
 pub(crate) fn series_of<'a>(
     variable: &Variable,
@@ -51,7 +51,7 @@ pub(crate) fn in_window(at: Time, tests: &[(Relation, Time)], view: View<'_>) ->
     if tests.is_empty() { at >= view.created } else { instant_fits(at, tests) }
 }
 
-/// Every sample, or every estimate, that fits.
+/// Returns every sample, or every estimate, that fits.
 pub(crate) fn ways(measurement: &Measurement, view: View<'_>) -> Ways {
     if let Some(Estimation::Regression(options)) = &measurement.estimation {
         return crate::regression::ways(measurement, options, view);

@@ -25,7 +25,7 @@ enum Saying {
     Unknown,
 }
 
-/// The lines of all objects.
+/// Returns the lines of all objects.
 pub(crate) fn ways(measurement: &Measurement, options: &Regression, view: View<'_>) -> Ways {
     let mut found = Ways::default();
     let on_line = |series: &Series| !fitted(measurement, options, series, view).is_empty();
@@ -56,7 +56,7 @@ fn fit_start(measurement: &Measurement, options: &Regression, view: View<'_>) ->
     options.start.unwrap_or(if measurement.timestamp.is_empty() { view.created } else { Time::MIN })
 }
 
-/// The samples of the fit interval that are finite numbers; without an interval, of the window.
+/// Returns the samples of the fit interval that are finite numbers; without an interval, of the window.
 fn fitted(measurement: &Measurement, options: &Regression, series: &Series, view: View<'_>) -> Vec<Sample> {
     let within = fit_start(measurement, options, view)..=options.end.unwrap_or(Time::MAX);
     let number = |sample: &&Sample| !finite(std::slice::from_ref(*sample)).is_empty();
@@ -103,7 +103,7 @@ fn says(measurement: &Measurement, options: &Regression, series: &Series, bound:
     Saying::Meets(Way { instant: true, ..way })
 }
 
-/// First and last instant that the tests leave.
+/// Returns the first and last instant that the tests leave.
 fn window(tests: &[(Relation, Time)]) -> (Option<Time>, Option<Time>) {
     let least = tests.iter().filter_map(|(relation, at)| match relation {
         Relation::Greater => Some(at + 1),
@@ -118,7 +118,7 @@ fn window(tests: &[(Relation, Time)]) -> (Option<Time>, Option<Time>) {
     (least.max(), most.min())
 }
 
-/// The first instant from `from` on at which the line satisfies all constraints: `from` itself, or where it crosses a
+/// Returns the first instant from `from` on at which the line satisfies all constraints: `from` itself, or where it crosses a
 /// bound.
 fn earliest(
     constraints: &[Constraint],

@@ -32,7 +32,7 @@ fn value_of(statistic: Statistic, episode: &Episode, inside: &Inside) -> Option<
     }
 }
 
-/// Mean and variance of values by how long they held, in seconds; none if nothing held for any time.
+/// Returns the mean and variance of values by how long they held, in seconds; `None` if nothing held for any time.
 fn weighted(held: &[(f64, f64)]) -> Option<(f64, f64)> {
     let seconds: f64 = held.iter().map(|(_, seconds)| seconds).sum();
     let mean = held.iter().map(|(value, seconds)| value * seconds).sum::<f64>() / seconds;
@@ -40,7 +40,7 @@ fn weighted(held: &[(f64, f64)]) -> Option<(f64, f64)> {
     (seconds > 0.0).then(|| (mean, squares.sum::<f64>() / seconds))
 }
 
-/// The numbers of the statistics. Where samples are only counted, one that is not a number counts too.
+/// Returns the numbers of the statistics. Where samples are only counted, one that is not a number counts too.
 fn counted(episode: &Episode, samples: &[Sample]) -> Vec<f64> {
     if !only_counts(episode) {
         return finite(samples);
@@ -58,7 +58,7 @@ pub(crate) fn infinite(sample: &Sample) -> bool {
     matches!(sample.value, Value::Number(number) if !number.is_finite())
 }
 
-/// The values that are finite numbers, in order of time (rule 18: infinities compare, but are in no statistics).
+/// Returns the values that are finite numbers, in order of time (rule 18: infinities compare, but are in no statistics).
 pub(crate) fn finite(samples: &[Sample]) -> Vec<f64> {
     let numbers = samples.iter().filter_map(|sample| match sample.value {
         Value::Number(number) if number.is_finite() => Some(number),
@@ -67,7 +67,7 @@ pub(crate) fn finite(samples: &[Sample]) -> Vec<f64> {
     numbers.collect()
 }
 
-/// The statistic; none of nothing is known.
+/// Returns the statistic; `None` of nothing is known.
 pub(crate) fn of(statistic: Statistic, values: &[f64]) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -91,7 +91,7 @@ pub(crate) fn of(statistic: Statistic, values: &[f64]) -> Option<f64> {
     })
 }
 
-/// The mean, anchored at the first value and corrected once.
+/// Returns the mean, anchored at the first value and corrected once.
 fn mean_of(values: &[f64]) -> f64 {
     let Some(anchor) = values.first() else { return 0.0 };
     let count = values.len() as f64;

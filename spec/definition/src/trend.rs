@@ -35,7 +35,7 @@ fn judged(episode: &Episode, (trend, relation, bound): (Trend, Relation, f64), s
     }
 }
 
-/// Seconds since the first, and the value, of every sample that is a finite number.
+/// Returns seconds since the first, and the value, of every sample that is a finite number.
 pub(crate) fn points(samples: &[Sample]) -> Vec<(f64, f64)> {
     let Some(first) = samples.first() else { return Vec::new() };
     let numbers = samples.iter().filter_map(|sample| match sample.value {
@@ -45,12 +45,12 @@ pub(crate) fn points(samples: &[Sample]) -> Vec<(f64, f64)> {
     numbers.collect()
 }
 
-/// The slope of the least-squares line, per second.
+/// Returns the slope of the least-squares line, per second.
 fn slope(points: &[(f64, f64)]) -> Option<f64> {
     line(points).map(|(_, _, slope)| slope)
 }
 
-/// The least-squares line: mean of the instants, mean of the values, slope.
+/// Returns the least-squares line: mean of the instants, mean of the values, slope.
 pub(crate) fn line(points: &[(f64, f64)]) -> Option<(f64, f64, f64)> {
     let count = points.len() as f64;
     let (mean_t, mean_v) =

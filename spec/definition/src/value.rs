@@ -16,7 +16,7 @@ pub enum Value {
 }
 
 impl Value {
-    /// A symbol.
+    /// Returns a symbol.
     pub fn symbol(name: &str) -> Value {
         Value::Symbol(name.into())
     }
@@ -81,7 +81,7 @@ pub(crate) fn matches(term: &Term, value: &Value, bound: &mut Bindings) -> bool 
     }
 }
 
-/// Both together, unless they disagree about a variable.
+/// Returns both together, unless they disagree about a variable.
 pub(crate) fn joined(first: &Bindings, second: &Bindings) -> Option<Bindings> {
     let mut both = first.clone();
     second.iter().all(|(name, value)| bind(name, value, &mut both)).then_some(both)

@@ -64,7 +64,7 @@ pub fn judge(question: &Question, now: Time) -> Verdict {
     }
 }
 
-/// The way that is reported of several that are known now: of the alternatives of an outermost `:or` the first that is true;
+/// Returns the way that is reported of several that are known now: of the alternatives of an outermost `:or` the first that is true;
 /// else the first to be known had nothing come late.
 fn told_first(condition: &Condition, view: View<'_>) -> Option<Way> {
     let Kind::Or(parts) = &condition.kind else { return ways(condition, view).all.into_iter().next() };
@@ -82,7 +82,7 @@ fn outcome(way: &Way, now: Time) -> Outcome {
     }
 }
 
-/// The first result up to `until`: what is true at the first instant at which it is true at all.
+/// Returns the first result up to `until`: what is true at the first instant at which it is true at all.
 pub fn first(question: &Question, until: Time) -> Option<Outcome> {
     instants(question, until).into_iter().find_map(|now| match judge(question, now) {
         Verdict::Satisfied(outcome) => Some(outcome),
@@ -90,7 +90,7 @@ pub fn first(question: &Question, until: Time) -> Option<Outcome> {
     })
 }
 
-/// Every instant from the creation up to `until` at which the truth may change: something arrives, or one or two of the
+/// Returns every instant from the creation up to `until` at which the truth may change: something arrives, or one or two of the
 /// condition's spans have passed since something, or a nanosecond more.
 pub fn instants(question: &Question, until: Time) -> BTreeSet<Time> {
     let mut spans = Vec::new();
@@ -194,7 +194,7 @@ fn lines_of<'a>(condition: &'a Condition, lines: &mut Vec<&'a Measurement>) {
     }
 }
 
-/// Every instant that the condition names.
+/// Returns every instant that the condition names.
 fn instants_of(condition: &Condition) -> Vec<Time> {
     match &condition.kind {
         Kind::Measurement(measurement) => measurement.timestamp.iter().map(|(_, at)| *at).collect(),

@@ -52,7 +52,7 @@ impl Way {
         }
     }
 
-    /// Both, unless they disagree about a variable.
+    /// Returns both, unless they disagree about a variable.
     fn with(&self, next: &Way) -> Option<Way> {
         let hull = match (self.hull, next.hull) {
             (Some(a), Some(b)) => Some((a.0.min(b.0), a.1.max(b.1))),
@@ -104,7 +104,7 @@ impl From<Vec<Way>> for Ways {
     }
 }
 
-/// All ways, those that are known earlier first.
+/// Returns all ways, those that are known earlier first.
 pub(crate) fn ways(condition: &Condition, view: View<'_>) -> Ways {
     let mut ways = of_kind(condition, view);
     ways.all.retain(|way| way.known <= view.now);

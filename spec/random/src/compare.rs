@@ -51,7 +51,7 @@ pub fn judge(case: &Case) -> Verdict {
     Verdict::Same(Box::new(theirs))
 }
 
-/// The reference stopped: at a restless instant the executive has to stop too, later, and until then both do the same. An
+/// Returns the reference stopped: at a restless instant the executive has to stop too, later, and until then both do the same. An
 /// instant that makes tasks without end is left out: the executive looks for its end among thousands of them.
 fn judge_cut(agent: &mut Agent, case: &Case, theirs: &Run, cut: Cut) -> Verdict {
     let last = match cut {
@@ -75,7 +75,7 @@ fn judge_cut(agent: &mut Agent, case: &Case, theirs: &Run, cut: Cut) -> Verdict 
     Verdict::Different(difference(theirs, &ours).unwrap_or_else(|| "the executive tells less".into()))
 }
 
-/// The last things that happened.
+/// Returns the last things that happened.
 fn told_last(run: &Run) -> String {
     run.lines.iter().rev().take(40).rev().map(|line| format!("    {line}\n")).collect()
 }

@@ -113,7 +113,7 @@ impl Coverage {
         }
     }
 
-    /// The table, for operators.
+    /// Returns the table, for operators.
     pub fn text(&self) -> String {
         let constructs = self.constructs.iter().map(|(what, count)| format!("{count:>9} programs with {what}\n"));
         let moves = self.moves.iter().map(|(what, count)| format!("{count:>9} times {what}\n"));

@@ -121,7 +121,7 @@ pub(crate) struct Maker<'d> {
     pub(crate) procedures: Vec<Goal>,
 }
 
-/// The case of a seed.
+/// Returns the case of a seed.
 pub fn case(seed: u64) -> Case {
     let mut dice = Dice::new(seed);
     let taste = taste(&mut dice);
@@ -166,7 +166,7 @@ impl Maker<'_> {
         Program { resources: self.resources.clone(), procedures, primitives }
     }
 
-    /// A span of a few half seconds; often the same ones, so that things coincide.
+    /// Returns a span of a few half seconds; often the same ones, so that things coincide.
     pub(crate) fn span(&mut self) -> Span {
         self.dice.pick(&[1, 2, 2, 2, 3, 4, 4, 6, 10]).unwrap_or(2) * (SECOND / 2)
     }
@@ -175,7 +175,7 @@ impl Maker<'_> {
         if self.dice.chance(12) { 0 } else { self.span() }
     }
 
-    /// A primitive; sometimes two, of which one is for a single word.
+    /// Returns a primitive; sometimes two, of which one is for a single word.
     fn primitive(&mut self, number: usize) -> Vec<Primitive> {
         let head = format!("p{number}");
         let argument = self.dice.pick(&[Argument::None, Argument::Span, Argument::Word]).unwrap_or(Argument::None);
@@ -284,7 +284,7 @@ impl Maker<'_> {
         Hooks { on_start: some(), on_end: some(), on_suspend: some(), on_resume: some() }
     }
 
-    /// A form that any hook may contain.
+    /// Returns a form that any hook may contain.
     fn form(&mut self, about: Option<&str>) -> Form {
         match self.dice.below(6) {
             0 => Form::Publish("x".into(), "v".into(), number(self.dice.below(6))),
@@ -295,7 +295,7 @@ impl Maker<'_> {
         }
     }
 
-    /// A message without unbound variables.
+    /// Returns a message without unbound variables.
     pub(crate) fn message(&mut self, about: Option<&str>) -> Vec<Term> {
         let mut words = vec![word(self.dice.pick(MESSAGES).unwrap_or("e1"))];
         if self.dice.chance(50) {
@@ -340,7 +340,7 @@ impl Maker<'_> {
         )
     }
 
-    /// A message that is waited for; a variable that is new is added to `bound`.
+    /// Returns a message that is waited for; a variable that is new is added to `bound`.
     pub(crate) fn event(&mut self, about: Option<&str>, bound: &mut Vec<String>, fresh: &str) -> Condition {
         let mut words = vec![word(self.dice.pick(MESSAGES).unwrap_or("e1"))];
         match self.dice.below(8) {

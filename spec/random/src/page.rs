@@ -6,7 +6,7 @@ use crate::print;
 use apex_reference::program::SECOND;
 use std::fmt::Write;
 
-/// The page of a case. Its trace is empty: `UPDATE=1` fills it, and its reader judges it.
+/// Returns the page of a case. Its trace is empty: `UPDATE=1` fills it, and its reader judges it.
 pub fn of(seed: u64, case: &Case) -> String {
     let mut page = without_difference(seed, case);
     if let Verdict::Different(difference) = judge(case) {

@@ -7,7 +7,7 @@ use apex_reference::program::{
 use apex_reference::{Input, Said, Value};
 use std::fmt::Write;
 
-/// The program as PDL.
+/// Returns the program as PDL.
 pub fn program(program: &Program) -> String {
     let mut text = String::new();
     for resource in &program.resources {
@@ -28,7 +28,7 @@ pub fn program(program: &Program) -> String {
     text
 }
 
-/// The inputs as JSON lines, by the time at which they happened.
+/// Returns the inputs as JSON lines, by the time at which they happened.
 pub fn inputs(inputs: &[Input]) -> String {
     let mut text = String::new();
     for input in inputs {

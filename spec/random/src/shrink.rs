@@ -8,7 +8,7 @@ use apex_reference::program::{Activity, Clauses, Condition, Hooks, Primitive, Pr
 /// Attempts before it is left as it is.
 const ATTEMPTS_MAX: usize = 3_000;
 
-/// The smallest case found that still differs.
+/// Returns the smallest case found that still differs.
 pub fn shrink(case: &Case) -> Case {
     let fails = |case: &Case| matches!(judge(case), Verdict::Different(_));
     let mut smallest = case.clone();
@@ -75,7 +75,7 @@ fn set<T>(list: &mut [T], number: usize, value: T) {
     }
 }
 
-/// The list without its first half, its second half, and each of its items.
+/// Returns the list without its first half, its second half, and each of its items.
 fn without_each<T: Clone>(list: &[T]) -> Vec<Vec<T>> {
     let (first, second) = list.split_at(list.len() / 2);
     let mut lists = if list.len() > 3 { vec![first.to_vec(), second.to_vec()] } else { Vec::new() };

@@ -288,7 +288,7 @@ impl Maker<'_> {
         clauses
     }
 
-    /// A condition that holds or not at an instant.
+    /// Returns a condition that holds or not at an instant.
     fn state_of_things(&mut self, around: &Around<'_>, depth: usize) -> Condition {
         if depth > 0 && self.dice.chance(40) {
             let first = self.state_of_things(around, depth - 1);
@@ -310,7 +310,7 @@ impl Maker<'_> {
         }
     }
 
-    /// A condition of a clause that moves a task.
+    /// Returns a condition of a clause that moves a task.
     fn clause_condition(&mut self, around: &Around<'_>, bound: &mut Vec<String>) -> Condition {
         match self.dice.below(8) {
             0 if self.dice.chance(self.taste.task_conditions) => Condition::State(None, "resumed".into()),

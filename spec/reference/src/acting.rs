@@ -229,7 +229,7 @@ impl Agent<'_> {
         }
     }
 
-    /// The task that a tag names.
+    /// Returns the task that a tag names.
     fn named(&self, id: usize, tag: &str) -> Result<usize, crate::expression::Fails> {
         match self.variable(id, Level::Step, tag) {
             Some(Value::Task(other)) => Ok(other),

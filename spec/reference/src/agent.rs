@@ -249,7 +249,7 @@ impl Agent<'_> {
         }
     }
 
-    /// The newest value of a state variable; what was published at this instant is not recorded yet, and counts.
+    /// Returns the newest value of a state variable; what was published at this instant is not recorded yet, and counts.
     pub(crate) fn newest(&self, attribute: &str, object: &str) -> Option<Value> {
         let said = self.said.iter().rev().find_map(|said| match said {
             Said::Sample(of, what, value) if of == attribute && what == object => Some(value.clone()),
@@ -260,7 +260,7 @@ impl Agent<'_> {
         said.or_else(|| recorded().map(|sample| sample.value.clone()))
     }
 
-    /// Every alarm that is set.
+    /// Returns every alarm that is set.
     fn alarms(&self) -> Vec<(Alarm, usize)> {
         let mut alarms = Vec::new();
         for (id, task) in self.living() {

@@ -286,7 +286,7 @@ impl Agent<'_> {
         losers
     }
 
-    /// The shares of a resource that count against the claimant when the losers are gone.
+    /// Returns the shares of a resource that count against the claimant when the losers are gone.
     fn present<'f>(&self, field: &'f Field, id: usize, resource: &str, losses: &[Loss]) -> Vec<&'f Share> {
         let counts = |share: &&Share| match share.right {
             Right::Held => losses.iter().all(|loss| loss.loser != share.task),
@@ -325,7 +325,7 @@ impl Agent<'_> {
         after <= total + TOLERANCE || !present.is_empty() && after <= before + TOLERANCE
     }
 
-    /// All holders that the claimant beats, the weakest first: the higher rank, then who defends with less, then who has
+    /// Returns all holders that the claimant beats, the weakest first: the higher rank, then who defends with less, then who has
     /// been at work for the shorter time.
     fn beaten(&self, field: &Field, id: usize) -> Vec<Loss> {
         let mut found: Vec<Loss> = Vec::new();

@@ -13,7 +13,7 @@ impl Agent<'_> {
         }
     }
 
-    /// A variable of the task's own procedure or primitive.
+    /// Returns a variable of the task's own procedure or primitive.
     fn inner(&self, task: usize, name: &str) -> Option<Value> {
         let task = &self.tasks[task];
         match &task.work {
@@ -33,7 +33,7 @@ impl Agent<'_> {
         current[step].map(Value::Task)
     }
 
-    /// A variable of the task itself, or of the procedure that its step belongs to.
+    /// Returns a variable of the task itself, or of the procedure that its step belongs to.
     fn outer(&self, task: usize, name: &str) -> Option<Value> {
         if let Some(value) = self.tasks[task].bound.get(name) {
             return Some(value.clone());
@@ -66,7 +66,7 @@ impl Agent<'_> {
         }
     }
 
-    /// The nearest task above that runs a procedure.
+    /// Returns the nearest task above that runs a procedure.
     pub(crate) fn procedure_above(&self, task: usize) -> Option<usize> {
         let parent = self.tasks[task].parent?;
         match self.tasks[parent].work {

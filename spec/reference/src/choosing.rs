@@ -27,7 +27,7 @@ impl<'p> Agent<'p> {
         }
     }
 
-    /// The activity that a task pursues; the root has a separate goal.
+    /// Returns the activity that a task pursues; the root has a separate goal.
     pub(crate) fn activity(&self, id: usize) -> Option<&'p Activity> {
         let step = self.step_of(id)?;
         match self.tasks[id].origin {
@@ -116,7 +116,7 @@ impl<'p> Agent<'p> {
         self.method(&goal).ok_or("no method")
     }
 
-    /// The most specific match: fewest variables, then longest constant beginning, then written order.
+    /// Returns the most specific match: fewest variables, then longest constant beginning, then written order.
     fn method(&self, goal: &[Value]) -> Option<(Way, Bindings)> {
         let procedures = self.program.procedures.iter().enumerate().map(|(n, each)| (Way::Procedure(n), &each.index));
         let primitives = self.program.primitives.iter().enumerate().map(|(n, each)| (Way::Primitive(n), &each.index));

@@ -21,12 +21,12 @@ pub(crate) fn with_ends(program: &Program) -> Program {
 }
 
 impl<'p> Agent<'p> {
-    /// The steps of a procedure.
+    /// Returns the steps of a procedure.
     pub(crate) fn steps(&self, procedure: usize) -> &'p [Step] {
         &self.program.procedures[procedure].steps
     }
 
-    /// The step that a task was made from.
+    /// Returns the step that a task was made from.
     pub(crate) fn step_of(&self, id: usize) -> Option<&'p Step> {
         match self.tasks[id].origin {
             Origin::Root => None,
@@ -36,7 +36,7 @@ impl<'p> Agent<'p> {
         }
     }
 
-    /// The step, for a task that carries its clauses: items and handlers have none.
+    /// Returns the step, for a task that carries its clauses: items and handlers have none.
     pub(crate) fn own_step(&self, id: usize) -> Option<&'p Step> {
         matches!(self.tasks[id].origin, Origin::Step(..)).then(|| self.step_of(id)).flatten()
     }
@@ -109,7 +109,7 @@ impl<'p> Agent<'p> {
         self.watch(id, Clause::Waitfor, Level::Step, &condition, self.window(id));
     }
 
-    /// The window of the task's present instance.
+    /// Returns the window of the task's present instance.
     pub(crate) fn window(&self, id: usize) -> Window {
         Window { start: self.tasks[id].created_at, after: self.tasks[id].answered }
     }
@@ -130,12 +130,12 @@ impl<'p> Agent<'p> {
         self.tasks[id].watches.retain(|watch| !unwanted(watch.clause, watch.level));
     }
 
-    /// True if the step uses the result `name` of another step.
+    /// Returns true if the step uses the result `name` of another step.
     pub(crate) fn uses(&self, id: usize, name: &str) -> bool {
         self.wanted(id).iter().any(|each| each == name)
     }
 
-    /// The first result of another step that the task needs and that is not there yet.
+    /// Returns the first result of another step that the task needs and that is not there yet.
     pub(crate) fn awaited(&self, id: usize) -> Option<String> {
         let bound: &Bindings = &self.tasks[id].bound;
         let mut missing = self.wanted(id).into_iter();

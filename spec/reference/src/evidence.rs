@@ -28,7 +28,7 @@ impl Proof {
         Proof { hull: Some((at, at)), known: at, bound: Bindings::new(), evidence: evidence.into_iter().collect() }
     }
 
-    /// The arrivals of its messages.
+    /// Returns the arrivals of its messages.
     pub(crate) fn messages(&self) -> impl Iterator<Item = u64> {
         self.evidence.iter().filter_map(|evidence| match evidence {
             Evidence::Message(arrival) => Some(*arrival),
@@ -36,7 +36,7 @@ impl Proof {
         })
     }
 
-    /// The last evidence.
+    /// Returns the last evidence.
     pub(crate) fn end(&self, now: Time) -> Time {
         self.hull.map_or(now, |hull| hull.1)
     }
@@ -52,12 +52,12 @@ struct Place<'a> {
 }
 
 impl Agent<'_> {
-    /// The first way in which the watched condition is true.
+    /// Returns the first way in which the watched condition is true.
     pub(crate) fn proof(&self, task: usize, watch: &Watch) -> Option<Proof> {
         self.proofs(&watch.condition, Place { task, watch, missed: watch.clause == Clause::Waitfor }).into_iter().next()
     }
 
-    /// The newest arrival among the evidence: what the next instance must not take for an answer.
+    /// Returns the newest arrival among the evidence: what the next instance must not take for an answer.
     pub(crate) fn answered(&self, proof: &Proof) -> Option<u64> {
         let arrival = |evidence: &Evidence| match evidence {
             Evidence::Message(arrival) => Some(*arrival),
@@ -84,7 +84,7 @@ impl Agent<'_> {
         changed.map_or_else(|| self.sees(place, name), |change| Some(change.before.clone()))
     }
 
-    /// All the ways, earliest known first.
+    /// Returns all the ways, earliest known first.
     fn proofs(&self, condition: &Condition, place: Place<'_>) -> Vec<Proof> {
         let mut proofs = match condition {
             Condition::Event(pattern) => self.messages_like(pattern, place),
@@ -226,7 +226,7 @@ impl Agent<'_> {
         stands.then(|| Proof::at(place.watch.made_at, None)).into_iter().collect()
     }
 
-    /// All of the parts, in any order; a variable that several of them mention has one value.
+    /// Returns all of the parts, in any order; a variable that several of them mention has one value.
     fn together(&self, parts: &[Condition], place: Place<'_>) -> Vec<Proof> {
         let empty = Proof { hull: None, known: place.watch.window.start, bound: Bindings::new(), evidence: Vec::new() };
         let mut proofs = vec![empty];
@@ -266,7 +266,7 @@ impl Agent<'_> {
         })
     }
 
-    /// The parts in sequence, with the delays between them. A delay at the end may be over only later.
+    /// Returns the parts in sequence, with the delays between them. A delay at the end may be over only later.
     fn in_order(&self, parts: &[Condition], place: Place<'_>) -> Vec<Proof> {
         let start = place.watch.window.start;
         let empty = Proof { hull: None, known: start, bound: Bindings::new(), evidence: Vec::new() };
@@ -301,7 +301,7 @@ impl Agent<'_> {
         proofs
     }
 
-    /// The instants at which a delay that is watched is over, or may be.
+    /// Returns the instants at which a delay that is watched is over, or may be.
     pub(crate) fn delays_end(&self) -> Vec<Time> {
         let mut ends = Vec::new();
         for (task, watch) in self.living().flat_map(|(id, task)| task.watches.iter().map(move |watch| (id, watch))) {

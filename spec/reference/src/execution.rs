@@ -7,7 +7,7 @@ use crate::task::{Level, OUTCOMES, Origin, Outcome, State, Way, Work};
 use crate::value::Value;
 
 impl<'p> Agent<'p> {
-    /// The clauses of the step, then those of the procedure that was chosen.
+    /// Returns the clauses of the step, then those of the procedure that was chosen.
     fn own_clauses(&self, id: usize) -> Vec<(&'p Clauses, Level)> {
         let step = self.own_step(id).map(|step| (&step.clauses, Level::Step));
         let chosen = match self.tasks[id].choice.as_ref().map(|choice| &choice.way) {
@@ -97,7 +97,7 @@ impl<'p> Agent<'p> {
         if truths.contains(&None) { None } else { Some(!deciding) }
     }
 
-    /// True if a clause of the procedure, or of another step, names a failure of the step.
+    /// Returns true if a clause of the procedure, or of another step, names a failure of the step.
     pub(crate) fn failure_is_named(&self, child: usize) -> bool {
         let Origin::Step(procedure, number) = self.tasks[child].origin else { return false };
         let steps = self.steps(procedure);
@@ -148,7 +148,7 @@ impl<'p> Agent<'p> {
         }
     }
 
-    /// True if the condition can never hold, because steps ended otherwise.
+    /// Returns true if the condition can never hold, because steps ended otherwise.
     fn is_vain(&self, condition: &Condition, steps: &[Step], current: &[Option<usize>]) -> bool {
         match condition {
             Condition::State(Some(tag), word) if OUTCOMES.contains(&word.as_str()) => {

@@ -64,7 +64,7 @@ impl Agent<'_> {
         })
     }
 
-    /// A phrase with its variables filled in.
+    /// Returns a phrase with its variables filled in.
     pub(crate) fn filled(&self, phrase: &[Term], task: usize, level: Level) -> Result<Vec<Value>, Fails> {
         phrase.iter().map(|term| self.word(term, task, level)).collect()
     }

@@ -9,7 +9,7 @@ use crate::value::Value;
 const WORKLOAD: f64 = 5.0;
 
 impl Agent<'_> {
-    /// The greatest of the task's own priority clauses and of those of its ancestors that are not interrupted; none is 0.
+    /// Returns the greatest of the task's own priority clauses and of those of its ancestors that are not interrupted; none is 0.
     pub(crate) fn priority(&self, id: usize, at: Time) -> f64 {
         let mut greatest: Option<f64> = None;
         let mut next = Some(id);
@@ -61,7 +61,7 @@ impl Agent<'_> {
         ranked.then_some(number as f64 + 1.0)
     }
 
-    /// The task and its ancestors, from the root down.
+    /// Returns the task and its ancestors, from the root down.
     pub(crate) fn line(&self, id: usize) -> Vec<usize> {
         let mut line = self.tasks[id].parent.map(|parent| self.line(parent)).unwrap_or_default();
         line.push(id);
@@ -77,7 +77,7 @@ impl Agent<'_> {
         a == b || self.is_below(a, b) || self.is_below(b, a)
     }
 
-    /// The ranks of the two sibling ancestors, if both have one and they differ.
+    /// Returns the ranks of the two sibling ancestors, if both have one and they differ.
     pub(crate) fn ranks(&self, a: usize, b: usize) -> Option<(f64, f64)> {
         let (first, second) = (self.line(a), self.line(b));
         let (first, second) = first.into_iter().zip(second).find(|(a, b)| a != b)?;

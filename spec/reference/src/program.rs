@@ -178,7 +178,7 @@ pub struct Step {
 }
 
 impl Step {
-    /// A step without clauses.
+    /// Returns a step without clauses.
     pub fn plain(tag: &str, activity: Activity) -> Step {
         Step {
             tag: tag.into(),

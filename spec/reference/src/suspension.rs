@@ -5,7 +5,7 @@ use crate::program::{Clauses, Form, Hooks};
 use crate::task::{Clause, Level, State, Window, Work};
 
 impl<'p> Agent<'p> {
-    /// The clauses of the task at this level; a procedure's only once it has begun.
+    /// Returns the clauses of the task at this level; a procedure's only once it has begun.
     fn clauses(&self, id: usize, level: Level) -> Option<&'p Clauses> {
         match level {
             Level::Step => Some(&self.own_step(id)?.clauses),
@@ -120,7 +120,7 @@ impl<'p> Agent<'p> {
         }
     }
 
-    /// The task and all that is below it, ancestors first.
+    /// Returns the task and all that is below it, ancestors first.
     fn subtree(&self, id: usize) -> Vec<usize> {
         let mut all = vec![id];
         for child in self.children(id) {

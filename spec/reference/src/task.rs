@@ -21,7 +21,7 @@ pub enum State {
 }
 
 impl State {
-    /// Its name in PDL.
+    /// Returns its name in PDL.
     pub fn word(self) -> &'static str {
         match self {
             State::Pending => "pending",
@@ -77,7 +77,7 @@ impl Outcome {
         matches!(self, Outcome::Failure | Outcome::PreconditionFailed | Outcome::InvariantViolated)
     }
 
-    /// True if `(word ?step)` holds.
+    /// Returns true if `(word ?step)` holds.
     pub(crate) fn is(&self, word: &str) -> bool {
         match word {
             "succeeded" => matches!(self, Outcome::Success(_)),
@@ -286,7 +286,7 @@ impl Task {
             && self.waits_for_interval.is_none()
     }
 
-    /// All that it must have to be ongoing.
+    /// Returns all that it must have to be ongoing.
     pub(crate) fn needs(&self) -> Vec<(String, f64)> {
         let mut needs = self.choice.as_ref().map(|choice| choice.needs.clone()).unwrap_or_default();
         self.held.iter().for_each(|(name, amount)| add(&mut needs, name, *amount));

@@ -79,7 +79,7 @@ pub(crate) fn matches(
         })
 }
 
-/// The variables of both, if they agree where both have one.
+/// Returns the variables of both, if they agree where both have one.
 pub(crate) fn joined(left: &Bindings, right: &Bindings) -> Option<Bindings> {
     let agree = right.iter().all(|(name, value)| left.get(name).is_none_or(|other| other == value));
     agree.then(|| left.iter().chain(right).map(|(name, value)| (name.clone(), value.clone())).collect())

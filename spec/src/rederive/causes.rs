@@ -80,7 +80,7 @@ impl Scene<'_> {
         self.world.task(self.id)
     }
 
-    /// The decisions about `task` in this step up to this one.
+    /// Returns the decisions about `task` in this step up to this one.
     pub(super) fn earlier(&self, task: TaskId) -> impl Iterator<Item = &Decision> {
         self.step.effects.iter().take(self.index).filter_map(move |effect| match effect {
             Effect::Decided(decision) if decision.task == Some(task) => Some(decision),

@@ -17,7 +17,7 @@ type Checked = Result<(), String>;
 /// Limits with their values, as their own file states them.
 const LIMITS: &str = include_str!("../../../crates/model/src/limits.rs");
 
-/// A decision about the whole agent.
+/// Checks a decision about the whole agent.
 pub(super) fn of_nobody(world: &World<'_>, step: &Step, because: &Because) -> Checked {
     match &because.cause {
         Cause::StrayAnswer { to } => {
@@ -53,7 +53,7 @@ fn of_expression_or_limit(world: &World<'_>, because: &Because, cause: &Cause) -
     }
 }
 
-/// The words after `:limits` in the text of the agent's declaration, two by two.
+/// Returns the words after `:limits` in the text of the agent's declaration, two by two.
 fn lowered(world: &World<'_>, agent: &AgentDeclaration) -> Vec<(String, String)> {
     let source = usize::try_from(agent.place.file).ok().and_then(|file| world.library.sources.get(file));
     let skipped = (agent.place.line as usize).saturating_sub(1);
@@ -68,7 +68,7 @@ fn lowered(world: &World<'_>, agent: &AgentDeclaration) -> Vec<(String, String)>
         .collect()
 }
 
-/// Fault of a task: it fails by it, or continues in spite of it.
+/// Checks the fault of a task, whether the task fails by it or continues.
 pub(super) fn trouble(scene: &Scene<'_>) -> Checked {
     let because = scene.because;
     match &because.cause {
@@ -86,7 +86,7 @@ pub(super) fn trouble(scene: &Scene<'_>) -> Checked {
     }
 }
 
-/// Each waits for what is held above the next one, and the last for what is held above the first.
+/// Checks that the tasks wait in a circle: each for a resource that an ancestor of the next one holds.
 fn circle(scene: &Scene<'_>, links: &[CircleLink]) -> Checked {
     let world = scene.world;
     require(links.iter().any(|link| link.task == scene.id), "the task is not in its circle")?;
@@ -101,7 +101,7 @@ fn circle(scene: &Scene<'_>, links: &[CircleLink]) -> Checked {
     Ok(())
 }
 
-/// The transition to terminated.
+/// Checks the transition to terminated.
 pub(super) fn ended(scene: &Scene<'_>, own: &Known, from: TaskState, outcome: Option<&Outcome>) -> Checked {
     let outcome = outcome.ok_or("it has no outcome")?;
     let (world, now) = (scene.world, scene.world.now);
@@ -148,7 +148,7 @@ pub(super) fn ended(scene: &Scene<'_>, own: &Known, from: TaskState, outcome: Op
     }
 }
 
-/// Ends that come from clauses, activities, operators, parents.
+/// Checks ends by clauses, activities, operators and parents.
 fn ended_from_outside(scene: &Scene<'_>, own: &Known, outcome: &Outcome) -> Checked {
     let (world, now) = (scene.world, scene.world.now);
     match &scene.because.cause {
@@ -210,7 +210,7 @@ fn ended_from_outside(scene: &Scene<'_>, own: &Known, outcome: &Outcome) -> Chec
     }
 }
 
-/// The end by a clause: with success, as skipped before the task has begun, as exited after that.
+/// Checks the end by a clause: with success, as skipped before the task has begun, as exited after that.
 fn by_clause(scene: &Scene<'_>, own: &Known, outcome: &Outcome) -> Checked {
     scene.clause_or_activity(own, &["end-when", "skip-when", "exit-when"], &[])?;
     let begun = matches!(own.state, TaskState::Ongoing | TaskState::Interrupted);
@@ -222,7 +222,7 @@ fn by_clause(scene: &Scene<'_>, own: &Known, outcome: &Outcome) -> Checked {
     }
 }
 
-/// The end of a step that waits for an outcome or a result of another one which has ended otherwise.
+/// Checks the end of a step that waits for an outcome or a result of another one which has ended otherwise.
 fn skipped(scene: &Scene<'_>, own: &Known, outcome: &Outcome) -> Checked {
     require(*outcome == Outcome::Skipped && own.state == TaskState::Pending, "it was not skipped")?;
     let (Cause::OutcomeMissed { task, .. } | Cause::ResultMissed { task, .. }) = &scene.because.cause else {
@@ -246,7 +246,7 @@ fn clause_of(because: &Because) -> std::borrow::Cow<'static, str> {
     }
 }
 
-/// Causes of failure, also of one that is handled.
+/// Checks the cause of a failure, also of a handled one.
 fn failed(scene: &Scene<'_>, own: &Known) -> Checked {
     let (world, now) = (scene.world, scene.world.now);
     let events = || scene.step.batch.events.iter().map(|event| &event.kind);
@@ -318,7 +318,7 @@ fn failed(scene: &Scene<'_>, own: &Known) -> Checked {
     }
 }
 
-/// An answer may be written as a text or as a word.
+/// Returns true if two answers are equal, where a text equals the word that it spells.
 fn same_word(a: &Value, b: &Value) -> bool {
     let word = |value: &Value| value.to_string().trim_matches('"').to_lowercase();
     word(a) == word(b)
@@ -329,7 +329,7 @@ fn sent_by(world: &World<'_>, command: u64, task: TaskId) -> Result<apex_model::
     require(*sender == task, "another task sent that command").map(|()| *at)
 }
 
-/// The last one ended now, and no other lives but those for which no task waits.
+/// Checks that step `last` ended now, and that only steps for which no task waits have not ended.
 fn steps_ended(world: &World<'_>, id: TaskId, last: Option<TaskId>) -> Checked {
     if let Some(last) = last {
         let known = world.task(last)?;
@@ -346,7 +346,7 @@ fn steps_ended(world: &World<'_>, id: TaskId, last: Option<TaskId>) -> Checked {
     require(count == 0, &format!("{count} of its subtasks live"))
 }
 
-/// The plan came in with this step.
+/// Checks that a plan arrived which has this step.
 pub(super) fn plan_arrived(step: &Step, cause: &Cause) -> Checked {
     let Cause::PlanArrived { request, solver } = cause else { return Err("it is not a plan".into()) };
     let came = step.batch.events.iter().any(|event| {

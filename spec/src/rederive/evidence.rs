@@ -120,7 +120,7 @@ pub(super) fn ends_in(step: &Step, task: TaskId) -> bool {
     step.effects.iter().any(|effect| moves(effect, task) == Some(TaskState::Terminated))
 }
 
-/// The state to which an effect moves the task.
+/// Returns the state to which an effect moves the task.
 pub(super) fn moves(effect: &Effect, task: TaskId) -> Option<TaskState> {
     match effect {
         Effect::Decided(decision) if decision.task == Some(task) => match &decision.kind {
@@ -242,7 +242,7 @@ fn collect<'a>(condition: &'a Condition, leaves: &mut Vec<&'a ConditionKind>) {
     }
 }
 
-/// The condition at `place`, with those of its waitfor that hold together with it: they are reported as one.
+/// Returns the condition at `place`, with those of its waitfor that hold together with it: they are reported as one.
 pub(super) fn conditions_at<'a>(world: &World<'a>, place: Place) -> Vec<&'a Condition> {
     let library = world.library;
     let at = |condition: &&Condition| condition.place == place;
@@ -272,7 +272,7 @@ pub(super) fn conditions_at<'a>(world: &World<'a>, place: Place) -> Vec<&'a Cond
     found.into_iter().collect()
 }
 
-/// True if `word` names the way in which a task ended, as conditions write it.
+/// Returns true if `word` names the way in which a task ended, as conditions write it.
 fn is_outcome(outcome: &Outcome, word: &str) -> bool {
     match outcome {
         Outcome::Success(_) => word == "succeeded",

@@ -34,7 +34,7 @@ pub struct Complaint {
     pub what: String,
 }
 
-/// The cause of an effect, where it states one.
+/// Returns the cause of an effect, where it states one.
 pub fn because_of(effect: &Effect) -> Option<&Because> {
     match effect {
         Effect::Decided(decision) => Some(&decision.because),

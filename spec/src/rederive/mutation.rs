@@ -16,7 +16,7 @@ pub enum Spoiling {
     Shift,
 }
 
-/// The steps with one cause spoiled; none where it cannot be done in this way.
+/// Returns the steps with one cause spoiled; `None` if it cannot be done in this way.
 pub fn spoiled(steps: &[Step], at: (usize, usize), how: Spoiling) -> Option<Vec<Step>> {
     let because = because_of(steps.get(at.0)?.effects.get(at.1)?)?;
     let wrong = match how {
@@ -32,7 +32,7 @@ pub fn spoiled(steps: &[Step], at: (usize, usize), how: Spoiling) -> Option<Vec<
     Some(steps)
 }
 
-/// The next cause in the record that is of another kind.
+/// Returns the next cause in the record that is of another kind.
 fn swapped(steps: &[Step], because: &Because) -> Option<Because> {
     let own = because.cause.kind();
     let all = steps.iter().flat_map(|step| &step.effects).filter_map(because_of);

@@ -19,7 +19,7 @@ fn known<'a>(world: &'a World<'_>, variable: &StateVariable) -> Result<Option<&'
     }
 }
 
-/// The last arrival of each instant from `start` to `end`, as pure numbers; empty where units are involved.
+/// Returns the last arrival of each instant from `start` to `end`, as pure numbers; empty where units are involved.
 fn numbers(known: &[(Time, Value)], (start, end): (Time, Time)) -> Vec<(Time, f64)> {
     let mut found: Vec<(Time, f64)> = Vec::new();
     for (at, value) in known.iter().filter(|(at, _)| (start..=end).contains(at)) {

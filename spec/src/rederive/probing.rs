@@ -10,7 +10,7 @@ use apex_model::task::{TaskId, TaskState};
 
 type Checked = Result<(), String>;
 
-/// The latest probe with this number for the condition of the scene.
+/// Returns the latest probe with this number for the condition of the scene.
 fn numbered<'a>(scene: &'a Scene<'_>, waiting: TaskId, wanted: u64) -> Result<&'a Known, String> {
     let place = scene.because.place;
     let is = |known: &&Known| {
@@ -46,7 +46,7 @@ pub(super) fn probes(
     Ok(())
 }
 
-/// A probe that lived is cut.
+/// Checks that a probe which had not ended is cut.
 pub(super) fn cut(scene: &Scene<'_>, own: &Known, (waiting, probes, reason): (TaskId, u64, ProbingEnd)) -> Checked {
     let made = matches!(own.made, Cause::Probes { waiting: task, number, .. } if task == waiting && number == probes);
     require(made, "it is no such probe")?;

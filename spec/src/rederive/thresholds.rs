@@ -21,7 +21,7 @@ pub(super) struct Thresholds<'w, 'a> {
 }
 
 impl Thresholds<'_, '_> {
-    /// The number in SI and its dimension; none where the record alone does not tell.
+    /// Returns the number in SI and its dimension; `None` if the record alone does not tell.
     pub(super) fn number(&self, expr: &Expr) -> Option<(f64, Dimension)> {
         self.at_depth(expr, DEPTH_MAX)
     }

@@ -243,7 +243,7 @@ impl<'a> World<'a> {
         false
     }
 
-    /// The step that a task was made from, with its procedure; steps of plans are not in the library.
+    /// Returns the step that a task was made from, with its procedure; steps of plans are not in the library.
     pub(super) fn template(&self, task: &Known) -> Option<(&Procedure, usize, &Template)> {
         let place = task.place?;
         if matches!(task.made, Cause::HandlesFailure { .. } | Cause::ItemOf { .. } | Cause::Meanwhile { .. }) {
@@ -256,13 +256,13 @@ impl<'a> World<'a> {
         })
     }
 
-    /// The primitive that a task was given.
+    /// Returns the primitive that a task was given.
     pub(super) fn primitive(&self, task: &Known) -> Option<&Primitive> {
         let Some(Method::Primitive(place)) = task.method else { return None };
         self.library.primitives.iter().find(|primitive| primitive.place == place).map(|primitive| primitive.as_ref())
     }
 
-    /// The children that the record contains.
+    /// Returns the children that the record contains.
     pub(super) fn children(&self, id: TaskId) -> impl Iterator<Item = (TaskId, &Known)> {
         self.tasks.iter().filter(move |(_, task)| task.parent == Some(id)).map(|(id, task)| (*id, task))
     }

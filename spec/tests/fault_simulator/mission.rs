@@ -95,7 +95,7 @@ fn winds(draws: &mut Draws, craft: &Craft) -> String {
     format!("altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps,edr\n0,25000,{from:.0},{speed:.1},{edr:.2}\n")
 }
 
-/// A world for a mission that ships: failures that any vehicle can have.
+/// Returns a world for a mission that ships: failures that any vehicle can have.
 pub(crate) fn shipped_world(seed: u64, hours: f64, is_far: bool) -> String {
     let faults = vehicle_faults(&mut Draws::new(seed), hours, is_far);
     format!("{{\"format\": \"apex-world-1\", \"faults\": [\n{}\n]}}\n", faults.join(",\n"))

@@ -18,7 +18,7 @@ const FALSE_POSITION_S: f64 = 120.0;
 /// A report that explains the end of a flight, or its loss, came at most this long before.
 const EXPLAINED_S_MAX: f64 = 3_600.0;
 
-/// The rules that a flight with guards broke.
+/// Returns the rules that a flight with guards broke.
 pub(crate) fn broken(story: &Story, end: &RunEnd, check: &CheckResult) -> Vec<String> {
     let mut rules = kept_by_all(story, end, check);
     rules.extend(end_explained(story, end));
@@ -27,7 +27,7 @@ pub(crate) fn broken(story: &Story, end: &RunEnd, check: &CheckResult) -> Vec<St
     rules
 }
 
-/// The broken ones of the rules that every flight keeps, with guards or without.
+/// Returns the broken ones of the rules that every flight keeps, with guards or without.
 pub(crate) fn kept_by_all(story: &Story, end: &RunEnd, _check: &CheckResult) -> Vec<String> {
     let mut rules = Vec::new();
     if let Some(first) = story.asker.missing().first() {
@@ -40,7 +40,8 @@ pub(crate) fn kept_by_all(story: &Story, end: &RunEnd, _check: &CheckResult) -> 
     rules
 }
 
-/// An application that ends leaves no vehicle in the air, and an initial task fails for a reason that was reported.
+/// Returns violations of two rules: an application that ends leaves no vehicle in the air, and a failed initial task has a reported
+/// reason.
 fn end_explained(story: &Story, end: &RunEnd) -> Vec<String> {
     let EndReason::Application { reason, failed } = &end.reason else { return Vec::new() };
     let end_s = end.at.seconds();
@@ -101,7 +102,7 @@ fn episodes(check: &CheckResult) -> Vec<&Finding> {
     begins
 }
 
-/// A violation that no message named before it began, and that no failure explains.
+/// Returns a violation that no message named before it began, and that no failure explains.
 fn unannounced(story: &Story, check: &CheckResult, episode: &Finding) -> Option<String> {
     let begin_s = episode.t_s;
     let before = |at_s: f64, most_s: f64| at_s <= begin_s && begin_s - at_s <= most_s;

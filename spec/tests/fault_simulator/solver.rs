@@ -42,7 +42,7 @@ impl Solver for Faulty {
     }
 }
 
-/// The planners that ship, and one that fails; each flight has its own, so that a flight does not depend on those before it.
+/// Returns the planners that ship, and one that fails; each flight has its own, so that a flight does not depend on those before it.
 pub(crate) fn means() -> PlanningResources {
     let mut registry = apex_solvers::shipped();
     let good = registry.find("nearest-neighbour").cloned().unwrap();

@@ -69,7 +69,7 @@ pub(crate) struct Story {
 }
 
 impl Story {
-    /// The story of a flight of the mission in `folder`.
+    /// Returns the story of a flight of the mission in `folder`.
     pub(crate) fn of(folder: &Path) -> Story {
         Story { folder: folder.display().to_string(), ..Story::default() }
     }

@@ -1,4 +1,4 @@
-/** All colours, once: for canvases by name, for style sheets as `--name` on the root element. */
+/** Definitions of all colours: by name for canvases, as `--name` on the root element for style sheets. */
 
 const DARK = {
   ground: '#0f1419',
@@ -105,7 +105,7 @@ const STATE_NAMES = new Set<string>([
 export const SANS = 'Inter, "Segoe UI", system-ui, "Liberation Sans", "DejaVu Sans", sans-serif';
 export const MONO = '"JetBrains Mono", ui-monospace, "Liberation Mono", "DejaVu Sans Mono", monospace';
 
-/** The colour of a task's or a target's state; states unknown here are quiet. */
+/** Returns the colour of a task's or a target's state; unknown states have the quiet colour. */
 export function stateColour(state: string | null | undefined): string {
   return STATE_NAMES.has(state ?? '') ? COLOURS[state as ColourName] : COLOURS.faint;
 }

@@ -35,7 +35,7 @@ pub(super) fn check(text: &Text) -> Vec<Finding> {
     findings
 }
 
-/// The marker and the words of a line that is a doc comment.
+/// Returns the marker and the words of a line that is a doc comment.
 fn doc_comment(line: &str) -> Option<(&str, &str)> {
     let line = line.trim_start();
     let (marker, words) = line.split_at_checked(3)?;

@@ -30,7 +30,7 @@ pub(super) fn check(text: &Text) -> Vec<Finding> {
     findings
 }
 
-/// The text up to the closing quote.
+/// Returns the text up to the closing quote.
 fn literal(rest: &str) -> Option<&str> {
     let mut escaped = false;
     let end = rest.find(|c: char| {

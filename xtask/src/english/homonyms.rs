@@ -30,7 +30,7 @@ fn is_test(path: &str) -> bool {
     path.starts_with("spec/") || path.split('/').any(|part| matches!(part, "tests" | "tests.rs" | "examples"))
 }
 
-/// Lines and names of the types that a text defines outside functions, implementations and its unit tests.
+/// Returns lines and names of the types that a text defines outside functions, implementations and its unit tests.
 fn types(body: &str) -> Vec<(usize, String)> {
     let code = mask::code_only(body);
     let mut found = Vec::new();
@@ -47,7 +47,7 @@ fn types(body: &str) -> Vec<(usize, String)> {
     found
 }
 
-/// The name of the type that a line without indentation defines.
+/// Returns the name of the type that a line without indentation defines.
 fn defined(line: &str) -> Option<&str> {
     let visible = line.strip_prefix("pub").unwrap_or(line);
     let visible = visible.strip_prefix('(').and_then(|rest| rest.split_once(')')).map_or(visible, |(_, rest)| rest);

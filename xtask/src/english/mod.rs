@@ -30,7 +30,7 @@ pub(crate) fn check(texts: &[Text]) -> Vec<Finding> {
     ceilings::check(texts, CEILING, "english", &counts(texts), advice)
 }
 
-/// All findings in the lines that `changed` holds by path.
+/// Returns all findings in the lines that `changed` holds by path.
 pub(crate) fn report(texts: &[Text], changed: &Changes) -> String {
     let all = findings(texts);
     let is_touched = |finding: &&Finding| changed.get(&finding.path).is_some_and(|lines| lines.contains(&finding.line));
@@ -52,6 +52,7 @@ fn findings(texts: &[Text]) -> Vec<Finding> {
     let mut findings: Vec<Finding> =
         texts.iter().flat_map(|text| per_text.iter().flat_map(|rule| rule(text))).collect();
     findings.extend(homonyms::check(texts));
+    findings.extend(titles::check_index(texts));
     findings
 }
 
@@ -63,7 +64,7 @@ fn counts(texts: &[Text]) -> Counts {
     counts
 }
 
-/// The rule and the folder of a finding; for a homonym the rule and the type name.
+/// Returns the rule and the folder of a finding; for a homonym the rule and the type name.
 fn key(finding: &Finding) -> String {
     if finding.rule == homonyms::RULE {
         let name = finding.message.split('`').nth(1).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Titles of decisions are instructions or statements that can be read without the record.
+//! Titles of decisions are instructions or statements that can be read without the record, and the index lists each once.
 
 use crate::finding::Finding;
 use crate::tree::Text;
@@ -18,6 +18,24 @@ pub(super) fn check(text: &Text) -> Vec<Finding> {
     }
     let title = text.body.lines().next().unwrap_or_default();
     problem(title).into_iter().map(|problem| Finding::new(&text.path, 1, RULE, problem)).collect()
+}
+
+/// Checks that the index links each decision record once, next to its title.
+pub(super) fn check_index(texts: &[Text]) -> Vec<Finding> {
+    let Some(index) = texts.iter().find(|text| text.path == INDEX) else { return Vec::new() };
+    let entries = index.body.split("\n- ").skip(1).map(|entry| entry.split("\n#").next().unwrap_or_default());
+    let entries: Vec<String> = entries.map(|entry| entry.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
+    let listed = |text: &&Text| {
+        let file = text.path.strip_prefix(FOLDER).unwrap_or_default();
+        let title = text.body.lines().next().unwrap_or_default().trim_start_matches("# ");
+        let Some((number, words)) = title.split_once(' ') else { return true };
+        entries.iter().filter(|entry| **entry == format!("[{number}]({file}) {words}")).count() == 1
+    };
+    let records = texts.iter().filter(|text| text.path.starts_with(FOLDER) && text.path != INDEX);
+    let missing = records.filter(|text| text.path.ends_with(".md") && !listed(text));
+    missing
+        .map(|text| Finding::new(&text.path, 1, RULE, format!("{INDEX} must list the record once by its title")))
+        .collect()
 }
 
 fn problem(title: &str) -> Option<String> {
@@ -51,6 +69,17 @@ mod tests {
         assert_eq!(count("# Do it\n"), 1);
         assert_eq!(count("# 01 Do it\n"), 1);
         assert_eq!(count(""), 1);
+    }
+
+    #[test]
+    fn the_index_lists_every_record_once_by_its_title() {
+        let record = Text::sample("docs/decisions/0001-do.md", "# 0001 Do it\n");
+        let findings = |index: &str| check_index(&[record.clone(), Text::sample(INDEX, index)]).len();
+        assert_eq!(findings("# Decisions\n\n- [0001](0001-do.md) Do\n  it\n\n## Other\n"), 0);
+        assert_eq!(findings("# Decisions\n\n- [0001](0001-do.md) Do that\n"), 1);
+        assert_eq!(findings("# Decisions\n"), 1);
+        let twice = "\n- [0001](0001-do.md) Do it";
+        assert_eq!(findings(&format!("# Decisions\n{twice}{twice}\n")), 1);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::rows;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
-/// Parts of crates with a bar: at least this share of lines and of branches in percent.
+/// Parts of crates with a minimum coverage of lines and of branches, in percent.
 const BARS: &[(&str, f64, f64)] = &[
     ("crates/executive", 95.0, 90.0),
     ("crates/executive/src/monitoring", 95.0, 90.0),
@@ -45,7 +45,7 @@ impl Covered {
         self.covered += other.covered;
     }
 
-    /// Returns the share in percent, or `None` without anything to cover.
+    /// Returns the share in percent, or `None` if there is nothing to cover.
     fn percent(self) -> Option<f64> {
         (self.count > 0).then(|| 100.0 * self.covered as f64 / self.count as f64)
     }
@@ -83,7 +83,7 @@ pub(super) fn table(json: &str, root: &str) -> Result<String, String> {
     Ok(rows::table(&["crate or part", "lines", "branches", "bar"], &lines.join("\n")))
 }
 
-/// Returns the crate of a source file, and the part with a bar to which it belongs; nothing for tests.
+/// Returns the crate of a source file, and its part with a minimum coverage; empty for tests.
 fn parts_of(path: &str) -> Vec<String> {
     let is_test = path.split('/').any(|part| part == "tests" || part.ends_with("tests.rs"));
     let Some((folder, _)) = path.split_once("/src/").filter(|_| !is_test) else { return Vec::new() };

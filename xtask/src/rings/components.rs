@@ -31,7 +31,7 @@ pub(crate) fn rings<'a>(graph: &Graph<'a>) -> Vec<Vec<&'a str>> {
     rings
 }
 
-/// A shortest way from `from` back to itself through `to`, which `from` imports; without the repeated last node.
+/// Returns a shortest way from `from` back to itself through `to`, which `from` imports; without the repeated last node.
 pub(crate) fn way_back<'a>(graph: &Graph<'a>, from: &'a str, to: &'a str) -> Vec<&'a str> {
     let mut before: BTreeMap<&str, &str> = BTreeMap::from([(to, from)]);
     let mut queue = VecDeque::from([to]);

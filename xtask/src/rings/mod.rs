@@ -121,7 +121,7 @@ impl Rings {
         lines.join("\n")
     }
 
-    /// The shortest ring within a set, if wanted the shortest one that leaves a folder.
+    /// Returns the shortest ring within a set, if wanted the shortest one that leaves a folder.
     fn example(&self, ring: &[String], across: bool) -> Option<String> {
         let members: BTreeSet<&str> = ring.iter().map(String::as_str).collect();
         let inner: Vec<Edge> = self
@@ -161,7 +161,7 @@ fn folder(path: &str) -> &str {
     path.rsplit_once('/').map_or("", |(folder, _)| folder)
 }
 
-/// The folder directly below `source` that holds the file; the file itself if it is directly below `source`.
+/// Returns the folder directly below `source` that holds the file; the file itself if it is directly below `source`.
 fn top_folder<'a>(path: &'a str, source: &str) -> &'a str {
     let below = path.strip_prefix(source).and_then(|rest| rest.find('/'));
     below.and_then(|length| path.get(..source.len() + length)).unwrap_or(path)

@@ -197,7 +197,7 @@ fn attributes(item: &Item) -> &[Attribute] {
     }
 }
 
-/// True for `#[test]` and for `#[cfg(..)]` that names `test` other than in `not(test)`.
+/// Returns true for `#[test]` and for `#[cfg(..)]` that names `test` other than in `not(test)`.
 fn is_test(attributes: &[Attribute]) -> bool {
     attributes.iter().any(|attribute| match &attribute.meta {
         Meta::Path(path) => path.is_ident("test"),

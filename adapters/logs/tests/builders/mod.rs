@@ -3,7 +3,7 @@
 #![allow(dead_code, reason = "each test program uses some of them")]
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a log that cannot be made is a failed test")]
 
-/// A ULog with `vehicle_attitude` (nested and array fields) and `battery_status`, a text and a drop-out.
+/// Returns a ULog with `vehicle_attitude` (nested and array fields) and `battery_status`, a text and a drop-out.
 /// Roll is `i` degrees at `i` tenths of a second.
 pub(crate) fn ulog(samples: u64) -> Vec<u8> {
     let mut log = vec![0x55, 0x4c, 0x6f, 0x67, 0x01, 0x12, 0x35, 1];
@@ -43,7 +43,7 @@ pub(crate) fn ulog(samples: u64) -> Vec<u8> {
     log
 }
 
-/// The definition of a kind of DataFlash messages.
+/// Returns the definition of a kind of DataFlash messages.
 fn definition(kind: u8, length: u8, name: &str, letters: &str, columns: &str) -> Vec<u8> {
     let mut row = vec![0xa3, 0x95, 128, kind, length];
     for (text, size) in [(name, 4), (letters, 16), (columns, 64)] {
@@ -110,7 +110,7 @@ pub(crate) fn dataflash_with_units(samples: u64, integers: bool) -> Vec<u8> {
     log
 }
 
-/// The same units as text.
+/// Returns the same units as text.
 pub(crate) fn dataflash_text_with_units() -> Vec<u8> {
     let lines = [
         "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns",
@@ -152,7 +152,7 @@ fn crc(bytes: &[u8], extra: u8) -> [u8; 2] {
     crc.to_le_bytes()
 }
 
-/// A telemetry log: ATTITUDE in packets of version 1 and, every second one, 2; a ground station's HEARTBEAT between them.
+/// Returns a telemetry log: ATTITUDE in packets of version 1 and, every second one, 2; a ground station's HEARTBEAT between them.
 pub(crate) fn tlog(samples: u64) -> Vec<u8> {
     let mut log = Vec::new();
     for index in 0..samples {
@@ -244,7 +244,7 @@ pub(crate) fn mcap(samples: u64) -> Vec<u8> {
     log
 }
 
-/// An MCAP with attitudes as ROS 2 writes them: CDR, and the definition of the message as its schema.
+/// Returns an MCAP with attitudes as ROS 2 writes them: CDR, and the definition of the message as its schema.
 pub(crate) fn mcap_ros(samples: u64) -> Vec<u8> {
     let magic = [0x89, b'M', b'C', b'A', b'P', 0x30, b'\r', b'\n'];
     let mut log = magic.to_vec();
@@ -277,7 +277,7 @@ pub(crate) fn mcap_ros(samples: u64) -> Vec<u8> {
     log
 }
 
-/// A table with a time in milliseconds.
+/// Returns a table with a time in milliseconds.
 pub(crate) fn csv(samples: u64) -> Vec<u8> {
     let mut log = "# made by hand\ntime_ms,roll,mode\n".to_string();
     for index in 0..samples {

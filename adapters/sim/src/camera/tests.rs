@@ -28,7 +28,7 @@ fn aim() -> Aim {
     Aim::At(spot, 0.0)
 }
 
-/// A vehicle north and east of the target, `height_m` above it.
+/// Returns a vehicle north and east of the target, `height_m` above it.
 fn state(north_m: f64, east_m: f64, height_m: f64, heading_deg: f64) -> State {
     State {
         position: moved(TARGET, north_m, east_m),
@@ -83,7 +83,7 @@ fn a_target_straight_below_is_pointed_at_with_and_without_pan() {
     }
 }
 
-/// Angle from the sight line to the target, from coordinates rather than from tilt and pan of the target.
+/// Returns the angle from the sight line to the target, from coordinates rather than from tilt and pan of the target.
 fn miss_deg(camera: &Camera, north_m: f64, east_m: f64, height_m: f64, heading_deg: f64) -> f64 {
     let azimuth = heading_deg * DEG + camera.pan_rad;
     let line = [cos(camera.tilt_rad) * cos(azimuth), cos(camera.tilt_rad) * sin(azimuth), -sin(camera.tilt_rad)];

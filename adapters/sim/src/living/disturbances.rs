@@ -1,4 +1,4 @@
-//! Failures of sensors in what a vehicle reports: readings that freeze, fall silent, are biased, or drift.
+//! Sensor failures, applied to the samples that a vehicle reports: frozen, missing, biased or drifting values.
 
 use super::FaultKind;
 use super::faults::FaultSpan;
@@ -11,10 +11,10 @@ use apex_model::value::Value;
 use apex_runtime::ports::Input;
 use std::collections::BTreeMap;
 
-/// Metres of a degree of latitude.
+/// Length of a degree of latitude, metres.
 const DEGREE_M: f64 = 111_195.0;
 
-/// The last readings of sensors, for those that freeze.
+/// The last sample of each state variable, which a frozen sensor repeats.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Disturbances {
     kept: BTreeMap<String, Value>,
@@ -68,14 +68,14 @@ fn biased(value: &Value, by: f64) -> Value {
     }
 }
 
-/// The reading of a position while navigation fails: none, or a place that drifts to the east.
+/// Returns a sample while navigation fails: positions are absent, or drift to the east; other variables are unchanged.
 fn drifted(name: &str, value: &Value, span: &FaultSpan, now: Time) -> Option<Value> {
     if !matches!(name, "latitude" | "longitude" | "location") {
         return Some(value.clone());
     }
     let east_m = span.by? * (now - span.from).seconds();
     Some(match (name, value) {
-        // At 45 degrees: the drift of a receiver is not known better than its direction.
+        // A degree of longitude has its length at 45 degrees of latitude; the drift need not be more accurate.
         ("longitude", value) => biased(value, east_m / (DEGREE_M * 0.7) * RAD_PER_DEG),
         (_, Value::List(items)) => {
             let numbers: Vec<f64> = items.iter().filter_map(|item| item.as_number().map(|(si, _)| si)).collect();

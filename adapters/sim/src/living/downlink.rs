@@ -1,4 +1,4 @@
-//! Pictures on their way to the ground: processing on board, a store, and a link whose rate falls with its signal level.
+//! Downlink of pictures: processing on board, a store, and a link whose rate falls with its signal level.
 //!
 //! Pictures are sent in the order in which they were taken. Bound: O(1) for each step and picture.
 
@@ -12,7 +12,7 @@ const LEVEL_MIN: f64 = 0.1;
 /// One picture in the store.
 #[derive(Clone, Debug)]
 struct Queued {
-    /// Camera and target, as the message says them.
+    /// Camera and target as in the message about the delivered picture.
     camera: String,
     target: Value,
     ready_s: f64,
@@ -38,12 +38,12 @@ impl Downlink {
         Downlink { spec, queue: VecDeque::new() }
     }
 
-    /// Amount in the store.
+    /// Returns the used capacity of the store.
     pub(crate) fn used_mbit(&self) -> f64 {
         self.queue.iter().map(|queued| queued.left_mbit).sum()
     }
 
-    /// Takes a picture; false if it does not fit and is lost.
+    /// Adds a picture to the store; returns false if it does not fit and is lost.
     pub(crate) fn store(&mut self, camera: &str, target: Value, now_s: f64) -> bool {
         let size = self.spec.picture_mbit;
         if self.used_mbit() + size > self.spec.store_mbit {
@@ -54,7 +54,7 @@ impl Downlink {
         true
     }
 
-    /// Sends for `dt` seconds that end now; returns the pictures that arrived.
+    /// Transmits during the `dt` seconds that end now; returns the pictures that have been delivered completely.
     pub(crate) fn send(&mut self, level: f64, now_s: f64, dt: f64) -> Vec<Delivered> {
         let mut budget = if level < LEVEL_MIN { 0.0 } else { self.spec.rate_mbit_s * level.min(1.0) * dt };
         let mut arrived = Vec::new();

@@ -58,17 +58,17 @@ impl Faults {
         Faults { spans, known }
     }
 
-    /// The failures that hold now.
+    /// Returns the failures that hold now.
     pub(crate) fn active(&self, now: Time) -> impl Iterator<Item = &FaultSpan> {
         self.spans.iter().take_while(move |span| span.from <= now).filter(move |span| span.holds(now))
     }
 
-    /// The first failure of a kind that holds now, of this object or of none.
+    /// Returns the first failure of a kind that holds now, of this object or of none.
     pub(crate) fn find(&self, kind: FaultKind, of: &str, now: Time) -> Option<&FaultSpan> {
         self.active(now).find(|span| span.kind == kind && (span.of.is_empty() || span.of.eq_ignore_ascii_case(of)))
     }
 
-    /// The next beginning or end that [`Faults::changes`] has not reported; `now` if there is one already.
+    /// Returns the next beginning or end that [`Faults::changes`] has not reported; `now` if there is one already.
     pub(crate) fn next_change(&self, now: Time) -> Option<Time> {
         if self.spans.iter().zip(&self.known).any(|(span, known)| span.holds(now) != *known) {
             return Some(now);

@@ -1,7 +1,8 @@
-//! Fires that break out at structures: Poisson processes with the mission's rates, drawn by seed before the flight, and looks that see them.
+//! Fires that break out at structures: Poisson processes with the mission's rates, drawn by seed before the flight, and looks that see
+//! them.
 //!
-//! A look begins with a picture of the structure and lasts while the camera points there. In clear air each fire that burns during a look is
-//! seen with the stated probability, decided once for each look and fire. Bound: O(fires) for each step of a look.
+//! A look begins with a picture of the structure and lasts while the camera points there. In clear air each fire that burns during a look
+//! is seen with the stated probability, decided once for each look and fire. Bound: O(fires) for each step of a look.
 
 use super::{BurnableSite, IgnitionSpec};
 use crate::random::Random;
@@ -27,7 +28,7 @@ pub(crate) struct Fire {
 }
 
 impl Fire {
-    /// Its size at an instant after it broke out.
+    /// Returns its size at an instant after it broke out.
     pub(crate) fn area_m2(&self, now_s: f64) -> f64 {
         self.spread.area_m2(now_s - self.broke_out_s)
     }
@@ -92,7 +93,7 @@ impl Ignitions {
         new
     }
 
-    /// The structure at a place.
+    /// Returns the structure at a place.
     pub(crate) fn site_at(&self, place: Position) -> Option<usize> {
         const NEAR_M: f64 = 25.0;
         self.sites.iter().position(|site| crate::path::bearing(site.position, place).1 <= NEAR_M)

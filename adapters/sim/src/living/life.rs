@@ -1,4 +1,4 @@
-//! The living part of a world in flight: what has failed, the weather that moves, fires, detectors, ice and the downlink.
+//! State of the living world during a flight: failures, moving weather, fires, detectors, ice and the downlink.
 
 use super::disturbances::Disturbances;
 use super::downlink::Downlink;
@@ -11,20 +11,20 @@ use apex_model::problem::Position;
 use apex_model::time::Time;
 use libm::exp;
 
-/// Detector of a camera: heat while it is powered, loss to its surroundings for each degree, heat capacity.
+/// Thermal model of a detector: heat while powered (W), loss to the surroundings (W/K), heat capacity (J/K).
 const DETECTOR_W: f64 = 30.0;
 const DETECTOR_W_PER_K: f64 = 2.0;
 const DETECTOR_W_PER_K_UNCOOLED: f64 = 0.5;
 const DETECTOR_J_PER_K: f64 = 600.0;
 /// Temperature of the surroundings of detectors.
 pub(crate) const BAY_K: f64 = 293.15;
-/// A detector as hot as this delivers no images.
+/// Detector temperature from which no images are delivered.
 pub(crate) const DETECTOR_K_MAX: f64 = 343.15;
 /// Ice forms in clouds between these temperatures, K.
 const ICING_K: std::ops::RangeInclusive<f64> = 253.15..=273.15;
-/// Ice of this many seconds of exposure doubles the drain of energy.
+/// Seconds of icing that double the drain of energy.
 const ICE_S_DOUBLING: f64 = 1_200.0;
-/// Ice is gone so many times faster than it forms.
+/// Ratio of the rates at which ice disappears and forms.
 const THAW: f64 = 2.0;
 
 /// State of the living world.
@@ -46,7 +46,7 @@ pub(crate) struct Living {
 }
 
 impl Living {
-    /// The wind that blows, for the wind of the mission's weather.
+    /// Returns the true wind, computed from the `wind` of the mission's weather.
     pub(crate) fn wind(&self, wind: Wind, position: Position, altitude_m: f64, time_s: f64) -> Wind {
         let mut wind = match &self.wind_error {
             Some(error) => error.applied(wind, position, time_s),
@@ -61,7 +61,7 @@ impl Living {
         wind
     }
 
-    /// Energy drained in addition, as a factor and an amount for each second.
+    /// Returns the energy drained in addition, as a factor and an amount for each second.
     pub(crate) fn drain(&self, is_fuel: bool, now: Time) -> (f64, f64) {
         let leak = self.faults.find(FaultKind::Leak, "", now).and_then(|span| span.by).unwrap_or(0.0);
         (1.0 + self.ice_s / ICE_S_DOUBLING, if is_fuel { leak / 3_600.0 } else { leak })
@@ -71,17 +71,17 @@ impl Living {
         super::sky::is_in_cloud(&self.spec.clouds, position, altitude_m, time_s)
     }
 
-    /// True if ice forms on an aircraft here.
+    /// Returns true if ice forms on an aircraft here.
     pub(crate) fn is_icing(&self, position: Position, altitude_m: f64, temperature_k: f64, time_s: f64) -> bool {
         ICING_K.contains(&temperature_k) && self.is_in_cloud(position, altitude_m, time_s)
     }
 
-    /// Ice forms or goes for `dt` seconds.
+    /// Forms ice for `dt` seconds, or removes it if there is no icing.
     pub(crate) fn freeze(&mut self, icing: bool, dt: f64) {
         self.ice_s = if icing { self.ice_s + dt } else { (self.ice_s - THAW * dt).max(0.0) };
     }
 
-    /// Warms or cools the detector of a camera for `dt` seconds; exact for every step.
+    /// Warms or cools the detector of a camera for `dt` seconds; exact for any length of step.
     pub(crate) fn warm(&mut self, camera: usize, powered: bool, cooled: bool, dt: f64) {
         let heat = if powered { DETECTOR_W } else { 0.0 };
         let loss = if cooled { DETECTOR_W_PER_K } else { DETECTOR_W_PER_K_UNCOOLED };
@@ -91,7 +91,7 @@ impl Living {
         }
     }
 
-    /// The next instant at which something begins or ends.
+    /// Returns the next instant at which something begins or ends.
     pub(crate) fn next_due(&self, now: Time) -> Option<Time> {
         let fire = self.ignitions.as_ref().and_then(Ignitions::next_s);
         let fire = fire.map(|at_s| crate::instants::not_before(Time::from_seconds(at_s).max(Time::ZERO)));
@@ -99,7 +99,7 @@ impl Living {
     }
 }
 
-/// The next instant at which the living world changes, without any command.
+/// Returns the next instant at which the living world changes, without any command.
 pub(crate) fn next_due(living: Option<&Living>, now: Time) -> Option<Time> {
     living.and_then(|living| living.next_due(now))
 }
@@ -123,7 +123,7 @@ mod tests {
         }
     }
 
-    /// 35 degrees Celsius cooled; without cooling 45 degrees after C/G ln(45/35) = 302 s.
+    /// The cooled detector reaches 35 degrees Celsius; without cooling it reaches 45 degrees after C/G ln(45/35) = 302 s.
     #[test]
     fn a_detector_without_cooling_gets_hot() {
         let mut living = living();

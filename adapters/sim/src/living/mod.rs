@@ -1,4 +1,5 @@
-//! The living part of a world, in addition to vehicle, wind and ground: failures, weather that moves, fires that break out, images on their way down.
+//! The living part of a world, in addition to vehicle, wind and ground: failures, weather that moves, fires that break out, images on their
+//! way down.
 //!
 //! Plain data as a world file states it, checked as a whole. `docs/reference/world.md` describes every field. Without a world file nothing
 //! here is active, and a flight is as it was without it.
@@ -26,7 +27,7 @@ pub const WORLD_FORMAT: &str = "apex-world-1";
 pub struct LivingWorld {
     /// [`WORLD_FORMAT`].
     pub format: String,
-    /// For readers.
+    /// Description of the world for its readers; the simulator ignores it.
     #[serde(default)]
     pub note: String,
     /// Failures, stated by time or by rate.
@@ -41,7 +42,7 @@ pub struct LivingWorld {
     /// Convective cells.
     #[serde(default)]
     pub storms: Vec<StormCell>,
-    /// Deviation of the wind from the mission's weather, drawn by seed.
+    /// Deviation of the true wind from the mission's weather, drawn from the seed.
     #[serde(default)]
     pub wind_error: Option<WindErrorSpec>,
     /// Images on their way to the ground.
@@ -55,7 +56,7 @@ pub struct LivingWorld {
 pub enum FaultKind {
     /// The engine stops; it runs again when the fault is over.
     Engine,
-    /// Fuel (`by` kg/h) or charge (`by` W) is lost in addition.
+    /// The vehicle loses fuel (`by` kg/h) or charge (`by` W) in addition to its consumption.
     Leak,
     /// Cameras and scanner have no power.
     PayloadPower,
@@ -96,7 +97,7 @@ impl FaultKind {
         FaultKind::Acknowledgements,
     ];
 
-    /// The word of world files and messages.
+    /// Returns the word of world files and messages.
     pub fn word(self) -> &'static str {
         match self {
             FaultKind::Engine => "engine",
@@ -115,7 +116,7 @@ impl FaultKind {
     }
 }
 
-/// A failure: at a stated time, or as a Poisson process of the seed.
+/// A failure at a stated time, or failures drawn from the seed as a Poisson process.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FaultSpec {
@@ -127,25 +128,25 @@ pub struct FaultSpec {
     /// Amount, in SI units.
     #[serde(default)]
     pub by: Option<f64>,
-    /// Its beginning; exactly one of this and `rate_per_h`.
+    /// Instant at which the failure begins. A failure states either this or `rate_per_h`.
     #[serde(default)]
     pub at_s: Option<f64>,
-    /// Occurrences per hour.
+    /// Mean number of occurrences per hour.
     #[serde(default)]
     pub rate_per_h: Option<f64>,
-    /// Its length; without it to the end of the flight.
+    /// Duration of the failure; `None` lasts to the end of the flight.
     #[serde(default)]
     pub for_s: Option<f64>,
 }
 
-/// Fires that break out at structures with the rates of the mission, and are seen by looks.
+/// Fires that break out at structures with the rates of the mission, and the detection of fires by looks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct IgnitionSpec {
     /// Probability that a look sees a fire that burns in clear air, 0 to 1.
     #[serde(default = "one")]
     pub detection: f64,
-    /// A fire smaller than this cannot be seen, m2; fires grow with the wind.
+    /// Smallest area of a visible fire, m2; fires grow with the wind.
     #[serde(default)]
     pub seen_from_m2: f64,
     /// Probability that a look reports a fire where none burns.
@@ -165,13 +166,13 @@ pub struct CloudField {
     pub latitude_deg: f64,
     /// Middle at mission time zero.
     pub longitude_deg: f64,
-    /// Half its width.
+    /// Half of the field's width.
     pub radius_m: f64,
     /// Lower side above mean sea level.
     pub base_m: f64,
     /// Upper side above mean sea level.
     pub top_m: f64,
-    /// Share of the sky that it covers, 0 to 1.
+    /// Share of the area that clouds cover, 0 to 1.
     pub cover: f64,
     /// Motion to the east.
     #[serde(default)]
@@ -179,10 +180,10 @@ pub struct CloudField {
     /// Motion to the north.
     #[serde(default)]
     pub north_mps: f64,
-    /// First hour of the mission in which it is there.
+    /// Mission time from which it exists, hours.
     #[serde(default)]
     pub from_h: f64,
-    /// Last hour.
+    /// Mission time at which it ends, hours; `None` is the end of the flight.
     #[serde(default)]
     pub until_h: Option<f64>,
 }
@@ -209,10 +210,10 @@ pub struct StormCell {
     /// Motion to the north.
     #[serde(default)]
     pub north_mps: f64,
-    /// First hour of the mission in which it is there.
+    /// Mission time from which it exists, hours.
     #[serde(default)]
     pub from_h: f64,
-    /// Last hour.
+    /// Mission time at which it ends, hours; `None` is the end of the flight.
     #[serde(default)]
     pub until_h: Option<f64>,
 }
@@ -232,7 +233,7 @@ pub struct WindErrorSpec {
     /// Standard deviation of each component in still air.
     #[serde(default = "error_mps")]
     pub sigma_mps: f64,
-    /// Added for each m/s of wind.
+    /// Increase of the standard deviation for each m/s of wind.
     #[serde(default = "error_share")]
     pub sigma_share: f64,
     /// Time after which the correlation is 1/e.

@@ -77,7 +77,8 @@ impl SimulatedWorld {
         }
     }
 
-    /// Angle between the sight line of a mount and the sun; half a turn with the sun below the horizon, `None` without civil time.
+    /// Returns the angle between the sight line of a mount and the sun; half a turn with the sun below the horizon, `None` without civil
+    /// time.
     fn sun_angle_rad(&self, tilt_rad: f64, pan_rad: f64) -> Option<f64> {
         let unix_s = self.living.as_ref()?.epoch_unix_s? + self.now.seconds();
         let elevation_rad = sun::solar_elevation_deg(self.state.position, unix_s) * RAD_PER_DEG;
@@ -89,7 +90,7 @@ impl SimulatedWorld {
     }
 }
 
-/// A number of SI units with a unit to print in, rounded to so many parts of that unit.
+/// Returns a number of SI units with a unit to print in, rounded to so many parts of that unit.
 fn measured(si: f64, unit: &str, parts: f64) -> Value {
     let found = UNITS.iter().enumerate().find(|(_, known)| known.name == unit);
     let Some((index, known)) = found else { return Value::Real(si) };

@@ -1,8 +1,8 @@
 //! Clouds and convective cells: what is in the air at a place, and whether the ground can be seen through it.
 //!
 //! A field consists of cells, each with a number drawn by seed; a cell hides the ground from above if its number is below
-//! `1 - (1 - n)^(1 + 0.5 tan o)`, for cover n and a line of sight at the angle o off the vertical (assumption, `docs/reference/world.md`). So two
-//! looks shortly after each other see the same clouds. Bound: O(fields).
+//! `1 - (1 - n)^(1 + 0.5 tan o)`, for cover n and a line of sight at the angle o off the vertical (assumption, `docs/reference/world.md`).
+//! So two looks shortly after each other see the same clouds. Bound: O(fields).
 
 use super::{CloudField, StormCell};
 use crate::random::Random;
@@ -37,12 +37,12 @@ impl CloudField {
 }
 
 impl StormCell {
-    /// Its middle.
+    /// Returns its middle.
     pub(crate) fn middle(&self, time_s: f64) -> Position {
         moved(self.latitude_deg, self.longitude_deg, self.east_mps, self.north_mps, time_s)
     }
 
-    /// Distance to its edge; negative inside; `None` while it is not there.
+    /// Returns the distance to its edge; negative inside; `None` while it is not there.
     pub(crate) fn distance_m(&self, position: Position, time_s: f64) -> Option<f64> {
         is_there(self.from_h, self.until_h, time_s)
             .then(|| geodesy::distance_m(self.middle(time_s), position) - self.radius_m)
@@ -67,7 +67,7 @@ pub(crate) struct SightLine {
     pub(crate) off_nadir_rad: f64,
 }
 
-/// True if no cloud lies between the vehicle and the ground of a look.
+/// Returns true if no cloud lies between the vehicle and the ground of a look.
 pub(crate) fn is_clear(clouds: &[CloudField], seed: u64, sight: SightLine, time_s: f64) -> bool {
     let exponent = 1.0 + 0.5 * tan(sight.off_nadir_rad.clamp(0.0, OFF_NADIR_RAD_MAX));
     clouds.iter().zip(0u64..).all(|(cloud, index)| {
@@ -76,7 +76,7 @@ pub(crate) fn is_clear(clouds: &[CloudField], seed: u64, sight: SightLine, time_
     })
 }
 
-/// The number of the cell above a place, from 0 to 1. Cells move with their field.
+/// Returns the number of the cell above a place, from 0 to 1. Cells move with their field.
 fn cell_number(cloud: &CloudField, seed: u64, index: u64, place: Position, time_s: f64) -> f64 {
     let (azimuth_rad, distance_m) = crate::path::bearing(cloud.middle(time_s), place);
     let row = libm::floor(distance_m * libm::cos(azimuth_rad) / CELL_M) as i64;

@@ -20,11 +20,11 @@ use apex_runtime::ports::Input;
 use apex_vehicle::{Airframe, EnergyModel};
 use libm::{atan2, hypot};
 
-/// Height above the start at which the open wind of fires is taken.
+/// Height above the ground at which the wind is sampled that drives the growth of fires.
 const OPEN_WIND_M: f64 = 10.0;
 
 impl Living {
-    /// Draws everything that the seed decides; `None` without a world file.
+    /// Builds the living world and draws its random parts from the seed; `None` without a world file.
     pub(crate) fn of(config: &WorldConfig) -> Option<Living> {
         let spec = config.living.clone()?;
         let (seed, altitude_m) = (config.seed, config.ground.elevation_m + OPEN_WIND_M);
@@ -50,30 +50,31 @@ impl Living {
 }
 
 impl SimulatedWorld {
-    /// The wind where and when the vehicle is.
+    /// Returns the wind at the vehicle's position now.
     pub(crate) fn wind_that_blows(&self) -> Wind {
         let (position, altitude_m, now_s) = (self.state.position, self.state.altitude_m, self.now.seconds());
         let wind = wind::at(&self.wind_field, position, altitude_m, now_s);
         self.living.as_ref().map_or(wind, |living| living.wind(wind, position, altitude_m, now_s))
     }
 
-    /// True if fires may break out in it.
+    /// Returns true if fires may break out in this world.
     pub fn has_ignitions(&self) -> bool {
         self.living.as_ref().is_some_and(|living| living.ignitions.is_some())
     }
 
-    /// True for a helicopter without engine that lands: it touches down where it comes to. Rotors of fixed pitch fall.
+    /// Returns true for a helicopter that lands in autorotation, and so touches down short of its goal. Vehicles with
+    /// fixed-pitch rotors fall instead.
     pub(crate) fn is_autorotating_down(&self) -> bool {
         let rotors = self.model.airframe == Airframe::Rotorcraft && self.model.glide_ratio > 0.0;
         rotors && !self.state.engine_running && self.flight.is_landing()
     }
 
-    /// True if a failure of this kind, of this object, holds now.
+    /// Returns true if a failure of this kind, of this object, holds now.
     pub(crate) fn suffers(&self, kind: FaultKind, of: &str) -> bool {
         self.living.as_ref().is_some_and(|living| living.faults.find(kind, of, self.now).is_some())
     }
 
-    /// Begins and ends failures, and reports fires that break out. The messages `(truth-..)` are what only a simulated world knows.
+    /// Begins and ends failures, and reports new fires. The messages `(truth-..)` state facts that only the simulator knows.
     pub(crate) fn suffer(&mut self, inputs: &mut Vec<Input>) {
         let Some(living) = &mut self.living else { return };
         let changes = living.faults.changes(self.now);
@@ -126,7 +127,7 @@ impl SimulatedWorld {
         }
     }
 
-    /// Switches cameras off and fails their commands.
+    /// Switches the matching cameras off and answers their commands with a failure.
     fn stop_cameras(&mut self, which: impl Fn(&Camera) -> bool, why: &str, inputs: &mut Vec<Input>) {
         let mut failed = Vec::new();
         for camera in self.cameras.iter_mut().filter(|camera| which(camera)) {
@@ -138,7 +139,7 @@ impl SimulatedWorld {
         }
     }
 
-    /// Ends exposures, and the commands that wait for them, of cameras that deliver no images.
+    /// Ends the exposures of matching cameras, and answers the commands that wait for them with a failure.
     fn fail_exposures(&mut self, which: impl Fn(&Camera) -> bool, why: &str, inputs: &mut Vec<Input>) {
         let mut failed = Vec::new();
         for camera in self.cameras.iter_mut().filter(|camera| which(camera) && camera.state == CameraState::Exposing) {
@@ -150,7 +151,7 @@ impl SimulatedWorld {
         }
     }
 
-    /// Detectors, ice, downlink and looks for `dt` seconds that end now.
+    /// Advances detector temperatures, ice, downlink and looks by the `dt` seconds that end now.
     pub(crate) fn live_on(&mut self, dt: f64, inputs: &mut Vec<Input>) {
         let (now, now_s) = (self.now, self.now.seconds());
         let (position, altitude_m) = (self.state.position, self.state.altitude_m);
@@ -202,7 +203,7 @@ impl SimulatedWorld {
         }
     }
 
-    /// A picture is taken: true if it shows the ground. Clouds, heat and failures of the sensor leave nothing to see.
+    /// Returns true if a picture taken now shows the ground: no cloud below, a cool detector, a working sensor.
     pub(crate) fn is_picture_clear(&self, camera: &Camera) -> bool {
         let now_s = self.now.seconds();
         let (place, altitude_m) = match &camera.aim {
@@ -215,7 +216,7 @@ impl SimulatedWorld {
         !camera.broken && is_clear(&living.spec.clouds, living.seed, sight, now_s)
     }
 
-    /// A picture was taken and shows the ground: a look begins, and the picture goes to the store.
+    /// Begins a look for a picture that shows the ground, and puts the picture into the downlink's store.
     pub(crate) fn keep_picture(&mut self, camera: &Camera, inputs: &mut Vec<Input>) {
         let now_s = self.now.seconds();
         let index = self.cameras.iter().position(|known| known.model.name == camera.model.name).unwrap_or(0);
@@ -237,7 +238,7 @@ impl SimulatedWorld {
         inputs.extend(said.into_iter().map(|form| Input::new(self.now, EventKind::Occurrence(form))));
     }
 
-    /// True if clouds hide the ground below from the scanner.
+    /// Returns true if clouds hide the ground below from the scanner.
     pub(crate) fn is_ground_hidden(&self) -> bool {
         self.living.as_ref().is_some_and(|living| {
             let sight = SightLine { place: self.state.position, altitude_m: self.state.altitude_m, off_nadir_rad: 0.0 };
@@ -245,7 +246,8 @@ impl SimulatedWorld {
         })
     }
 
-    /// Energy that the vehicle drains with its ice, and energy that it loses in addition: a flow meter sees only the first.
+    /// Returns the energy rate that the vehicle consumes, ice included, and the rate that it loses through leaks. A flow meter
+    /// measures only the first.
     pub(crate) fn drain_suffered(&self, drain_per_s: f64) -> (f64, f64) {
         let Some(living) = &self.living else { return (drain_per_s, 0.0) };
         let (factor, leak_per_s) = living.drain(matches!(self.model.energy, EnergyModel::Fuel(_)), self.now);

@@ -81,7 +81,7 @@ impl Run {
         })
     }
 
-    /// All samples of `attribute` as `(seconds, SI number)`.
+    /// Returns all samples of `attribute` as `(seconds, SI number)`.
     pub(crate) fn numbers(&self, attribute: &str) -> Vec<(f64, f64)> {
         self.values(attribute)
             .into_iter()

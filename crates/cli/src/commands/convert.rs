@@ -1,4 +1,4 @@
-//! `apex convert`: writes a record of the version before in this version.
+//! `apex convert`: writes a record of the previous format version in the present one.
 
 use crate::error::{CliError, CliResult};
 use crate::options::ConvertOptions;

@@ -76,7 +76,7 @@ fn library(options: &ExportOptions, source: &mut Source) -> CliResult<Library> {
     Ok(checked.library)
 }
 
-/// The format that was asked for, or the one that the file's name says.
+/// Returns the format that was asked for, or the one that the file's name says.
 fn format_of(options: &ExportOptions, out: Option<&Path>) -> CliResult<ExportFormat> {
     let extension = out.and_then(Path::extension).map(|extension| extension.to_string_lossy().to_ascii_lowercase());
     match (options.format, extension.as_deref()) {

@@ -88,7 +88,7 @@ fn summary(program: &Program, name: &str, checked: &Checked, dry: bool) -> Strin
     format!("{name}: {fixes} {done}; {}", apex_mission::check_report::summary(checked))
 }
 
-/// The change of a text as a unified difference.
+/// Returns the change of a text as a unified difference.
 fn difference(name: &str, text: &Text) -> String {
     TextDiff::from_lines(&text.before, &text.now).unified_diff().header(name, name).to_string()
 }

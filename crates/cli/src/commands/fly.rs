@@ -118,7 +118,7 @@ fn print_flight(flight: &FlightOutcome, seconds: f64, path: &Path, json: bool) -
     }
 }
 
-/// The pace, if it makes time continue.
+/// Returns the pace, if it makes time continue.
 ///
 /// # Errors
 /// It does not.
@@ -140,7 +140,7 @@ fn check_port(port: u16) -> CliResult {
     }
 }
 
-/// The planners, with what the options let them take.
+/// Returns the planners, with what the options let them take.
 fn means(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult<PlanningResources> {
     let mut means = PlanningResources::of(planners);
     means.table = options.table.as_deref().map(commands::profile::table).transpose()?;

@@ -46,7 +46,7 @@ pub fn run(
     out.map_or(Ok(()), |(path, _)| output::print_line(format_args!("Table: {} rows in {}", rows.len(), path.display())))
 }
 
-/// A bar over the flights of a series.
+/// Returns a bar over the flights of a series.
 fn runs_bar(runs: usize, hidden: bool) -> ProgressBar {
     let bar = if hidden { ProgressBar::hidden() } else { ProgressBar::new(runs as u64) };
     if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos} of {len} flights  (real {elapsed}, left {eta})") {

@@ -37,7 +37,7 @@ pub fn run(options: &ForkOptions, planners: &Arc<Registry>) -> CliResult {
     output::print_line(format_args!("\nFlight record: {}", path.display()))
 }
 
-/// The wind that blows after the fork; none leaves it as recorded.
+/// Returns the wind that blows after the fork; none leaves it as recorded.
 fn wind(options: &ForkOptions, reader: &RecordReader) -> CliResult<Option<WindField>> {
     match (options.wind_factor, &options.weather) {
         (Some(factor), _) if (0.0..=100.0).contains(&factor) => {
@@ -57,7 +57,7 @@ fn beside(record: &Path) -> PathBuf {
     record.with_file_name(format!("{stem}-fork.apex"))
 }
 
-/// The changes as text; none if there are none.
+/// Returns the changes as text; `None` if there are none.
 fn described(options: &ForkOptions) -> Option<String> {
     let file = |path: &PathBuf| path.display().to_string();
     let parts = [

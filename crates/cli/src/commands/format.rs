@@ -50,7 +50,7 @@ fn format_standard_input() -> CliResult<bool> {
     }
 }
 
-/// The formatted text, or none after printing why not.
+/// Returns the formatted text, or none after printing why not.
 fn format_text(text: &str, name: &str) -> Option<String> {
     match apex_pdl::format(text) {
         Ok(formatted) => Some(formatted),

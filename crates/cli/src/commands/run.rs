@@ -96,7 +96,7 @@ pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> CliResult {
     })?;
     tell_end(&end);
     let unexpected = options.expect.is_some() && !end.reason.is_success();
-    let message = format!("the run was to succeed, and ended because {}", end.reason.text());
+    let message = format!("expected the run to succeed, but it ended because {}", end.reason.text());
     finish(end, report, recorder)?;
     if unexpected { Err(CliError::failure(message)) } else { Ok(()) }
 }
@@ -114,7 +114,7 @@ fn inputs_of(options: &RunOptions, clock: &ClockSource) -> CliResult<(Vec<Input>
     })
 }
 
-/// The mission of an application that names a vehicle and does not live in simulated time.
+/// Returns the mission of an application that names a vehicle and does not live in simulated time.
 fn live_mission(library: &Arc<Library>, options: &RunOptions) -> CliResult<Option<Arc<Mission>>> {
     let is_live = |application: &Application| {
         (application.kind.is("realtime") || application.kind.is("foreign-sim"))
@@ -242,7 +242,7 @@ impl ClockSource {
         Ok(if live { ClockSource::Wall(paced.unwrap_or(1.0)) } else { ClockSource::Simulated })
     }
 
-    /// True when standard output belongs to the simulator.
+    /// Returns true when standard output belongs to the simulator.
     fn owns_output(&self, options: &RunOptions) -> bool {
         matches!(self, ClockSource::Simulator) && options.listen.is_none()
     }
@@ -277,7 +277,7 @@ fn signed_recorder(options: &RunOptions, library: &Library, mission: Option<&Mis
     Ok(Some(recorder))
 }
 
-/// A record with the program's sources inside, and of a mission all that belongs to it.
+/// Returns a record with the program's sources inside, and of a mission all that belongs to it.
 fn recorder(path: &Path, library: &Library, mission: Option<&Mission>, power_safe: bool) -> CliResult<Recorder> {
     let durability = if power_safe { Durability::Power } else { Durability::Program };
     if let Some(mission) = mission {

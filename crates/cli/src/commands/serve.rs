@@ -46,7 +46,7 @@ pub fn run(options: &ServeOptions, planners: &Arc<Registry>) -> CliResult {
     })
 }
 
-/// The number of the agent to show. Opens the record so that a wrong file is reported before a port is taken.
+/// Returns the number of the agent to show. Opens the record so that a wrong file is reported before a port is taken.
 fn agent_of(record: &Path, options: &ServeOptions) -> CliResult<usize> {
     let reader = recording::open(record)?;
     apex_mission::recording::protect(record);

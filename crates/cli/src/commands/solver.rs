@@ -33,7 +33,7 @@ pub fn run(options: &SolverOptions, planners: &Arc<Registry>) -> CliResult {
     })
 }
 
-/// Standard output for the protocol alone: what the planner prints goes to standard error from now on.
+/// Returns the standard output for the protocol alone: what the planner prints goes to standard error from now on.
 fn own_output() -> io::Result<File> {
     let output = io::stdout().as_fd().try_clone_to_owned()?;
     rustix::stdio::dup2_stdout(io::stderr().as_fd())?;

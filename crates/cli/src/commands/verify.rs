@@ -53,7 +53,7 @@ pub fn run(options: &VerifyOptions) -> CliResult {
     }
 }
 
-/// The key that signed the record; `None` if none did and none must.
+/// Returns the key that signed the record; `None` if none did and none must.
 fn signature_of(reader: &RecordReader, options: &VerifyOptions) -> CliResult<Option<String>> {
     let signed_by = reader.meta(SIGNED_BY).map_err(apex_mission::recording::read)?;
     let record = options.record.display();

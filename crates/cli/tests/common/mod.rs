@@ -43,7 +43,7 @@ pub struct Said {
 }
 
 impl Desk {
-    /// An empty folder.
+    /// Returns an empty folder.
     pub fn new() -> Desk {
         Desk { folder: TempDir::new().unwrap() }
     }
@@ -56,7 +56,7 @@ impl Desk {
         desk
     }
 
-    /// A folder with a copy of a shipped mission, or of one of the tests, in `m`.
+    /// Returns a folder with a copy of a shipped mission, or of one of the tests, in `m`.
     pub fn with_mission(name: &str) -> Desk {
         let desk = Desk::new();
         let to = desk.path("m");
@@ -70,7 +70,7 @@ impl Desk {
         desk
     }
 
-    /// A path in the folder.
+    /// Returns a path in the folder.
     pub fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
@@ -92,7 +92,7 @@ impl Desk {
         self.write(name, &text.replacen(from, to, 1));
     }
 
-    /// The names in the folder, in order.
+    /// Returns the names in the folder, in order.
     pub fn names(&self) -> Vec<String> {
         let mut names: Vec<String> = fs::read_dir(self.folder.path())
             .unwrap()
@@ -102,7 +102,7 @@ impl Desk {
         names
     }
 
-    /// The command, ready to be started in the folder.
+    /// Returns the command, ready to be started in the folder.
     pub fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_apex"));
         command.args(arguments).current_dir(self.folder.path()).stdin(Stdio::null()).env("RUST_BACKTRACE", "0");
@@ -122,7 +122,7 @@ impl Desk {
         Said::of(child.wait_with_output().unwrap())
     }
 
-    /// A flown `first-picture`, recorded in `flight.apex`.
+    /// Returns a flown `first-picture`, recorded in `flight.apex`.
     pub fn with_flight() -> Desk {
         let desk = Desk::new();
         let mission = mission("first-picture");
@@ -131,12 +131,12 @@ impl Desk {
     }
 }
 
-/// The shipped missions.
+/// Returns the shipped missions.
 pub fn missions() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions").canonicalize().unwrap()
 }
 
-/// The folder of a shipped mission.
+/// Returns the folder of a shipped mission.
 pub fn mission(name: &str) -> String {
     missions().join(name).display().to_string()
 }
@@ -185,7 +185,7 @@ impl Said {
         self
     }
 
-    /// Standard output as JSON lines.
+    /// Returns the standard output as JSON lines.
     #[track_caller]
     pub fn json_lines(&self) -> Vec<serde_json::Value> {
         self.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect()

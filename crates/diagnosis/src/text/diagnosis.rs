@@ -15,7 +15,7 @@ const SHARE_PRINTED: f64 = 0.99;
 const PRINTED_MAX: usize = 10;
 
 impl Diagnoser {
-    /// The diagnosis as text.
+    /// Returns the diagnosis as text.
     pub fn text(&self) -> String {
         let (model, diagnosis) = (self.model().as_ref(), self.diagnosis());
         let of = |wanted: Outcome| {
@@ -67,7 +67,7 @@ impl Diagnoser {
         }
     }
 
-    /// The diagnosis as JSON.
+    /// Returns the diagnosis as JSON.
     pub fn json(&self) -> Value {
         let (model, diagnosis) = (self.model().as_ref(), self.diagnosis());
         let named = |names: &mut dyn Iterator<Item = &str>, healths: &[Health]| -> Value {

@@ -28,7 +28,7 @@ pub fn explain(diagnoser: &Diagnoser, component: &str) -> Option<String> {
     Some(text)
 }
 
-/// The facts of [`explain`] as JSON: `component`, `title`, `health`, and of each failure mode its `name` and `health`, the
+/// Returns the facts of [`explain`] as JSON: `component`, `title`, `health`, and of each failure mode its `name` and `health`, the
 /// passed tests that clear it (`cleared_by`), the `failed` tests that accuse it with what else could be the reason (`open`)
 /// and what cannot (`cleared`), the tests `not_run` that could tell, and its `candidates` (`count`, `of`, `share`; null if it
 /// is in none). `text` is the explanation as text. `None` if the model has no such component.
@@ -98,7 +98,7 @@ impl Reasons<'_> {
         })
     }
 
-    /// True if the test depends on it.
+    /// Returns true if the test depends on it.
     fn concerns(&self, test: usize) -> bool {
         let implicants = self.diagnoser.model().tests.get(test).map_or(&[][..], |test| test.implicants());
         implicants.iter().any(|implicant| implicant.contains(self.mode))
@@ -119,7 +119,7 @@ impl Reasons<'_> {
         test_names(self.diagnoser.model(), tests.into_iter())
     }
 
-    /// The failed tests that accuse it, each with the tests that clear everything else that could have made it fail.
+    /// Returns the failed tests that accuse it, each with the tests that clear everything else that could have made it fail.
     fn accused(&self, health: Health) -> String {
         let model = self.diagnoser.model();
         let diagnosis = self.diagnoser.diagnosis();

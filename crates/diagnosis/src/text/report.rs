@@ -11,7 +11,7 @@ use std::fmt::Write;
 const COLUMNS_MAX: usize = 80;
 
 impl Testability {
-    /// The report as text, one figure a line.
+    /// Returns the report as text, one figure a line.
     pub fn text(&self, model: &Model) -> String {
         let mut text = format!(
             "{}: {} components, {} failure modes, {} tests\n\n",
@@ -96,7 +96,7 @@ impl Testability {
         figures
     }
 
-    /// The report as JSON.
+    /// Returns the report as JSON.
     pub fn json(&self, model: &Model) -> Value {
         let modes = |modes: &[usize]| modes.iter().map(|mode| model.mode_name(*mode)).collect::<Vec<_>>();
         let tests = |tests: &[usize]| tests.iter().map(|test| model.test_name(*test)).collect::<Vec<_>>();

@@ -22,7 +22,7 @@ fn outcome(said: Said) -> Outcome {
     SAID.iter().find(|(known, _)| *known == said).map(|(_, outcome)| *outcome).unwrap()
 }
 
-/// A model with results that some fault set explains, or any at all.
+/// Returns a model with results that some fault set explains, or any at all.
 fn case(bytes: Vec<u8>) -> (Arc<Model>, Witness, Vec<Said>) {
     let mut choices = Choices::new(bytes);
     let text = random_model(&mut choices);

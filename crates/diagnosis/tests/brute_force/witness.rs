@@ -36,7 +36,7 @@ impl Choices {
     }
 }
 
-/// The text of a model with up to nine failure modes and seven tests.
+/// Returns the text of a model with up to nine failure modes and seven tests.
 pub(crate) fn random_model(choices: &mut Choices) -> String {
     let components = 2 + choices.below(5) as usize;
     let signals = choices.below(5) as usize;
@@ -134,7 +134,7 @@ impl Witness {
         Witness { modes, components, signals: nodes("signals"), tests: nodes("tests") }
     }
 
-    /// True if the test fails with exactly these faults present.
+    /// Returns true if the test fails with exactly these faults present.
     pub(crate) fn fails(&self, test: usize, present: Faults) -> bool {
         let (name, needs) = &self.tests[test];
         self.is_lost(name, needs, present)
@@ -191,7 +191,7 @@ impl Witness {
         (0..self.modes.len()).filter(cleared).map(|mode| 1 << mode).sum()
     }
 
-    /// The failure modes of each component.
+    /// Returns the failure modes of each component.
     pub(crate) fn components(&self) -> Vec<Faults> {
         let of = |name: &String| {
             let own = self.modes.iter().enumerate().filter(|(_, mode)| mode.component == *name);

@@ -144,8 +144,8 @@ pub(crate) struct Firing {
 }
 
 impl Work {
-    /// Did tasks end in the round that is over, while none was made or began again? Then fewer are left, and rounds of
-    /// this kind are no more than tasks. The next round begins.
+    /// Returns true if tasks ended in the finished round and none was created or began again: then the number of such rounds is limited by
+    /// the number of tasks. Begins the next round.
     pub(crate) fn made_progress(&mut self, next_task: u64) -> bool {
         let Balance { ends, again, next_task: before } = std::mem::take(&mut self.balance);
         self.balance.next_task = next_task;
@@ -167,17 +167,17 @@ impl Work {
         }
     }
 
-    /// True when nothing is left to do at this instant.
+    /// Returns true when nothing is left to do at this instant.
     pub(crate) fn is_done(&self) -> bool {
         self.stimuli.is_empty() && self.has_only_stimuli()
     }
 
-    /// True when nothing is left to do but to begin and end probes.
+    /// Returns true when nothing is left to do but to begin and end probes.
     pub(crate) fn has_only_probings(&self) -> bool {
         self.stimuli.is_empty() && self.has_no_more_than_stimuli_and_probings()
     }
 
-    /// True when nothing is left to do but to notice what was recorded.
+    /// Returns true when nothing is left to do but to notice what was recorded.
     pub(crate) fn has_only_stimuli(&self) -> bool {
         self.probings.is_empty() && self.has_no_more_than_stimuli_and_probings()
     }
@@ -199,7 +199,7 @@ impl Work {
     }
 }
 
-/// A list of tasks in order of creation, each once: the order in which steps are written.
+/// Returns a list of tasks in order of creation, each once: the order in which steps are written.
 pub(crate) fn in_order(list: &mut TaskList) -> TaskList {
     if list.is_empty() {
         return TaskList::new();
@@ -218,7 +218,7 @@ impl<'a> Cycle<'a> {
         self.say_sample(variable, value);
     }
 
-    /// The agent measures something itself: its expressions see it from now on, its conditions from the next round.
+    /// Records a sample that the agent publishes: expressions see it from now on, conditions from the next round.
     pub(crate) fn say_sample(&mut self, variable: StateVariable, value: Value) {
         if let Ok(held) = declared_unit::in_declared_unit(self.library, &variable, value.clone()) {
             self.agent.published.push((variable.clone(), held));
@@ -246,17 +246,17 @@ impl<'a> Cycle<'a> {
         self.decide(task, DecisionKind::Trouble { message }, Because::new(cause, place));
     }
 
-    /// The view of `task` at `level`.
+    /// Returns the view of `task` at `level`.
     pub(crate) fn view(&self, task: TaskId, level: Level) -> View<'_> {
         View { agent: self.agent, task, level, now: self.now }
     }
 
-    /// The task, while it exists.
+    /// Returns the task, while it exists.
     pub(crate) fn task(&self, id: TaskId) -> Option<&Task> {
         self.agent.task(id)
     }
 
-    /// The task's state; terminated when it is gone.
+    /// Returns the task's state; terminated when it is gone.
     pub(crate) fn state(&self, id: TaskId) -> TaskState {
         self.agent.task(id).map_or(TaskState::Terminated, |task| task.state)
     }
@@ -267,7 +267,7 @@ impl<'a> Cycle<'a> {
         self.agent.task(id).is_some_and(|task| task.clauses.has(kinds))
     }
 
-    /// The step that `id` was made from, with whatever holds it.
+    /// Returns the step that `id` was made from, with whatever holds it.
     pub(crate) fn step_of(&self, id: TaskId) -> Option<StepHandle<'a>> {
         let step = self.task(id)?.step()?;
         let index = step.step as usize;
@@ -309,7 +309,7 @@ pub(crate) enum StepHandle<'a> {
 }
 
 impl StepHandle<'_> {
-    /// The step.
+    /// Returns the step.
     pub(crate) fn get(&self) -> Option<&Step> {
         match self {
             StepHandle::Stored(step) => Some(step),

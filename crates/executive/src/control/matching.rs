@@ -47,7 +47,7 @@ pub(crate) enum IndexPattern<'a> {
 }
 
 impl IndexPattern<'_> {
-    /// The pattern.
+    /// Returns the pattern.
     pub(crate) fn get(&self) -> &Pattern {
         match self {
             IndexPattern::Stored(procedure) => &procedure.index,
@@ -58,7 +58,7 @@ impl IndexPattern<'_> {
     }
 }
 
-/// The index of a candidate and where it stands.
+/// Returns the index of a candidate and where it stands.
 pub(crate) fn index_of<'a>(cycle: &Cycle<'a>, candidate: IndexCandidate) -> Option<(IndexPattern<'a>, Place)> {
     let library = cycle.library;
     match candidate {

@@ -34,7 +34,7 @@ fn budget(agent: &Agent) -> u64 {
     agent.limits.of(Limit::MemoryMebibytes) << 20
 }
 
-/// Bytes of what is counted by number.
+/// Returns the bytes of everything that is counted by number.
 fn numbered(cycle: &Cycle<'_>) -> u64 {
     let agent = &*cycle.agent;
     // What is made is also decided about: refusing the decisions later would be too late.
@@ -67,7 +67,7 @@ fn is_within(cycle: &mut Cycle<'_>, more: u64) -> bool {
     numbered(cycle) + cycle.agent.memory.counted + more <= budget
 }
 
-/// A variable of the task was bound to `value`. A task that asks for more than the budget fails before it continues.
+/// Records that a variable of the task was bound to `value`. A task that exceeds the memory budget fails before it continues.
 pub(crate) fn bound(cycle: &mut Cycle<'_>, id: TaskId, value: &Value, place: Place) {
     let bytes = value_bytes(value);
     if bytes < LARGE_VALUE_BYTES {
@@ -82,7 +82,7 @@ pub(crate) fn bound(cycle: &mut Cycle<'_>, id: TaskId, value: &Value, place: Pla
     }
 }
 
-/// Bytes of large values and samples, each holder of a value counted.
+/// Returns bytes of large values and samples, each holder of a value counted.
 fn count(agent: &Agent) -> u64 {
     let values: u64 = agent
         .tasks
@@ -113,7 +113,7 @@ fn bindings_bytes(bindings: &Bindings) -> u64 {
     bindings.iter().map(|(_, value)| value_bytes(value)).filter(|bytes| *bytes >= LARGE_VALUE_BYTES).sum()
 }
 
-/// Bytes of a value with all that is in it; 0 for what has its space in its holder.
+/// Returns bytes of a value with all that is in it; 0 for what has its space in its holder.
 fn value_bytes(value: &Value) -> u64 {
     match value {
         Value::Text(text) => text.len() as u64,

@@ -34,7 +34,7 @@ pub(crate) enum Trigger {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Illegal;
 
-/// The table of `pdl.md`, Conflicts. Every pair is listed.
+/// Returns the table of `pdl.md`, Conflicts. Every pair is listed.
 pub(crate) fn successor(state: TaskState, trigger: Trigger) -> Result<TaskState, Illegal> {
     use TaskState::{Enabled, Interrupted, Ongoing, Pending, Terminated};
     match (state, trigger) {

@@ -22,7 +22,7 @@ use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::value::Value;
 use std::sync::Arc;
 
-/// A solver answered.
+/// Handles the answer of a solver.
 pub(crate) fn reported(cycle: &mut Cycle<'_>, request: SolveRequestId, report: &SolverReport) {
     let Some(id) = cycle.agent.requests.remove(&request) else {
         if request.0 >= cycle.agent.next.request {
@@ -41,7 +41,7 @@ pub(crate) fn reported(cycle: &mut Cycle<'_>, request: SolveRequestId, report: &
     }
 }
 
-/// The answer is there, or is not expected any longer.
+/// Ends the wait for a solver's answer, which has arrived or is no longer expected.
 fn stop_waiting(cycle: &mut Cycle<'_>, id: TaskId) {
     if let Some(Controller::Planning(controller)) =
         cycle.agent.task_mut(id).and_then(|task| task.controller.as_deref_mut())
@@ -51,7 +51,7 @@ fn stop_waiting(cycle: &mut Cycle<'_>, id: TaskId) {
     }
 }
 
-/// The solver has not answered in time: the request has failed, and its answer is not wanted any longer.
+/// Handles the timeout of a solver: the request has failed, and its answer will be ignored.
 pub(crate) fn timed_out(cycle: &mut Cycle<'_>, request: SolveRequestId) {
     let Some(id) = cycle.agent.requests.remove(&request) else { return };
     let Some(Controller::Planning(controller)) = cycle.task(id).and_then(|task| task.controller.as_deref()) else {
@@ -131,7 +131,7 @@ fn retire(cycle: &mut Cycle<'_>, goal: &Value) {
     }
 }
 
-/// The plan as a sequential procedure indexed by its goal.
+/// Returns the plan as a sequential procedure indexed by its goal.
 fn translate(goal: &Value, plan: &PlannedProcedure, file: u32) -> Procedure {
     let steps = plan.steps.iter().map(|step| {
         let activity = Activity::Goal(Template::Constant(step.activity.goal()));

@@ -22,7 +22,7 @@ use apex_model::task::TaskId;
 use apex_model::time::{Duration, NANOSECONDS_PER_SECOND};
 use apex_model::value::Value;
 
-/// The task's goal has no procedure: a solver is asked for one, which is then pursued.
+/// Requests a procedure for the task's goal from a solver; the task then pursues it.
 pub(crate) fn start(cycle: &mut Cycle<'_>, id: TaskId, solver: u32) {
     let Some(goal) = cycle.task(id).and_then(|task| task.selection.as_ref()).map(|selection| selection.goal.clone())
     else {
@@ -33,7 +33,7 @@ pub(crate) fn start(cycle: &mut Cycle<'_>, id: TaskId, solver: u32) {
     }
 }
 
-/// `(plan GOAL :with SOLVER :budget SPAN)`: a procedure for the goal is made and stored, and not pursued here.
+/// Executes `(plan GOAL :with SOLVER :budget SPAN)`: a procedure for the goal is requested and stored, but not pursued by this step.
 ///
 /// # Errors
 /// The cause when no solver serves the goal.

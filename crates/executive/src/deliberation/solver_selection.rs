@@ -12,7 +12,7 @@ use crate::state::index::IndexCandidate;
 use apex_model::task::TaskId;
 use apex_model::value::Value;
 
-/// The index of the most specific solver declaration that serves `goal`; the first of equals.
+/// Returns the index of the most specific solver declaration that serves `goal`; of equally specific ones, the first.
 pub(crate) fn select(cycle: &mut Cycle<'_>, id: TaskId, goal: &Value) -> Option<u32> {
     let candidates: Vec<IndexCandidate> = cycle.agent.index.solvers.candidates(goal.head()).collect();
     let mut best = None;

@@ -32,8 +32,8 @@ pub struct MethodOption {
     pub because: String,
 }
 
-/// Everything whose index begins with the goal's first word, or with anything: matches first, the best of them first.
-/// Solvers come last, because they are asked only when nothing else matches.
+/// Returns every method whose index begins with the goal's first word or with a variable: matches first, the best of them first. Solvers
+/// come last, because they are asked only when nothing else matches.
 pub fn options(agent: &Agent, goal: &Value) -> Vec<MethodOption> {
     let stored = agent.index.methods.candidates(goal.head());
     let mut ways: Vec<IndexCandidate> = stored.chain(agent.generated_heads.candidates(goal.head())).collect();

@@ -96,7 +96,7 @@ pub fn waiting(agent: &Agent, task: TaskId) -> Vec<Reason> {
     reasons
 }
 
-/// The whole circle of tasks that wait for each other's resources, where the task is in one.
+/// Returns the whole circle of tasks that wait for each other's resources, where the task is in one.
 fn circle(agent: &Agent, task: &Task) -> Option<Reason> {
     let links = deadlock::circle_at(agent, task.id)?;
     let text = "an end of the circle in which tasks wait for each other's resources".to_string();
@@ -137,7 +137,7 @@ fn preconditions(agent: &Agent, task: &Task) -> Vec<Reason> {
     reasons
 }
 
-/// The parts of the task's watched clauses that do not hold.
+/// Returns the parts of the task's watched clauses that do not hold.
 fn unmet(agent: &Agent, task: &Task, wanted: impl Fn(Clause) -> bool) -> Vec<Reason> {
     let mut reasons = Vec::new();
     for id in &task.monitors {
@@ -249,7 +249,7 @@ fn resources(agent: &Agent, task: &Task) -> Vec<Reason> {
         .collect()
 }
 
-/// A resource of which there is too little until it is replenished.
+/// Returns a resource of which there is too little until it is replenished.
 fn lacking(agent: &Agent, task: &Task, need: &Need) -> Option<Reason> {
     let resource = agent.resources.get(need.resource).filter(|resource| resource.renewable.is_some())?;
     let amount = |number: f64| Value::measured(number, resource.dimension);
@@ -259,7 +259,7 @@ fn lacking(agent: &Agent, task: &Task, need: &Need) -> Option<Reason> {
     (need.amount > resource.total).then_some(reason)
 }
 
-/// All tasks that keep the task from this resource: its holders, or the claimant it was refused to.
+/// Returns all tasks that keep the task from this resource: its holders, or the claimant it was refused to.
 fn rivals(agent: &Agent, task: &Task, need: &Need) -> Vec<Reason> {
     let Some(resource) = agent.resources.get(need.resource) else { return Vec::new() };
     let (claimants, precedence) = in_order(agent, agent.now, &BTreeSet::from([need.resource]), &BTreeSet::new());

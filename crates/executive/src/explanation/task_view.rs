@@ -52,12 +52,12 @@ pub struct TaskView {
     pub children: Vec<TaskId>,
 }
 
-/// The task with this number, while a clause may still refer to it.
+/// Returns the task with this number, while a clause may still refer to it.
 pub fn describe_task(agent: &Agent, task: TaskId) -> Option<TaskView> {
     agent.task(task).map(|found| view(agent, found))
 }
 
-/// All tasks that have not ended, in order of creation.
+/// Returns all tasks that have not ended, in order of creation.
 pub fn agenda(agent: &Agent) -> Vec<TaskView> {
     agent.tasks.iter().filter(|(_, task)| !task.is_terminated()).map(|(_, task)| view(agent, task)).collect()
 }
@@ -109,7 +109,7 @@ fn method(agent: &Agent, way: &MethodBinding) -> Option<Method> {
     }
 }
 
-/// The goal with its variables filled in as far as they are known.
+/// Returns the goal with its variables filled in as far as they are known.
 fn goal(agent: &Agent, task: &Task) -> Value {
     match (&task.selection, task.origin) {
         (Some(selection), _) => selection.goal.clone(),

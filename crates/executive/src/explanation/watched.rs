@@ -23,7 +23,7 @@ pub struct WatchedClause {
     pub condition: ConditionNode,
 }
 
-/// The conditions that living tasks watch now, in order of the tasks' creation; of `task` alone if one is given.
+/// Returns the conditions that living tasks watch now, in order of the tasks' creation; of `task` alone if one is given.
 pub fn watched(agent: &Agent, task: Option<TaskId>) -> Vec<WatchedClause> {
     let chosen = |each: &Task| task.is_none_or(|task| task == each.id) && !each.is_terminated();
     let tasks = agent.tasks.iter().map(|(_, task)| task).filter(|each| chosen(each));

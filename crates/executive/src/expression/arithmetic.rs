@@ -44,7 +44,7 @@ pub(super) fn call(name: &str, arguments: &[Value]) -> Option<FunctionResult> {
     })
 }
 
-/// `5ft (length)`: how messages name a value with its dimension.
+/// Returns a value with its dimension as in messages: `5ft (length)`.
 pub(crate) fn described(value: &Value) -> String {
     match value {
         Value::Time(time) => format!("{time} (an instant)"),
@@ -115,7 +115,7 @@ pub(super) fn divide(left: &Value, right: &Value) -> FunctionResult {
     }
 }
 
-/// A result of `dimension`, printed in the unit of the argument that has that dimension too.
+/// Returns a result of `dimension`, printed in the unit of the argument that has that dimension too.
 pub(super) fn in_unit_of(si: f64, dimension: Dimension, left: &Value, right: &Value) -> Value {
     for argument in [left, right] {
         if let Value::Quantity(quantity) = argument
@@ -296,7 +296,7 @@ pub(super) fn pure_number(value: &Value) -> Result<f64, String> {
     }
 }
 
-/// The integer that `value` is, also when it is written as a whole real.
+/// Returns the integer that `value` is, also when it is written as a whole real.
 ///
 /// # Errors
 /// When it is neither.
@@ -308,7 +308,7 @@ pub(super) fn integer(value: &Value) -> Result<i64, String> {
     }
 }
 
-/// The duration that `value` is; a plain zero is one too.
+/// Returns the duration that `value` is; a plain zero is one too.
 ///
 /// # Errors
 /// When it is neither.
@@ -321,7 +321,7 @@ pub(crate) fn duration(value: &Value) -> Result<Duration, String> {
     }
 }
 
-/// The instant that `value` is; infinity is the end of time.
+/// Returns the instant that `value` is; infinity is the end of time.
 ///
 /// # Errors
 /// When it is neither.

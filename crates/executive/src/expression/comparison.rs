@@ -33,7 +33,7 @@ fn predicate(name: &str, arguments: &[Value]) -> Option<FunctionResult> {
     Some(truth.map(Value::truth))
 }
 
-/// Order of two values for `<` and its like; none when one of them is not a number.
+/// Compares two values for `<` and the like; `None` if one of them is not a number.
 ///
 /// # Errors
 /// When their kinds or dimensions cannot be compared.
@@ -65,7 +65,7 @@ pub(crate) fn compare(left: &Value, right: &Value) -> Result<Option<Ordering>, S
     }
 }
 
-/// PDL's `=`, refusing numbers of different dimensions, which are never equal but by mistake.
+/// Compares two values as PDL's `=` does, but refuses numbers of different dimensions, which are equal only by mistake.
 ///
 /// # Errors
 /// When both are numbers and their dimensions differ.

@@ -7,13 +7,13 @@ use apex_model::quantity::{Dimension, Unit, unit_named};
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 
-/// The unit that samples of `attribute` are declared with.
+/// Returns the unit that samples of `attribute` are declared with.
 pub(crate) fn unit_of(attribute: &Symbol, library: &Library) -> Option<&'static Unit> {
     let declared = library.state_variables.get(attribute)?.unit.as_ref()?;
     unit_named(declared.printed())
 }
 
-/// `value` as the history of `variable` holds it: a bare number has the unit that the variable is declared with.
+/// Returns `value` as the history of `variable` holds it: a number without unit gets the declared unit of the variable.
 ///
 /// # Errors
 /// A message for the trace when the unit cannot measure the value.

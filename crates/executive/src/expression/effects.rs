@@ -54,7 +54,7 @@ pub(super) fn act(evaluator: &mut Evaluator<'_>, name: &str, action: Action, pla
     Ok(value)
 }
 
-/// The state variable named by `(ATTRIBUTE OBJECT..)`.
+/// Returns the state variable named by `(ATTRIBUTE OBJECT..)`.
 fn state_variable(form: &Value) -> Result<StateVariable, String> {
     match form.as_list() {
         Some([Value::Symbol(attribute), objects @ ..]) => {

@@ -13,14 +13,14 @@ use apex_model::value::Value;
 
 /// The view that a task has of its agent. Task control implements it; tests implement it small.
 pub(crate) trait EvalContext {
-    /// The value of the pattern variable `name` (without `?`); step tags are `Value::Task`.
+    /// Returns the value of the pattern variable `name` (without `?`); step tags are `Value::Task`.
     fn variable(&self, name: &Symbol) -> Option<Value>;
-    /// The value of a primitive's `locals` variable, outside of [`super::run`].
+    /// Returns the value of a primitive's `locals` variable, outside of [`super::run`].
     fn local(&self, name: &Symbol) -> Option<Value> {
         let _ = name;
         None
     }
-    /// The instant of this step.
+    /// Returns the instant of this step.
     fn now(&self) -> Time;
     /// `+this-task+`.
     fn this_task(&self) -> Option<TaskId>;
@@ -30,14 +30,14 @@ pub(crate) trait EvalContext {
     fn task_start(&self, task: TaskId) -> Option<Time>;
     /// Returns the instant at which the task ended; `None` while it lives.
     fn task_end(&self, task: TaskId) -> Option<Time>;
-    /// The task's state; none for a task that is not known.
+    /// Returns the task's state; `None` for a task that is not known.
     fn task_state(&self, task: TaskId) -> Option<TaskState>;
-    /// The words of the outcome of a task that has ended, for good as far as is known; none while it lives.
+    /// Returns the words of the outcome of a task that has ended, for good as far as is known; none while it lives.
     fn task_outcome(&self, task: TaskId) -> Option<&'static [&'static str]> {
         let _ = task;
         None
     }
-    /// `+tot+`: how long the task has been ongoing, without interruptions.
+    /// Returns `+tot+`: the time for which the task has been ongoing, without interruptions.
     fn task_time_ongoing(&self, task: TaskId) -> Option<Duration>;
     /// Returns the histories of measurements and messages.
     fn histories(&self) -> &Histories;
@@ -46,11 +46,11 @@ pub(crate) trait EvalContext {
         let _ = variable;
         None
     }
-    /// The checked library.
+    /// Returns the checked library.
     fn library(&self) -> &Library;
-    /// Registered host functions.
+    /// Returns the registered host functions.
     fn host(&self) -> &HostFunctions;
-    /// The agent's limits.
+    /// Returns the agent's limits.
     fn limits(&self) -> &Limits;
 }
 

@@ -40,7 +40,7 @@ pub(super) struct Hook<'a> {
     pub(super) assigned: Bindings,
 }
 
-/// An error at `place`.
+/// Returns an error at `place`.
 pub(super) fn error(place: Place, message: impl Into<String>) -> EvaluationError {
     EvaluationError { message: message.into(), place }
 }
@@ -62,7 +62,7 @@ impl<'a> Evaluator<'a> {
         Ok(())
     }
 
-    /// The value of `expr`.
+    /// Returns the value of `expr`.
     pub(super) fn value(&mut self, expr: &Expr) -> EvalResult {
         match &expr.kind {
             ExprKind::Constant(value) => return Ok(value.clone()),
@@ -83,7 +83,7 @@ impl<'a> Evaluator<'a> {
         result
     }
 
-    /// The last form's value; nil without forms.
+    /// Returns the last form's value; nil without forms.
     pub(super) fn body(&mut self, forms: &[Expr]) -> EvalResult {
         let mut last = Value::nil();
         for form in forms {
@@ -381,7 +381,7 @@ impl<'a> Evaluator<'a> {
     }
 }
 
-/// NaN is a missing measurement.
+/// Returns true for NaN, which represents a missing measurement.
 fn is_missing(value: &Value) -> bool {
     value.as_number().is_some_and(|(number, _)| number.is_nan())
 }

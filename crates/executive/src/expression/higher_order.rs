@@ -121,7 +121,7 @@ fn reduce(
     Ok(result)
 }
 
-/// Stable merge sort whose comparison may fail.
+/// Sorts by stable merge sort with a comparison that may fail.
 fn sort(
     evaluator: &mut Evaluator<'_>,
     list: &Value,

@@ -52,7 +52,7 @@ pub(super) fn call(
 pub(crate) const QUERIES: &[&str] =
     &["value-at", "value-before", "most-recent-svvalue", "mean-over", "min-over", "max-over", "samples-over"];
 
-/// As [`query`], of a history that holds `value` at this instant.
+/// Evaluates [`query`] on a history that also holds `value` at this instant.
 fn with_published(
     name: &str,
     variable: &StateVariable,
@@ -104,7 +104,7 @@ fn query(
     }
 }
 
-/// `(events-over WORD WINDOW)`: messages that begin with the word.
+/// Evaluates `(events-over WORD WINDOW)`: returns the messages that begin with the word.
 fn events(arguments: &[Value], context: &dyn EvalContext) -> FunctionResult {
     let (Some(Value::Symbol(word)), Some(window @ ([_] | [_, _]))) = (arguments.first(), arguments.get(1..)) else {
         let given = super::printed(arguments);
@@ -166,7 +166,7 @@ fn aggregate<'a>(name: &str, samples: impl Iterator<Item = &'a Sample>) -> Funct
     }
 }
 
-/// Mean around the first value as anchor, so that large offsets cost no digits. Infinities do not count.
+/// Returns the mean around the first value as anchor, so that large offsets cost no digits. Infinities do not count.
 fn mean<'a>(samples: impl Iterator<Item = &'a Sample>) -> FunctionResult {
     let mut anchor: Option<(f64, &Value)> = None;
     let (mut sum, mut count) = (0.0, 0.0);

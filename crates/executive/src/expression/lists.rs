@@ -90,7 +90,7 @@ pub(super) fn cost(name: &str, arguments: &[Value]) -> u64 {
     }
 }
 
-/// The items of `value`.
+/// Returns the items of `value`.
 ///
 /// # Errors
 /// When it is not a list.
@@ -98,7 +98,7 @@ pub(super) fn items(value: &Value) -> Result<&[Value], String> {
     value.as_list().ok_or_else(|| format!("expected a list, found {value}"))
 }
 
-/// A list of `items`, within the limit.
+/// Returns a list of `items`, within the limit.
 ///
 /// # Errors
 /// When there are too many.
@@ -155,7 +155,7 @@ fn part(list: &[Value], start: &Value, end: Option<&Value>) -> FunctionResult {
     Ok(Value::list(list.iter().skip(start).take(end - start).cloned()))
 }
 
-/// Start and end of a part of something with `length` elements.
+/// Returns start and end of a part of a sequence with `length` elements.
 ///
 /// # Errors
 /// When they do not lie in order within it.

@@ -32,7 +32,7 @@ use apex_model::limits::TEXT_CHARACTERS_MAX;
 use apex_model::value::Value;
 use std::fmt::Write;
 
-/// The value of `expr`. Has no effect; a form that acts is an error here.
+/// Returns the value of `expr`. Has no effect; a form that acts is an error here.
 ///
 /// # Errors
 /// An error message when a variable is unbound, an argument is of the wrong kind or dimension, or a limit is reached.
@@ -40,20 +40,20 @@ pub(crate) fn evaluate(expr: &Expr, context: &dyn EvalContext) -> Result<Value, 
     Evaluator::new(context, None).value(expr)
 }
 
-/// The value of `template` with its holes filled.
+/// Returns the value of `template` with its holes filled.
 ///
 /// # Errors
-/// As [`evaluate`]; an unbound variable is an error.
+/// Like [`evaluate`]; an unbound variable is an error.
 pub(crate) fn instantiate(template: &Template, context: &dyn EvalContext) -> Result<Value, EvaluationError> {
     Evaluator::new(context, None).template(template, templates::place_of(template))
 }
 
-/// The value of `template` where a hole that has no value yet is shown as it is written (`?x`).
+/// Returns the value of `template` where a hole that has no value yet is shown as it is written (`?x`).
 pub(crate) fn instantiate_partially(template: &Template, context: &dyn EvalContext) -> Value {
     templates::partially(template, context)
 }
 
-/// `expr` as its author would read it: variables with their values where they have one, calls as they are written.
+/// Returns `expr` with known variables replaced by their values; calls stay as they are written.
 pub(crate) fn expression_as_known(expr: &Expr, context: &dyn EvalContext) -> Value {
     templates::as_known(expr, context)
 }
@@ -62,7 +62,7 @@ pub(crate) fn expression_as_known(expr: &Expr, context: &dyn EvalContext) -> Val
 /// `setq` changes; what the forms want done is appended to `actions`. On an error the actions so far stay.
 ///
 /// # Errors
-/// As [`evaluate`].
+/// Like [`evaluate`].
 pub(crate) fn run(
     forms: &[Expr],
     context: &dyn EvalContext,
@@ -73,7 +73,7 @@ pub(crate) fn run(
     Evaluator::new(context, Some(hook)).body(forms)
 }
 
-/// `values` as `(print ..)` shows them: strings without quotes, one blank between, also where a string brings its own.
+/// Returns `values` as `(print ..)` shows them: strings without quotes, separated by one blank.
 pub(crate) fn printed(values: &[Value]) -> String {
     let mut text = String::new();
     for value in values {
@@ -86,7 +86,7 @@ pub(crate) fn printed(values: &[Value]) -> String {
     text
 }
 
-/// A value in human-readable form: a string without its quotes. Ends with `..` where it is longer than a text may be.
+/// Returns a value in human-readable form: a string without its quotes. Ends with `..` where it is longer than a text may be.
 pub(crate) fn display(value: &Value) -> String {
     if let Value::Text(text) = value {
         return text.to_string();

@@ -67,7 +67,7 @@ fn substring(text: &Value, start: &Value, end: Option<&Value>) -> FunctionResult
     Ok(Value::text(&text.chars().skip(start).take(end - start).collect::<String>()))
 }
 
-/// The text of a control string: `~a` for display, `~s` as PDL reads it back, `~d` an integer, `~f` a real,
+/// Returns the text of a control string: `~a` for display, `~s` as PDL reads it back, `~d` an integer, `~f` a real,
 /// `~,Nf` with N decimals, `~%` a new line, `~~` a tilde; a number before the letter is the least width, filled up on the
 /// right of words and on the left of numbers.
 fn format(control: &str, arguments: &[Value]) -> Result<String, String> {

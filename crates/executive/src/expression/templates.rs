@@ -17,7 +17,7 @@ type Few = SmallVec<[Value; 8]>;
 const DEPTH_MAX: usize = apex_model::limits::READ_DEPTH_MAX;
 
 impl Evaluator<'_> {
-    /// The datum that `template` yields; `place` is used for messages about splices.
+    /// Returns the datum that `template` yields; `place` is used for messages about splices.
     pub(super) fn template(&mut self, template: &Template, place: Place) -> EvalResult {
         self.filled(template, place, DEPTH_MAX)
     }
@@ -48,7 +48,7 @@ impl Evaluator<'_> {
     }
 }
 
-/// The first hole's place: where messages about the whole template point.
+/// Returns the first hole's place: where messages about the whole template point.
 pub(super) fn place_of(template: &Template) -> Place {
     match template {
         Template::Constant(_) => Place::default(),
@@ -59,7 +59,7 @@ pub(super) fn place_of(template: &Template) -> Place {
     }
 }
 
-/// `template` with holes that have no value yet shown as they are written.
+/// Returns `template` with its known values filled in; holes without a value stay as they are written.
 pub(super) fn partially(template: &Template, context: &dyn EvalContext) -> Value {
     partially_within(template, context, DEPTH_MAX)
 }
@@ -87,7 +87,7 @@ fn partially_within(template: &Template, context: &dyn EvalContext, depth: usize
     }
 }
 
-/// An argument before it is evaluated: variables have their values, calls stay as they are written.
+/// Returns an argument with known variables replaced by their values; calls stay as they are written.
 pub(super) fn as_known(expr: &Expr, context: &dyn EvalContext) -> Value {
     as_known_within(expr, context, DEPTH_MAX)
 }
@@ -120,7 +120,7 @@ fn as_known_within(expr: &Expr, context: &dyn EvalContext, depth: usize) -> Valu
     }
 }
 
-/// A hole without a value as a symbol.
+/// Returns a hole without a value as a symbol.
 fn written(expr: &Expr) -> Value {
     match &expr.kind {
         ExprKind::Variable { name, .. } => Value::symbol(&format!("?{name}")),

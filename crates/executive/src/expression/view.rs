@@ -27,7 +27,7 @@ pub(crate) struct View<'a> {
     pub(crate) now: Time,
 }
 
-/// A procedure instance's variable: its context, else the task of the step with that tag.
+/// Returns a procedure instance's variable: its context, else the task of the step with that tag.
 fn in_procedure(agent: &Agent, controller: &ProcedureController, name: &Symbol) -> Option<Value> {
     if let Some(value) = controller.context.get(name) {
         return Some(value.clone());
@@ -54,7 +54,7 @@ impl View<'_> {
         }
     }
 
-    /// The task's own variables, then those of the controllers above up to the surrounding procedure.
+    /// Returns the task's own variables, then those of the controllers above up to the surrounding procedure.
     fn outer(&self, task: &Task, name: &Symbol) -> Option<Value> {
         let mut task = task;
         loop {

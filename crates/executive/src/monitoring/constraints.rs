@@ -48,7 +48,7 @@ pub(crate) fn prepare(
     prepare_as(constraints, RightSide::Value(unit), context)
 }
 
-/// The same, where right sides are read as `reading` says.
+/// Returns the same, where right sides are read as `reading` says.
 ///
 /// # Errors
 /// When a right side that never changes cannot be evaluated.
@@ -107,7 +107,7 @@ pub(crate) fn satisfies_all(
     satisfies_all_as(tests, constraints, value, reading, bindings, context, place)
 }
 
-/// The same, where right sides are read as `reading` says.
+/// Like the function above, with right sides evaluated as `reading` says.
 ///
 /// # Errors
 /// When a right side cannot be evaluated or compared.

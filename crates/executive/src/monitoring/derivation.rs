@@ -86,7 +86,7 @@ pub(crate) fn derive(
     recordings
 }
 
-/// A value that was not computed, or refused, is counted as missing; the message of all but the first is dropped.
+/// Counts a value that was not computed, or was refused, as missing, and drops all of its messages but the first.
 fn first_trouble_only(mut recording: Recording, variable: &StateVariable, histories: &mut Histories) -> Recording {
     if recording.recorded.is_none() && histories.note_missing(variable) > 1 {
         recording.trouble = None;
@@ -94,7 +94,7 @@ fn first_trouble_only(mut recording: Recording, variable: &StateVariable, histor
     recording
 }
 
-/// The objects for which a sample of `input`, with the object `measured`, gives a value.
+/// Returns the objects for which a sample of `input`, with the object `measured`, gives a value.
 fn objects(derivation: &Derivation, input: &DerivationInput, measured: &Value, histories: &Histories) -> Vec<Value> {
     match &input.object {
         Pattern::Literal(wanted) if wanted.matches(measured) => {
@@ -118,7 +118,7 @@ fn history_of<'h>(input: &DerivationInput, object: &Value, histories: &'h Histor
     histories.get(&StateVariable::new(input.attribute.clone(), object))
 }
 
-/// The instants whose derived sample depends on the sample of `input` at `at`: its own; when it came late, or for a line,
+/// Returns the instants whose derived sample depends on the sample of `input` at `at`: its own; when it came late, or for a line,
 /// also those of other inputs up to its neighbours.
 fn affected(
     derivation: &Derivation,
@@ -146,7 +146,7 @@ fn affected(
     instants
 }
 
-/// Of a sample that is the newest of its variable but not the newest of all: other inputs have later samples.
+/// Handles a sample that is the newest of its variable, while other variables have later samples.
 fn with_older(
     mut instants: BTreeSet<Time>,
     derivation: &Derivation,
@@ -163,7 +163,7 @@ fn with_older(
     instants
 }
 
-/// The derived value at an instant; none where an input has no value then.
+/// Returns the derived value at an instant; `None` if an input has no value then.
 fn value_at(
     derivation: &Derivation,
     variable: &StateVariable,
@@ -222,7 +222,7 @@ fn input_at(reads: Reading, join: Join, history: &History, at: Time) -> Option<V
     }
 }
 
-/// The value on the line between two samples; a value that is not a number holds.
+/// Returns the value on the line between two samples; a value that is not a number holds.
 fn interpolated(before: &Sample, after: &Sample, at: Time) -> Value {
     let (Some((low, dimension)), Some((high, same))) = (before.value.as_number(), after.value.as_number()) else {
         return before.value.clone();
@@ -234,7 +234,7 @@ fn interpolated(before: &Sample, after: &Sample, at: Time) -> Value {
     number(low + (high - low) * share, dimension)
 }
 
-/// Change per second; none where the values are not numbers of one dimension.
+/// Returns the change per second; `None` if the values are not numbers of one dimension.
 fn rate(before: &Sample, latest: &Sample) -> Option<Value> {
     let ((low, dimension), (high, same)) = (before.value.as_number()?, latest.value.as_number()?);
     let seconds = Duration((latest.at - before.at).0).seconds();

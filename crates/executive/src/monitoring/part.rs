@@ -63,7 +63,7 @@ pub(crate) struct ConditionFaults {
 }
 
 impl ConditionFaults {
-    /// None yet, for conditions that are judged in `context`.
+    /// Returns an empty list of faults, for conditions that are judged in `context`.
     pub(crate) fn none(context: &dyn EvalContext) -> ConditionFaults {
         let results_max = context.limits().count(Limit::MonitorResults);
         ConditionFaults { list: Vec::new(), limits_reached: 0, results_max }

@@ -41,7 +41,7 @@ pub(crate) fn match_pattern(
     result
 }
 
-/// Is there one way only to match it, without a choice to take back? Most patterns are so.
+/// Returns true if the pattern has only one way to match, without backtracking. Most patterns are so.
 fn is_straight(pattern: &Pattern) -> bool {
     match pattern {
         Pattern::Literal(_) | Pattern::Variable(_) | Pattern::BoundVariable(_) | Pattern::Anonymous => true,
@@ -105,7 +105,7 @@ impl Matcher<'_> {
         }
     }
 
-    /// The outcome of a pattern that has no parts; none for others.
+    /// Returns the outcome of a pattern without parts; `None` for other patterns.
     fn simple(&mut self, pattern: &Pattern, value: &Value) -> Result<Option<bool>, EvaluationError> {
         Ok(Some(match pattern {
             Pattern::Literal(literal) => literal.matches(value),

@@ -23,7 +23,7 @@ pub(crate) struct Key {
 }
 
 impl Key {
-    /// The key of a result of `part`.
+    /// Returns the key of a result of `part`.
     pub(crate) fn of(part: Place, result: &Satisfaction) -> Key {
         let subject = result.evidence.iter().find_map(|evidence| match evidence {
             Evidence::Sample { variable, .. } | Evidence::Run { variable, .. } => Some(variable.object.clone()),
@@ -66,8 +66,8 @@ impl Used {
 pub(crate) struct ReportedResults(pub(crate) Vec<Branch>);
 
 impl ReportedResults {
-    /// As it is when a bank has reported of the monitor's run: the result of the run before the newest sample, and of the one
-    /// that is open.
+    /// Returns the state after an index has reported the monitor's run: the result of the run before the newest sample, and of the open
+    /// one.
     pub(crate) fn by_bank(part: &Part, before: Option<&Satisfaction>, open: Option<&Satisfaction>) -> ReportedResults {
         let key = |result: &Satisfaction| Key::of(part.place, result);
         let open: Vec<Key> = open.map(key).into_iter().collect();

@@ -22,13 +22,13 @@ use apex_model::value::Value;
 
 /// A part that takes in the samples of a state variable one by one, those of one object in order of time.
 pub(crate) trait Sampled {
-    /// The state variable as the condition names it.
+    /// Returns the state variable as the condition names it.
     fn pattern(&self) -> &VariablePattern;
-    /// The state variable, if its object is known.
+    /// Returns the state variable, if its object is known.
     fn variable(&self) -> Option<&StateVariable>;
-    /// Instant of the newest sample of `object` that the part has taken in.
+    /// Returns the instant of the newest sample of `object` that the part has processed.
     fn newest(&self, object: &Value) -> Option<Time>;
-    /// The window of samples that count.
+    /// Returns the window of samples that count.
     fn window(&self, site: PartContext) -> Window {
         site.window
     }
@@ -49,7 +49,7 @@ pub(crate) trait Sampled {
         let _ = (site, sample);
         false
     }
-    /// True if the sample replaces another one that the part cannot take out alone.
+    /// Returns true if the sample replaces another one that the part cannot take out alone.
     fn must_backfill(&self, sample: SampleView<'_>) -> bool {
         let _ = sample;
         false
@@ -67,7 +67,7 @@ pub(crate) trait Sampled {
     }
 }
 
-/// A sample has arrived.
+/// Processes a sample.
 pub(crate) fn notice(
     part: &mut impl Sampled,
     site: PartContext,

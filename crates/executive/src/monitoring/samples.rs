@@ -30,7 +30,7 @@ pub(crate) struct SampleView<'a> {
     pub(crate) sequence: u64,
 }
 
-/// The state variable of a pattern whose object is known now.
+/// Returns the state variable of a pattern whose object is known now.
 pub(crate) fn known_variable(pattern: &VariablePattern, context: &dyn EvalContext) -> Option<StateVariable> {
     let object = ground(&pattern.object, context)?;
     Some(StateVariable::new(pattern.attribute.clone(), object))
@@ -107,7 +107,7 @@ pub(crate) fn object_holds(
     all(constraints, &variable.object, RightSide::Value(None), bindings, context, site.place)
 }
 
-/// A remembered sample, known when its instant was: one that replaced another has its place.
+/// Returns a remembered sample, known when its instant was: one that replaced another has its place.
 pub(crate) fn seen_of<'a>(variable: &'a StateVariable, history: &History, sample: &'a Sample) -> SampleView<'a> {
     SampleView { variable, value: &sample.value, at: sample.at, sequence: history.first_arrival(sample) }
 }

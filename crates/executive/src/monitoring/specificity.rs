@@ -21,7 +21,7 @@ pub(crate) struct Specificity {
     segments: Reverse<usize>,
 }
 
-/// Fewest variables first, then the longest constant prefix, then fewest segments.
+/// Returns the specificity of a pattern: fewer variables are more specific, then a longer constant prefix, then fewer segments.
 pub(crate) fn specificity(pattern: &Pattern) -> Specificity {
     let mut count = Count::default();
     count.add(pattern);
@@ -50,7 +50,7 @@ pub(crate) fn why_before(first: Specificity, other: Specificity) -> String {
     "it is as specific, and comes later in the library".into()
 }
 
-/// The variables that `pattern` can bind, in order of name.
+/// Returns the variables that `pattern` can bind, in order of name.
 pub(crate) fn variables(pattern: &Pattern) -> BTreeSet<&Symbol> {
     let mut count = Count::default();
     count.add(pattern);

@@ -34,7 +34,7 @@ impl TimeBounds {
     }
 }
 
-/// An instant that an expression gives.
+/// Returns an instant that an expression gives.
 ///
 /// # Errors
 /// When it cannot be evaluated, or is not an instant.
@@ -43,7 +43,7 @@ pub(crate) fn instant_of(expr: &Expr, context: &dyn EvalContext) -> Result<Time,
     instant(&value).map_err(|message| EvaluationError { message, place: expr.place })
 }
 
-/// A duration that an expression gives.
+/// Returns a duration that an expression gives.
 ///
 /// # Errors
 /// When it cannot be evaluated, or is not a duration.
@@ -52,7 +52,7 @@ pub(crate) fn duration_of(expr: &Expr, context: &dyn EvalContext) -> Result<Dura
     duration(&value).map_err(|message| EvaluationError { message, place: expr.place })
 }
 
-/// The instants that satisfy all `constraints`.
+/// Returns the instants that satisfy all `constraints`.
 ///
 /// # Errors
 /// When a side cannot be evaluated, or a constraint is not a bound (the checker refuses those).

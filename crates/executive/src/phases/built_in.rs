@@ -29,7 +29,7 @@ fn place(arguments: &[Expr]) -> Place {
     arguments.last().map(|argument| argument.place).unwrap_or_default()
 }
 
-/// The task that an argument names.
+/// Returns the task that an argument names.
 fn task_argument(value: &Value, expr: &Expr) -> Result<TaskId, Because> {
     match value {
         Value::Task(task) => Ok(*task),
@@ -159,7 +159,7 @@ fn release_of_parent(cycle: &mut Cycle<'_>, id: TaskId, names: &[Value]) {
     }
 }
 
-/// `(terminate [task] [outcome] [>> value])`: ends the named task, else the procedure of the step.
+/// Executes `(terminate [task] [outcome] [>> value])`: ends the named task, or else the procedure of the step.
 pub(crate) fn terminate(cycle: &mut Cycle<'_>, id: TaskId) {
     if let Some(task) = cycle.agent.task_mut(id) {
         task.controller = Some(Box::new(Controller::BuiltIn));
@@ -209,7 +209,7 @@ fn terminate_target(cycle: &Cycle<'_>, id: TaskId) -> Result<TaskToEnd, Because>
     Ok(target.map(|target| (target, outcome, task.is_some())))
 }
 
-/// The task whose procedure holds the step, above items and failure handlers.
+/// Returns the task whose procedure holds the step, above items and failure handlers.
 fn procedure_of(cycle: &Cycle<'_>, id: TaskId) -> Option<TaskId> {
     let mut parent = cycle.task(id)?.parent?;
     loop {

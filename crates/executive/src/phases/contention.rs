@@ -26,7 +26,7 @@ use apex_model::value::Value;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-/// The contend phase: what is to be committed.
+/// Returns the contend phase: what is to be committed.
 pub(crate) fn contend(cycle: &mut Cycle<'_>) -> Arbitration {
     let work = &cycle.work;
     let changed = work.priorities_changed || work.inheritance_changed;
@@ -79,7 +79,7 @@ pub(crate) fn contend(cycle: &mut Cycle<'_>) -> Arbitration {
     result
 }
 
-/// A task that may start over has not continued yet: its steps are offered when it does, all at once.
+/// Returns true if the parent of an enabled task may resume at this instant: all of its steps compete together once it has resumed.
 fn waits_for_parent(cycle: &Cycle<'_>, id: TaskId) -> bool {
     let resuming = &cycle.work.resuming;
     if resuming.is_empty() || cycle.state(id) != TaskState::Enabled {
@@ -88,7 +88,7 @@ fn waits_for_parent(cycle: &Cycle<'_>, id: TaskId) -> bool {
     cycle.task(id).and_then(|task| task.parent).is_some_and(|parent| resuming.contains(&parent))
 }
 
-/// An input of priorities changed: resources where that may matter are arbitrated again, every turn is computed again.
+/// Marks resources for arbitration because an input of priorities changed, and discards all computed turns.
 fn look_again(cycle: &mut Cycle<'_>) {
     let values = std::mem::take(&mut cycle.work.priorities_changed);
     let inherited = std::mem::take(&mut cycle.work.inheritance_changed);
@@ -123,7 +123,7 @@ fn look_again(cycle: &mut Cycle<'_>) {
     cycle.work.dirty.extend(concerned);
 }
 
-/// The commit phase: states change as arbitrated.
+/// Executes the commit phase: changes states as arbitrated.
 pub(crate) fn commit(cycle: &mut Cycle<'_>, arbitration: Arbitration) {
     let begun = begun_by(cycle, &arbitration);
     let changes = !arbitration.granted.is_empty() || !arbitration.displaced.is_empty();
@@ -201,8 +201,8 @@ fn begun_by(cycle: &Cycle<'_>, arbitration: &Arbitration) -> Vec<TaskId> {
     arbitration.granted.iter().copied().filter(begins).collect()
 }
 
-/// Work that has begun comes first among its equals, unless one goes before it by rank that has not begun. When such ones
-/// begin, what the interrupted ones behind them want is arbitrated again.
+/// Marks the claims of interrupted tasks behind a task that begins, because begun work precedes its equals unless a task that has not begun
+/// precedes it by rank.
 fn look_behind(cycle: &mut Cycle<'_>, begun: &[TaskId], refused: &[Refusal]) {
     if begun.is_empty() {
         return;
@@ -217,7 +217,7 @@ fn look_behind(cycle: &mut Cycle<'_>, begun: &[TaskId], refused: &[Refusal]) {
     }
 }
 
-/// An amount of a resource for operators: whole units of a capacity, a quantity of a depletable.
+/// Returns an amount of a resource for operators: whole units of a capacity, a quantity of a depletable.
 fn amount(number: f64, dimension: Dimension) -> Value {
     if dimension == Dimension::NONE && libm::trunc(number) == number {
         return Value::Integer(number as i64);

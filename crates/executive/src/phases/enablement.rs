@@ -37,7 +37,7 @@ fn order(clause: Clause) -> u8 {
     }
 }
 
-/// The enable phase.
+/// Executes the enable phase.
 pub(crate) fn enable(cycle: &mut Cycle<'_>) {
     execution_conditions::judge_invariants(cycle);
     fire_all(cycle);
@@ -133,7 +133,7 @@ fn fire(cycle: &mut Cycle<'_>, firing: Firing) {
     }
 }
 
-/// The `waitfor` came true: what it bound is the task's own.
+/// Handles a `waitfor` that came true: the task gets its bindings.
 fn preconditions_hold(cycle: &mut Cycle<'_>, id: TaskId, satisfaction: Satisfaction, place: Place) {
     for (name, value) in satisfaction.bindings.iter() {
         let evidence = satisfaction.evidence.clone();
@@ -163,7 +163,7 @@ fn evidence_of(cycle: &Cycle<'_>, id: TaskId) -> Option<EvidenceList> {
     list.get(after.checked_sub(1)?).filter(|(task, _)| *task == id).map(|(_, evidence)| evidence.clone())
 }
 
-/// The step before the task's in a sequence, which has ended now.
+/// Returns the step before the task's in a sequence, which has ended now.
 fn predecessor(cycle: &Cycle<'_>, id: TaskId) -> Option<Cause> {
     let task = cycle.task(id)?;
     let Origin::Step(step) = task.origin else { return None };

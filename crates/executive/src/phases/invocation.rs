@@ -16,7 +16,7 @@ use crate::state::controller::{Controller, MethodBinding};
 use apex_model::because::Cause;
 use apex_model::task::{TaskId, TaskState};
 
-/// The act phase.
+/// Executes the act phase.
 pub(crate) fn act(cycle: &mut Cycle<'_>) {
     let resuming = if cycle.work.resuming.is_empty() { None } else { Some(std::mem::take(&mut cycle.work.resuming)) };
     for id in resuming.into_iter().flatten() {
@@ -70,7 +70,7 @@ fn begin(cycle: &mut Cycle<'_>, id: TaskId) {
     }
 }
 
-/// The chosen way, which begins; what its index bound moves from the selection into the controller.
+/// Returns the chosen way, which begins; what its index bound moves from the selection into the controller.
 fn take_way(cycle: &mut Cycle<'_>, id: TaskId) -> Option<MethodBinding> {
     let selection = cycle.agent.task_mut(id)?.selection.as_mut()?;
     selection.begun = true;

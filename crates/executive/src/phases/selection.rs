@@ -42,7 +42,7 @@ struct MethodChoice {
     cause: Cause,
 }
 
-/// The choose phase.
+/// Executes the choose phase.
 pub(crate) fn choose(cycle: &mut Cycle<'_>) {
     for id in in_order(&mut cycle.work.enabled) {
         let open = cycle.task(id).is_some_and(|task| task.state == TaskState::Enabled && task.selection.is_none());
@@ -132,7 +132,7 @@ fn choice(cycle: &mut Cycle<'_>, id: TaskId) -> Result<MethodChoice, Because> {
     }
 }
 
-/// The goal of an activity, or how a built-in one reads.
+/// Returns the goal of an activity, or how a built-in one reads.
 fn activity_goal(cycle: &Cycle<'_>, id: TaskId, activity: &Activity) -> Result<Result<Value, Value>, Because> {
     let view = cycle.view(id, Level::Step);
     match activity {
@@ -160,7 +160,7 @@ fn items(cycle: &Cycle<'_>, id: TaskId, list: &Expr) -> Result<MethodChoice, Bec
     })
 }
 
-/// The best method for a goal: the most specific match, else a solver.
+/// Returns the best method for a goal: the most specific match, else a solver.
 fn method_for(cycle: &mut Cycle<'_>, id: TaskId, goal: Value) -> Result<MethodChoice, Because> {
     let mut matches = matches(cycle, id, &goal);
     if matches.is_empty() {
@@ -222,7 +222,7 @@ fn why_first(cycle: &Cycle<'_>, matches: &Matches) -> Cause {
     Cause::FirstOfEquals { candidates, equals: equals.len() as u64 + 1, rule }
 }
 
-/// All procedures and primitives that serve the goal with what their indexes bind, best first.
+/// Returns all procedures and primitives that serve the goal with what their indexes bind, best first.
 fn matches(cycle: &mut Cycle<'_>, id: TaskId, goal: &Value) -> Matches {
     let mut found: Matches = Matches::new();
     let mut errors = Vec::new();
@@ -304,7 +304,7 @@ fn refuses(profile: &[ResourceNeed]) -> bool {
     profile.iter().any(|need| need.refuse_if_busy)
 }
 
-/// The procedure or primitive that was selected; none for everything else.
+/// Returns the procedure or primitive that was selected; `None` for everything else.
 fn chosen<'a>(cycle: &Cycle<'a>, id: TaskId) -> Option<IndexPattern<'a>> {
     let candidate = match &cycle.task(id)?.selection.as_ref()?.way {
         MethodBinding::Procedure(ProcedureRef::Stored(index), _) => IndexCandidate::Procedure(*index),
@@ -346,7 +346,7 @@ fn expected(cycle: &Cycle<'_>, id: TaskId, expr: Option<&Expr>) -> Result<Option
     }
 }
 
-/// The resources named by `(hold-resource r..)`; none for every other way.
+/// Adds the resources named by `(hold-resource r..)` to the needs; adds nothing for other methods.
 fn held(cycle: &mut Cycle<'_>, id: TaskId, needs: &mut Vec<Need>) -> Result<(), Because> {
     let way = cycle.task(id).and_then(|task| task.selection.as_ref()).map(|selection| &selection.way);
     if !matches!(way, Some(MethodBinding::BuiltIn(BuiltInActivity::HoldResource))) {

@@ -10,7 +10,7 @@ use apex_model::time::Time;
 use std::collections::BTreeSet;
 
 impl MonitorSession {
-    /// The attributes of all state variables that `conditions` read, directly, by queries, or through derived ones. None if
+    /// Returns the attributes of all state variables that `conditions` read, directly, by queries, or through derived ones. `None` if
     /// that is not known beforehand, or if any sample counts as an instant at which a condition is judged.
     pub fn attributes_read(&self, conditions: &[Condition]) -> Option<BTreeSet<Symbol>> {
         let library = &self.world.library;

@@ -1,5 +1,5 @@
-//! Plain episodes of a session, and combinations of such: banks watch them between what there is to tell, and samples
-//! that tell nothing pass by.
+//! Episode indexes of a session. They watch plain episodes, and combinations of them, while there is nothing to report, so that most
+//! samples are compared in one pass and reach no monitor.
 
 use super::scene::SessionState;
 use super::watched::WatchedCondition;
@@ -21,7 +21,7 @@ use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
 impl MonitorSession {
-    /// Measurements of one variable as real numbers, in the declared unit. The shorter of the two slices counts.
+    /// Records measurements of one variable as real numbers in the declared unit. The shorter of the two slices counts.
     pub fn samples(&mut self, variable: &StateVariable, instants: &[Time], values: &[f64]) {
         let length = instants.len().min(values.len());
         let (mut instants, mut values) =
@@ -29,11 +29,11 @@ impl MonitorSession {
         while let (Some((at, later)), Some((value, rest))) = (instants.split_first(), values.split_first()) {
             self.sample(variable, Value::Real(*value), *at);
             (instants, values) = (later, rest);
-            // What comes next is of a later instant: the present one is over.
+            // The next sample has a later instant, so the present instant is over.
             if later.first().is_some_and(|next| *next > self.world.now) {
                 self.end_instant();
             }
-            // Who wants to know the gaps is shown every sample.
+            // To report gaps, a session has to process every sample.
             while self.spacings.is_none() {
                 let passed = self.pass_by(variable, instants, values);
                 if passed == 0 {
@@ -45,12 +45,12 @@ impl MonitorSession {
         }
     }
 
-    /// Shows the stimulus to the bank of its variable. Monitors that must receive it in the general way join `found`; so do
-    /// all when its variable is `repeated` at its instant, since the next sample may take back what it says.
+    /// Passes the stimulus to the index of its variable, and adds the monitors that must process it themselves to `found`. If its variable
+    /// is `repeated` at its instant, these are all monitors, since the next sample may revoke its effect.
     pub(super) fn show_bank(&mut self, stimulus: &Stimulus, repeated: &[StateVariable], found: &mut MonitorIds) {
         let Stimulus::Sample { variable, value, at, newest, .. } = stimulus else { return };
         let Some(bank) = self.interests.episodes_mut(variable) else { return };
-        // A sample from before the present may take back what time alone has decided since.
+        // A sample from before the present instant may revoke decisions that the passing of time has caused since.
         let ordinary = *newest && *at >= self.world.now && !repeated.contains(variable);
         match bank.takes(*at, value).filter(|_| ordinary) {
             Some(number) => bank.sample(*at, number, &mut self.heard),
@@ -64,7 +64,7 @@ impl MonitorSession {
         self.refresh(variable);
     }
 
-    /// A wake of the condition has arrived: it begins if it has not yet.
+    /// Handles a wake of the condition, which begins now if it has not begun yet.
     pub(super) fn begin(&mut self, id: MonitorId) {
         let Some(watched) = self.watches.get_mut(id.0) else { return };
         watched.wake = None;
@@ -82,7 +82,7 @@ impl MonitorSession {
         }
     }
 
-    /// Time has arrived for the first of the episodes that share a bank with `leaf`.
+    /// Handles a wake of the index that holds `leaf`: one of its episodes is due.
     pub(super) fn wake_bank(&mut self, leaf: LeafId) {
         let watched = self.watches.get(leaf.monitor.0);
         let Some(variable) = watched.and_then(|watched| watched.variable_in_bank(leaf.leaf)).cloned() else { return };
@@ -92,7 +92,7 @@ impl MonitorSession {
         self.refresh(&variable);
     }
 
-    /// A monitor with one of `taken` in a bank receives stimuli in the general way again.
+    /// Lets the monitors of `taken` process stimuli themselves again.
     fn stand_up(&mut self, taken: Taken) {
         for of_one in taken.chunk_by(|(one, _), (other, _)| one.monitor == other.monitor) {
             let Some((LeafId { monitor: id, .. }, first)) = of_one.first() else { continue };
@@ -108,7 +108,7 @@ impl MonitorSession {
         }
     }
 
-    /// Gives a combination its leaves back: those that are `taken` already, and all others from their banks.
+    /// Moves the leaves of a combination from their indexes back into its monitor; `taken` holds those that are removed already.
     fn take_out_combination(
         &mut self,
         id: MonitorId,
@@ -131,7 +131,7 @@ impl MonitorSession {
         }
     }
 
-    /// Tells what the banks have said of the present instant. Combinations of which there may be more to tell are touched.
+    /// Reports the results of the indexes at the present instant, and marks combinations that may have results.
     pub(super) fn tell_heard(&mut self) {
         let mut heard = std::mem::take(&mut self.heard);
         heard.sort_by_key(|told| (told.leaf, told.what != What::Over));
@@ -159,8 +159,8 @@ impl MonitorSession {
         self.heard = heard;
     }
 
-    /// Gives the condition's monitor what banks have seen of it. True when they continue to watch meanwhile: a combination
-    /// is harvested while its leaves stay where they are.
+    /// Copies the state of the condition's leaves from the indexes into its monitor. Returns true if the leaves stay in the indexes, as
+    /// those of a combination do.
     pub(super) fn look_into_banks(&mut self, id: MonitorId, watched: &mut WatchedCondition) -> bool {
         let WatchedCondition { monitor: Some(monitor), leaves: Some(leaves), .. } = watched else {
             self.take_out_of_bank(id, watched);
@@ -176,7 +176,7 @@ impl MonitorSession {
         (0..).zip(leaves.variables()).map(seen).collect()
     }
 
-    /// Takes the condition's monitor out of the banks that it is in.
+    /// Removes the condition's leaves from all indexes.
     pub(super) fn take_out_of_bank(&mut self, id: MonitorId, watched: &mut WatchedCondition) {
         if watched.leaves.is_some() {
             self.take_out_combination(id, watched, &[]);
@@ -192,9 +192,9 @@ impl MonitorSession {
         self.refresh(&variable);
     }
 
-    /// Lets a bank watch the condition, all of which was reported. False when none can.
+    /// Moves a condition without unreported results into an index. Returns false if no index can watch it.
     pub(super) fn put_into_bank(&mut self, id: MonitorId, watched: &mut WatchedCondition) -> bool {
-        // What was reported must be remembered as long as late samples can make it known again.
+        // Reported results must be remembered as long as late samples can produce them again.
         if watched.lateness > Duration::ZERO || self.without_banks {
             return false;
         }
@@ -203,7 +203,7 @@ impl MonitorSession {
             return self.put_combination_into_banks(id, watched);
         };
         let Some((wanted, run)) = threshold_episode::bankable(monitor, &self.world) else { return false };
-        // A bank tells the end of every result.
+        // An index reports the end of every result.
         if wanted.open.is_some() && !watched.told.awaits_end() {
             return false;
         }
@@ -228,7 +228,7 @@ impl MonitorSession {
         if whole {
             threshold_formula::lie_down(monitor);
         } else {
-            // One leaf alone in a bank would not receive the reports of the others.
+            // All leaves must be in indexes: a single one would miss the reports of the others.
             for (leaf, variable) in (0..).zip(leaves.variables()).take(inside) {
                 self.interests.episodes_mut(variable).and_then(|bank| bank.take(LeafId { monitor: id, leaf }));
             }
@@ -239,7 +239,7 @@ impl MonitorSession {
         whole
     }
 
-    /// Asks for the wake that the bank needs, and no other; an empty bank goes.
+    /// Replaces the requested wake of an index by the one that it needs now; removes an empty index.
     fn refresh(&mut self, variable: &StateVariable) {
         let Some(bank) = self.interests.episodes_mut(variable) else { return };
         let due = bank.due();
@@ -255,7 +255,7 @@ impl MonitorSession {
         }
     }
 
-    /// The condition as if no bank stood between it and its samples.
+    /// Returns the monitor in the state that it would have without an index.
     pub(super) fn as_told(&self, id: MonitorId, watched: &WatchedCondition) -> Option<Monitor> {
         let mut monitor = watched.monitor.clone()?;
         if let Some(mut leaves) = watched.leaves.clone() {
@@ -270,9 +270,8 @@ impl MonitorSession {
         Some(monitor)
     }
 
-    /// Takes in samples of one variable, in order of time and with nothing else between them, one instant each, up to one
-    /// that a monitor must receive in the general way; how many these were. The last one stays out: what comes after it
-    /// may still belong to its instant.
+    /// Processes consecutive samples of one variable, one per instant, up to the first one that a monitor must process itself. Returns
+    /// their number. The last sample is left out, because the next stimulus may belong to its instant.
     pub(super) fn pass_by(&mut self, variable: &StateVariable, instants: &[Time], values: &[f64]) -> usize {
         if !self.stimuli.is_empty() || !self.touched.is_empty() {
             return 0;
@@ -326,12 +325,12 @@ impl MonitorSession {
     }
 }
 
-/// A wake that a bank has asked for, as the session keeps it.
+/// Returns a wake that a bank has asked for, as the session keeps it.
 fn wake_of(at: Time, leaf: LeafId) -> (Time, MonitorId, Option<u32>) {
     (at, leaf.monitor, Some(leaf.leaf))
 }
 
-/// Variables of which there is more than one sample.
+/// Returns the variables with more than one sample.
 pub(super) fn repeated(stimuli: &[Stimulus]) -> Vec<StateVariable> {
     if stimuli.len() < 2 {
         return Vec::new();

@@ -21,7 +21,7 @@ pub struct SamplingGap {
 }
 
 impl SamplingGap {
-    /// From sample to sample.
+    /// Returns the time from sample to sample.
     pub fn length(&self) -> Duration {
         self.end - self.start
     }
@@ -47,7 +47,7 @@ struct OfVariable {
 }
 
 impl Spacings {
-    /// A sample of `variable` was recorded so.
+    /// Records that a sample of `variable` was recorded with this result.
     pub(super) fn note(&mut self, variable: &StateVariable, at: Time, recorded: Option<Recorded>) {
         match recorded {
             Some(Recorded::Appended) => match self.variables.get_mut(variable) {
@@ -66,7 +66,7 @@ impl Spacings {
         }
     }
 
-    /// The largest gap of each run that the result rests on, where it is known; a run of one sample has none.
+    /// Returns the largest gap of each run that the result rests on, where it is known; a run of one sample has none.
     pub(super) fn of(&self, result: &Satisfaction) -> Vec<SamplingGap> {
         let of_run = |evidence: &Evidence| {
             let Evidence::Run { variable, start, end, .. } = evidence else { return None };
@@ -102,7 +102,7 @@ impl OfVariable {
         self.newest = at;
     }
 
-    /// The largest spacing between `start` and `end`, the later one of equals; none where it is not known.
+    /// Returns the largest spacing between `start` and `end`, the later one of equals; `None` if it is not known.
     fn largest(&self, start: Time, end: Time) -> Option<(Time, Time)> {
         let (before, _) = self.last?;
         if start < self.known_from || (end != self.newest && end != before) {

@@ -5,7 +5,7 @@ use apex_model::event::{EventKind, Message};
 use apex_model::time::Time;
 
 impl MonitorSession {
-    /// A recorded or live event: a sample, a message, or only an instant that time has reached.
+    /// Processes a recorded or live event: a sample, a message, or only an instant that time has reached.
     pub fn take(&mut self, kind: EventKind, at: Time) {
         match kind {
             EventKind::Measurement(variable, value) | EventKind::Told(_, Message::Measurement(variable, value)) => {

@@ -1,4 +1,4 @@
-//! Conditions without tasks: a session watches conditions over samples and messages and tells every result.
+//! Conditions without tasks: a session watches conditions over samples and messages, and reports every result.
 
 mod attributes;
 mod banks;
@@ -48,29 +48,29 @@ use watched::WatchedCondition;
 
 /// Watches conditions over a stream of samples, messages and changes of tasks' states (`conditions.md`).
 ///
-/// Stimuli come in any number and order of calls; their instants move the session's time, which never goes back. All
-/// stimuli of one instant are one step (rule 4): an instant is over when one of a later instant comes, or when
-/// [`advance`](MonitorSession::advance) passes it. What time alone decides is decided at its exact instant. So what is reported
-/// depends neither on how calls are divided nor on how often time is advanced (rule 21).
+/// Stimuli may arrive in any number and order of calls; their instants advance the session's time, which never decreases. All stimuli
+/// of one instant form one step (rule 4): an instant is over when a stimulus of a later instant arrives, or when
+/// [`advance`](MonitorSession::advance) passes it. Decisions by the passing of time alone are made at their exact instant. So
+/// results depend neither on the division into calls nor on the frequency of `advance` (rule 21).
 ///
 /// # What is reported
 ///
-/// Not only the first result of a condition, as a task would wait for it, but a stream of all of them, each once:
+/// A task waits for the first result of a condition; a session reports all results, each once:
 ///
-/// - **A single condition** (measurement, episode, event, ..) tells every result: each sample that satisfies a
+/// - **A single condition** (measurement, episode, event, ..) reports every result: each sample that satisfies a
 ///   measurement, each maximal run that satisfies an episode, each message that matches. With an object variable there
 ///   are such results for each object.
 /// - **An episode** is reported when it is recognised, say after its `:duration`. Its run may continue: then the result is marked
 ///   [`open`](ResultEvent::Recognised), and it is reported once more, with its final interval, when the run is over, which the
 ///   next sample shows: [`ResultEvent::Closed`]. A caller that needs each result once considers either kind.
-/// - **A combination** (`:and`, `:in-order`, ..) tells a result as soon as its parts make one up, and then begins again: what
-///   was known of the parts at that instant makes up no further result. Of several results of one instant that bind the
-///   same variables (tags aside) the first in order is reported.
+/// - **A combination** (`:and`, `:in-order`, ..) reports a result as soon as results of its parts form one, and then begins again:
+///   results of the parts up to that instant form no further result. Of several results of one instant that bind the same variables
+///   (except for tags) the first in order is reported.
 /// - **The alternatives** of an outermost `:or` are reported separately.
 /// - **An absence** (`:not`) is reported once, when it becomes true, and not at every instant at which it is still true.
 ///
-/// A sample that comes late, within its variable's `:lateness`, can make a result known, which is then recognised at the
-/// session's time; what was reported before is not taken back.
+/// A late sample, within its variable's `:lateness`, can produce a result, which is recognised at the session's time. Earlier reports
+/// are not revoked.
 ///
 /// Results wait in the session until they are [taken](MonitorSession::take_results).
 #[derive(Clone, Debug)]
@@ -82,7 +82,7 @@ pub struct MonitorSession {
     arrivals: u64,
     /// Greatest delay of samples.
     lateness: Duration,
-    /// For comparison: every sample is reported in the general way.
+    /// True if no episode index is used, so that monitors process every sample; for comparisons.
     without_banks: bool,
     /// Stimuli of the present instant.
     stimuli: Vec<Stimulus>,
@@ -100,7 +100,7 @@ pub struct MonitorSession {
 }
 
 impl MonitorSession {
-    /// A session in terms of `library`: its declared state variables, functions, constants and indexicals.
+    /// Returns a session in terms of `library`: its declared state variables, functions, constants and indexicals.
     ///
     /// # Errors
     /// A message if a declared host function is not registered or a constant has no value.
@@ -143,15 +143,15 @@ impl MonitorSession {
         })
     }
 
-    /// Results tell the largest time without a sample within them, so that who relies on one can see how dense its data were.
+    /// Lets results state the largest time without a sample within them, so that a user can judge the density of the data.
     ///
-    /// It is known for runs whose samples all came to this session in order.
+    /// It is known for runs whose samples all arrived in order.
     pub fn with_gaps(mut self) -> MonitorSession {
         self.spacings = Some(Spacings::default());
         self
     }
 
-    /// Nothing is forgotten: for a log that is read to its end, whose length bounds what is kept.
+    /// Lets the session keep all samples, messages and results: for logs, whose length bounds the memory.
     pub fn over_a_log(mut self) -> MonitorSession {
         self.world.limits = Limits::of_a_log();
         self.world.histories.limit(&self.world.limits);
@@ -164,11 +164,11 @@ impl MonitorSession {
         self
     }
 
-    /// Watches `condition` with a window from `created_at` on (rule 2). An instant to come is waited for; for one that is
-    /// past the retained history is searched first, and what is found there is recognised now.
+    /// Watches `condition` with a window from `created_at` on (rule 2). If that instant is in the future, the watch begins then; if it is in
+    /// the past, the retained history is searched first, and results found there are recognised now.
     ///
     /// # Errors
-    /// What is wrong and where, when an expression that must be known now (a duration, a gap) has no value.
+    /// A message with its place if an expression that must be known now (a duration, a gap) has no value.
     pub fn watch(&mut self, condition: Condition, created_at: Time) -> Result<MonitorId, SessionError> {
         self.end_instant();
         let SessionState { histories, library, .. } = &mut self.world;
@@ -205,7 +205,7 @@ impl MonitorSession {
         self.touch_all();
     }
 
-    /// A measurement, in the declared unit where it is a bare number. Returns its recording; `None` if it was refused; a
+    /// Records a measurement; a number without unit is in the declared unit. Returns its recording; `None` if it was refused, for which a
     /// condition fault holds the reason.
     pub fn sample(&mut self, variable: &StateVariable, value: Value, at: Time) -> Option<Recorded> {
         self.come_to(at);
@@ -218,12 +218,12 @@ impl MonitorSession {
         self.take_in(variable, at, recording)
     }
 
-    /// Shows a sample to the conditions that watch its variable.
+    /// Passes a sample to the conditions that watch its variable.
     fn take_in(&mut self, variable: &StateVariable, at: Time, recording: Recording) -> Option<Recorded> {
         if !self.interests.ignore_variable(variable) {
             self.stimuli.extend(recording.stimulus);
         }
-        // Also of variables without a monitor: a condition may begin to be watched at this instant.
+        // Gaps are kept also for variables without a monitor, because a watch may begin at this instant.
         if let Some(spacings) = &mut self.spacings {
             spacings.note(variable, at, recording.recorded);
         }
@@ -234,7 +234,7 @@ impl MonitorSession {
         recording.recorded
     }
 
-    /// A message.
+    /// Records a message.
     pub fn event(&mut self, form: Value, at: Time) {
         if let Some((variable, value)) = measured(&form) {
             self.sample(&variable, value, at);
@@ -250,7 +250,7 @@ impl MonitorSession {
         }
     }
 
-    /// A task enters a state. A task that is new was pending before.
+    /// Records that a task enters a state; a task that the session does not know was pending before.
     pub fn task_state(&mut self, task: TaskId, state: TaskState, at: Time) {
         self.come_to(at);
         let first = KnownTask { state: TaskState::Pending, since: at, started_at: at, worked: Duration::ZERO };
@@ -263,18 +263,18 @@ impl MonitorSession {
         }
     }
 
-    /// Time has arrived to `now`, and everything up to and with it was handed over: its decisions are reported.
+    /// Advances the time past `now`: all stimuli up to and including `now` were delivered, so its results are reported.
     pub fn advance(&mut self, now: Time) {
         self.come_to(now);
         self.end_instant();
     }
 
-    /// Time has arrived to `at`, and more of that instant may follow.
+    /// Advances the time to `at`; further stimuli of that instant may follow.
     pub fn advance_to(&mut self, at: Time) {
         self.come_to(at);
     }
 
-    /// Nothing more comes: results whose interval could still grow are reported as closed.
+    /// Ends the session: results whose interval could still grow are reported as closed.
     pub fn finish(&mut self) {
         self.end_instant();
         for number in 0..self.next_watch {
@@ -298,7 +298,7 @@ impl MonitorSession {
         }
     }
 
-    /// Lets everything happen that is due before `at`, and moves time there.
+    /// Executes all wakes that are due before `at`, and advances the time to `at`.
     fn come_to(&mut self, at: Time) {
         if at <= self.world.now {
             return;
@@ -311,7 +311,7 @@ impl MonitorSession {
         self.world.now = at;
     }
 
-    /// The present instant is over: what happened is noticed, what is due begins, and all that was touched is judged.
+    /// Ends the present instant: monitors process its stimuli, due watches begin, and all affected conditions are judged.
     fn end_instant(&mut self) {
         let now = self.world.now;
         self.derive();
@@ -394,7 +394,7 @@ impl MonitorSession {
         }
     }
 
-    /// Tells what is new about a condition and sees to its next wake.
+    /// Reports the new results of a condition and requests its next wake.
     fn judge(&mut self, id: MonitorId) {
         let Some(mut watched) = self.watches.lift(id.0) else { return };
         let in_banks = self.look_into_banks(id, &mut watched);

@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 impl MonitorSession {
-    /// The results since the last call, in order of recognition.
+    /// Returns the results since the last call, in order of recognition.
     pub fn take_results(&mut self) -> Vec<MonitorResult> {
         std::mem::take(&mut self.results)
     }
@@ -22,12 +22,12 @@ impl MonitorSession {
         std::mem::take(&mut self.troubles)
     }
 
-    /// The session's time: [`Time::BEGINNING`] before anything happened.
+    /// Returns the session's time: [`Time::BEGINNING`] before anything happened.
     pub fn now(&self) -> Time {
         self.world.now
     }
 
-    /// The library in whose terms conditions are understood.
+    /// Returns the library in whose terms conditions are understood.
     pub fn library(&self) -> &Arc<Library> {
         &self.world.library
     }

@@ -37,7 +37,7 @@ pub enum ResultEvent {
 /// Status of a condition.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Judgement {
-    /// Satisfied by the first result; otherwise what can be said now.
+    /// Satisfied by the first result, or else false or unknown.
     pub verdict: Verdict,
     /// The parts that do not hold, with the reason of each; empty when satisfied.
     pub because: Vec<Unmet>,
@@ -45,7 +45,7 @@ pub struct Judgement {
     pub results: u64,
 }
 
-/// Something that went wrong: a sample that was refused, a condition whose expression failed.
+/// An error of a session: a refused sample, or a condition whose expression failed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SessionError {
     /// The condition, if it is about one.

@@ -332,7 +332,7 @@ const CONDITIONS: &[&str] = &[
     "(:or (:delay 4s) (:measurement (y uav) :value (= 2) :estimation (:persist :with-timeout 2s)))",
 ];
 
-/// All results of all conditions over `samples`; `advances` are instants at which time is advanced in between.
+/// Returns all results of all conditions over `samples`; `advances` are instants at which time is advanced in between.
 fn run(samples: &[(u8, i8, i64)], advances: &[i64]) -> Vec<MonitorResult> {
     let mut session = MonitorSession::new(Arc::new(Library::default()), HostFunctions::default()).unwrap();
     for text in CONDITIONS {
@@ -354,7 +354,7 @@ fn run(samples: &[(u8, i8, i64)], advances: &[i64]) -> Vec<MonitorResult> {
     session.take_results()
 }
 
-/// All results of plain conditions over samples of one variable, handed over in slices that are cut by `cuts`.
+/// Returns all results of plain conditions over samples of one variable, handed over in slices that are cut by `cuts`.
 fn run_plain(
     samples: &[(i64, i64)],
     wanted: &[(i64, i64, i64)],

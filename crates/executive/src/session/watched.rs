@@ -41,7 +41,7 @@ pub(super) struct WatchedCondition {
 }
 
 impl WatchedCondition {
-    /// A condition that begins at `created_at`. Its monitor is made at once for a try, so that errors come at once.
+    /// Returns a condition that begins at `created_at`. Its monitor is made at once for a try, so that errors come at once.
     pub(super) fn new(
         condition: Condition,
         created_at: Time,
@@ -85,7 +85,7 @@ impl WatchedCondition {
         }
     }
 
-    /// A bank has watched the condition, and reported of it what there was to tell.
+    /// Restores the monitor of a condition from an index, which has reported all of its results.
     pub(super) fn stand_up(&mut self, seen: Option<IndexedRun>) {
         let Some(monitor) = &mut self.monitor else { return };
         let open_at = seen.as_ref().and_then(|seen| seen.open_at);
@@ -101,7 +101,7 @@ impl WatchedCondition {
         }
     }
 
-    /// The combination was harvested while banks continued to watch; it has reported `any` result.
+    /// Continues the watch of a combination by indexes after a harvest; it has reported `any` result.
     pub(super) fn lie_down_again(&mut self, any: bool) {
         if let WatchedCondition { monitor: Some(monitor), leaves: Some(leaves), .. } = self {
             threshold_formula::harvested(monitor, leaves, any);
@@ -142,13 +142,13 @@ impl WatchedCondition {
         self.interests.iter().for_each(|interest| interests.remove(interest, narrowed, id));
     }
 
-    /// A single comparison need not see the samples that cannot satisfy it.
+    /// Returns the threshold of a single comparison, which samples that cannot satisfy it need not pass.
     fn narrowed(&self) -> Narrowed<'static> {
         let threshold = self.monitor.as_ref().and_then(interest::threshold);
         Narrowed { second: None, threshold }
     }
 
-    /// A verdict may have found out which task is meant: the monitor is filed for that one.
+    /// Files the monitor under the stimuli of a task that a verdict has determined.
     pub(super) fn refile(&mut self, interests: &mut Interests, id: MonitorId) {
         let Some(monitor) = self.monitor.as_ref().filter(|_| self.changing) else { return };
         let wanted = interest::interests(monitor);

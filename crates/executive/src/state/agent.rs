@@ -242,24 +242,24 @@ impl Agent {
         Some((key.at, self.describe_wake(wake)))
     }
 
-    /// By how much limits on one instant grow at `now`: each message from outside may cause as much as one alone. What tasks
-    /// say to themselves and to one another does not count.
+    /// Returns the growth of limits on one instant at `now`: each message from outside may cause as much work as one alone. Messages among
+    /// tasks and agents do not count.
     pub(crate) fn outside_messages_at(&self, now: Time) -> u64 {
         if self.burst.0 == now { self.burst.1.max(1) } else { 1 }
     }
 
-    /// True after `EndApplication`: nothing will happen any longer.
+    /// Returns true after `EndApplication`: the agent no longer does anything.
     pub fn is_finished(&self) -> bool {
         self.finished.is_some()
     }
 
-    /// The task with this number, while a clause may still refer to it.
+    /// Returns the task with this number, while a clause may still refer to it.
     #[inline]
     pub fn task(&self, id: TaskId) -> Option<&Task> {
         self.tasks.get(id.0)
     }
 
-    /// The task with this number, to change it.
+    /// Returns the task with this number, to change it.
     #[inline]
     pub fn task_mut(&mut self, id: TaskId) -> Option<&mut Task> {
         self.tasks.get_mut(id.0)
@@ -273,7 +273,7 @@ impl Agent {
         true
     }
 
-    /// The procedure that `reference` names.
+    /// Returns the procedure that `reference` names.
     #[inline]
     pub fn procedure(&self, reference: ProcedureRef) -> Option<&Arc<Procedure>> {
         match reference {
@@ -291,7 +291,7 @@ impl Agent {
         }
     }
 
-    /// `file.pdl:14:3`, also for places inside of plans: their files are numbered after those of the library.
+    /// Returns a place as text, `file.pdl:14:3`, also for places inside of plans: their files are numbered after those of the library.
     pub fn describe_place(&self, place: Place) -> String {
         let number = u64::from(place.file).checked_sub(self.library.sources.len() as u64);
         match number.and_then(|number| self.generated.get(number)) {
@@ -300,7 +300,7 @@ impl Agent {
         }
     }
 
-    /// The tag of the step that a task was made from.
+    /// Returns the tag of the step that a task was made from.
     pub fn tag(&self, task: &Task) -> Symbol {
         let step = task.step().and_then(|step| {
             let procedure = self.procedure(step.procedure)?;
@@ -315,7 +315,7 @@ impl Agent {
         })
     }
 
-    /// The probings for the condition of `monitor`, in written order.
+    /// Returns the probings for the condition of `monitor`, in written order.
     pub fn probings_of(&self, monitor: MonitorId) -> impl Iterator<Item = (ProbingId, &Probing)> {
         let of = |part| ProbingId { monitor, part };
         self.probings.range(of(0)..=of(u32::MAX)).map(|(id, probing)| (*id, probing))

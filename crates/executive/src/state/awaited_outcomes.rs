@@ -1,4 +1,4 @@
-//! Outcomes of steps that the clauses of a procedure name, `(failed ?s)`. Derived from the procedure alone.
+//! Outcomes of steps that the clauses of a procedure name, for example `(failed ?s)`, and the steps that wait for them.
 
 use apex_forms::variables::of_pattern;
 use apex_model::condition::{Condition, ConditionKind};
@@ -9,7 +9,7 @@ use apex_model::symbol::Symbol;
 use apex_model::task::{FAILURE_STATES, OUTCOME_STATES, TaskId};
 use apex_model::value::Value;
 
-/// Tag and word of `(failed ?tag)`, which is `(state ?tag = failed)`; none for every other condition.
+/// Returns tag and outcome of a condition such as `(failed ?tag)`, stored as `(state ?tag = failed)`; `None` for other conditions.
 fn outcome_named(condition: &Condition) -> Option<(&Symbol, &Symbol)> {
     let ConditionKind::TaskState { task, state: Pattern::Literal(Value::Symbol(word)) } = &condition.kind else {
         return None;
@@ -20,7 +20,7 @@ fn outcome_named(condition: &Condition) -> Option<(&Symbol, &Symbol)> {
     }
 }
 
-/// True if `condition`, or a part of it, names an outcome of step `tag` that `is_meant`.
+/// Returns true if `condition`, or a part of it, names an outcome of step `tag` for which `is_meant` is true.
 fn names(condition: &Condition, tag: &Symbol, is_meant: &dyn Fn(&Symbol) -> bool) -> bool {
     if let Some((name, word)) = outcome_named(condition) {
         return name == tag && is_meant(word);
@@ -53,7 +53,7 @@ fn conditions(clauses: &Transitions) -> impl Iterator<Item = &Condition> {
     ends.into_iter().chain(others).filter_map(|condition| condition.as_deref())
 }
 
-/// True if a clause of the procedure or of another step names the failure of step `number`.
+/// Returns true if a clause of the procedure or of another step names the failure of step `number`.
 pub(crate) fn is_failure_awaited(procedure: &Procedure, number: usize) -> bool {
     let Some(tag) = procedure.steps.get(number).map(|step| &step.tag) else { return false };
     let is_meant = |word: &Symbol| FAILURE_STATES.contains(&word.folded());
@@ -64,14 +64,14 @@ pub(crate) fn is_failure_awaited(procedure: &Procedure, number: usize) -> bool {
     conditions(&procedure.transitions).any(|each| names(each, tag, &is_meant)) || procedure.steps.iter().any(of_step)
 }
 
-/// The steps whose `waitfor` names an outcome of step `number`.
+/// Returns the steps whose `waitfor` names an outcome of step `number`.
 pub(crate) fn waiters(procedure: &Procedure, number: usize) -> Vec<u32> {
     let Some(tag) = procedure.steps.get(number).map(|step| &step.tag) else { return Vec::new() };
     let waits = |step: &Step| step.tag != *tag && step.waitfor.iter().any(|each| names(each, tag, &|_| true));
     (0_u32..).zip(&procedure.steps).filter(|(_, step)| waits(step)).map(|(number, _)| number).collect()
 }
 
-/// Variables that the step's `=>` binds.
+/// Returns the variables that the step's `=>` binds.
 pub(crate) fn produced(step: &Step) -> Vec<Symbol> {
     let mut names = Vec::new();
     step.binds.iter().for_each(|pattern| of_pattern(pattern, &mut |name| names.push(name.clone())));
@@ -81,8 +81,8 @@ pub(crate) fn produced(step: &Step) -> Vec<Symbol> {
 /// A task that has ended for good, with the words of its outcome.
 pub(crate) type EndedStep = (TaskId, &'static [&'static str]);
 
-/// The reason why `condition` can never hold: the task that has ended, and the outcome that it did not have. `outcome_of`
-/// gives task and outcome of the step with a tag, once it has ended for good.
+/// Returns the reason why `condition` can never hold: a task that has ended, and the outcome that it did not have. `outcome_of` returns task
+/// and outcome of the step with a tag, once it has ended for good.
 pub(crate) fn missed(
     condition: &Condition,
     outcome_of: &dyn Fn(&Symbol) -> Option<EndedStep>,

@@ -10,12 +10,12 @@ use smallvec::SmallVec;
 pub struct Bindings(SmallVec<[(Symbol, Value); 1]>);
 
 impl Bindings {
-    /// No bindings.
+    /// Returns empty bindings.
     pub fn new() -> Bindings {
         Bindings::default()
     }
 
-    /// The value of `name`.
+    /// Returns the value of `name`.
     pub fn get(&self, name: &Symbol) -> Option<&Value> {
         self.0.iter().find(|(key, _)| key == name).map(|(_, value)| value)
     }
@@ -43,7 +43,7 @@ impl Bindings {
         self.0.len()
     }
 
-    /// True without any binding.
+    /// Returns true if there are no bindings.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }

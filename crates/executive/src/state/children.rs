@@ -45,7 +45,7 @@ impl Children {
         self.places.binary_search_by_key(&child.0, |place| place & !GONE)
     }
 
-    /// True when `child` is among them.
+    /// Returns true when `child` is among them.
     pub fn contains(&self, child: TaskId) -> bool {
         self.place(child).is_ok_and(|index| self.places.get(index).is_some_and(|place| place & GONE == 0))
     }
@@ -55,7 +55,7 @@ impl Children {
         *self = Children::default();
     }
 
-    /// Children in order of creation.
+    /// Returns the children in order of creation.
     pub fn iter(&self) -> impl Iterator<Item = TaskId> {
         self.places.iter().filter(|place| **place & GONE == 0).map(|place| TaskId(*place))
     }

@@ -32,7 +32,7 @@ pub enum Clause {
 }
 
 impl Clause {
-    /// The clause's name in PDL.
+    /// Returns the clause's name in PDL.
     pub fn word(self) -> &'static str {
         match self {
             Clause::Waitfor => "waitfor",

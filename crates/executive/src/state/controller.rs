@@ -190,7 +190,7 @@ impl Controller {
         }
     }
 
-    /// The children that still exist, in order of creation.
+    /// Returns the children that still exist, in order of creation.
     pub fn children(&self) -> Vec<TaskId> {
         match self {
             Controller::Procedure(controller) => controller.children.iter().collect(),

@@ -81,7 +81,7 @@ struct Before {
 }
 
 impl LeafState {
-    /// The truth, or the run, is another one from the sample at `at` on, which is number `sample`.
+    /// Records that truth or run changed at the sample at `at`, which has number `sample`.
     fn turn(&mut self, at: Time, sample: i64, held: bool, holds: bool, cut: Option<Duration>) {
         let contradicted = self.contradicted || (!held && self.has_seen_any(sample.saturating_sub(1)));
         let LeafState { start, first, gap, open, .. } = *self;
@@ -104,7 +104,7 @@ fn length(first: i64, last: i64) -> u64 {
     u64::try_from(last.saturating_sub(first).saturating_add(1)).unwrap_or_default()
 }
 
-/// The value as a plain number, where comparing it as a double is exact.
+/// Returns the value as a plain number, where comparing it as a double is exact.
 pub fn plain_number(value: &Value) -> Option<(f64, Dimension)> {
     match value {
         Value::Integer(integer) if integer.unsigned_abs() > EXACT_INTEGER_MAX.unsigned_abs() => None,
@@ -116,7 +116,7 @@ pub fn plain_number(value: &Value) -> Option<(f64, Dimension)> {
 }
 
 impl EpisodeIndex {
-    /// A bank without episodes, for numbers of `dimension`.
+    /// Returns a bank without episodes, for numbers of `dimension`.
     pub fn new(dimension: Dimension) -> EpisodeIndex {
         EpisodeIndex {
             dimension,
@@ -144,7 +144,7 @@ impl EpisodeIndex {
         self.leaves.len()
     }
 
-    /// True without episodes.
+    /// Returns true if the index has no episodes.
     pub fn is_empty(&self) -> bool {
         self.leaves.is_empty()
     }
@@ -239,7 +239,7 @@ impl EpisodeIndex {
         (holds, state)
     }
 
-    /// May a sample be taken in by [`EpisodeIndex::sample`]? All episodes must be taken out for any other one.
+    /// Returns the number of a sample that [`EpisodeIndex::sample`] can process; `None` if all episodes must be removed first.
     pub fn takes(&self, at: Time, value: &Value) -> Option<f64> {
         // What time alone has decided before the sample must be taken out before the sample is shown.
         let in_time = self.due.is_none_or(|(due, _)| due >= at);
@@ -319,7 +319,7 @@ impl EpisodeIndex {
         self.take_each(decided.collect(), taken);
     }
 
-    /// Time has arrived to `now` without a sample: says which runs have a result by that.
+    /// Advances the time to `now` without a sample, and returns the runs that have a result by that.
     pub fn pass_time(&mut self, now: Time, told: &mut Vec<EpisodeUpdate>) {
         if self.due.is_some_and(|(at, _)| at <= now) {
             self.look_at_deadlines(now, told);

@@ -50,12 +50,12 @@ impl Guards {
         }
     }
 
-    /// True if the task has an invariant that is judged.
+    /// Returns true if the task has an invariant that is judged.
     pub fn contains(&self, task: TaskId) -> bool {
         self.tasks.contains_key(&task)
     }
 
-    /// True if there is no such task.
+    /// Returns true if there is no such task.
     pub fn is_empty(&self) -> bool {
         self.tasks.is_empty()
     }
@@ -70,7 +70,7 @@ impl Guards {
         self.restless.iter().copied()
     }
 
-    /// True if a change of the state of a task may concern an invariant.
+    /// Returns true if a change of the state of a task may concern an invariant.
     pub fn read_states(&self) -> bool {
         !self.restless.is_empty()
     }

@@ -65,7 +65,7 @@ impl Heads {
     }
 }
 
-/// The symbol that every value matching `pattern` begins with, if there is one.
+/// Returns the symbol that every value matching `pattern` begins with, if there is one.
 fn head(pattern: &Pattern) -> Option<Symbol> {
     match pattern {
         Pattern::Literal(value) => match value.as_list() {
@@ -128,7 +128,7 @@ pub struct LibraryIndex {
 }
 
 impl LibraryIndex {
-    /// The index of `library` for an agent that uses `bundles`; no bundles are all.
+    /// Returns the index of `library` for an agent that uses `bundles`; no bundles are all.
     pub fn new(library: &Library, bundles: &[Symbol]) -> LibraryIndex {
         let uses = |bundle: &Option<Symbol>| {
             bundles.is_empty() || bundle.as_ref().is_none_or(|bundle| bundles.contains(bundle))
@@ -155,7 +155,7 @@ impl LibraryIndex {
 }
 
 impl ProcedureIndex {
-    /// The index of `procedure`.
+    /// Returns the index of `procedure`.
     pub fn new(procedure: &Procedure) -> ProcedureIndex {
         let endless_only = procedure.steps.iter().all(|step| !ends_by_itself(step));
         let awaited = Awaited::new(procedure);
@@ -204,7 +204,7 @@ fn changing(procedure: &Procedure, results: impl Iterator<Item = Symbol>) -> BTr
     names
 }
 
-/// A step that repeats without bound, or responds again and again, never ends without a clause.
+/// Returns true if the step ends without a clause; steps that repeat or respond without bound never do.
 fn ends_by_itself(step: &Step) -> bool {
     let bounded = |repetition: &Repetition| repetition.while_true.is_some() || repetition.until.is_some();
     step.responding.is_none() && step.repeating.as_deref().is_none_or(bounded)

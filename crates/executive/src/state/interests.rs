@@ -54,7 +54,7 @@ pub struct Narrowed<'a> {
     pub threshold: Option<Threshold>,
 }
 
-/// Only values that are equal in one way only may divide messages: a number has several spellings, a string two cases.
+/// Returns true if messages can be divided by the value: values with several equal spellings (numbers, strings) cannot divide them.
 fn divides(second: &Value) -> bool {
     matches!(second, Value::Symbol(_) | Value::Integer(_) | Value::Task(_))
 }
@@ -100,7 +100,7 @@ impl Watchers {
 }
 
 impl Interests {
-    /// No interests yet, for few variables with many samples.
+    /// Returns an empty collection that also files monitors by thresholds, for few variables with many samples.
     pub fn narrowing() -> Interests {
         Interests { narrowing: true, ..Interests::default() }
     }
@@ -235,17 +235,17 @@ impl Interests {
         taken
     }
 
-    /// The undecided plain episodes of a variable.
+    /// Returns the undecided plain episodes of a variable.
     pub fn episodes(&self, variable: &StateVariable) -> Option<&EpisodeIndex> {
         self.variables.get(variable)?.episodes.as_deref()
     }
 
-    /// True if no monitor watches the variable.
+    /// Returns true if no monitor watches the variable.
     pub fn ignore_variable(&self, variable: &StateVariable) -> bool {
         self.attributes.is_empty() && self.ignore_steps() && self.variables.get(variable).is_none()
     }
 
-    /// The undecided plain episodes of a variable, to feed them.
+    /// Returns the undecided plain episodes of a variable, to feed them.
     pub fn episodes_mut(&mut self, variable: &StateVariable) -> Option<&mut EpisodeIndex> {
         self.variables.get_mut(variable)?.episodes.as_deref_mut()
     }
@@ -272,7 +272,7 @@ impl Interests {
         }
     }
 
-    /// True if no monitor is judged at every instant at which anything happens.
+    /// Returns true if no monitor is judged at every instant at which anything happens.
     pub fn ignore_steps(&self) -> bool {
         self.every_step.is_empty()
     }
@@ -282,7 +282,7 @@ impl Interests {
         self.every_step.collect_into(found);
     }
 
-    /// True if no monitor must receive transitions of `task`.
+    /// Returns true if no monitor must receive transitions of `task`.
     pub fn ignore_task(&self, task: TaskId) -> bool {
         self.any_task.is_empty() && !self.tasks.contains_key(&task)
     }

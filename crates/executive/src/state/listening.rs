@@ -38,8 +38,8 @@ impl Listening {
         self.tasks.contains_key(&task)
     }
 
-    /// The task becomes busy. Messages up to `answered`, in order of time and arrival, are answered or skipped; `also` are
-    /// messages of this instant that are not.
+    /// Marks the task as busy. Messages up to `answered`, in order of time and arrival, are answered or skipped; `also` are messages of
+    /// this instant that are not.
     pub fn begin<'a>(
         &mut self,
         task: TaskId,
@@ -67,7 +67,8 @@ impl Listening {
         listener.heard.extend(new);
     }
 
-    /// The task's `waitfor` is watched again: messages go to its monitor from now on. Returns those without an answer.
+    /// Ends the busy time: the task's `waitfor` is watched again, and its monitor receives messages from now on. Returns those without an
+    /// answer.
     pub fn end(&mut self, task: TaskId) -> Vec<Occurrence> {
         let Some(listener) = self.tasks.get_mut(&task) else { return Vec::new() };
         listener.busy = false;
@@ -76,19 +77,19 @@ impl Listening {
         heard
     }
 
-    /// The task is no longer repeated.
+    /// Removes a task that is no longer repeated.
     pub fn forget(&mut self, task: TaskId) {
         self.tasks.remove(&task);
     }
 
-    /// The message was evidence for the task itself or for a task below it: no repetition answers it.
+    /// Records that the message was evidence for the task itself or for a task below it: no repetition answers it.
     pub fn answered(&mut self, task: TaskId, sequence: u64) {
         if let Some(listener) = self.tasks.get_mut(&task) {
             listener.heard.retain(|message| message.sequence != sequence);
         }
     }
 
-    /// A message has arrived; at most `most` wait for one task. Returns the tasks that dropped one for it for the first time.
+    /// Keeps a message; at most `most` wait for one task. Returns the tasks that dropped one for it for the first time.
     pub fn hear(&mut self, message: &Occurrence, most: usize) -> Vec<TaskId> {
         let mut dropping = Vec::new();
         let head = message.head();

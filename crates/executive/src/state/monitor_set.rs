@@ -54,7 +54,7 @@ impl MonitorSet {
         }
     }
 
-    /// True without members.
+    /// Returns true if there are no members.
     pub fn is_empty(&self) -> bool {
         matches!(self, MonitorSet::Empty)
     }

@@ -52,7 +52,7 @@ impl Ord for QueueKey {
 }
 
 impl QueueKey {
-    /// The claimant at this place.
+    /// Returns the claimant at this place.
     pub fn task(&self) -> TaskId {
         self.order.3
     }

@@ -55,12 +55,12 @@ pub struct ResourceTable {
 }
 
 impl ResourceTable {
-    /// The resource's number, if it was named before.
+    /// Returns the resource's number, if it was named before.
     pub fn find(&self, name: &Value) -> Option<ResourceId> {
         self.names.get(name).copied()
     }
 
-    /// The number of the resource `name`, which is of this kind when it is new.
+    /// Returns the number of the resource `name`, which is of this kind when it is new.
     pub fn intern(&mut self, name: &Value, kind: &ResourceKind) -> ResourceId {
         if let Some(id) = self.find(name) {
             return id;
@@ -82,17 +82,17 @@ impl ResourceTable {
         id
     }
 
-    /// The resource with this number.
+    /// Returns the resource with this number.
     pub fn get(&self, id: ResourceId) -> Option<&Resource> {
         self.resources.get(id.0 as usize)
     }
 
-    /// The resource with this number, to change it.
+    /// Returns the resource with this number, to change it.
     pub fn get_mut(&mut self, id: ResourceId) -> Option<&mut Resource> {
         self.resources.get_mut(id.0 as usize)
     }
 
-    /// All resources in order of first use.
+    /// Returns all resources in order of first use.
     pub fn iter(&self) -> impl Iterator<Item = (ResourceId, &Resource)> {
         (0_u32..).map(ResourceId).zip(self.resources.iter())
     }

@@ -32,7 +32,7 @@ impl StepClauses {
     /// Nothing is known: every clause must be looked for.
     pub const UNKNOWN: StepClauses = StepClauses(u16::MAX);
 
-    /// Those of `step` of a procedure of this kind; `awaits` says whether it uses results of other steps.
+    /// Returns the clauses of `step` of a procedure of this kind; `awaits` is true if it uses results of other steps.
     pub fn of(step: &Step, kind: ProcedureKind, awaits: bool) -> StepClauses {
         let Transitions {
             end_when,

@@ -79,7 +79,7 @@ impl<T> Table<T> {
         self.length
     }
 
-    /// True without entries.
+    /// Returns true if there are no entries.
     pub fn is_empty(&self) -> bool {
         self.length == 0
     }
@@ -91,13 +91,13 @@ impl<T> Table<T> {
         (slot != VACANT).then_some(slot as usize)
     }
 
-    /// The entry with this number.
+    /// Returns the entry with this number.
     #[inline]
     pub fn get(&self, number: u64) -> Option<&T> {
         self.slots.get(self.slot(number)?)
     }
 
-    /// The entry with this number, to change it.
+    /// Returns the entry with this number, to change it.
     #[inline]
     pub fn get_mut(&mut self, number: u64) -> Option<&mut T> {
         let slot = self.slot(number)?;

@@ -108,7 +108,7 @@ pub struct HeldBack {
 }
 
 impl HeldBack {
-    /// True when nothing holds the task back.
+    /// Returns true when nothing holds the task back.
     pub fn is_free(self) -> bool {
         !(self.by_predecessor || self.by_condition || self.by_interval || self.by_result || self.by_unknown)
     }
@@ -155,12 +155,12 @@ pub struct Extras {
 }
 
 impl Task {
-    /// The rarely used parts, made when missing.
+    /// Returns the rarely used parts, made when missing.
     pub fn extras_mut(&mut self) -> &mut Extras {
         self.extras.get_or_insert_default()
     }
 
-    /// The step that the task was made from, if it was made from one.
+    /// Returns the step that the task was made from, if it was made from one.
     pub fn step(&self) -> Option<StepRef> {
         match self.origin {
             Origin::Step(step) | Origin::Item(step) | Origin::OnFailure(step) => Some(step),
@@ -173,7 +173,7 @@ impl Task {
         self.controller.as_ref().is_some_and(|controller| controller.has_children())
     }
 
-    /// True when it has ended.
+    /// Returns true when it has ended.
     pub fn is_terminated(&self) -> bool {
         self.state == TaskState::Terminated
     }

@@ -16,7 +16,7 @@ pub struct LeafId {
 }
 
 impl LeafId {
-    /// The episode that is all that `monitor` watches.
+    /// Returns the episode that is all that `monitor` watches.
     pub fn whole(monitor: MonitorId) -> LeafId {
         LeafId { monitor, leaf: 0 }
     }

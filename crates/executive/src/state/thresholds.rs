@@ -33,7 +33,7 @@ pub enum Side {
 }
 
 impl Threshold {
-    /// The threshold of `relation` to `right`; none where a sample of every size may satisfy it, or none can.
+    /// Returns the threshold of `relation` to `right`; `None` if a sample of every size may satisfy it, or none can.
     pub fn of(relation: Relation, right: &Value) -> Option<Threshold> {
         let (bound, dimension) = right.as_number().filter(|(bound, _)| !bound.is_nan())?;
         let side = match relation {
@@ -112,7 +112,7 @@ impl Thresholds {
         found
     }
 
-    /// True without monitors.
+    /// Returns true if there are no monitors.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -134,7 +134,7 @@ impl Thresholds {
         }
     }
 
-    /// All monitors.
+    /// Calls a function for all monitors.
     pub fn all(&self, found: &mut MonitorIds) {
         self.0.iter().for_each(|group| group.all(found));
     }

@@ -40,7 +40,7 @@ impl<'a, F: Fn(f64, Time) -> f64> InTurn<'a, F> {
         result
     }
 
-    /// The next claimant of each queue.
+    /// Returns the next claimant of each queue.
     pub fn heads(&self) -> impl Iterator<Item = QueueKey> + '_ {
         self.lines.iter().filter_map(|line| line.next)
     }

@@ -72,7 +72,7 @@ pub struct Waiting {
 type Spans = BTreeMap<u64, BTreeMap<Option<Duration>, usize>>;
 
 impl Claim {
-    /// The claim on one of several resources.
+    /// Returns the claim on one of several resources.
     pub fn of_amount(mut self, needed: f64) -> Claim {
         if let Claim::Queued { amount, .. } = &mut self {
             *amount = needed;
@@ -212,17 +212,17 @@ impl Waiting {
         self.claims.contains_key(&task)
     }
 
-    /// True if no task waits.
+    /// Returns true if no task waits.
     pub fn is_empty(&self) -> bool {
         self.claims.is_empty()
     }
 
-    /// The number of tasks that wait.
+    /// Returns the number of tasks that wait.
     pub fn len(&self) -> usize {
         self.claims.len()
     }
 
-    /// All tasks that wait, in order of creation.
+    /// Returns all tasks that wait, in order of creation.
     pub fn tasks(&self) -> impl Iterator<Item = TaskId> + '_ {
         self.claims.keys().copied()
     }
@@ -232,12 +232,12 @@ impl Waiting {
         self.sensitive.iter().copied()
     }
 
-    /// True if all claimants that wait have a place that follows from themselves alone.
+    /// Returns true if all claimants that wait have a place that follows from themselves alone.
     pub fn all_in_queues(&self) -> bool {
         self.apart == 0
     }
 
-    /// The parent, if all claimants have ranks below it and no two the same: then nothing else counts between them.
+    /// Returns the parent, if all claimants have ranks below it and no two the same: then nothing else counts between them.
     pub fn parent_of_ranks(&self) -> Option<TaskId> {
         // One that is above all is above the first. The highest comes first: it is the same for most resources.
         let Claim::Queued { by_rank, .. } = self.claims.first_key_value()?.1 else { return None };
@@ -249,18 +249,18 @@ impl Waiting {
         })
     }
 
-    /// True if a claimant has this rank below the parent.
+    /// Returns true if a claimant has this rank below the parent.
     pub fn has_rank(&self, rank: RankAmong) -> bool {
         self.siblings.get(&rank.parent).is_some_and(|siblings| siblings.ranks.contains_key(&bits_of(rank.rank)))
     }
 
-    /// The claimants in the order of their ranks, where they have no other order and need none.
+    /// Returns the claimants in the order of their ranks, where they have no other order and need none.
     fn queue_by_rank(&self) -> Option<&BTreeSet<QueueKey>> {
         let parent = self.ordered_below()?;
         self.siblings.get(&parent).map(|siblings| &siblings.keys)
     }
 
-    /// The parent below which ranks are the order of the queue, so that priorities do not count between claimants.
+    /// Returns the parent below which ranks are the order of the queue, so that priorities do not count between claimants.
     pub fn ordered_below(&self) -> Option<TaskId> {
         self.parent_of_ranks().filter(|_| !self.all_in_queues())
     }
@@ -275,7 +275,7 @@ impl Waiting {
         !self.lines.is_empty()
     }
 
-    /// The shortest time that one of those in queues says that it takes who need no more than this.
+    /// Returns the shortest time that one of those in queues says that it takes who need no more than this.
     pub fn shortest(&self, room: f64) -> Option<Duration> {
         self.together(room).filter_map(|(_, shortest)| shortest).min()
     }
@@ -295,7 +295,7 @@ impl Waiting {
         self.together.keys().flatten().copied()
     }
 
-    /// The priority of those that have ranks; none where no rank counts.
+    /// Returns the priority of those that have ranks; `None` if no rank counts.
     ///
     /// # Errors
     /// When the order of ranks and priorities cannot be read from the queues: ranks below several parents, or claimants
@@ -328,7 +328,7 @@ impl Waiting {
             && (key.rank.is_none() || !self.has_unranked_at(key.priority) && !self.has_rising())
     }
 
-    /// The place of the task in its queue; `risen_to` computes a priority from importance and due instant.
+    /// Returns the place of the task in its queue; `risen_to` computes a priority from importance and due instant.
     pub fn key_of(&self, task: TaskId, risen_to: impl Fn(f64, Time) -> f64) -> Option<QueueKey> {
         let Claim::Queued { place, by_rank, .. } = self.claims.get(&task)? else { return None };
         if !self.all_in_queues() {
@@ -346,7 +346,7 @@ impl Waiting {
         }
     }
 
-    /// Those in queues, the first first; `risen_to` computes a priority from importance and due instant.
+    /// Returns the claimants in queues, the first one first; `risen_to` computes a priority from importance and due instant.
     pub fn in_turn<F: Fn(f64, Time) -> f64>(&self, now: Time, risen_to: F) -> InTurn<'_, F> {
         if let Some(by_rank) = self.queue_by_rank() {
             return InTurn::new(vec![Rest::Steady(by_rank.iter())], risen_to, now);

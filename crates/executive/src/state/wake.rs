@@ -60,7 +60,7 @@ impl WakeQueue {
         self.entries.remove(&key);
     }
 
-    /// The earliest entry.
+    /// Returns the earliest entry.
     pub fn first(&self) -> Option<(WakeKey, Wake)> {
         self.entries.first_key_value().map(|(key, wake)| (*key, *wake))
     }
@@ -76,7 +76,7 @@ impl WakeQueue {
         self.entries.len()
     }
 
-    /// True without entries.
+    /// Returns true if there are no entries.
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }

@@ -43,7 +43,7 @@ pub fn each(expr: &Expr, see: &mut dyn FnMut(&Expr)) {
     }
 }
 
-/// The same for every expression of an activity.
+/// Like the function above, for every expression of an activity.
 pub fn each_in_activity(activity: &Activity, see: &mut dyn FnMut(&Expr)) {
     match activity {
         Activity::Goal(template) => of_template(template, see),

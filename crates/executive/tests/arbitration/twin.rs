@@ -66,7 +66,7 @@ pub struct Twin {
 }
 
 impl Twin {
-    /// The world at its beginning, when the root has started.
+    /// Returns the world at its beginning, when the root has started.
     pub fn new(world: &World) -> Twin {
         let nodes = world.nodes.clone();
         let count = nodes.len();
@@ -170,7 +170,7 @@ impl Twin {
         a == b || self.is_above(a, b) || self.is_above(b, a)
     }
 
-    /// The task and all above it.
+    /// Returns the task and all above it.
     fn ancestors(&self, task: usize) -> impl Iterator<Item = usize> + '_ {
         std::iter::successors(Some(task), |each| self.nodes[*each].parent)
     }
@@ -350,7 +350,7 @@ impl Twin {
         (0..4).any(|which| self.needs[a][which] > 0.0 && self.needs[b][which] > 0.0)
     }
 
-    /// All claimants, the best first.
+    /// Returns all claimants, the best first.
     fn arbitrate(&self, claimants: &[usize]) -> Outcome {
         let mut remaining = claimants.to_vec();
         let mut held: Vec<usize> = (0..self.nodes.len()).filter(|each| self.states[*each] == State::Ongoing).collect();

@@ -86,13 +86,13 @@ fn node(index: usize, ranked_share: f64, expected_share: f64) -> impl Strategy<V
     )
 }
 
-/// A random world of up to nine tasks; `ranked_share` of them have ranks, which can contradict priorities, and
+/// Returns a random world of up to nine tasks; `ranked_share` of them have ranks, which can contradict priorities, and
 /// `expected_share` an expected duration.
 pub fn worlds(ranked_share: f64, expected_share: f64) -> impl Strategy<Value = World> {
     worlds_of(2..10, ranked_share, expected_share)
 }
 
-/// The same with so many tasks.
+/// Returns the same with so many tasks.
 pub fn worlds_of(count: Range<usize>, ranked_share: f64, expected_share: f64) -> impl Strategy<Value = World> {
     count.prop_flat_map(move |count| {
         let nodes: Vec<_> = (0..count).map(|index| node(index, ranked_share, expected_share)).collect();
@@ -117,7 +117,7 @@ pub fn worlds_of(count: Range<usize>, ranked_share: f64, expected_share: f64) ->
 }
 
 impl World {
-    /// The world as a program.
+    /// Returns the world as a program.
     pub fn pdl(&self) -> String {
         let mut text = String::from("(resource link :capacity 3)\n(resource fuel :depletable 10kg)\n");
         text.push_str("(procedure (index (do-domain))\n  (step keep (rest))");

@@ -1,4 +1,4 @@
-//! A small stand-in for the runtime: loads PDL, feeds events, jumps from wake to wake, and writes down what happens.
+//! A minimal runtime for tests: loads PDL, delivers events, steps the agent at its wakes, and records the effects.
 #![allow(dead_code, missing_docs, unreachable_pub, unused_imports)]
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
 
@@ -68,7 +68,7 @@ pub fn answer(at: f64, command: u64, reply: Result<Value, &str>) -> Event {
     Event { sequence: 0, at: seconds(at), kind }
 }
 
-/// Runs to `until`: events of one instant are one batch, and the agent is stepped at every wake it asks for.
+/// Runs to `until` (seconds): events of one instant form one batch, and the agent is stepped at every wake that it requests.
 pub fn run(agent: &mut Agent, events: &[Event], until: f64) -> Vec<(Time, Effect)> {
     run_from(agent, events, Time::ZERO, until)
 }
@@ -94,7 +94,7 @@ pub fn run_from(agent: &mut Agent, events: &[Event], from: Time, until: f64) -> 
     effects
 }
 
-/// Tags by task, from the decisions of creation.
+/// Returns the tag of each task, from the decisions of creation.
 pub fn tags(effects: &[(Time, Effect)]) -> BTreeMap<TaskId, String> {
     let mut tags = BTreeMap::new();
     for (_, effect) in effects {
@@ -116,7 +116,7 @@ pub fn printed(effects: &[(Time, Effect)]) -> Vec<String> {
     effects.iter().filter_map(|(_, effect)| text(effect)).collect()
 }
 
-/// One line per transition, print, command and end: `2s a ongoing`.
+/// Returns one line per transition, print, command and end: `2s a ongoing`.
 pub fn story(effects: &[(Time, Effect)]) -> Vec<String> {
     let tags = tags(effects);
     let name = |task: &TaskId| tags.get(task).cloned().unwrap_or_else(|| task.to_string());
@@ -148,7 +148,7 @@ pub fn story(effects: &[(Time, Effect)]) -> Vec<String> {
     effects.iter().filter_map(|(at, effect)| Some(format!("{at} {}", line(effect)?))).collect()
 }
 
-/// The lines of `story` that begin and end with tags or words of interest.
+/// Returns the lines of `story` that begin and end with tags or words of interest.
 pub fn lines(effects: &[(Time, Effect)], wanted: &[&str]) -> Vec<String> {
     let keep = |line: &String| wanted.iter().any(|word| line.split(' ').any(|part| part == *word));
     story(effects).into_iter().filter(keep).collect()

@@ -87,7 +87,7 @@ pub const PLANNED: &str = "
 (primitive (index (hover)) (on-start (command (hover))))
 (primitive (index (go ?where)) (duration 3s) (on-start (print go ?where)))";
 
-/// An answer to solver request `request` that visits `places`.
+/// Returns an answer to solver request `request` that visits `places`.
 pub fn plan(at: f64, request: u64, places: &[&str], repeat: bool) -> Event {
     let text: String = places.iter().map(|place| format!("\n  (step {place} (go {place}))")).collect();
     let step = |(place, line): (&&str, u32)| PlannedStep {

@@ -19,12 +19,12 @@ struct Extras {
 }
 
 impl Style {
-    /// The condition as text.
+    /// Returns the condition as text.
     pub fn condition(self, condition: &Condition) -> String {
         self.with_probing(condition, String::new())
     }
 
-    /// The condition with the text of its `:probing` option, which stands inside.
+    /// Returns the condition with the text of its `:probing` option, which stands inside.
     fn with_probing(self, condition: &Condition, probing: String) -> String {
         let tag = condition.tag.as_ref().map_or(String::new(), Symbol::to_string);
         match &condition.kind {
@@ -90,7 +90,7 @@ impl Style {
         list_text(variable.attribute.printed(), [object, rest])
     }
 
-    /// A measurement condition as text.
+    /// Returns a measurement condition as text.
     pub fn measurement(self, condition: &MeasurementCondition) -> String {
         self.measurement_with(condition, Extras::default())
     }
@@ -116,7 +116,7 @@ impl Style {
         list_text(":measurement", parts)
     }
 
-    /// The constraints on the value as they stand behind the state variable, if they may.
+    /// Returns the constraints on the value as they stand behind the state variable, if they may.
     fn short_values(self, constraints: &[Constraint]) -> Option<String> {
         match (self, constraints) {
             (_, []) => None,
@@ -140,7 +140,7 @@ impl Style {
         }
     }
 
-    /// An episode condition as text.
+    /// Returns an episode condition as text.
     pub fn episode(self, condition: &EpisodeCondition) -> String {
         self.episode_with(condition, Extras::default())
     }
@@ -174,7 +174,7 @@ impl Style {
         list_text(":episode", parts)
     }
 
-    /// `(:name C..)`; two kinds of groups hold a plain operand instead of constraints.
+    /// Prints `(:name C..)`; two kinds of groups hold a plain operand instead of constraints.
     fn named_group(self, name: &Symbol, constraints: &[Constraint]) -> String {
         let operand = match (name.folded(), constraints) {
             ("custom", [Constraint::Predicate(predicate, _)]) => Some(predicate.to_string()),
@@ -197,7 +197,7 @@ impl Style {
         if groups.is_empty() { String::new() } else { format!(":timing {}", joined(groups)) }
     }
 
-    /// An event condition as text.
+    /// Returns an event condition as text.
     pub fn event(self, pattern: &Pattern, timing: &Timing) -> String {
         self.event_with(pattern, timing, Extras::default())
     }
@@ -212,7 +212,7 @@ impl Style {
         list_text(":atomic-episode", [tag, form, timing, probing])
     }
 
-    /// A wait for a task's state as text.
+    /// Returns a wait for a task's state as text.
     pub fn task_state(self, task: &Expr, state: &Pattern) -> String {
         let head = match self {
             Style::Exact => "task-state",
@@ -231,7 +231,7 @@ impl Style {
         format!("(:function {})", self.expression(expr))
     }
 
-    /// `:name C..`, or nothing without constraints.
+    /// Prints `:name C..`, or nothing without constraints.
     pub(super) fn option(self, name: &str, constraints: &[Constraint]) -> String {
         match constraints {
             [] => String::new(),
@@ -239,7 +239,7 @@ impl Style {
         }
     }
 
-    /// A constraint as text.
+    /// Returns a constraint as text.
     pub fn constraint(self, constraint: &Constraint) -> String {
         if let Some(infix) = self.infix(constraint) {
             return format!("({infix})");
@@ -271,7 +271,7 @@ impl Style {
     }
 }
 
-/// True for event forms that would be read as another kind of condition.
+/// Returns true for event forms that would be read as another kind of condition.
 fn reads_otherwise(pattern: &Pattern) -> bool {
     const HEADS: &[&str] = &["and", "or", "not", "end", "end-of", "end_of", "terminated", "state", "task-state"];
     const RELATIONS: &[&str] = &["=", "/=", "<", "<=", ">", ">="];

@@ -5,7 +5,7 @@ use super::style::Style;
 use apex_model::condition::CyclicCondition;
 
 impl Style {
-    /// A cyclic condition as text.
+    /// Returns a cyclic condition as text.
     pub fn cyclic(self, condition: &CyclicCondition) -> String {
         self.cyclic_with(condition, String::new())
     }

@@ -13,7 +13,7 @@ use apex_model::value::Value;
 const FORM_FIRST: &[&str] = &["cogevent", "command", "inform", "publish"];
 
 impl Style {
-    /// The expression as text.
+    /// Returns the expression as text.
     pub fn expression(self, expr: &Expr) -> String {
         let text = |expr: &Expr| self.expression(expr);
         match &expr.kind {
@@ -40,7 +40,7 @@ impl Style {
         }
     }
 
-    /// A constant as an expression: in exact text, names and lists are quoted.
+    /// Returns a constant as an expression: in exact text, names and lists are quoted.
     fn constant(self, value: &Value) -> String {
         match (self, value) {
             (Style::Brief, Value::List(items)) if !items.is_empty() => format!("'{value}"),
@@ -72,7 +72,7 @@ impl Style {
         }
     }
 
-    /// The template as text, with its holes as they are written.
+    /// Returns the template as text, with its holes as they are written.
     pub fn template(self, template: &Template) -> String {
         match template {
             Template::Constant(value) => self.literal(value),
@@ -85,7 +85,7 @@ impl Style {
         }
     }
 
-    /// A computed hole: its comma is left out in brief text.
+    /// Returns a computed hole: its comma is left out in brief text.
     fn hole(self, expr: &Expr) -> String {
         match self {
             Style::Exact => format!(",{}", self.expression(expr)),
@@ -93,7 +93,7 @@ impl Style {
         }
     }
 
-    /// The pattern as text.
+    /// Returns the pattern as text.
     pub fn pattern(self, pattern: &Pattern) -> String {
         let text = |part: &Pattern| self.pattern(part);
         match pattern {
@@ -122,7 +122,7 @@ impl Style {
         }
     }
 
-    /// A step's activity as text, with its variables as they are written; of a built-in one the arguments in order.
+    /// Returns a step's activity as text, with its variables as they are written; of a built-in one the arguments in order.
     pub fn activity(self, activity: &Activity) -> String {
         match activity {
             Activity::Goal(goal) => self.template(goal),
@@ -138,7 +138,7 @@ impl Style {
     }
 }
 
-/// An expression that stands where FORM is read, as exact text.
+/// Returns an expression that stands where FORM is read, as exact text.
 pub fn form_text(expr: &Expr) -> String {
     match &expr.kind {
         ExprKind::Constant(value) => Style::Exact.literal(value),
@@ -152,7 +152,7 @@ fn exact(expr: &Expr) -> String {
     Style::Exact.expression(expr)
 }
 
-/// Control forms, definitions and assignments in full.
+/// Prints control forms, definitions and assignments in full.
 fn with_body(kind: &ExprKind) -> String {
     match kind {
         ExprKind::If(test, then, otherwise) => {
@@ -189,7 +189,7 @@ fn with_body(kind: &ExprKind) -> String {
     }
 }
 
-/// The same forms, their bodies abbreviated.
+/// Returns the same forms, their bodies abbreviated.
 fn without_body(kind: &ExprKind) -> String {
     match kind {
         ExprKind::If(test, ..) => format!("(if {} ..)", Style::Brief.expression(test)),
@@ -203,7 +203,7 @@ fn without_body(kind: &ExprKind) -> String {
     }
 }
 
-/// The parameters of a function as text.
+/// Returns the parameters of a function as text.
 fn parameters_text(parameters: &Parameters) -> String {
     let mut words: Vec<String> = parameters.required.iter().map(Symbol::to_string).collect();
     if !parameters.optional.is_empty() {

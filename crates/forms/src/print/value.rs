@@ -4,7 +4,7 @@ use apex_model::quantity::{Quantity, Unit, format_rounded};
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 
-/// The value as a datum.
+/// Returns the value as a datum.
 pub(super) fn value_text(value: &Value) -> String {
     match value {
         Value::Quantity(quantity) => quantity_text(quantity),
@@ -14,7 +14,7 @@ pub(super) fn value_text(value: &Value) -> String {
     }
 }
 
-/// The shortest spelling in the quantity's own unit that gives the same bits; else in SI.
+/// Returns the shortest spelling in the quantity's own unit that gives the same bits; else in SI.
 fn quantity_text(quantity: &Quantity) -> String {
     let spelling = |unit: &'static Unit, number: &str| {
         let exact = number.parse::<f64>().is_ok_and(|parsed| Quantity::of(parsed, unit) == *quantity);
@@ -38,7 +38,7 @@ fn looks_like_hole(symbol: &Symbol) -> bool {
     text.starts_with('?') || text.starts_with("<?") || (text.len() > 2 && text.starts_with('+') && text.ends_with('+'))
 }
 
-/// The value where holes are allowed: symbols that would be read as holes are quoted.
+/// Returns the value where holes are allowed: symbols that would be read as holes are quoted.
 pub(super) fn literal_text(value: &Value) -> String {
     match value {
         Value::Symbol(symbol) if looks_like_hole(symbol) => format!("'{symbol}"),

@@ -28,7 +28,7 @@ pub struct RadioFigures {
 }
 
 impl Default for RadioFigures {
-    /// A telemetry modem of 1 W at 915 MHz with two dipoles.
+    /// Returns a telemetry modem of 1 W at 915 MHz with two dipoles.
     fn default() -> RadioFigures {
         RadioFigures {
             frequency_hz: 915e6,
@@ -42,7 +42,7 @@ impl Default for RadioFigures {
 }
 
 impl RadioFigures {
-    /// The same radio with the power at which free space alone gives a signal level of 1 at `distance_m`.
+    /// Returns the same radio with the power at which free space alone gives a signal level of 1 at `distance_m`.
     pub fn with_full_level_at(self, distance_m: f64) -> RadioFigures {
         let loss_db = free_space_loss_db(self.frequency_hz, distance_m);
         let power_dbm = self.sensitivity_dbm + FULL_LEVEL_DB + loss_db + self.losses_db - self.gains_dbi;
@@ -54,7 +54,7 @@ impl RadioFigures {
         ((margin_db + self.fade_margin_db) / FULL_LEVEL_DB).clamp(0.0, 1.0)
     }
 
-    /// Margin of a signal level, dB: the inverse of [`RadioFigures::signal_level`] between 0 and 1.
+    /// Returns the margin of a signal level, dB: the inverse of [`RadioFigures::signal_level`] between 0 and 1.
     pub fn margin_of_level_db(&self, level: f64) -> f64 {
         FULL_LEVEL_DB * level - self.fade_margin_db
     }
@@ -69,7 +69,7 @@ impl RadioFigures {
         received_dbm - self.sensitivity_dbm - self.fade_margin_db
     }
 
-    /// The loss between two antennas over the ground of `elevation_m_at` (m above mean sea level), dB: free space with the
+    /// Returns the loss between two antennas over the ground of `elevation_m_at` (m above mean sea level), dB: free space with the
     /// worst knife edge of the profile, or two-ray ground reflection where that is more. Antennas nearer than a metre count
     /// as a metre apart.
     pub fn loss_db(&self, from: &Antenna, to: &Antenna, elevation_m_at: impl Fn(Position) -> f64) -> f64 {
@@ -81,7 +81,7 @@ impl RadioFigures {
         (free_db + edge_db).max(reflected_db)
     }
 
-    /// The margin between two antennas, dB: [`RadioFigures::margin_db`] of what [`RadioFigures::loss_db`] leaves.
+    /// Returns the margin between two antennas, dB: [`RadioFigures::margin_db`] of what [`RadioFigures::loss_db`] leaves.
     pub fn predicted_margin_db(&self, from: &Antenna, to: &Antenna, elevation_m_at: impl Fn(Position) -> f64) -> f64 {
         self.margin_db(self.received_dbm(self.loss_db(from, to, elevation_m_at)))
     }

@@ -15,7 +15,7 @@ const PROFILE_STEP_M: f64 = 100.0;
 /// Most samples of a profile; longer paths are sampled more sparsely.
 pub const PROFILE_SAMPLES_MAX: usize = 256;
 
-/// Distance at which two antennas see each other over a smooth earth of 4/3 radius, m: `4.12 (sqrt h1 + sqrt h2)` km.
+/// Returns the distance at which two antennas see each other over a smooth earth of 4/3 radius, m: `4.12 (sqrt h1 + sqrt h2)` km.
 pub fn radio_horizon_m(height_m: f64, other_height_m: f64) -> f64 {
     1e3 * HORIZON_KM_PER_SQRT_M * (sqrt(height_m.max(0.0)) + sqrt(other_height_m.max(0.0)))
 }

@@ -33,7 +33,7 @@ pub enum LevelLaw {
 }
 
 impl LevelLaw {
-    /// The logarithmic law of a path-loss exponent: [`FULL_LEVEL_DB`] from full level down to nothing.
+    /// Returns the logarithmic law of a path-loss exponent: [`FULL_LEVEL_DB`] from full level down to nothing.
     pub fn with_exponent(full_level_m: f64, exponent: f64) -> LevelLaw {
         LevelLaw::Logarithmic {
             full_level_m,
@@ -41,7 +41,7 @@ impl LevelLaw {
         }
     }
 
-    /// The level at a distance from the station.
+    /// Returns the level at a distance from the station.
     pub fn level(&self, distance_m: f64) -> f64 {
         match self {
             LevelLaw::Constant => 1.0,
@@ -121,18 +121,18 @@ pub struct LevelModel {
 }
 
 impl LevelModel {
-    /// A satellite link.
+    /// Returns a satellite link.
     pub fn satellite() -> LevelModel {
         LevelModel { station: None, station_altitude_m: 0.0, law: LevelLaw::Constant, shadows: Vec::new() }
     }
 
-    /// A ground radio with its antenna at sea level and the exponent of open ground.
+    /// Returns a ground radio with its antenna at sea level and the exponent of open ground.
     pub fn at_station(station: Position, full_level_m: f64) -> LevelModel {
         let law = LevelLaw::with_exponent(full_level_m, EXPONENT);
         LevelModel { station: Some(station), station_altitude_m: 0.0, law, shadows: Vec::new() }
     }
 
-    /// The level at a place, 0 to 1.
+    /// Returns the level at a place, 0 to 1.
     pub fn level(&self, here: Position, altitude_m: f64) -> f64 {
         let distance_m = self.station.map_or(0.0, |station| geodesy::distance_m(station, here));
         let mut level = self.law.level(distance_m);

@@ -18,17 +18,17 @@ pub fn free_space_loss_db(frequency_hz: f64, distance_m: f64) -> f64 {
     FREE_SPACE_DB_AT_1_MHZ_1_KM + 20.0 * log10(frequency_hz / 1e6) + 20.0 * log10(distance_m / 1e3)
 }
 
-/// Distance at which free-space loss is `loss_db`, m: the inverse of [`free_space_loss_db`].
+/// Returns the distance at which free-space loss is `loss_db`, m: the inverse of [`free_space_loss_db`].
 pub fn free_space_range_m(frequency_hz: f64, loss_db: f64) -> f64 {
     1e3 * pow(10.0, (loss_db - FREE_SPACE_DB_AT_1_MHZ_1_KM - 20.0 * log10(frequency_hz / 1e6)) / 20.0)
 }
 
-/// Distance beyond which reflection from the ground cancels a part of the direct wave, m: `4 pi h1 h2 / lambda`.
+/// Returns the distance beyond which reflection from the ground cancels a part of the direct wave, m: `4 pi h1 h2 / lambda`.
 pub fn two_ray_crossover_m(frequency_hz: f64, height_m: f64, other_height_m: f64) -> f64 {
     4.0 * PI * height_m * other_height_m / wavelength_m(frequency_hz)
 }
 
-/// Two-ray loss over flat ground, dB: free space up to the crossover, `40 log10 d - 20 log10(h1 h2)` beyond it. Both
+/// Returns two-ray loss over flat ground, dB: free space up to the crossover, `40 log10 d - 20 log10(h1 h2)` beyond it. Both
 /// agree at the crossover. An antenna below 0.1 m counts as 0.1 m high.
 pub fn two_ray_loss_db(frequency_hz: f64, distance_m: f64, height_m: f64, other_height_m: f64) -> f64 {
     let (height_m, other_height_m) = (height_m.max(0.1), other_height_m.max(0.1));

@@ -35,7 +35,7 @@ pub struct Air {
 }
 
 impl Air {
-    /// The wind of `field` at `altitude_m` from `from_s` to `until_s`, for flying at `true_airspeed_mps`. The first and
+    /// Returns the wind of `field` at `altitude_m` from `from_s` to `until_s`, for flying at `true_airspeed_mps`. The first and
     /// last wind extend before and after.
     pub fn new(field: &WindField, altitude_m: f64, true_airspeed_mps: f64, from_s: f64, until_s: f64) -> Air {
         let heights = |layer: &&WindLayer| {
@@ -82,17 +82,17 @@ impl Air {
         slowest_mps.is_nan() || slowest_mps <= GROUND_SPEED_MPS_MIN
     }
 
-    /// Number of spans of time between changes.
+    /// Returns the number of spans of time between changes.
     pub(crate) fn spans(&self) -> usize {
         self.spans.len()
     }
 
-    /// The span in which `time_s` lies; a change belongs to the span that it begins.
+    /// Returns the span in which `time_s` lies; a change belongs to the span that it begins.
     pub(crate) fn span_at(&self, time_s: f64) -> usize {
         self.changes_s.partition_point(|change_s| *change_s <= time_s)
     }
 
-    /// The span that holds the time just before `time_s`.
+    /// Returns the span that holds the time just before `time_s`.
     pub(crate) fn span_before(&self, time_s: f64) -> usize {
         self.changes_s.partition_point(|change_s| *change_s < time_s)
     }
@@ -104,7 +104,7 @@ impl Air {
         (begin_s.copied().unwrap_or(f64::NEG_INFINITY), end_s.copied().unwrap_or(f64::INFINITY))
     }
 
-    /// Speed through the air.
+    /// Returns the speed through the air.
     pub(crate) fn true_airspeed_mps(&self) -> f64 {
         self.true_airspeed_mps
     }
@@ -119,7 +119,7 @@ impl Air {
         (wind.east_mps, wind.north_mps)
     }
 
-    /// Speed over ground in `span` along the track of `step`, or backwards; none where it cannot be flown.
+    /// Returns the speed over ground in `span` along the track of `step`, or backwards; `None` if it cannot be flown.
     pub(crate) fn speed_mps(&self, span: usize, step: &WindStep, backwards: bool) -> Option<f64> {
         let wind = match self.spans.get(span)? {
             Blows::Everywhere(wind) => *wind,
@@ -130,7 +130,7 @@ impl Air {
         wind::ground_speed_mps(track, self.true_airspeed_mps, wind)
     }
 
-    /// As [`Air::speed_mps`], with a crawl where it cannot be flown: such spans are closed to legs by other means.
+    /// Like [`Air::speed_mps`], with a crawl where it cannot be flown: such spans are closed to legs by other means.
     pub(crate) fn speed_or_crawl_mps(&self, span: usize, step: &WindStep, backwards: bool) -> f64 {
         self.speed_mps(span, step, backwards).unwrap_or(GROUND_SPEED_MPS_MIN)
     }

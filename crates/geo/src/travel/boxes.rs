@@ -29,7 +29,7 @@ pub(crate) struct Boxes {
 }
 
 impl Boxes {
-    /// A tree over boxes given by their south-western and north-eastern corners.
+    /// Returns a tree over boxes given by their south-western and north-eastern corners.
     pub(crate) fn new(boxes: impl Iterator<Item = (Point, Point)>) -> Boxes {
         let mut order: Vec<(usize, Box2)> =
             boxes.enumerate().map(|(number, (low, high))| (number, Box2 { low, high })).collect();

@@ -22,7 +22,7 @@ const NO_TURN_RAD: f64 = 1e-9;
 /// Directions that are tried where a circle is met from a place that is left in any.
 const TRACKS: usize = 16;
 
-/// The radius of a ground circle that can be flown in every wind up to the one in which `ground_speed_mps_max` is the
+/// Returns the radius of a ground circle that can be flown in every wind up to the one in which `ground_speed_mps_max` is the
 /// highest speed: with the wind the heading turns fastest, namely by the square of that speed over radius and airspeed.
 pub(super) fn radius(turn_radius: f64, true_airspeed_mps: f64, ground_speed_mps_max: f64) -> f64 {
     let quicker = ground_speed_mps_max / true_airspeed_mps;
@@ -91,14 +91,14 @@ impl Rounds {
         Some(rounds)
     }
 
-    /// Speed over ground in a direction.
+    /// Returns the speed over ground in a direction.
     fn speed_mps(&self, track_rad: f64) -> f64 {
         let across = self.wind_mps.dot(left(track_rad));
         let ahead = self.true_airspeed_mps * self.true_airspeed_mps - across * across;
         libm::sqrt(ahead.max(0.0)) + self.wind_mps.dot(unit(track_rad))
     }
 
-    /// Seconds for turning from 0 to a direction, full circles included, for a radius of 1.
+    /// Returns seconds for turning from 0 to a direction, full circles included, for a radius of 1.
     fn turned_until_s(&self, track_rad: f64) -> f64 {
         let circles = libm::floor(track_rad / TAU);
         let share = (track_rad / TAU - circles) * PIECES as f64;
@@ -122,7 +122,7 @@ impl Rounds {
         on.centre.plus(-on.sense * self.radius, left(on.track_rad))
     }
 
-    /// The two circles that a pose touches.
+    /// Returns the two circles that a pose touches.
     fn touching(&self, point: Point, track_rad: f64) -> [On; 2] {
         [1.0, -1.0].map(|sense| On { centre: point.plus(sense * self.radius, left(track_rad)), sense, track_rad })
     }
@@ -154,7 +154,7 @@ impl Rounds {
         all.min_by(|a, b| a.time_s.total_cmp(&b.time_s))
     }
 
-    /// The same for a vehicle that leaves the circle at once.
+    /// Returns the same for a vehicle that leaves the circle at once.
     fn leaving(&self, on: On, end: End, opposite: bool) -> Option<Passage> {
         let other = On {
             centre: on.centre.plus(-2.0 * on.sense * self.radius, left(on.track_rad)),
@@ -274,7 +274,7 @@ impl Rounds {
         }
     }
 
-    /// The passage over ground as points, never farther from it than `tolerance`.
+    /// Returns the passage over ground as points, never farther from it than `tolerance`.
     pub(super) fn points(&self, passage: &Passage, tolerance: f64) -> Vec<Point> {
         let mut points = self.arc(passage.along.0, passage.along.1, tolerance);
         points.extend(self.arc(passage.first.0, passage.first.1, tolerance));
@@ -286,7 +286,7 @@ impl Rounds {
         points
     }
 
-    /// An arc as points, its beginning included.
+    /// Returns an arc as points, its beginning included.
     pub(super) fn arc(&self, on: On, by_rad: f64, tolerance: f64) -> Vec<Point> {
         // A chord is off by an eighth of the radius times the square of its angle.
         let step_rad = libm::sqrt(8.0 * tolerance / self.radius);
@@ -299,7 +299,7 @@ impl Rounds {
     }
 }
 
-/// A point of a circle by its number, counted the way round that is flown.
+/// Returns a point of a circle by its number, counted the way round that is flown.
 fn point(centre: Point, sense: f64, number: usize) -> On {
     On { centre, sense, track_rad: sense * TAU * (number % POINTS) as f64 / POINTS as f64 }
 }

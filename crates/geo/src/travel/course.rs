@@ -70,7 +70,7 @@ impl Course {
         length.is_finite().then(|| Course { length, steps: step.into_iter().collect() })
     }
 
-    /// Length.
+    /// Returns length.
     pub(crate) fn length(&self) -> f64 {
         self.length
     }
@@ -144,7 +144,7 @@ impl Course {
         }
     }
 
-    /// As [`Course::advance`] to the end of the leg, remembering what a flight between two changes takes.
+    /// Like [`Course::advance`] to the end of the leg, remembering what a flight between two changes takes.
     pub(crate) fn arrive(&self, air: &Air, backwards: bool, timing: &mut Timing, depart_s: f64) -> f64 {
         let span = air.span_at(depart_s);
         if timing.totals_s.is_empty() {
@@ -189,7 +189,7 @@ impl Course {
         (first_s, second_s)
     }
 
-    /// The steps that cannot be flown while some wind blows.
+    /// Returns the steps that cannot be flown while some wind blows.
     fn winds_too_strong(&self, air: &Air, backwards: bool) -> Vec<Block> {
         let count = self.steps.len() as f64;
         let mut found = Vec::new();
@@ -206,7 +206,7 @@ impl Course {
     }
 }
 
-/// The first time from `ready_s` on that no open span of the sorted `closed` holds.
+/// Returns the first time from `ready_s` on that no open span of the sorted `closed` holds.
 pub(crate) fn first_open(closed: &[Span], ready_s: f64) -> f64 {
     let next = closed.partition_point(|(_, until_s)| *until_s <= ready_s);
     match closed.get(next) {

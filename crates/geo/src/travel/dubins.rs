@@ -63,7 +63,7 @@ pub struct TurnPath {
     pub time_s: f64,
 }
 
-/// Least radius of a level turn at `true_airspeed_mps` with a roll angle of `roll_rad`: weight and lift in balance.
+/// Returns the least radius of a level turn at `true_airspeed_mps` with a roll angle of `roll_rad`: weight and lift in balance.
 pub fn turn_radius_m(true_airspeed_mps: f64, roll_rad: f64) -> f64 {
     const GRAVITY_MPS2: f64 = 9.806_65;
     true_airspeed_mps * true_airspeed_mps / (GRAVITY_MPS2 * libm::tan(roll_rad))
@@ -73,7 +73,7 @@ pub(super) fn unit(angle_rad: f64) -> Point {
     Point { x: libm::cos(angle_rad), y: libm::sin(angle_rad) }
 }
 
-/// The direction to the left of `angle_rad`.
+/// Returns the direction to the left of `angle_rad`.
 pub(super) fn left(angle_rad: f64) -> Point {
     Point { x: -libm::sin(angle_rad), y: libm::cos(angle_rad) }
 }
@@ -90,7 +90,7 @@ pub(super) fn turned(turn: f64, by_rad: f64) -> f64 {
 }
 
 impl Flyer {
-    /// Heading that makes the track, where the wind allows it.
+    /// Returns the heading that makes the track, where the wind allows it.
     pub fn heading_rad(&self, track_rad: f64) -> Option<f64> {
         let across = self.wind_mps.dot(left(track_rad)) / self.true_airspeed_mps;
         let along = self.wind_mps.dot(unit(track_rad));
@@ -122,7 +122,7 @@ impl Flyer {
         found
     }
 
-    /// The first of [`Flyer::paths`]. No word is tried at instants when another has been flown already.
+    /// Returns the first of [`Flyer::paths`]. No word is tried at instants when another has been flown already.
     pub fn quickest(&self, from: Pose, to: Pose) -> Option<TurnPath> {
         let (start, end) = self.headings(from, to)?;
         let mut best: Option<TurnPath> = None;
@@ -150,9 +150,9 @@ impl Flyer {
         }
     }
 
-    /// The first instant found at which a path of this word and just that duration is at its end. No path is shorter than the straight
-    /// one; from its duration on instants are tried in sequence, and where the length jumps between two of them,
-    /// because a turn shrinks to none or has become a full circle, both sides of the jump. Instants that begin after `until_s` are not tried.
+    /// Returns the first instant found at which a path of this word and just that duration is at its end. No path is shorter than the
+    /// straight one; from its duration on instants are tried in sequence, and where the length jumps between two of them, because a turn
+    /// shrinks to none or has become a full circle, both sides of the jump. Instants that begin after `until_s` are not tried.
     fn path(
         &self,
         word: PathType,
@@ -242,7 +242,7 @@ impl PathCandidate {
     }
 }
 
-/// The look farthest from `known` towards `until_s`, at which there is none.
+/// Returns the look farthest from `known` towards `until_s`, at which there is none.
 fn outermost(mut known: PathCandidate, mut until_s: f64, look: &dyn Fn(f64) -> Option<PathCandidate>) -> PathCandidate {
     for _ in 0..HALVINGS {
         let middle_s = 0.5 * (known.time_s + until_s);
@@ -254,7 +254,7 @@ fn outermost(mut known: PathCandidate, mut until_s: f64, look: &dyn Fn(f64) -> O
     known
 }
 
-/// The span between two candidates, in two parts where the length jumps within it.
+/// Returns the span between two candidates, in two parts where the length jumps within it.
 fn parted(
     early: PathCandidate,
     late: PathCandidate,
@@ -330,7 +330,7 @@ impl PathEnds {
 }
 
 impl PathType {
-    /// The parts from one pose of the air to another, with the heading at the beginning.
+    /// Returns the parts from one pose of the air to another, with the heading at the beginning.
     fn parts(self, ends: &PathEnds, to: Point) -> Option<(f64, [Part; 3])> {
         let PathEnds { radius, start, end, first, .. } = *ends;
         let last = to.plus(radius * self.last, ends.last);
@@ -391,7 +391,7 @@ impl TurnPath {
         (point, heading_rad)
     }
 
-    /// The path over ground as points from beginning to end, never farther than `tolerance_m` from what is flown.
+    /// Returns the path over ground as points from beginning to end, never farther than `tolerance_m` from what is flown.
     pub fn points(&self, tolerance_m: f64) -> Vec<Point> {
         let speed_mps = self.flyer.true_airspeed_mps;
         // A chord is off by at most an eighth of the acceleration times the time squared.

@@ -133,7 +133,7 @@ impl PathConstraints {
         Ok(self.spot_at(position, direction, point))
     }
 
-    /// A point of the plane made ready.
+    /// Returns a point of the plane made ready.
     pub(crate) fn spot_on_plane(&self, point: Point) -> Result<PreparedPoint, TravelError> {
         if !(point.x.is_finite() && point.y.is_finite()) {
             return Err(TravelError::TooFar);
@@ -207,7 +207,7 @@ impl PathConstraints {
         gaps(ALWAYS, &merged(shut, 0.0))
     }
 
-    /// A point of a leg's turns made ready: near zones it need not keep more than the leg's ends do.
+    /// Returns a point of a leg's turns made ready: near zones it need not keep more than the leg's ends do.
     pub(crate) fn between(
         &self,
         (from, to): (&PreparedPoint, &PreparedPoint),
@@ -262,7 +262,7 @@ impl PathConstraints {
         self.blocks_wider(from, to, 0.0)
     }
 
-    /// As [`PathConstraints::blocks`], where margins that the ends keep are wider by `more`.
+    /// Like [`PathConstraints::blocks`], where margins that the ends keep are wider by `more`.
     ///
     /// # Errors
     /// As there.
@@ -354,7 +354,7 @@ impl PathConstraints {
         (!held).then(|| TravelError::LeavesReach(reach.distance_m_max()))
     }
 
-    /// Margin of a zone for a leg: no more than its ends keep.
+    /// Returns the margin of a zone for a leg: no more than its ends keep.
     fn margin(&self, number: usize, zone: &Zone, from: &PreparedPoint, to: &PreparedPoint) -> f64 {
         let kept = |spot: &PreparedPoint| {
             spot.close.iter().find(|(close, _)| *close == number).map_or(zone.margin, |(_, d)| *d)
@@ -367,7 +367,7 @@ impl PathConstraints {
         solids.any(|solid| crate::plane::inside(point, solid.corners()) || solid.distance(point) <= solid.tolerance)
     }
 
-    /// The parts of the leg that lie in none of the zones `among` which it must stay in.
+    /// Returns the parts of the leg that lie in none of the zones `among` which it must stay in.
     fn outside(&self, a: Point, b: Point, among: &[usize]) -> Vec<Span> {
         let along = b.minus(a);
         let solids = || among.iter().filter_map(|number| self.zones.get(*number)).map(|zone| &zone.solid);

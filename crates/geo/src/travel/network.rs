@@ -110,7 +110,7 @@ pub struct Network {
 }
 
 impl Network {
-    /// The network of a setting on the Earth, flown through `air`.
+    /// Returns the network of a setting on the Earth, flown through `air`.
     ///
     /// # Errors
     /// An error message with the zone that is not a polygon, crosses itself or is too far away.
@@ -119,7 +119,7 @@ impl Network {
         Ok(Network::over(setting::ground(setting, turns.room())?, air, setting.time_s, (false, turns)))
     }
 
-    /// The network of zones drawn on a plane, each kept at `margin`, with bends of at least `turn_radius`.
+    /// Returns the network of zones drawn on a plane, each kept at `margin`, with bends of at least `turn_radius`.
     ///
     /// # Errors
     /// An error message with the zone that is not a polygon.
@@ -132,7 +132,7 @@ impl Network {
         Network::circling_on_plane(zones, (margin, turn_radius), air, time_s, false)
     }
 
-    /// The same, with places that are circled around.
+    /// Returns the same, with places that are circled around.
     pub(super) fn circling_on_plane(
         zones: &[PlaneZone],
         (margin, turn_radius): (f64, f64),
@@ -182,7 +182,7 @@ impl Network {
         network
     }
 
-    /// The number of bends, for operators and tests.
+    /// Returns the number of bends, for operators and tests.
     pub fn path_vertices(&self) -> usize {
         self.path_vertices.len()
     }
@@ -223,7 +223,7 @@ impl Network {
         }
     }
 
-    /// Radius of the circles over ground around places; 0 where none is circled around.
+    /// Returns the radius of the circles over ground around places; 0 where none is circled around.
     pub fn circle_radius_m(&self) -> f64 {
         self.turns.circle_radius
     }
@@ -256,7 +256,7 @@ impl Network {
         }
     }
 
-    /// The ride between two bends or a place and a bend, if it is of use to a shortest way.
+    /// Returns the ride between two bends or a place and a bend, if it is of use to a shortest way.
     fn tangent(&mut self, from: &PreparedPoint, to: &PreparedPoint) -> Option<DirectedLeg> {
         let along = to.point.minus(from.point);
         if !from.takes(along) || !to.takes(along) {
@@ -279,7 +279,7 @@ impl Network {
         Ok(self.legs.len() - 1)
     }
 
-    /// The straight ride between two places.
+    /// Returns the straight ride between two places.
     ///
     /// # Errors
     /// The obstacle that shuts it forever.
@@ -340,12 +340,12 @@ impl Network {
         timing.map_or(&[], |timing| leg.course.closed(&self.air, ride.backwards, &leg.blocks, timing))
     }
 
-    /// The first departure from `ready_s` on at which the ride is not shut.
+    /// Returns the first departure from `ready_s` on at which the ride is not shut.
     pub(super) fn first_open(&mut self, ride: DirectedLeg, ready_s: f64) -> f64 {
         first_open(self.closed(ride), ready_s)
     }
 
-    /// Length of a ride.
+    /// Returns the length of a ride.
     pub(super) fn length(&self, ride: DirectedLeg) -> f64 {
         self.legs.get(ride.leg).map_or(f64::INFINITY, |leg| leg.course.length())
     }
@@ -356,7 +356,7 @@ impl Network {
     }
 }
 
-/// The ride the other way.
+/// Returns the ride the other way.
 pub(super) fn reversed(join: &ArrivalTurn) -> DirectedLeg {
     join.ride.reversed()
 }

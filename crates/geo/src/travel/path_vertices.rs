@@ -35,7 +35,7 @@ impl PathVertex {
     }
 }
 
-/// The bends around `solid`, or along its inside where it is to be kept in, at `margin` from its edges.
+/// Returns the bends around `solid`, or along its inside where it is to be kept in, at `margin` from its edges.
 pub(crate) fn path_vertices(solid: &Solid, keep_in: bool, margin: f64) -> Vec<PathVertex> {
     let corners = solid.corners();
     let reversed: Vec<Point> = corners.iter().rev().copied().collect();
@@ -98,7 +98,7 @@ pub(crate) fn crosses_itself(corners: &[Point]) -> bool {
     crossing(corners).is_some()
 }
 
-/// The numbers of the first two edges that meet without being neighbours; edge 0 begins at corner 0.
+/// Returns the numbers of the first two edges that meet without being neighbours; edge 0 begins at corner 0.
 pub fn crossing(corners: &[Point]) -> Option<(usize, usize)> {
     let edges: Vec<(Point, Point)> = plane::edges(corners).collect();
     for (first, (a, b)) in edges.iter().enumerate() {

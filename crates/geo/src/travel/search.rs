@@ -49,7 +49,7 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// The rides that lead to a label.
+    /// Returns the rides that lead to a label.
     fn rides(&self, label: usize) -> (Vec<DirectedLeg>, Vec<usize>) {
         let (mut rides, mut labels, mut here) = (Vec::new(), Vec::new(), Some(label));
         while let Some(number) = here {
@@ -78,7 +78,7 @@ pub(super) struct FoundPath {
 }
 
 impl Network {
-    /// The earliest arrivals at bends after leaving `from` at `depart_s` or holding there first.
+    /// Returns the earliest arrivals at bends after leaving `from` at `depart_s` or holding there first.
     pub(super) fn tree(&mut self, from: EndpointId, depart_s: f64) -> Tree {
         let mut tree = Tree::default();
         for open_s in &self.bends_open_s {
@@ -144,7 +144,7 @@ impl Network {
         }
     }
 
-    /// The first way to a place over the bends of a tree.
+    /// Returns the first way to a place over the bends of a tree.
     pub(super) fn way_over(&mut self, tree: &Tree, to: EndpointId) -> Option<FoundPath> {
         let mut best: Option<(f64, usize, DirectedLeg)> = None;
         for join in self.joins_of_place(to) {

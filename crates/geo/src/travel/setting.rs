@@ -44,7 +44,7 @@ pub struct PlaneZone {
     pub active_s: Vec<(f64, f64)>,
 }
 
-/// A projection around the setting's positions on which all zones lie, kept away from by `room_m` next to the margin.
+/// Returns a projection around the setting's positions on which all zones lie, kept away from by `room_m` next to the margin.
 pub(crate) fn ground(setting: &Setting<'_>, room_m: f64) -> Result<PathConstraints, String> {
     let plane = Plane::around(setting.around);
     let (low_m, high_m) = setting.altitudes_m;
@@ -95,7 +95,7 @@ pub(crate) fn drawn(
 }
 
 fn no_polygon(name: &str, corners: usize) -> String {
-    format!("Zone {name} has {corners} corners, of which fewer than three differ; a polygon needs three.")
+    format!("zone {name} has {corners} corners, of which fewer than three differ; a polygon needs three")
 }
 
 fn corners(zone: &AirspaceZone, plane: &Plane) -> Result<Vec<Point>, String> {
@@ -103,7 +103,7 @@ fn corners(zone: &AirspaceZone, plane: &Plane) -> Result<Vec<Point>, String> {
     let flat = zone.corners.iter().map(|corner| {
         plane.project(*corner).ok_or_else(|| {
             let (latitude, longitude) = (corner.latitude_deg, corner.longitude_deg);
-            format!("Zone {name} has a corner at ({latitude} {longitude}), too far from the mission.")
+            format!("zone {name} has a corner at ({latitude} {longitude}), too far from the mission")
         })
     });
     let flat: Vec<Point> = flat.collect::<Result<_, String>>()?;
@@ -112,7 +112,7 @@ fn corners(zone: &AirspaceZone, plane: &Plane) -> Result<Vec<Point>, String> {
     }
     if let Some((first, second)) = crossing(&flat) {
         return Err(format!(
-            "Zone {name} crosses itself: its edge from corner {} and its edge from corner {} meet. Give its corners in order around it.",
+            "zone {name} crosses itself: its edge from corner {} and its edge from corner {} meet; give its corners in order around it",
             first + 1,
             second + 1
         ));
@@ -120,7 +120,7 @@ fn corners(zone: &AirspaceZone, plane: &Plane) -> Result<Vec<Point>, String> {
     Ok(flat)
 }
 
-/// The zone with its times inside `time_s`; none where it is never active then.
+/// Returns the zone with its times inside `time_s`; `None` if it is never active then.
 fn made(zone: &PlaneZone, (margin, turn_radius): (f64, f64), stretch: f64, time_s: Span) -> Option<Zone> {
     let (begin_s, end_s) = time_s;
     let inside = |(from_s, until_s): &(f64, f64)| {

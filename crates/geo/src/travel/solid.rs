@@ -23,7 +23,7 @@ pub(crate) struct Solid {
 }
 
 impl Solid {
-    /// The polygon with these corners, repeated ones left out; none where fewer than three are left or one is not finite.
+    /// Returns the polygon with these corners, repeated ones left out; `None` if fewer than three are left or one is not finite.
     pub(crate) fn new(corners: &[Point]) -> Option<Solid> {
         let mut low = Point { x: f64::INFINITY, y: f64::INFINITY };
         let mut high = Point { x: f64::NEG_INFINITY, y: f64::NEG_INFINITY };
@@ -48,12 +48,12 @@ impl Solid {
         (kept.len() >= 3).then_some(Solid { corners: kept, low, high, tolerance })
     }
 
-    /// Its corners in order, not closed.
+    /// Returns its corners in order, not closed.
     pub(crate) fn corners(&self) -> &[Point] {
         &self.corners
     }
 
-    /// Distance of `point` from the nearest edge.
+    /// Returns the distance of `point` from the nearest edge.
     pub(crate) fn distance(&self, point: Point) -> f64 {
         plane::edges(&self.corners).fold(f64::INFINITY, |least, (c, d)| least.min(plane::point_to_segment(point, c, d)))
     }
@@ -76,14 +76,14 @@ impl Solid {
             || a.y.min(b.y) - margin > self.high.y
     }
 
-    /// The spans of the leg `a`-`b` that lie inside, as shares of its length.
+    /// Returns the spans of the leg `a`-`b` that lie inside, as shares of its length.
     pub(crate) fn inside(&self, a: Point, b: Point) -> Vec<Span> {
         let pieces = self.pieces(a, b);
         let along = b.minus(a);
         merged(pieces.into_iter().filter(|(s, t)| self.holds(a.plus(0.5 * (s + t), along))).collect(), 1e-12)
     }
 
-    /// The spans of the leg that lie inside or closer to an edge than `margin`.
+    /// Returns the spans of the leg that lie inside or closer to an edge than `margin`.
     pub(crate) fn near(&self, a: Point, b: Point, margin: f64) -> Vec<Span> {
         if self.is_far_from(a, b, margin) {
             return Vec::new();
@@ -110,7 +110,7 @@ impl Solid {
         !self.inside(a, b).is_empty()
     }
 
-    /// The leg cut at every edge and corner that it meets: shares of its length, in order, without slivers.
+    /// Returns the leg cut at every edge and corner that it meets: shares of its length, in order, without slivers.
     pub(crate) fn pieces(&self, a: Point, b: Point) -> Vec<Span> {
         let along = b.minus(a);
         let length = along.length();
@@ -137,7 +137,7 @@ impl Solid {
     }
 }
 
-/// The span of the leg `a`-`b` that is closer than `margin` to the segment `c`-`d`: the space around a segment is convex.
+/// Returns the span of the leg `a`-`b` that is closer than `margin` to the segment `c`-`d`: the space around a segment is convex.
 fn beside(a: Point, b: Point, c: Point, d: Point, margin: f64) -> Option<Span> {
     let along = b.minus(a);
     let edge = d.minus(c);

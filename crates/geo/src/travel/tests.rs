@@ -19,7 +19,7 @@ fn square(x: f64, y: f64, side: f64) -> PlaneZone {
     zone("square", &[(x, y), (x + side, y), (x + side, y + side), (x, y + side)])
 }
 
-/// A network where lengths are times: one unit a second.
+/// Returns a network where lengths are times: one unit a second.
 fn still(zones: &[PlaneZone], margin: f64) -> Network {
     Network::on_plane(zones, (margin, 0.0), Air::still(1.0), ALL_DAY).unwrap()
 }
@@ -355,7 +355,7 @@ mod random {
     }
 }
 
-/// Wind until a time, then none.
+/// Returns wind until a time, then none.
 fn gust(east_mps: f64, north_mps: f64, until_s: f64) -> Air {
     let layer = apex_model::problem::WindLayer {
         area: None,

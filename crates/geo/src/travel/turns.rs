@@ -107,7 +107,7 @@ impl TurnLeg<'_> {
         TurnLeg { from, to, length, frame: Frame::Earth([up, along, left], per_m), bearings_rad }
     }
 
-    /// A point of the piece's plane on the ground.
+    /// Returns a point of the piece's plane on the ground.
     fn place(&self, point: Point) -> (Position, Point, Direction) {
         match &self.frame {
             Frame::Plane(along, left) => {
@@ -123,7 +123,7 @@ impl TurnLeg<'_> {
         }
     }
 
-    /// The mean wind of a span of the air, along the piece and to its left.
+    /// Returns the mean wind of a span of the air, along the piece and to its left.
     fn wind(&self, network: &Network, span: usize) -> Point {
         let mut mean = Point::default();
         for share in WIND_SHARES {
@@ -145,7 +145,7 @@ impl TurnLeg<'_> {
         Point { x: self.length, y: 0.0 }
     }
 
-    /// A direction at the beginning or the end, from the x axis to the left; none is any.
+    /// Returns a direction at the beginning or the end, from the x axis to the left; none is any.
     fn track_rad(&self, at: At, behind: bool) -> Option<f64> {
         let bearing_rad = if behind { self.bearings_rad.1 } else { self.bearings_rad.0 };
         if let At::Track(track_rad) = at { Some(bearing_rad - track_rad) } else { None }
@@ -188,7 +188,7 @@ fn poses(point: Point) -> Vec<End> {
     tracks().map(|track_rad| End::Pose(point, track_rad)).collect()
 }
 
-/// An angle between minus half a circle and half a circle.
+/// Returns an angle between minus half a circle and half a circle.
 fn turn_rad(angle_rad: f64) -> f64 {
     angle_rad - TAU * libm::round(angle_rad / TAU)
 }
@@ -422,13 +422,13 @@ impl Network {
         self.turned(way).map_or(0.0, |turned| turned.extra_s)
     }
 
-    /// The path over ground of a trip, turns included: points never farther than [`TOLERANCE_SHARE`] of the radius from it.
+    /// Returns the path over ground of a trip, turns included: points never farther than [`TOLERANCE_SHARE`] of the radius from it.
     /// Without limits of turns, the ends and bends.
     pub fn path(&mut self, way: PathId, depart_s: f64) -> Vec<Position> {
         self.path_spots(way, depart_s).into_iter().map(|(position, _)| position).collect()
     }
 
-    /// The same on the plane.
+    /// Returns the same on the plane.
     pub fn path_points(&mut self, way: PathId, depart_s: f64) -> Vec<Point> {
         self.path_spots(way, depart_s).into_iter().map(|(_, point)| point).collect()
     }

@@ -149,12 +149,12 @@ impl Network {
         Some((spots, (at(from), at(to))))
     }
 
-    /// Both ends of a way and the bends between, on the Earth.
+    /// Returns both ends of a way and the bends between, on the Earth.
     pub fn positions(&self, way: PathId) -> Vec<Position> {
         self.spots(way).into_iter().map(|(position, _)| position).collect()
     }
 
-    /// The same on the plane.
+    /// Returns the same on the plane.
     pub fn points(&self, way: PathId) -> Vec<Point> {
         self.spots(way).into_iter().map(|(_, point)| point).collect()
     }
@@ -167,7 +167,7 @@ impl Network {
         spots.map(|spot| (spot.position, spot.point)).collect()
     }
 
-    /// Length of a way over ground.
+    /// Returns the length of a way over ground.
     pub fn length_of(&self, way: PathId) -> f64 {
         self.found.ways.get(way.0).map_or(f64::INFINITY, |way| way.rides.iter().map(|ride| self.length(*ride)).sum())
     }
@@ -182,7 +182,7 @@ impl Network {
         from.iter().map(row).collect()
     }
 
-    /// As [`Network::trip`], by the way that is best for leaving at `ready_s`.
+    /// Like [`Network::trip`], by the way that is best for leaving at `ready_s`.
     fn trip_now(&mut self, from: EndpointId, to: EndpointId, ready_s: f64, tree: &mut Option<Tree>) -> Option<Trip> {
         let straight = self.straight_way(from, to).ok();
         let direct = straight.and_then(|(way, _)| self.trip_by(way, ready_s));

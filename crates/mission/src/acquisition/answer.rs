@@ -1,4 +1,4 @@
-//! The answer to a data-acquisition goal: a typed procedure that is printed as PDL, or the reason why there is none.
+//! The answer to a data-acquisition goal: a typed procedure that is printed as PDL, or the reason why no manoeuvre meets the goal.
 
 use super::form::form_of;
 use super::goal::AcquisitionGoal;
@@ -22,7 +22,7 @@ use serde_json::json;
 /// Deliberation time charged for each candidate in simulation.
 const CANDIDATE_S: f64 = 1e-3;
 
-/// Poses the problem of a goal at an instant of a flight.
+/// Poses the problem of a goal at the instant `at` of a flight.
 pub(crate) fn pose(mission: &Mission, situation: &Situation, request: &SolveRequest, at: Time) -> Posed {
     let believed = situation.updates.believed(mission);
     let energy = energy(&believed, situation);
@@ -55,10 +55,10 @@ fn answer(mission: &Mission, goal: &Value, start: Start, number: u32) -> SolverA
     }
 }
 
-/// The manoeuvres that meet a goal, best first, one line each; for displays and measurements.
+/// Returns the manoeuvres that meet a goal, best first, as one line of text each; for displays and measurements.
 ///
 /// # Errors
-/// As the answer in flight: what is wrong with the goal, or the nearest miss.
+/// As in flight: the fault of the goal, or the manoeuvre that comes closest to meeting it.
 pub fn synthesised(mission: &Mission, goal: &Value, from_s: f64) -> Result<Vec<String>, String> {
     let wanted = AcquisitionGoal::read(mission, goal)?;
     let energy = energy(mission, &Situation::default());
@@ -67,7 +67,7 @@ pub fn synthesised(mission: &Mission, goal: &Value, from_s: f64) -> Result<Vec<S
     Ok(synthesis.front.iter().map(told).collect())
 }
 
-/// The procedure of the chosen manoeuvre.
+/// Returns the procedure that flies the chosen manoeuvre.
 fn procedure(
     wanted: &AcquisitionGoal,
     goal: &Value,
@@ -104,7 +104,7 @@ fn procedure(
     })
 }
 
-/// The step that flies a manoeuvre.
+/// Returns the activity of the step that flies a manoeuvre.
 fn activity(wanted: &AcquisitionGoal, chosen: &Predicted, start: Start) -> Result<PlannedActivity, String> {
     let candidate = &chosen.candidate;
     let target = wanted.named.clone();
@@ -148,7 +148,7 @@ fn activity(wanted: &AcquisitionGoal, chosen: &Predicted, start: Start) -> Resul
     Ok(PlannedActivity::Goal(Value::list(head.into_iter().chain(how))))
 }
 
-/// The observed lines in the order flown.
+/// Returns the observed lines in the order in which they are flown.
 fn lines(chosen: &Predicted) -> Vec<(Location, Location)> {
     let poses = &chosen.forecast.flown.poses;
     let observed = poses.windows(2).filter_map(|pair| match pair {
@@ -160,7 +160,7 @@ fn lines(chosen: &Predicted) -> Vec<(Location, Location)> {
     observed.collect()
 }
 
-/// A location to about a metre.
+/// Converts a point of the local plane to a location, rounded to about a metre.
 fn location(chosen: &Predicted, point: apex_geo::plane::Point, height_m: f64) -> Location {
     let position = chosen.scene.position(point);
     let digits = |degrees: f64| libm::round(degrees * 1e5) / 1e5;

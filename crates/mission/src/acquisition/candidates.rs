@@ -44,7 +44,7 @@ pub(super) struct ManoeuvreCandidate {
     pub(super) every_m: f64,
 }
 
-/// The sensors that may record the product.
+/// Returns the sensors that may record the product.
 ///
 /// # Errors
 /// The vehicle carries none: what it carries.
@@ -110,7 +110,7 @@ pub(super) fn heights_m(mission: &Mission, goal: &AcquisitionGoal, instrument: &
     found
 }
 
-/// Lowest height above the target: what the mission requires over ground, else what the vehicle keeps.
+/// Returns the lowest height above the target: the height that the mission requires over ground, or else the one that the vehicle keeps.
 pub(super) fn lowest_m(mission: &Mission, goal: &AcquisitionGoal) -> f64 {
     let least_m = match mission.model.airframe {
         Airframe::FixedWing => HEIGHT_M_MIN.0,
@@ -122,7 +122,7 @@ pub(super) fn lowest_m(mission: &Mission, goal: &AcquisitionGoal) -> f64 {
     required_m + 3.0 + (ground_m - goal.target.elevation_m).max(0.0)
 }
 
-/// All candidates of one sensor at one height.
+/// Returns all candidates of one sensor at one height.
 pub(super) fn at_height(
     (mission, goal): (&Mission, &AcquisitionGoal),
     (sensor, instrument): (&str, &Instrument),
@@ -165,7 +165,7 @@ struct Setting<'a> {
 }
 
 impl Setting<'_> {
-    /// Ground speed of a rotorcraft or airspeed of a fixed wing, no faster than pictures smear or overlap.
+    /// Returns the ground speed of a rotorcraft or airspeed of a fixed wing, no faster than pictures smear or overlap.
     fn speed_mps(&self, slant_m: f64) -> f64 {
         let model = &self.mission.model;
         let cruise = model.true_airspeed_m_s_cruise;
@@ -178,7 +178,7 @@ impl Setting<'_> {
         most.min(smear).min(by_interval).max(least)
     }
 
-    /// Distance between pictures.
+    /// Returns the distance between pictures.
     fn base_m(&self, slant_m: f64) -> f64 {
         match self.instrument {
             Instrument::Camera(camera) => (camera.footprint_m(slant_m).1 * 0.3).clamp(2.0, 2_000.0),

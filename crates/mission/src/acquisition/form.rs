@@ -31,12 +31,12 @@ impl<'a> Form<'a> {
         Ok(Form { name: name.folded().to_string(), fields, used: Vec::new() })
     }
 
-    /// The name.
+    /// Returns the name.
     pub(crate) fn name(&self) -> &str {
         &self.name
     }
 
-    /// A keyword's number in SI units; a bare number is in the unit of `unit_si`.
+    /// Returns a keyword's number in SI units; a bare number is in the unit of `unit_si`.
     fn number(&mut self, key: &'static str, dimension: Dimension, unit_si: f64) -> Result<Option<f64>, String> {
         self.used.push(key);
         let Some((_, value)) = self.fields.iter().find(|(name, _)| name == key) else { return Ok(None) };
@@ -60,7 +60,7 @@ impl<'a> Form<'a> {
         self.need(key, Dimension::SPEED, 1.0)
     }
 
-    /// An angle in degrees; `default` where it is not given.
+    /// Returns an angle in degrees; `default` where it is not given.
     fn angle_deg(&mut self, key: &'static str, default: Option<f64>) -> Result<f64, String> {
         let found = self.number(key, Dimension::ANGLE, 1.0 / DEG_PER_RAD)?.map(|rad| rad * DEG_PER_RAD);
         found.or(default).ok_or_else(|| format!("`:{key}` of `{}` is missing", self.name))
@@ -76,7 +76,7 @@ impl<'a> Form<'a> {
         Some(value.to_string().to_lowercase())
     }
 
-    /// True for the second of two words; the first is the default.
+    /// Reads one of two words; returns true for the second, false for the first, which is the default.
     fn is(&mut self, key: &'static str, [usual, other]: [&str; 2]) -> Result<bool, String> {
         match self.word(key).as_deref() {
             None => Ok(false),
@@ -223,7 +223,7 @@ fn arc_of(form: &mut Form<'_>) -> Result<Arc, String> {
     })
 }
 
-/// A flight path as PDL writes it; of a sweep the lines are printed instead.
+/// Returns a flight path as PDL writes it; of a sweep the lines are printed instead.
 pub(crate) fn form_of(path: &FlightPath) -> Option<Value> {
     let mut items = vec![Value::symbol(path.name())];
     let mut put = |key: &str, value: Value| items.extend([Value::symbol(&format!(":{key}")), value]);
@@ -274,7 +274,7 @@ pub(crate) fn form_of(path: &FlightPath) -> Option<Value> {
     Some(Value::list(items))
 }
 
-/// The fields of paths of straight lines, and of places.
+/// Reads the fields of paths of straight lines, and of places.
 fn put_straight(path: &FlightPath, put: &mut impl FnMut(&str, Value)) {
     match path {
         FlightPath::StandOff(aside) => {
@@ -334,7 +334,7 @@ fn speed(speed_mps: f64) -> Value {
     Value::measured(libm::round(10.0 * speed_mps) / 10.0, Dimension::SPEED)
 }
 
-/// A whole number of degrees: PDL prints angles in radians otherwise.
+/// Returns a whole number of degrees: PDL prints angles in radians otherwise.
 fn degrees(angle_deg: f64) -> Value {
     Value::Real(libm::round(100.0 * angle_deg) / 100.0)
 }

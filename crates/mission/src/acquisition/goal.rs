@@ -66,7 +66,7 @@ pub(crate) struct AcquisitionGoal {
     pub(crate) sensor: Option<String>,
 }
 
-/// True for a goal of this kind.
+/// Returns true for a goal of this kind.
 pub(crate) fn is_goal(goal: &Value) -> bool {
     let head = goal.as_list().and_then(|items| items.first()).and_then(Value::as_symbol);
     head.is_some_and(|head| head.is("acquire"))
@@ -194,7 +194,7 @@ impl AcquisitionGoal {
     }
 }
 
-/// The ground of a target: that of the mission's data, or a point.
+/// Returns the ground of a target: that of the mission's data, or a point.
 fn observed(mission: &Mission, named: &Value, look: WantedLook) -> Result<(ObservedTarget, Position), String> {
     let point = |name: &str, position: Position, elevation_m: f64| ObservedTarget {
         name: name.to_string(),

@@ -26,7 +26,7 @@ pub(crate) struct Places {
     targets: Vec<(String, Position, f64)>,
 }
 
-/// The manoeuvre that PDL flies: along a path with a camera (or the scanner), at a speed.
+/// Returns the manoeuvre that PDL flies: along a path with a camera (or the scanner), at a speed.
 pub(crate) fn manoeuvre_of(path: FlightPath, speed_mps: Option<f64>, craft_hovers: bool, scans: bool) -> Manoeuvre {
     let speed = match speed_mps {
         Some(speed_mps) if craft_hovers => SpeedProfile::GroundSpeed(speed_mps),
@@ -129,7 +129,7 @@ impl Places {
     }
 }
 
-/// Height of a path over its target.
+/// Returns the height of a path over its target.
 pub(crate) fn height_m(path: &FlightPath) -> f64 {
     match path {
         FlightPath::StraightOver(path) => path.height_m,

@@ -53,7 +53,7 @@ pub fn forecast(mission: &Mission, wanted: &PerformedManoeuvre<'_>) -> Result<Fo
     forecast_of(mission, &manoeuvre, (&craft, &instrument, &scene), (&fire.wanted, &fire.grid)).map_err(told)
 }
 
-/// The scene of a path over a place in the mission's forecast wind.
+/// Returns the scene of a path over a place in the mission's forecast wind.
 pub(super) fn scene(
     mission: &Mission,
     place: (Position, f64),
@@ -64,7 +64,7 @@ pub(super) fn scene(
     scene_of(place, &mission.forecast, height_m(path), approach, from_s)
 }
 
-/// The forecast of a manoeuvre in the mission's air.
+/// Returns the forecast of a manoeuvre in the mission's air.
 pub(super) fn forecast_of(
     mission: &Mission,
     manoeuvre: &Manoeuvre,

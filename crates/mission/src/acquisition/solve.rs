@@ -106,7 +106,7 @@ pub(crate) fn synthesise(mission: &Mission, goal: &AcquisitionGoal, start: Start
     }
 }
 
-/// The pixels that are wanted need a height at which the vehicle may not fly.
+/// Adds a miss: the required pixels need a height at which the vehicle may not fly.
 fn height_miss(
     mission: &Mission,
     goal: &AcquisitionGoal,
@@ -126,7 +126,7 @@ fn height_miss(
     }
 }
 
-/// Evenly fewer where there are too many.
+/// Removes candidates evenly beyond the limit.
 fn thin(candidates: &mut Vec<ManoeuvreCandidate>) {
     let count = candidates.len();
     if count <= CANDIDATES_MAX {
@@ -140,7 +140,7 @@ fn thin(candidates: &mut Vec<ManoeuvreCandidate>) {
     });
 }
 
-/// The light that the goal or every sensor needs.
+/// Checks the light that the goal or every sensor needs.
 fn light(mission: &Mission, goal: &AcquisitionGoal, sensors: &[(String, Instrument)], at_s: f64) -> Result<(), String> {
     let Some(zero_unix_s) = mission.settings.epoch_unix_s else { return Ok(()) };
     let sun_deg = solar_position(goal.position, zero_unix_s + at_s).elevation_deg;
@@ -240,7 +240,7 @@ fn judged(
     Ok(Predicted { candidate, scene, forecast, travel_s })
 }
 
-/// The factor that falls short of the goal most.
+/// Returns the factor that falls short of the goal most.
 fn short_of(goal: &AcquisitionGoal, forecast: &Forecast) -> Option<(&'static str, f64, f64)> {
     let factors = &forecast.factors;
     let least = |wanted: f64| wanted.max(1e-3);
@@ -254,7 +254,7 @@ fn short_of(goal: &AcquisitionGoal, forecast: &Forecast) -> Option<(&'static str
     short.max_by(|a, b| ((a.1 - a.2) / a.1).total_cmp(&((b.1 - b.2) / b.1)))
 }
 
-/// The restricted zone that the manoeuvre enters, or the permitted one that it leaves.
+/// Returns the restricted zone that the manoeuvre enters, or the permitted one that it leaves.
 fn closed_by<'a>(mission: &'a Mission, forecast: &Forecast, scene: &Scene, from_s: f64) -> Option<&'a AirspaceZone> {
     let plane = Plane::new(scene.target);
     mission.zones.iter().filter(|zone| zone.kind == ZoneKind::Restricted).find(|zone| {
@@ -270,7 +270,7 @@ fn closed_by<'a>(mission: &'a Mission, forecast: &Forecast, scene: &Scene, from_
     })
 }
 
-/// The Pareto front of worth, time, energy and turns; the chosen one first.
+/// Returns the Pareto front of worth, time, energy and turns; the chosen one first.
 fn front(meeting: Vec<Predicted>) -> Vec<Predicted> {
     let figures = |one: &Predicted| {
         let forecast = &one.forecast;
@@ -302,7 +302,7 @@ fn front(meeting: Vec<Predicted>) -> Vec<Predicted> {
     front
 }
 
-/// One line for operators: what a candidate is and gives.
+/// Returns one line for operators: a candidate and its predicted quality.
 pub(super) fn told(one: &Predicted) -> String {
     let Forecast { factors, points, time_s, .. } = &one.forecast;
     let what = match &one.candidate.manoeuvre.path {

@@ -1,4 +1,4 @@
-//! The mission's vehicle, sensors and places in the terms of manoeuvres.
+//! Conversion of the mission's vehicle, sensors and targets to the types of manoeuvre synthesis.
 
 use crate::observing::{camera_names, camera_of, hold_of, looks_with, scanner_of};
 use crate::vehicle::{Airframe, VehicleModel};
@@ -8,15 +8,15 @@ use apex_geo::wind;
 use apex_model::problem::{Position, WindField};
 use apex_observation::manoeuvres::{Craft, DrainTable, Instrument, Scene};
 
-/// Airspeed tail first and sideways where a vehicle file does not state it: assumption after section 3.2 of the domain
-/// reference, 5 to 10 m/s for a small helicopter.
+/// Maximum rearward and sideways airspeed of a rotorcraft, m/s; vehicle files do not state it. Assumption: small helicopters
+/// reach 5 to 10 m/s.
 const ASIDE_MPS_MAX: f64 = 10.0;
-/// Time of straight flight before a line of a fixed wing.
+/// Time of straight flight of a fixed wing before it begins a line.
 const SETTLE_S: f64 = 5.0;
-/// Slowest airspeed of a fixed wing as a multiple of the least indicated one.
+/// Slowest planned airspeed of a fixed wing as a multiple of its minimum indicated airspeed.
 const SLOW_SHARE: f64 = 1.15;
 
-/// The vehicle at an altitude above mean sea level.
+/// Returns the performance of the vehicle at an altitude above mean sea level.
 pub(crate) fn craft_of(model: &VehicleModel, altitude_m: f64) -> Craft {
     let can_hover = model.airframe == Airframe::Rotorcraft;
     let (cruise, most) = (model.true_airspeed_m_s_cruise, model.true_airspeed_m_s_max);
@@ -52,10 +52,10 @@ pub(crate) fn craft_of(model: &VehicleModel, altitude_m: f64) -> Craft {
     }
 }
 
-/// A sensor by its name: `scanner`, or a camera; none named: the camera that looks, else the scanner.
+/// Returns the sensor called `name`: `scanner` or a camera. Without a name: the first camera, or else the scanner.
 ///
 /// # Errors
-/// The vehicle carries no such sensor: what it carries.
+/// The names of the sensors on board if the vehicle does not carry this one.
 pub(crate) fn instrument_of(model: &VehicleModel, name: Option<&str>) -> Result<Instrument, String> {
     let scanner = || scanner_of(model).map(Instrument::Scanner);
     let found = match name {
@@ -76,10 +76,10 @@ pub(crate) fn instrument_of(model: &VehicleModel, name: Option<&str>) -> Result<
     })
 }
 
-/// A target by its id, however its letters are cased.
+/// Returns the target with this id; upper and lower case are equal.
 ///
 /// # Errors
-/// The mission has no such target: the names that it has.
+/// The names of the mission's targets if none has this id.
 pub(crate) fn target_of<'a>(mission: &'a Mission, id: &str) -> Result<&'a Target, String> {
     mission.targets.iter().find(|target| target.id.eq_ignore_ascii_case(id)).ok_or_else(|| {
         let known: Vec<&str> = mission.targets.iter().map(|target| target.id.as_str()).collect();
@@ -88,7 +88,7 @@ pub(crate) fn target_of<'a>(mission: &'a Mission, id: &str) -> Result<&'a Target
     })
 }
 
-/// The known name that shares most letters with a wrong one at its beginning.
+/// Returns the known name that shares the longest prefix with a wrong one.
 fn nearest_name<'a>(wrong: &str, known: &[&'a str]) -> Option<&'a str> {
     let shared = |name: &str| {
         let same = |(a, b): &(char, char)| a.eq_ignore_ascii_case(b);
@@ -97,7 +97,7 @@ fn nearest_name<'a>(wrong: &str, known: &[&'a str]) -> Option<&'a str> {
     known.iter().copied().max_by_key(|name| shared(name)).filter(|name| shared(name) >= 1)
 }
 
-/// Level of the observed part above mean sea level: the observed ground, or the middle of a structure.
+/// Returns the level of the observed part above mean sea level: the observed ground, or the middle of a structure.
 pub(crate) fn elevation_m(target: &Target) -> f64 {
     match &target.kind {
         TargetKind::Fire(fire) => fire.wanted.elevation_m,
@@ -105,7 +105,7 @@ pub(crate) fn elevation_m(target: &Target) -> f64 {
     }
 }
 
-/// The scene of a manoeuvre `height_m` over a target, with the wind that `field` holds.
+/// Returns the scene of a manoeuvre `height_m` over a target, with the wind that `field` holds.
 pub(crate) fn scene_of(
     (position, elevation_m): (Position, f64),
     field: &WindField,

@@ -75,14 +75,14 @@ fn procedure(mission: &Mission, place: Place) -> Option<&Procedure> {
     mission.library.procedures.iter().map(AsRef::as_ref).find(|procedure| procedure.place == place)
 }
 
-/// A step that observes a target: `(observe TARGET ..)` or `(visit TARGET ..)` without variables.
+/// Returns a step that observes a target: `(observe TARGET ..)` or `(visit TARGET ..)` without variables.
 fn visit(activity: &Activity) -> Option<PlannedActivity> {
     let Activity::Goal(Template::Constant(form)) = activity else { return None };
     let activity = PlannedActivity::from_goal(form);
     activity.target().is_some().then_some(activity)
 }
 
-/// The visits from `done` on with their times from now on, until the horizon where they are repeated.
+/// Returns the visits from `done` on with their times from now on, until the horizon where they are repeated.
 fn watched(
     problem: &SurveillanceProblem,
     steps: &[PlannedActivity],
@@ -124,7 +124,7 @@ fn watched(
     })
 }
 
-/// The observations, each in the manoeuvre whose lines the step flies, when the step expects it.
+/// Returns the observations, each in the manoeuvre whose lines the step flies, when the step expects it.
 fn visited(problem: &SingleVisitProblem, steps: &[PlannedActivity]) -> Option<SingleVisitPlan> {
     let mut visits = Vec::new();
     let mut ready_s = problem.start_s;
@@ -174,13 +174,13 @@ fn visited(problem: &SingleVisitProblem, steps: &[PlannedActivity]) -> Option<Si
     })
 }
 
-/// The lines that an observation flies, as its step states them: rounded to about a metre.
+/// Returns the lines that an observation flies, as its step states them: rounded to about a metre.
 pub(super) fn observed_lines(manoeuvre: &Manoeuvre) -> Vec<(Location, Location)> {
     let end = |position| Location { position, altitude_m: manoeuvre.altitude_m };
     manoeuvre.lines.iter().map(|(from, to)| (rounded(end(*from)), rounded(end(*to)))).collect()
 }
 
-/// A location rounded to about a metre, so that plans stay readable.
+/// Returns a location rounded to about a metre, so that plans stay readable.
 pub(super) fn rounded(location: Location) -> Location {
     let round = |degrees: f64| (degrees * 1e5).round() / 1e5;
     let position = Position::new(round(location.position.latitude_deg), round(location.position.longitude_deg));

@@ -48,7 +48,7 @@ pub struct MissionDeliberator {
 }
 
 impl MissionDeliberator {
-    /// A deliberator at the beginning of the mission.
+    /// Returns a deliberator at the beginning of the mission.
     pub fn new(mission: Arc<Mission>, means: PlanningResources) -> MissionDeliberator {
         let flown = FlownScore::new(&mission);
         MissionDeliberator {
@@ -61,17 +61,17 @@ impl MissionDeliberator {
         }
     }
 
-    /// The situation now.
+    /// Returns the situation now.
     pub fn situation(&self) -> &Situation {
         &self.situation
     }
 
-    /// Wall time that planners took so far.
+    /// Returns the wall time that planners took so far.
     pub fn planned_for(&self) -> std::time::Duration {
         self.invocations.lock().unwrap_or_else(PoisonError::into_inner).worked()
     }
 
-    /// The report of a flight that ended so.
+    /// Returns the report of a flight that ended so.
     pub fn report(&self, end: (Time, String)) -> Report {
         report(&self.mission, &self.situation, told(&self.flown), end)
     }

@@ -1,4 +1,4 @@
-//! The operator's plan as a planner's, and the message that the operator plans better (paper, section V.C).
+//! Planner that returns the operator's visits, and the message that operators plan better (paper, section V.C).
 
 use super::solve::PlanningResources;
 use crate::situation::OperatorPlan;
@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// Name of the planner that returns the operator's visits.
 pub(crate) const HUMAN: &str = "human";
 
-/// The means with the operator's visits as one more planner, if `solver` asks for it.
+/// Returns the means with the operator's visits as one more planner, if `solver` asks for it.
 ///
 /// # Errors
 /// An error message if the operator has not named visits.
@@ -31,7 +31,7 @@ pub(super) fn means(
     Ok(means)
 }
 
-/// The first step of a plan where the operator plans better: `library/aerial-observation.pdl` informs its listeners.
+/// Returns the first step of a plan for a problem that operators plan better: it sends a message by `library/aerial-observation.pdl`.
 pub(super) fn step(goal: &Value, summary: &str) -> (Symbol, PlannedActivity) {
     let words = [Value::symbol("say"), Value::symbol("that"), Value::symbol("people"), Value::symbol("plan")];
     let rest = [goal.clone(), Value::symbol("better"), Value::symbol("than"), Value::text(summary)];

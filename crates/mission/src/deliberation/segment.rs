@@ -1,10 +1,10 @@
-//! A segment of a line that lost its data: this segment again, or one target less (paper, section IV, example 1).
+//! Decision about a segment of a line whose data were lost: fly it again, or keep its time for other targets (paper, section IV, example 1).
 //!
 //! Runs: once for each `(segment-lost TARGET FROM TO END)` that the flying agent says. The gain is what the segment adds to what has
 //! been seen and to what the rest of the observation will see, in the turbulence that is measured. The price is the difference between
 //! the values of the rest of the plan, begun now and begun after the segment. The answer `(segment-weighed TARGET FROM TO again|leave
 //! GAIN PRICE TEXT)` enters the next batch, and is recorded like all inputs.
-//! Bound: one planning problem posed of the n visits that the plan still has ahead, and O(n^2) judgements of them.
+//! Bound: one planning problem with the n remaining visits of the plan, and O(n^2) evaluations of them.
 
 use crate::ground::MissionGround;
 use crate::observing::{ForecastAir, scanner_of};
@@ -47,9 +47,9 @@ struct LostSegment {
 /// Segments that lost their data, and the answers so far.
 #[derive(Clone, Debug, Default)]
 pub(super) struct LostSegments {
-    /// Not weighed yet, with the instant of the loss.
+    /// Segments that are not decided yet, with the instant of the loss.
     open: Vec<(Time, LostSegment)>,
-    /// Weighed, and whether it is flown again.
+    /// Decided segments; true if the segment is flown again.
     weighed: Vec<(LostSegment, bool)>,
 }
 
@@ -60,7 +60,7 @@ pub(super) struct Trade {
     pub(super) gain_points: f64,
     /// Points that its time takes from the rest of the plan.
     pub(super) price_points: f64,
-    /// The time.
+    /// Time for flying the segment again.
     pub(super) flight_s: f64,
     /// Targets that are left out for it.
     pub(super) dropped: Vec<String>,
@@ -103,7 +103,7 @@ impl LostSegment {
         geodesy::distance_m(self.begin.position, self.until.position)
     }
 
-    /// True if the middle of this segment lies on `other`.
+    /// Returns true if the middle of this segment lies on `other`.
     fn is_on(&self, other: &LostSegment) -> bool {
         let middle = geodesy::midpoint(self.begin.position, self.until.position);
         let by_m =
@@ -113,7 +113,7 @@ impl LostSegment {
 }
 
 impl LostSegments {
-    /// Takes what the flying agent says.
+    /// Reads lost segments from the messages of the flying agent.
     pub(super) fn observe(&mut self, now: Time, effects: &[Effect]) {
         let said = effects.iter().filter_map(|effect| match effect {
             Effect::Inform { form, .. } => LostSegment::read(form),
@@ -122,7 +122,7 @@ impl LostSegments {
         self.open.extend(said.map(|lost| (now, lost)));
     }
 
-    /// The answers about the segments lost in the last step.
+    /// Returns the answers about the segments lost in the last step.
     pub(super) fn weigh(&mut self, known: (&Mission, &Situation), flown: &FlownScore) -> Vec<Input> {
         let open = std::mem::take(&mut self.open);
         open.into_iter().map(|(at, lost)| self.answer(known, flown, lost, at)).collect()
@@ -134,7 +134,7 @@ impl LostSegments {
             let apart_m = geodesy::distance_m(other.until.position, lost.begin.position);
             !is_again && other.target == lost.target && other.line_end == lost.line_end && apart_m <= settle_m
         };
-        // A segment that was left and this one are flown again together.
+        // If a segment near this one was left before, both are flown again together.
         let merged = self.weighed.iter().rev().find(near).map(|(other, _)| LostSegment {
             begin: other.begin,
             from: other.from.clone(),
@@ -163,7 +163,7 @@ impl LostSegments {
     }
 }
 
-/// Both sides of the decision about a segment, lost at `at`.
+/// Returns both sides of the decision about a segment, lost at `at`.
 fn trade(
     (mission, situation): (&Mission, &Situation),
     flown: &FlownScore,
@@ -206,7 +206,7 @@ fn trade(
                 let delay = (at.seconds(), leaves_s, again.total_s);
                 match single_visits(&believed, (situation, Some(flown), at), (&is_ahead, false)) {
                     Ok(problem) => price(&problem, plan, &lost.target, from, delay)?,
-                    // Nothing left to plan for: time costs nothing but itself.
+                    // No visits remain, so the time of the segment displaces nothing.
                     Err(_) => (0.0, Vec::new()),
                 }
             }
@@ -224,7 +224,7 @@ fn wanted<'a>(mission: &'a Mission, name: &str) -> Option<(&'a Target, &'a Fire)
     })
 }
 
-/// The lines that the observation still has to fly: the rest of this one, and those of which nothing has been seen.
+/// Returns the lines that the observation still has to fly: the rest of this one, and those of which nothing has been seen.
 fn rest_of_lines(situation: &Situation, lost: &LostSegment, here: Position) -> Vec<(Position, Position)> {
     let mut rest = vec![(here, lost.line_end.position)];
     let open = situation.visits.last().filter(|visit| visit.end.is_none() && visit.target == lost.target);
@@ -233,7 +233,7 @@ fn rest_of_lines(situation: &Situation, lost: &LostSegment, here: Position) -> V
     rest
 }
 
-/// A line that is flown from `from_s` on.
+/// Returns a line that is flown from `from_s` on.
 fn planned(mission: &Mission, (from, to): (Position, Position), altitude_m: f64, from_s: f64) -> PlannedLine {
     let airspeed_mps = mission.model.true_airspeed_m_s_cruise;
     let track_deg = geodesy::azimuth_deg(from, to);
@@ -244,7 +244,7 @@ fn planned(mission: &Mission, (from, to): (Position, Position), altitude_m: f64,
     PlannedLine { from, to, altitude_m, from_s, ground_speed_mps, crab_deg, on_ground_s: None }
 }
 
-/// Time for these lines and the turns between them.
+/// Returns the time for these lines and the turns between them.
 fn lines_s(mission: &Mission, lines: &[(Position, Position)], altitude_m: f64, from_s: f64) -> f64 {
     let each = lines.iter().map(|line| {
         let line = planned(mission, *line, altitude_m, from_s);
@@ -266,7 +266,7 @@ impl Conditions for PresentAir<'_> {
     }
 }
 
-/// Points that the segment adds to what has been seen, and to what the rest of the lines will see.
+/// Returns points that the segment adds to what has been seen, and to what the rest of the lines will see.
 fn gain(
     (mission, target, fire): (&Mission, &Target, &Fire),
     situation: &Situation,
@@ -315,20 +315,21 @@ fn price(
         order_value(&later, &order)
     };
     let at_once = value(leaves_s)?;
-    // Where the delay leaves no time to fly at all, everything is lost.
+    // If the delay leaves no time to fly, all remaining visits are lost.
     let delayed = value(leaves_s + delay_s).unwrap_or(OrderValue { score: 0.0, visited: Vec::new() });
     let lost = at_once.visited.iter().filter(|target| !delayed.visited.contains(target));
     let names = lost.filter_map(|target| problem.targets.get(*target)).map(|target| target.name.clone());
     Ok(((at_once.score - delayed.score).max(0.0), names.collect()))
 }
 
-/// The visits of the plan after the one that is observed; all of them where it is not in the plan.
+/// Returns the visits of the plan after the one that is observed; all of them where it is not in the plan.
 fn visits_ahead<'a>(plan: &'a SingleVisitPlan, observed: &str) -> impl Iterator<Item = &'a PlannedVisit> {
     let after = plan.visits.iter().position(|visit| visit.target == observed).map_or(0, |at| at + 1);
     plan.visits.iter().skip(after)
 }
 
-/// The visits of the plan that are still open, after the present one, with the manoeuvres of the problem that are nearest to theirs.
+/// Returns the visits of the plan that are still open, after the present one, with the manoeuvres of the problem that are nearest to
+/// theirs.
 fn ahead(problem: &SingleVisitProblem, plan: &SingleVisitPlan, observed: &str) -> Vec<OrderedVisit> {
     let visits = visits_ahead(plan, observed).filter_map(|visit| {
         let target = problem.targets.iter().position(|target| target.name == visit.target)?;

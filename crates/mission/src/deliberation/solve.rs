@@ -46,7 +46,7 @@ pub struct PlanningResources {
 }
 
 impl PlanningResources {
-    /// These planners, with the limits unless others are set.
+    /// Returns resources with these planners and the default limits.
     pub fn of(planners: &Arc<Registry>) -> PlanningResources {
         PlanningResources {
             planners: Arc::clone(planners),
@@ -133,7 +133,7 @@ fn tell_quality(problem: &Problem, plan: &mut Plan) {
 /// as the caller that made it likes.
 pub const PLAN_VISITS_MAX: usize = 100_000;
 
-/// The checker's word.
+/// Returns the verdict of the checker.
 fn usable(name: &str, problem: &Problem, plan: &Plan) -> Result<(), String> {
     let visits = plan.targets().len();
     if visits > PLAN_VISITS_MAX {
@@ -150,7 +150,7 @@ fn usable(name: &str, problem: &Problem, plan: &Plan) -> Result<(), String> {
     }
 }
 
-/// An invalid problem is a fault, not a mission with nothing left to visit.
+/// Checks the problem: an invalid problem is an error, not a mission with nothing left to visit.
 ///
 /// # Errors
 /// A message that names the target and the field.
@@ -183,7 +183,7 @@ pub fn name_obstacles(mission: &Mission, solved: &mut Deliberation) {
 /// The planner's word for the limit of a flight by energy.
 const ENDURANCE: &str = "endurance leaves";
 
-/// Names the battery where it is what limits the flight: how long it lasts above its reserve.
+/// Replaces the name of the limit by the battery's endurance above its reserve, if the battery limits the flight.
 fn name_battery(mission: &Mission, solved: &mut Deliberation) {
     let (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) = (&solved.problem, &mut solved.plan) else { return };
     if !matches!(mission.model.energy, EnergyModel::Battery(_)) {

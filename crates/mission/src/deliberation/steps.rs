@@ -28,7 +28,7 @@ const TIMING_TOLERANCE: f64 = 1e-3;
 /// A step before it has a line in the procedure's text.
 type NamedActivity = (Symbol, PlannedActivity);
 
-/// The plan as a procedure for `goal`.
+/// Returns the plan as a procedure for `goal`.
 pub fn translate(solved: &Deliberation, goal: &Value, number: u32, mission: &Mission) -> PlannedProcedure {
     let (mut steps, repeat) = match (&solved.problem, &solved.plan) {
         (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) => (single_visit_steps(problem, plan), false),
@@ -47,7 +47,7 @@ pub fn translate(solved: &Deliberation, goal: &Value, number: u32, mission: &Mis
     }
 }
 
-/// The plan of a mission in progress for which nothing more can be planned: it ends, and the return begins.
+/// Returns the plan of a mission in progress for which nothing more can be planned: it ends, and the return begins.
 pub(super) fn nothing_more(goal: &Value, number: u32, reason: &str) -> PlannedProcedure {
     let summary = format!("nothing more to visit. {reason}");
     let head = format!("; {summary}\n");
@@ -58,7 +58,7 @@ pub(super) fn nothing_more(goal: &Value, number: u32, reason: &str) -> PlannedPr
     }
 }
 
-/// The steps with their text, of which `head` is the beginning.
+/// Returns the steps with their text, of which `head` is the beginning.
 fn procedure(goal: &Value, number: u32, head: &str, steps: Vec<NamedActivity>, repeat: bool) -> PlannedProcedure {
     let goals: Vec<(Symbol, Value)> = steps.iter().map(|(tag, activity)| (tag.clone(), activity.goal())).collect();
     let PrintedPlan { text, step_lines } = apex_pdl::print_plan(goal, &goals, repeat);
@@ -96,7 +96,7 @@ fn single_visit_steps(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> V
     steps
 }
 
-/// The step that observes the target of a visit: with the scanner, or with a camera.
+/// Returns the step that observes the target of a visit: with the scanner, or with a camera.
 fn observation(visit: &PlannedVisit, manoeuvre: &Manoeuvre) -> NamedActivity {
     let target = visit.target.clone();
     let due = Duration::from_seconds(visit.end_s.round());
@@ -115,8 +115,8 @@ fn observation(visit: &PlannedVisit, manoeuvre: &Manoeuvre) -> NamedActivity {
     (Symbol::new(&format!("{verb}-{}", visit.target)), activity)
 }
 
-/// Whether the observation waits for its instant: the plan waits, or an arrival earlier than planned would find the wrong
-/// light, a closed window or a lower timing factor.
+/// Returns true if the observation waits for its instant: the plan waits, or an arrival earlier than planned would find the wrong light, a
+/// closed window or a lower timing factor.
 fn waits(
     problem: &SingleVisitProblem,
     target: &SingleVisitTarget,
@@ -132,7 +132,7 @@ fn waits(
     visit.begin_s - visit.arrive_s >= 1.0 || closed || dark || lower
 }
 
-/// A circle where a route ends until the observation may begin; over at once where it is later already.
+/// Adds a circle at the end of a route until the observation may begin; it ends at once if that instant has passed.
 fn wait(steps: &mut Vec<NamedActivity>, route: &[Position], altitude_m: f64, begin_s: f64) {
     let Some(there) = route.last() else { return };
     let tag = Symbol::new(&format!("wait-{}", steps.len() + 1));
@@ -140,7 +140,7 @@ fn wait(steps: &mut Vec<NamedActivity>, route: &[Position], altitude_m: f64, beg
     steps.push((tag, PlannedActivity::LoiterUntil { at: at(*there, altitude_m), until }));
 }
 
-/// Staying where a route begins until it is open; nothing for less than a second.
+/// Adds a hold at the beginning of a route until it is open; nothing for less than a second.
 fn hold(steps: &mut Vec<NamedActivity>, route: &[Position], altitude_m: f64, seconds: f64) {
     let Some(here) = route.first().filter(|_| seconds >= 1.0) else { return };
     let tag = Symbol::new(&format!("hold-{}", steps.len() + 1));
@@ -148,7 +148,7 @@ fn hold(steps: &mut Vec<NamedActivity>, route: &[Position], altitude_m: f64, sec
     steps.push((tag, PlannedActivity::Loiter { at: at(*here, altitude_m), time }));
 }
 
-/// Way points strictly between the ends of a route: the bends around airspace.
+/// Adds the way points strictly between the ends of a route: the bends around airspace.
 fn detour(steps: &mut Vec<NamedActivity>, route: &[Position], altitude_m: f64) {
     let bends = route.len().saturating_sub(2);
     for bend in route.iter().skip(1).take(bends) {
@@ -215,7 +215,7 @@ fn surveillance_steps(
     (steps, repeat)
 }
 
-/// A location, rounded.
+/// Returns a location, rounded.
 fn at(position: Position, altitude_m: f64) -> Location {
     rounded(Location { position, altitude_m })
 }

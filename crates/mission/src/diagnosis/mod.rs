@@ -1,4 +1,4 @@
-//! Diagnosis by a dependency model: model files, the service that diagnoses in flight, and why a component has its health.
+//! Diagnosis by a dependency model: model files, the service that diagnoses in flight, and explanations of a component's health.
 
 mod service;
 mod why;
@@ -12,21 +12,21 @@ use apex_diagnosis::{Diagnoser, DiagnosisError, Model, Results, testability};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Query to a model on the ground.
+/// Query to a model file, without a flight.
 #[derive(Clone, Copy, Debug)]
 pub enum ModelQuery<'a> {
     /// Its testability.
     Report,
-    /// The diagnosis of the outcomes in this file.
+    /// The diagnosis for the test outcomes in this file.
     Results(&'a Path),
-    /// The PDL that follows from it.
+    /// The PDL that is generated from the model.
     Pdl,
 }
 
-/// The answer as text, or as JSON; PDL is text always.
+/// Returns the answer to a query as text or as JSON; PDL is always text.
 ///
 /// # Errors
-/// A model or results file that cannot be read or used.
+/// An error that names the model or results file that cannot be read or is invalid.
 pub fn answer(path: &Path, wanted: ModelQuery<'_>, json: bool) -> MissionResult<String> {
     let model = parse(&path.display().to_string(), &read_text(path)?)?;
     let shown = |value: serde_json::Value| format!("{value:#}\n");
@@ -49,7 +49,7 @@ pub fn answer(path: &Path, wanted: ModelQuery<'_>, json: bool) -> MissionResult<
 /// Reads the text of a model file; `file` names it in errors.
 ///
 /// # Errors
-/// As [`Model::parse`].
+/// Like [`Model::parse`].
 pub(crate) fn parse(file: &str, text: &str) -> MissionResult<Arc<Model>> {
     Model::parse(file, text).map(Arc::new).map_err(invalid)
 }

@@ -43,7 +43,7 @@ struct Published {
 struct DiagnoserCache(Option<Diagnoser>);
 
 impl PartialEq for DiagnoserCache {
-    /// A function of the outcomes, without state.
+    /// Compares nothing: all values are equal, because the service is a function of the outcomes without state.
     fn eq(&self, _: &DiagnoserCache) -> bool {
         true
     }
@@ -93,7 +93,7 @@ impl DiagnosisService {
     }
 }
 
-/// A test's name with its outcome, or with the word that is not one.
+/// Returns a test's name with its outcome, or with the word that is not one.
 fn said(kind: &EventKind) -> Option<(String, Result<Outcome, String>)> {
     match kind {
         EventKind::Measurement(variable, value) if variable.attribute.is("test-outcome") => {
@@ -105,7 +105,7 @@ fn said(kind: &EventKind) -> Option<(String, Result<Outcome, String>)> {
     }
 }
 
-/// A message `(test-OUTCOME TEST)`.
+/// Returns a message `(test-OUTCOME TEST)`.
 fn message(form: &Value) -> Option<(String, Result<Outcome, String>)> {
     let [Value::Symbol(word), test] = form.as_list()? else { return None };
     let outcome = Outcome::of_word(word.folded().strip_prefix("test-")?)?;

@@ -98,7 +98,7 @@ pub struct Chart {
 }
 
 impl Chart {
-    /// The whole path over ground, without doubled points.
+    /// Returns the whole path over ground, without doubled points.
     pub fn path(&self) -> Vec<ChartPoint> {
         let flown = self.visits.iter().flat_map(|visit| visit.way.iter().chain(&visit.lines));
         let mut path: Vec<ChartPoint> = flown.chain(&self.return_way).copied().collect();
@@ -112,7 +112,7 @@ pub fn digits(degrees: f64) -> f64 {
     (degrees * 1e7).round() / 1e7
 }
 
-/// Seconds rounded to a millisecond.
+/// Returns seconds rounded to a millisecond.
 pub fn milliseconds(seconds: f64) -> f64 {
     (seconds * 1e3).round() / 1e3
 }
@@ -243,13 +243,13 @@ fn factors(manoeuvre: &Manoeuvre, visit: &PlannedVisit) -> Map<String, Value> {
     facts
 }
 
-/// The ways that the times of a mission's problem come from, if its targets are the mission's sites.
+/// Returns the ways that the times of a mission's problem come from, if its targets are the mission's sites.
 fn flown_ways(mission: &Mission, problem: &SurveillanceProblem) -> Option<SurveillanceTravel> {
     let positions: Vec<Position> = problem.targets.iter().map(|target| target.position).collect();
     crate::problem::survey(mission, &positions, mission.start, 0.0).ok()
 }
 
-/// The path with its turns where there is one, else the route.
+/// Returns the path with its turns where there is one, else the route.
 fn drawn<'a>(route: &'a [Position], path: &'a [Position]) -> &'a [Position] {
     if path.is_empty() { route } else { path }
 }

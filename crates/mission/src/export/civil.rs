@@ -3,7 +3,7 @@
 use time::OffsetDateTime;
 use time::format_description::well_known::Rfc3339;
 
-/// `at_s` after `zero_unix_s` as RFC 3339 in whole seconds of UTC, for example `2007-09-08T02:30:00Z`.
+/// Returns `at_s` after `zero_unix_s` as RFC 3339 in whole seconds of UTC, for example `2007-09-08T02:30:00Z`.
 pub(super) fn utc(zero_unix_s: Option<f64>, at_s: f64) -> Option<String> {
     let seconds = (zero_unix_s? + at_s).round();
     // Beyond these bounds (some 30,000 years) no calendar is meant.

@@ -5,7 +5,7 @@ use super::civil::utc;
 use apex_model::problem::{AirspaceZone, FOREVER_S, Position, ZoneKind};
 use serde_json::{Map, Value, json};
 
-/// The chart as a FeatureCollection.
+/// Returns the chart as a FeatureCollection.
 pub fn write(chart: &Chart) -> String {
     let mut features = vec![path(chart)];
     features.extend(chart.start.map(|start| place("start", &chart.name, start)));
@@ -25,7 +25,7 @@ fn feature(kind: &str, name: &str, geometry: Value, more: Map<String, Value>) ->
     json!({"type": "Feature", "geometry": geometry, "properties": properties})
 }
 
-/// Longitude comes first, and altitude last where it is known.
+/// Returns coordinates as GeoJSON: longitude first, and altitude last where it is known.
 fn coordinates(place: &ChartPoint) -> Value {
     let Position { latitude_deg, longitude_deg } = place.position;
     let (east, north) = (digits(longitude_deg), digits(latitude_deg));
@@ -49,7 +49,7 @@ fn path(chart: &Chart) -> Value {
     feature("path", &chart.name, geometry, facts)
 }
 
-/// Lines that do not jump from one edge of the map to the other: RFC 7946 wants those that cross the 180th meridian cut.
+/// Returns lines that do not jump from one edge of the map to the other: RFC 7946 wants those that cross the 180th meridian cut.
 fn split_at_the_date_line(path: &[ChartPoint]) -> Vec<Vec<Value>> {
     let mut lines: Vec<Vec<Value>> = Vec::new();
     let mut line: Vec<Value> = path.first().map(coordinates).into_iter().collect();
@@ -79,7 +79,7 @@ fn place(kind: &str, name: &str, place: ChartPoint) -> Value {
     feature(kind, name, json!({"type": "Point", "coordinates": coordinates(&place)}), Map::new())
 }
 
-/// A target with its observations: those of the first are plain members, so that a map's table shows them.
+/// Returns a target with its observations: those of the first are plain members, so that a map's table shows them.
 fn target(chart: &Chart, target: &ChartTarget) -> Value {
     let mut facts = target.facts.clone();
     let visits = chart.visits.iter().enumerate().filter(|(_, visit)| visit.target == target.name);
@@ -128,7 +128,7 @@ fn zone(zone: &AirspaceZone) -> Value {
     feature(kind, &zone.name, json!({"type": "Polygon", "coordinates": [ring]}), facts)
 }
 
-/// RFC 7946 wants outer rings counterclockwise.
+/// Returns true if the ring is clockwise; RFC 7946 requires outer rings counterclockwise.
 fn clockwise(corners: &[Position]) -> bool {
     let next = corners.iter().skip(1).chain(corners.first());
     let doubled = |(a, b): (&Position, &Position)| a.longitude_deg * b.latitude_deg - b.longitude_deg * a.latitude_deg;

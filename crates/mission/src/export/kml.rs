@@ -27,7 +27,7 @@ const STYLES: &[KmlStyle] = &[
     ("permitted", &[("LineStyle", &[("color", "ff00aa00")]), ("PolyStyle", &[("fill", "0")])]),
 ];
 
-/// The chart as a document of KML.
+/// Returns the chart as a document of KML.
 pub fn write(chart: &Chart) -> String {
     let mut xml = Xml::new(Vec::new());
     // Writing to memory cannot fail.
@@ -99,7 +99,7 @@ fn element(xml: &mut Xml, name: &str, write: impl FnOnce(&mut Xml) -> io::Result
     xml.create_element(name).write_inner_content(write).map(|_| ())
 }
 
-/// An element that holds a text.
+/// Writes an element that holds a text.
 fn leaf(xml: &mut Xml, name: &str, text: &str) -> io::Result<()> {
     xml.create_element(name).write_text_content(BytesText::new(&plain(text))).map(|_| ())
 }
@@ -109,7 +109,7 @@ fn line(xml: &mut Xml) -> io::Result<()> {
     xml.write_event(Event::Text(BytesText::new("\n")))
 }
 
-/// `text` with a replacement character for each one that XML cannot hold at all.
+/// Returns `text` with a replacement character for each one that XML cannot represent.
 fn plain(text: &str) -> String {
     let fits = |letter: char| {
         matches!(letter, '\t' | '\n' | '\r') || !(letter.is_control() || matches!(letter, '\u{fffe}' | '\u{ffff}'))

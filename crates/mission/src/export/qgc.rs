@@ -28,7 +28,7 @@ const TAKEOFF_PITCH_DEG: f64 = 15.0;
 /// Speed where none is known, as QGroundControl proposes it; autopilots fly by their own parameters.
 const SPEED_MPS_DEFAULT: f64 = 15.0;
 
-/// The chart as a plan file. Where the chart knows no altitudes, everything is flown at `height_m` above the start.
+/// Returns the chart as a plan file. Where the chart knows no altitudes, everything is flown at `height_m` above the start.
 ///
 /// # Errors
 /// A message: the plan visits nothing, or its altitudes are not known and no height is given.
@@ -90,12 +90,12 @@ impl Items {
         if self.relative_m.is_some() { 1 } else { 2 }
     }
 
-    /// The number that the next item gets.
+    /// Returns the number that the next item gets.
     fn next(&self) -> usize {
         self.items.len() + 1
     }
 
-    /// An item at a place; its first parameter is what differs between commands: a pitch, seconds.
+    /// Adds an item at a place; its first parameter depends on the command: a pitch, or seconds.
     fn at(&mut self, command: u16, parameter: f64, place: ChartPoint) {
         let altitude_m = self.relative_m.or(place.altitude_m).unwrap_or(0.0);
         let altitude_m = if command == LAND && self.relative_m.is_some() { 0.0 } else { altitude_m };
@@ -116,7 +116,7 @@ impl Items {
         self.items.push(item);
     }
 
-    /// An item without a place.
+    /// Adds an item without a place.
     fn anywhere(&mut self, command: u16, first: usize, second: usize) {
         let item = json!({
             "type": "SimpleItem",
@@ -155,7 +155,8 @@ impl Items {
     }
 }
 
-/// The visits, rounds as a jump back; then to the base and down, or back to where the flight began.
+/// Adds the visits, rounds as a jump back, and then the flight to the base and the landing, or the return to the place where the flight
+/// began.
 fn fly(items: &mut Items, chart: &Chart) {
     let count = chart.visits.len();
     let (round, rounds) =

@@ -40,7 +40,7 @@ pub fn write(name: &str, benchmark: Option<&Benchmark>, solved: &Deliberation, f
     out
 }
 
-/// A tour is judged by its length.
+/// Writes the length of a tour with its proven bound.
 fn write_tour(out: &mut String, proven: &Proven) -> std::fmt::Result {
     let Proof { value, bound, gap, proven_optimal } = proven.proof;
     match bound.zip(gap) {

@@ -17,12 +17,12 @@ pub(super) struct VisitFollower {
 }
 
 impl VisitFollower {
-    /// At the start, with the ways where they are known.
+    /// Returns a follower at the start, with the paths if they are known.
     pub(super) fn new(ways: Option<SurveillanceTravel>, start: Option<ChartPoint>) -> VisitFollower {
         VisitFollower { ways, before: start, from: None, on: None, depart_s: 0.0 }
     }
 
-    /// The next visit, to the target of number `to`.
+    /// Returns the next visit, to the target of number `to`.
     pub(super) fn visit(&mut self, (to, here): (usize, ChartPoint), visit: &SurveillanceVisit) -> ChartVisit {
         let route = self.ways.as_mut().map_or_else(Vec::new, |ways| ways.route(self.from, to, self.depart_s));
         let between: Vec<ChartPoint> = bends(&route, here.altitude_m).collect();
@@ -58,7 +58,7 @@ impl VisitFollower {
         drawn
     }
 
-    /// The way from the last visit to the base; empty if nothing was visited.
+    /// Returns the way from the last visit to the base; empty if nothing was visited.
     pub(super) fn home(&mut self, base: ChartPoint) -> Vec<ChartPoint> {
         let Some(before) = self.before else { return Vec::new() };
         let route = self.ways.as_mut().zip(self.from).map_or_else(Vec::new, |(ways, from)| {

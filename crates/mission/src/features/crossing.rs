@@ -23,7 +23,7 @@ impl RingEdge {
         self.from.0.max(self.to.0)
     }
 
-    /// True if the two cross inside of both: outlines may touch themselves.
+    /// Returns true if the two cross inside of both: outlines may touch themselves.
     fn crosses(&self, other: &RingEdge) -> bool {
         let side = |a: (f64, f64), b: (f64, f64), c: (f64, f64)| (b.0 - a.0) * (c.1 - a.1) - (b.1 - a.1) * (c.0 - a.0);
         let apart = |a: f64, b: f64| (a < 0.0 && b > 0.0) || (a > 0.0 && b < 0.0);
@@ -37,7 +37,7 @@ impl RingEdge {
     }
 }
 
-/// The numbers of the corners, from 1, at which two edges of a ring begin that cross; `None` if none do. The ring is given
+/// Returns the numbers of the corners, from 1, at which two edges of a ring begin that cross; `None` if none do. The ring is given
 /// without its closing corner.
 pub(super) fn crossing(ring: &[Position]) -> Option<(usize, usize)> {
     let mut edges = edges(ring);
@@ -77,7 +77,7 @@ mod tests {
         corners.iter().map(|(longitude, latitude)| Position::new(*latitude, *longitude)).collect()
     }
 
-    /// Every edge against every other.
+    /// Compares every edge with every other one (naive twin).
     fn naive(ring: &[Position]) -> bool {
         let edges = edges(ring);
         edges.iter().enumerate().any(|(index, edge)| edges.iter().skip(index + 1).any(|other| edge.crosses(other)))

@@ -33,7 +33,7 @@ struct Pixel {
     seen: String,
 }
 
-/// Is this a table of detections? The names of its columns say it.
+/// Returns true if the names of the columns show a table of detections.
 pub(super) fn is_detections(file: &DataFile) -> bool {
     let first = file.bytes.split(|byte| *byte == b'\n').find(|line| !line.starts_with(b"#")).unwrap_or_default();
     let header = String::from_utf8_lossy(first).to_lowercase();
@@ -114,7 +114,7 @@ fn joined(pixels: &[Pixel]) -> Vec<Vec<&Pixel>> {
 
 const METRES_PER_DEGREE: f64 = 111_195.0;
 
-/// The first pixel of the group of `index`. Leaders have lower numbers than their followers, so this ends.
+/// Returns the first pixel of the group of `index`. Leaders have lower numbers than their followers, so this ends.
 fn root(leader: &[usize], mut index: usize) -> usize {
     while let Some(next) = leader.get(index).copied().filter(|next| *next != index) {
         index = next;
@@ -122,7 +122,7 @@ fn root(leader: &[usize], mut index: usize) -> usize {
     index
 }
 
-/// A fire whose outline is the convex hull of its pixels.
+/// Returns a fire whose outline is the convex hull of its pixels.
 fn fire(place: &str, members: &[&Pixel], number: usize) -> MissionResult<PlacedFeature> {
     let here = format!("{place}:{}", members.first().map_or(0, |pixel| pixel.line));
     let centres: Vec<Position> = members.iter().map(|pixel| pixel.position).collect();
@@ -162,7 +162,7 @@ fn fire(place: &str, members: &[&Pixel], number: usize) -> MissionResult<PlacedF
     Ok((here, feature(GeometryValue::Polygon { coordinates: vec![ring] }, properties)))
 }
 
-/// A tenth of a metre in degrees is enough.
+/// Rounds degrees to about a tenth of a metre.
 fn rounded(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
 }

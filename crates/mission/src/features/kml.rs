@@ -124,7 +124,7 @@ impl Document<'_> {
         Ok(())
     }
 
-    /// Line of a place in the document.
+    /// Returns the line of a place in the document.
     fn line(&self, offset: usize) -> usize {
         1 + self.source.bytes().take(offset).filter(|byte| *byte == b'\n').count()
     }
@@ -210,7 +210,7 @@ impl Document<'_> {
         Ok(())
     }
 
-    /// `longitude,latitude[,height]` separated by white space.
+    /// Reads `longitude,latitude[,height]` separated by white space.
     fn coordinates(&self, text: &str, offset: usize) -> MissionResult<Vec<geojson::Position>> {
         let tuple = |tuple: &str| {
             let mut numbers = tuple.split(',').map(|number| number.trim().parse::<f64>().ok());
@@ -245,7 +245,7 @@ impl Document<'_> {
     }
 }
 
-/// The text of `&name;`: the five entities of XML and character numbers.
+/// Returns the text of `&name;`: the five entities of XML and character numbers.
 fn reference(name: &quick_xml::events::BytesRef<'_>) -> Option<String> {
     if let Ok(Some(character)) = name.resolve_char_ref() {
         return Some(character.to_string());

@@ -76,13 +76,13 @@ impl NamedFeature {
         Ok(named)
     }
 
-    /// An error of this feature.
+    /// Returns an error of this feature.
     pub(crate) fn trouble(&self, what: impl std::fmt::Display) -> MissionError {
         let which = if self.id.is_empty() { String::new() } else { format!(" `{}`", self.id) };
         MissionError::data(what.to_string()).at(format!("{}{which}", self.place))
     }
 
-    /// Elevation of the ground: the property `elevation_m`, that of the terrain if the mission has one, or 0.
+    /// Returns the elevation of the ground: the property `elevation_m`, that of the terrain if the mission has one, or 0.
     ///
     /// # Errors
     /// An elevation that is not one of the Earth or not that of the terrain; a place that the terrain does not cover.
@@ -96,7 +96,7 @@ impl NamedFeature {
         Ok(ground_m)
     }
 
-    /// All of these places must lie on the terrain, if the mission has one.
+    /// Checks that all of these places lie on the terrain, if the mission has one.
     ///
     /// # Errors
     /// The first that does not.
@@ -121,7 +121,7 @@ impl NamedFeature {
         self.feature.property(key).filter(|value| !value.is_null())
     }
 
-    /// A text property, if there.
+    /// Returns a text property, if there.
     pub(crate) fn text(&self, key: &str) -> MissionResult<Option<String>> {
         match self.property(key) {
             None => Ok(None),
@@ -130,12 +130,12 @@ impl NamedFeature {
         }
     }
 
-    /// The property as JSON, if there.
+    /// Returns the property as JSON, if there.
     pub(crate) fn json(&self, key: &str) -> Option<&JsonValue> {
         self.property(key)
     }
 
-    /// A list of texts, if there.
+    /// Returns a list of texts, if there.
     pub(crate) fn texts(&self, key: &str) -> MissionResult<Vec<String>> {
         let wrong = |other: &JsonValue| self.trouble(format!("`{key}` is {other}, not a list of texts"));
         match self.property(key) {
@@ -148,7 +148,7 @@ impl NamedFeature {
         }
     }
 
-    /// One of `words`, if there.
+    /// Returns the option if it is one of `words`; `None` if it is absent.
     pub(crate) fn word(&self, key: &str, words: &[&'static str]) -> MissionResult<Option<&'static str>> {
         let Some(text) = self.text(key)? else { return Ok(None) };
         let found = words.iter().copied().find(|word| *word == text);
@@ -169,7 +169,7 @@ impl NamedFeature {
         Ok(spans)
     }
 
-    /// A list of pairs of numbers, if there: `[[from, until], ..]`.
+    /// Returns a list of pairs of numbers, if there: `[[from, until], ..]`.
     pub(crate) fn pairs(&self, key: &str) -> MissionResult<Vec<(f64, f64)>> {
         let wrong = |other: &JsonValue| self.trouble(format!("`{key}` is {other}, not a list of pairs of numbers"));
         let Some(value) = self.property(key) else { return Ok(Vec::new()) };
@@ -181,7 +181,7 @@ impl NamedFeature {
         items.iter().map(|item| pair(item).ok_or_else(|| wrong(value))).collect()
     }
 
-    /// One pair of numbers, if there: `[first, second]`, the second not less.
+    /// Reads one pair of numbers, `[first, second]`, the second not less than the first; `None` if it is absent.
     pub(crate) fn pair(&self, key: &str, low: f64, high: f64) -> MissionResult<Option<(f64, f64)>> {
         let Some(value) = self.property(key) else { return Ok(None) };
         let wrong = |what: String| {
@@ -208,7 +208,7 @@ impl NamedFeature {
         }
     }
 
-    /// The property `key` as a separate feature, whose properties are those of the object there. `known` are those that it
+    /// Returns the property `key` as a separate feature, whose properties are those of the object there. `known` are those that it
     /// may have.
     pub(crate) fn object(&self, key: &str, known: &[&str]) -> MissionResult<NamedFeature> {
         let value = self.property(key).unwrap_or(&JsonValue::Null);
@@ -224,7 +224,7 @@ impl NamedFeature {
         Ok(NamedFeature { place, feature, id, name })
     }
 
-    /// The objects of a list of objects, each as a separate feature: of the same place, with the object's properties,
+    /// Returns the objects of a list of objects, each as a separate feature: of the same place, with the object's properties,
     /// where it has none those of this feature, and with the id `ID/OWN`. `known` are the properties that an object may have.
     pub(crate) fn parts(&self, key: &str, known: &[&str]) -> MissionResult<Vec<NamedFeature>> {
         let Some(value) = self.property(key) else { return Ok(Vec::new()) };
@@ -265,7 +265,7 @@ impl NamedFeature {
         Ok(parts)
     }
 
-    /// A number, if there, inside `[low, high]`.
+    /// Returns a number, if there, inside `[low, high]`.
     pub(crate) fn number(&self, key: &str, low: f64, high: f64) -> MissionResult<Option<f64>> {
         match self.property(key).map(|value| (value, value.as_f64())) {
             None => Ok(None),
@@ -277,7 +277,7 @@ impl NamedFeature {
         }
     }
 
-    /// The feature's point, or the middle of its largest polygon.
+    /// Returns the feature's point, or the middle of its largest polygon.
     pub(crate) fn position(&self) -> MissionResult<Position> {
         if let Some(polygon) = self.polygons()?.into_iter().next() {
             let count = polygon.len() as f64;
@@ -295,7 +295,7 @@ impl NamedFeature {
         }
     }
 
-    /// The positions of a LineString; empty for other geometries. It has a length.
+    /// Returns the positions of a LineString; empty for other geometries. It has a length.
     pub(crate) fn line(&self) -> MissionResult<Vec<Position>> {
         let Some(GeometryValue::LineString { coordinates }) = self.geometry() else { return Ok(Vec::new()) };
         let places = coordinates.iter().map(|place| self.checked(place.as_slice()));
@@ -314,7 +314,7 @@ impl NamedFeature {
         self.feature.geometry.as_ref().map(|geometry| &geometry.value)
     }
 
-    /// The outer rings of the feature's polygons without the closing corner, largest first; empty for a point.
+    /// Returns the outer rings of the feature's polygons without the closing corner, largest first; empty for a point.
     pub(crate) fn polygons(&self) -> MissionResult<Vec<Vec<Position>>> {
         let rings: Vec<_> = match self.geometry() {
             Some(GeometryValue::Polygon { coordinates }) => coordinates.first().into_iter().collect(),
@@ -356,7 +356,7 @@ impl NamedFeature {
         Ok(corners)
     }
 
-    /// The feature's geometry as GeoJSON text, for Sherpa.
+    /// Returns the feature's geometry as GeoJSON text, for Sherpa.
     pub(crate) fn geometry_text(&self) -> String {
         self.feature.geometry.as_ref().map(ToString::to_string).unwrap_or_default()
     }
@@ -389,7 +389,7 @@ fn length_m(line: &[Position]) -> f64 {
     line.iter().zip(line.iter().skip(1)).map(|(from, to)| geodesy::distance_m(*from, *to)).sum()
 }
 
-/// The point halfway along a line.
+/// Returns the point halfway along a line.
 fn middle(line: &[Position]) -> Position {
     let mut left_m = 0.5 * length_m(line);
     for (from, to) in line.iter().zip(line.iter().skip(1)) {
@@ -402,7 +402,7 @@ fn middle(line: &[Position]) -> Position {
     line.last().copied().unwrap_or_default()
 }
 
-/// Lower case, every run of other characters a hyphen.
+/// Returns the lower case, every run of other characters a hyphen.
 fn hyphenated(name: &str) -> String {
     let mut id = String::new();
     for character in name.chars().flat_map(char::to_lowercase) {
@@ -415,7 +415,7 @@ fn hyphenated(name: &str) -> String {
     id.trim_end_matches('-').to_string()
 }
 
-/// Area of a ring by the shoelace rule in a local projection.
+/// Returns the area of a ring by the shoelace rule in a local projection.
 pub(crate) fn area_m2(ring: &[Position]) -> f64 {
     let Some(first) = ring.first() else { return 0.0 };
     let metres_per_degree = 111_195.0;

@@ -5,12 +5,12 @@ use geojson::{Feature, GeometryValue, JsonObject, JsonValue};
 /// A feature with its place in the file, for errors: `fires.csv:3`, `fires.geojson: feature 3`.
 pub(super) type PlacedFeature = (String, Feature);
 
-/// A feature of this geometry.
+/// Returns a feature of this geometry.
 pub(super) fn feature(geometry: GeometryValue, properties: JsonObject) -> Feature {
     Feature { geometry: Some(geometry.into()), properties: Some(properties), ..Feature::default() }
 }
 
-/// The value of a property written as text: JSON where it is a number, a list or a truth value. Names stay texts: a fire
+/// Returns the value of a property written as text: JSON where it is a number, a list or a truth value. Names stay texts: a fire
 /// may be called 12.
 pub(super) fn typed(name: &str, text: &str) -> JsonValue {
     let as_text = || JsonValue::String(text.to_string());

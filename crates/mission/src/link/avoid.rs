@@ -28,7 +28,7 @@ type Block = (i32, i32, i32, i32, i32);
 /// Learned properties of a link, by its name.
 pub(super) type Lookup<'a> = &'a dyn Fn(&str) -> Option<&'a Learned>;
 
-/// The mission with the weak links that are known when the vehicle is `here`: zones that are added, targets that are left out.
+/// Returns the mission with the weak links that are known when the vehicle is `here`: zones that are added, targets that are left out.
 pub(super) fn without_weak_links(mut mission: Mission, learned: Lookup<'_>, here: Position) -> Mission {
     let (mut zones, mut weak) = (Vec::new(), Vec::new());
     for link in &mission.link_map {
@@ -210,7 +210,7 @@ fn blocks(cells: &BTreeSet<LinkCell>) -> Vec<Block> {
     merged
 }
 
-/// Distance of a place from a rectangle, m; 0 inside.
+/// Returns the distance of a place from a rectangle, m; 0 inside.
 fn away_m(cells: &super::learned::Cells, block: &Block, place: Position) -> f64 {
     let (north, east) = cells.steps(place);
     let off = |at: f64, low: i32, high: i32| (f64::from(low) - at).max(at - f64::from(high + 1)).max(0.0);

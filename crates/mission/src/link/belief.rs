@@ -113,8 +113,8 @@ impl<'a> Beliefs<'a> {
         beliefs
     }
 
-    /// The columns in shadows that only measurements know. Where one was found, its edge is not: it is assumed a cell farther on all
-    /// sides, and a cell more for each further loss near it, except where the link was good.
+    /// Returns the columns in shadows that only measurements know. Where one was found, its edge is not: it is assumed a cell farther on
+    /// all sides, and a cell more for each further loss near it, except where the link was good.
     fn shadows(&self) -> BTreeMap<(i32, i32), Shade> {
         let mut shadow: BTreeMap<(i32, i32), Shade> = BTreeMap::new();
         let Some(learned) = self.learned else { return shadow };
@@ -149,12 +149,12 @@ impl<'a> Beliefs<'a> {
         shadow
     }
 
-    /// The columns in shadows that only measurements know.
+    /// Returns the columns in shadows that only measurements know.
     pub(crate) fn shaded(&self) -> impl Iterator<Item = LinkCell> {
         self.shadow.iter().map(|((north, east), shade)| (*north, *east, shade.top))
     }
 
-    /// The level by the stated or the fitted law, with the distance from the station.
+    /// Returns the level by the stated or the fitted law, with the distance from the station.
     fn by_law(&self, place: Position, altitude_m: f64) -> Option<(f64, f64)> {
         let distance_m = geodesy::distance_m(self.station, place);
         let predicted = match (self.stated, self.fit) {
@@ -168,7 +168,7 @@ impl<'a> Beliefs<'a> {
         Some((predicted.clamp(0.0, 1.0), distance_m))
     }
 
-    /// The level at a place; `None` if nothing is known of it.
+    /// Returns the level at a place; `None` if nothing is known of it.
     pub(crate) fn at(&self, place: Position, altitude_m: f64) -> Option<Belief> {
         let cell = self.cells.of(place, altitude_m);
         let measured = self.learned.and_then(|learned| learned.cells().get(&cell));
@@ -181,13 +181,13 @@ impl<'a> Beliefs<'a> {
         self.by_law(place, altitude_m).map(|(level, distance_m)| Belief::Predicted(level, distance_m))
     }
 
-    /// As [`Beliefs::at`], where the link is weak.
+    /// Like [`Beliefs::at`], where the link is weak.
     pub(crate) fn weak_at(&self, place: Position, altitude_m: f64) -> Option<Belief> {
         self.at(place, altitude_m).filter(|belief| belief.level() < self.lost.nominal)
     }
 }
 
-/// The line of least squares; `None` for too few points, all at about one distance, or a level that rises with it.
+/// Returns the line of least squares; `None` for too few points, all at about one distance, or a level that rises with it.
 fn line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     let (low, high) = points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), (x, _)| (l.min(*x), h.max(*x)));
     if points.len() < FITTED_MIN || high - low < SPREAD_MIN {

@@ -41,7 +41,7 @@ pub(crate) struct Cells {
 }
 
 impl Cells {
-    /// The cells of a mission that starts at `origin`.
+    /// Returns the cells of a mission that starts at `origin`.
     pub(crate) fn new(origin: Position, cruise_mps: f64) -> Cells {
         Cells { origin, side_m: (CELL_S * cruise_mps).max(CELL_M_MIN) }
     }
@@ -57,14 +57,14 @@ impl Cells {
         (north_m / self.side_m, east_m / self.side_m)
     }
 
-    /// The cell of a place.
+    /// Returns the cell of a place.
     pub(crate) fn of(&self, position: Position, altitude_m: f64) -> LinkCell {
         let (north, east) = self.steps(position);
         let step = |steps: f64| libm::floor(steps) as i32;
         (step(north), step(east), step(altitude_m / BAND_M))
     }
 
-    /// The middle of a cell, with its altitude.
+    /// Returns the middle of a cell, with its altitude.
     pub(crate) fn middle(&self, (north, east, band): LinkCell) -> (Position, f64) {
         let (low, high) = (self.corner(north, east), self.corner(north + 1, east + 1));
         let position = Position {
@@ -74,7 +74,7 @@ impl Cells {
         (position, (f64::from(band) + 0.5) * BAND_M)
     }
 
-    /// The corner `north` and `east` steps from the origin.
+    /// Returns the corner `north` and `east` steps from the origin.
     pub(crate) fn corner(&self, north: i32, east: i32) -> Position {
         let latitude_deg = self.origin.latitude_deg + f64::from(north) * self.side_m / DEGREE_M;
         let longitude_deg = self.origin.longitude_deg + f64::from(east) * self.side_m / self.east_m();
@@ -94,12 +94,12 @@ pub(crate) struct Measured {
 }
 
 impl Measured {
-    /// Number of samples.
+    /// Returns the number of samples.
     pub(crate) fn count(&self) -> u32 {
         self.count
     }
 
-    /// Mean level.
+    /// Returns the mean level.
     pub(crate) fn mean(&self) -> f64 {
         self.sum / f64::from(self.count.max(1))
     }
@@ -147,7 +147,7 @@ impl PartialEq for Oldest {
 }
 
 impl Oldest {
-    /// The cell that was visited longest ago. Bound: O(1), and O(cells log cells) after [`OLDEST_KEPT`] of them.
+    /// Returns the cell that was visited longest ago. Bound: O(1), and O(cells log cells) after [`OLDEST_KEPT`] of them.
     fn take(&mut self, cells: &BTreeMap<LinkCell, Measured>) -> Option<LinkCell> {
         loop {
             while let Some((last_s, cell)) = self.0.pop() {
@@ -205,7 +205,7 @@ impl Learned {
         measured.last_s = at_s;
     }
 
-    /// The link was lost here, on the way to `goal`.
+    /// Records that the link was lost here, on the way to `goal`.
     pub(crate) fn lose(&mut self, at_s: f64, here: Location, goal: Option<Position>) {
         self.losses.push(Loss { at_s, here, goal, level: self.level });
         let surplus = self.losses.len().saturating_sub(LOSSES_MAX);

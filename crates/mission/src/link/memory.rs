@@ -153,18 +153,18 @@ impl LinkMemory {
         }
     }
 
-    /// The mission with the weak links that are known when the vehicle is `here`: zones that are added, targets that are left out.
+    /// Returns the mission with the weak links that are known when the vehicle is `here`: zones that are added, targets that are left out.
     pub(crate) fn without_weak_links(&self, mission: Mission, here: Position) -> Mission {
         avoid::without_weak_links(mission, &|name| self.link(name), here)
     }
 
-    /// A link by its name.
+    /// Returns a link by its name.
     pub(crate) fn link(&self, name: &str) -> Option<&Learned> {
         self.links.get(&name.to_lowercase()).map(|link| &link.learned)
     }
 }
 
-/// The place of `:contingency`; else the nearest landing place whose link is not known to be weak, else the nearest; else where the
+/// Returns the place of `:contingency`; else the nearest landing place whose link is not known to be weak, else the nearest; else where the
 /// mission started.
 fn contingency_place(mission: &Mission, name: &str, learned: &Learned, here: Location) -> Value {
     if let Some(place) = &mission.lost_link.contingency {
@@ -182,7 +182,7 @@ fn contingency_place(mission: &Mission, name: &str, learned: &Learned, here: Loc
     nearest.map_or_else(|| mission.settings.start.clone(), |place| Value::symbol(&place.name))
 }
 
-/// `(NAME TOP CORNER ..)`: the name of an area, its upper face in metres above sea level, and its corners.
+/// Returns `(NAME TOP CORNER ..)`: the name of an area, its upper face in metres above sea level, and its corners.
 fn area_value(area: &AirspaceZone) -> Value {
     let tenth = |degrees: f64| Value::Real(libm::round(degrees * 1e6) / 1e6);
     let corner = |at: &Position| Value::list([tenth(at.latitude_deg), tenth(at.longitude_deg)]);

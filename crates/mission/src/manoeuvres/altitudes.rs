@@ -15,7 +15,7 @@ const ZONE_HEIGHT_M: f64 = 150.0;
 /// Height by which an aircraft may leave its altitude, in addition to the height that the mission requires from faces.
 const LEVEL_M: f64 = 10.0;
 
-/// The altitudes to try, rising, above mean sea level.
+/// Returns the altitudes to try, rising, above mean sea level.
 ///
 /// # Errors
 /// None is possible: what is needed, and what stands against it.
@@ -78,13 +78,13 @@ pub(super) fn of(wish: &Wish<'_>, mode: &ScannerMode) -> Result<Vec<f64>, String
     }
 }
 
-/// Height that lines keep from the faces of zones: what the flight must keep, and what an aircraft may be off its altitude.
+/// Returns the height that lines keep from the faces of zones: what the flight must keep, and what an aircraft may be off its altitude.
 fn face_height_m(wish: &Wish<'_>) -> f64 {
     let required_m = wish.mission.requirements.airspace.map_or(0.0, |buffer| buffer.vertical_m);
     ZONE_HEIGHT_M.max(required_m + LEVEL_M)
 }
 
-/// The altitudes that permitted zones around the target leave. Empty where none is around it: then everything is permitted, or
+/// Returns the altitudes that permitted zones around the target leave. Empty where none is around it: then everything is permitted, or
 /// the planner finds that the target lies outside.
 pub(super) fn permitted_bands(wish: &Wish<'_>, face_m: f64) -> Vec<(f64, f64)> {
     let here = wish.mission.zones.iter().filter(|zone| {
@@ -97,7 +97,7 @@ pub(super) fn permitted_bands(wish: &Wish<'_>, face_m: f64) -> Vec<(f64, f64)> {
     here.map(|zone| (low_m(zone), zone.altitude_m_max - face_m)).collect()
 }
 
-/// Restricted zones that the lines over the target may meet.
+/// Returns the restricted zones that the lines over the target may meet.
 pub(super) fn zones_near<'a>(wish: &'a Wish<'_>) -> impl Iterator<Item = &'a AirspaceZone> {
     let reach_m = wish.fire.radius_m + wish.mission.settings.zone_margin_m;
     let near = move |zone: &&AirspaceZone| {
@@ -106,7 +106,7 @@ pub(super) fn zones_near<'a>(wish: &'a Wish<'_>) -> impl Iterator<Item = &'a Air
     wish.mission.zones.iter().filter(near)
 }
 
-/// Distance from a zone's outline, 0 inside.
+/// Returns the distance from a zone's outline, 0 inside.
 fn distance_m(zone: &AirspaceZone, position: Position) -> f64 {
     use apex_geo::plane::{self, Plane, Point};
     let plane = Plane::new(position);
@@ -115,7 +115,7 @@ fn distance_m(zone: &AirspaceZone, position: Position) -> f64 {
     if plane::inside(here, &flat) { 0.0 } else { plane::segment_to_edges(here, here, &flat) }
 }
 
-/// The zone that closes `lines` at `altitude_m` for all of the rest of the mission, if there is one.
+/// Returns the zone that closes `lines` at `altitude_m` for all of the rest of the mission, if there is one.
 pub(super) fn closed_by<'a>(
     wish: &'a Wish<'_>,
     lines: &[(Position, Position)],

@@ -8,7 +8,7 @@ use apex_observation::sensor::CameraSetting;
 use apex_observation::target::TargetArea;
 use apex_observation::timing::sun::solar_position;
 
-/// The ways with what they are predicted to give.
+/// Returns the manoeuvres with their predicted quality.
 ///
 /// # Errors
 /// Why there is none, with what comes nearest.
@@ -27,7 +27,7 @@ pub(super) fn ways(wish: &Wish<'_>) -> Result<Vec<Manoeuvre>, String> {
     }
 }
 
-/// The camera that the target names, or the first that the vehicle carries.
+/// Returns the camera that the target names, or the first that the vehicle carries.
 fn camera(wish: &Wish<'_>) -> Result<CameraSetting, String> {
     let model = &wish.mission.model;
     let names = camera_names(model);
@@ -47,7 +47,7 @@ const SUN_STEP_S: f64 = 60.0;
 /// Horizon of the search for daylight, s.
 const SUN_WAIT_S: f64 = 86_400.0;
 
-/// A camera without a band for the night needs the sun at some time before the end of the mission.
+/// Checks light: a camera without a band for the night needs the sun at some time before the end of the mission.
 fn light(wish: &Wish<'_>, camera: &CameraSetting) -> Result<(), String> {
     let settings = &wish.mission.settings;
     let (Some(least_deg), Some(zero_unix_s)) = (camera.sun_deg_min, settings.epoch_unix_s) else { return Ok(()) };

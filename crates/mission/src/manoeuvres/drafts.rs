@@ -1,4 +1,4 @@
-//! Ways to take pictures before and after their factors are predicted.
+//! Candidate manoeuvres for pictures, before and after the prediction of their quality factors.
 
 use super::scanner::quality;
 use super::wish::Wish;
@@ -10,7 +10,7 @@ use apex_observation::predict::PredictionContext;
 use apex_observation::target::ObservedTarget;
 use std::collections::BTreeMap;
 
-/// A way before its factors are predicted.
+/// A candidate manoeuvre without predicted factors.
 pub(super) struct Draft {
     pub(super) name: String,
     pub(super) altitude_m: f64,
@@ -24,7 +24,7 @@ pub(super) struct Draft {
     pub(super) work: PictureWork,
 }
 
-/// The draft with its predicted factors; none if it is worth nothing.
+/// Returns the draft with its predicted factors; `None` if it is worth nothing.
 pub(super) fn predicted(wish: &Wish<'_>, draft: Draft) -> Option<Manoeuvre> {
     let wanted = ObservedTarget { looks: vec![wish.look.clone()], after: Vec::new(), ..wish.fire.wanted.clone() };
     let air = ForecastAir::new(wish.mission);

@@ -79,8 +79,8 @@ pub(super) fn fly(
     Ok(flown)
 }
 
-/// Time and distance from the end of one line to the beginning of the next, the lead-in included; before the first line
-/// the lead-in alone. None where the wind is too strong.
+/// Returns the time and distance from the end of one line to the beginning of the next, the lead-in included; before the first line
+/// the lead-in alone. `None` if the wind is too strong.
 fn join(
     (before, (from, to)): (Option<(Position, Position)>, (Position, Position)),
     altitude_m: f64,
@@ -121,12 +121,12 @@ fn join(
     Some((turn_s + lead_s, turn_s * airspeed_mps + lead_m))
 }
 
-/// Length of the lead-in of a fixed wing: as ways in flight end before a line, so that plan and flight agree.
+/// Returns the length of the lead-in of a fixed wing: as ways in flight end before a line, so that plan and flight agree.
 fn lead_in_m(model: &VehicleModel, field: &WindField) -> f64 {
     lead_in_s(model) * (model.true_airspeed_m_s_cruise + wind::speed_mps_max(field))
 }
 
-/// Time that a rotorcraft needs beyond the way at cruise speed to come from a standstill, stop again and hang still.
+/// Returns the time that a rotorcraft needs beyond the way at cruise speed to come from a standstill, stop again and hang still.
 pub(super) fn arrival_s(model: &VehicleModel) -> f64 {
     let speed_mps = model.true_airspeed_m_s_cruise;
     let accelerate_s = 0.5 * speed_mps / model.acceleration_m_s2_max;

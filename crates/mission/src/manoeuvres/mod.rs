@@ -33,7 +33,7 @@ pub(crate) fn of(wish: &Wish<'_>) -> Result<Vec<Manoeuvre>, String> {
     }
 }
 
-/// The front of worth against time, best worth first; evenly thinned where it is long.
+/// Returns the front of worth against time, best worth first; evenly thinned where it is long.
 fn best<T>(mut made: Vec<T>, manoeuvre: impl Fn(&T) -> &Manoeuvre) -> Vec<T> {
     made.sort_by(|a, b| {
         let (a, b) = (manoeuvre(a), manoeuvre(b));

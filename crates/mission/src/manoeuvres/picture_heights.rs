@@ -12,7 +12,7 @@ const APART_SHARE: f64 = 0.04;
 /// A picture at the height at which pixels are worth nothing is not planned; this share of it is.
 const WORTH_SHARE: f64 = 0.95;
 
-/// The altitudes to try above mean sea level, rising, for pictures taken at this angle off the vertical.
+/// Returns the altitudes to try above mean sea level, rising, for pictures taken at this angle off the vertical.
 ///
 /// # Errors
 /// None is possible: what is needed, what stands against it, and what would do.

@@ -41,7 +41,7 @@ pub(super) fn ways(wish: &Wish<'_>, camera: &CameraSetting) -> Result<Vec<Manoeu
     })
 }
 
-/// Lines across a point, for a vehicle that cannot hover: along the way on which it comes.
+/// Returns lines across a point, for a vehicle that cannot hover: along the way on which it comes.
 ///
 /// # Errors
 /// Why there is none, with what comes nearest.
@@ -96,7 +96,7 @@ fn runs(
     }
 }
 
-/// The pieces of a line in order, from its nearer end.
+/// Returns the pieces of a line in order, from its nearer end.
 fn along(places: &[Position], approach: Position) -> Vec<(Position, Position)> {
     let far = |place: Option<&Position>| place.map_or(0.0, |place| geodesy::distance_m(*place, approach));
     let mut places = places.to_vec();
@@ -106,7 +106,7 @@ fn along(places: &[Position], approach: Position) -> Vec<(Position, Position)> {
     places.iter().copied().zip(places.iter().copied().skip(1)).collect()
 }
 
-/// Parallel lines over an area, spaced for the sidelap that it wants.
+/// Returns parallel lines over an area, spaced for the required sidelap.
 fn sweep(wish: &Wish<'_>, camera: &CameraSetting, altitude_m: f64) -> Result<Vec<(Position, Position)>, String> {
     let (across_m, along_m) = camera.footprint_m(altitude_m - wish.fire.wanted.elevation_m);
     let wind = wind_at(wish, altitude_m);
@@ -171,12 +171,12 @@ fn draft(
     })
 }
 
-/// To a tenth, so that plans stay readable.
+/// Rounds to a tenth, so that plans stay readable.
 fn rounded(number: f64) -> f64 {
     (number * 10.0).round() / 10.0
 }
 
-/// The airspeed on the lines, and the greatest ground speed that it gives: no faster than the camera takes pictures and than
+/// Returns the airspeed on the lines, and the greatest ground speed that it gives: no faster than the camera takes pictures and than
 /// smear allows, no slower than the vehicle flies.
 fn airspeed(
     wish: &Wish<'_>,
@@ -219,7 +219,7 @@ fn airspeed(
     Ok((airspeed_mps, fastest_mps))
 }
 
-/// The pictures along the lines.
+/// Returns the pictures along the lines.
 fn planned(
     wish: &Wish<'_>,
     camera: &CameraSetting,

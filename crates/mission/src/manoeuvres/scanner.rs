@@ -26,7 +26,7 @@ struct SweepDraft {
     promise: f64,
 }
 
-/// The sweeps with what they are predicted to add to what has been seen.
+/// Returns the sweeps with the points that they are predicted to add.
 ///
 /// # Errors
 /// Why there is none, with what comes nearest.
@@ -67,7 +67,7 @@ pub(super) fn sweeps(wish: &Wish<'_>) -> Result<Vec<Sweep>, String> {
     Ok(made)
 }
 
-/// Names and swaths for which lines are spaced: the useful one, and the whole one, which needs fewer lines.
+/// Returns names and swaths for which lines are spaced: the useful one, and the whole one, which needs fewer lines.
 fn spacings(wish: &Wish<'_>, scanner: &PredictedScanner, height_m: f64) -> Vec<(&'static str, f64)> {
     let whole_m = scanner.setting.mode.swath_m(height_m, 0.0);
     let useful_m = scanner.setting.mode.useful_swath_m(height_m, wish.look.resolution.wanted_m);
@@ -78,7 +78,7 @@ fn spacings(wish: &Wish<'_>, scanner: &PredictedScanner, height_m: f64) -> Vec<(
     }
 }
 
-/// The lines at one altitude, flown.
+/// Returns the lines at one altitude, flown.
 fn draft(
     wish: &Wish<'_>,
     scanner: &PredictedScanner,
@@ -124,7 +124,7 @@ fn draft(
     Ok(SweepDraft { name, altitude_m, lines, flown, promise })
 }
 
-/// The grounds of a target in order.
+/// Returns the grounds of a target in order.
 pub(super) fn grounds(wanted: &ObservedTarget) -> Vec<CoverageArea> {
     match &wanted.area {
         TargetArea::Circle { centre, radius_m } => vec![CoverageArea::Circle { centre: *centre, radius_m: *radius_m }],
@@ -159,7 +159,7 @@ pub(super) struct Sweep {
 }
 
 impl Sweep {
-    /// The manoeuvre with the causes of its losses: most sweeps are sorted out before their causes are read.
+    /// Returns the manoeuvre with the causes of its losses: most sweeps are sorted out before their causes are read.
     pub(super) fn explained(self, wish: &Wish<'_>) -> Manoeuvre {
         if !wish.is_explained {
             return self.manoeuvre;
@@ -169,7 +169,7 @@ impl Sweep {
     }
 }
 
-/// The sweep with its predicted factors; none where it adds nothing.
+/// Returns the sweep with its predicted factors; `None` if it adds nothing.
 fn predicted(wish: &Wish<'_>, scanner: &PredictedScanner, draft: SweepDraft) -> Option<Sweep> {
     let lines: Vec<PlannedLine> = draft
         .flown
@@ -222,7 +222,7 @@ fn factors(
     result.looks.first().map(quality)
 }
 
-/// Predicted factors with their causes.
+/// Returns the predicted factors with their causes.
 pub(super) fn quality(look: &LookResult) -> QualityFactors {
     let points = |causes: &[LossCause]| {
         let losses = look.losses.iter().filter(|loss| causes.contains(&loss.cause) && loss.points > 0.0);

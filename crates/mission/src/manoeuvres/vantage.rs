@@ -34,7 +34,7 @@ const NOSE_DEG: f64 = 150.0;
 /// From the command to the next one: acknowledgements and the steps of the procedure, s.
 const STEPS_S: f64 = 0.4;
 
-/// The ways to take pictures of the point.
+/// Returns the ways to take pictures of the point.
 ///
 /// # Errors
 /// Why there is none, with what comes nearest.
@@ -68,7 +68,7 @@ pub(super) fn ways(wish: &Wish<'_>, camera: &CameraSetting, place: Position) -> 
     }
 }
 
-/// Look angles to try, steepest first: those that the target wants and the mount can take.
+/// Returns the look angles to try, steepest first: those that the target requires and the mount can reach.
 fn look_angles_deg(wish: &Wish<'_>, camera: &CameraSetting) -> Result<Vec<f64>, String> {
     let (low_deg, high_deg) = camera.mount.tilt_deg;
     let (least_deg, most_deg) = (90.0 + low_deg, 90.0 + high_deg);
@@ -118,7 +118,7 @@ fn vantage_point(wish: &Wish<'_>, place: Position, altitude_m: f64, angle_deg: f
     Err(format!("it needs {altitude_m:.0} m above sea level, zone {name} closes {low_m:.0} to {high_m:.0} m"))
 }
 
-/// Lines north to south and west to east through a place, `reach_m` to each side.
+/// Returns lines north to south and west to east through a place, `reach_m` to each side.
 fn cross(place: Position, reach_m: f64) -> [(Position, Position); 2] {
     let [north, east, south, west] =
         [0.0, 90.0, 180.0, 270.0].map(|azimuth_deg| geodesy::destination(place, azimuth_deg, reach_m));

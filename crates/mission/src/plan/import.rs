@@ -73,7 +73,7 @@ struct PlanFile {
     plan: Plan,
 }
 
-/// The plan of a whole answer, or a plan alone.
+/// Returns the plan of a whole answer, or a plan alone.
 fn read(file: &Path, place: &str) -> MissionResult<Plan> {
     let text = read_text(file)?;
     let is_answer = serde_json::from_str::<serde_json::Value>(&text).is_ok_and(|value| value.get("plan").is_some());

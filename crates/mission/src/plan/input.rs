@@ -44,7 +44,7 @@ pub struct PlanInput {
 }
 
 impl PlanInput {
-    /// A problem without mission or benchmark.
+    /// Returns a problem without mission or benchmark.
     fn new(name: String, problem: Problem) -> PlanInput {
         let (budget, bound_budget) = (BUDGET_DEFAULT, proof::BUDGET_DEFAULT);
         PlanInput { name, problem, budget, bound_budget, seed: 1, mission: None, benchmark: None, start: None }
@@ -75,7 +75,7 @@ impl PlanInput {
             .help("leave `--vehicles` out to plan for one"))
     }
 
-    /// The plan as a procedure for the mission's goal, with the libraries that its steps need, so that it can be checked alone;
+    /// Returns the plan as a procedure for the mission's goal, with the libraries that its steps need, so that it can be checked alone;
     /// empty where the problem is not a mission's.
     pub fn procedure_text(&self, solved: &Deliberation) -> String {
         let Some((mission, goal)) = &self.mission else { return String::new() };
@@ -116,7 +116,7 @@ pub struct Benchmark {
 const BENCHMARKS: &[&str] = &["toptw", "optw", "txt", "oplib", "op", "tsp", "atsp"];
 
 impl PlanInput {
-    /// The input that `path` names if it is a problem's: a cell of test missions, a problem in JSON, a benchmark's file. None
+    /// Returns the input that `path` names if it is a problem's: a cell of test missions, a problem in JSON, a benchmark's file. None
     /// for everything else, which is a mission's folder or program.
     ///
     /// # Errors
@@ -139,7 +139,7 @@ impl PlanInput {
         }
     }
 
-    /// The problem that a mission poses at its start, for the goal and with the budget of its first solver.
+    /// Returns the problem that a mission poses at its start, for the goal and with the budget of its first solver.
     ///
     /// # Errors
     /// There is nothing to plan.
@@ -153,7 +153,7 @@ impl PlanInput {
         Ok(PlanInput { budget, seed, mission: Some((mission, goal)), ..PlanInput::new(name, problem) })
     }
 
-    /// A problem in JSON; `place` names the text in messages.
+    /// Returns a problem in JSON; `place` names the text in messages.
     ///
     /// # Errors
     /// The text is not a problem, or a field has an impossible value.
@@ -173,18 +173,18 @@ impl PlanInput {
         Ok(PlanInput::new("problem".into(), problem))
     }
 
-    /// The mission of the input, if it is one's.
+    /// Returns the mission of the input, if it is one's.
     pub fn mission(&self) -> Option<&Mission> {
         self.mission.as_ref().map(|(mission, _)| mission)
     }
 
-    /// True if the benchmark asks for a shortest tour through all nodes.
+    /// Returns true if the benchmark asks for a shortest tour through all nodes.
     pub fn is_tour(&self) -> bool {
         self.benchmark.as_ref().is_some_and(|benchmark| benchmark.asked == formats::ProblemKind::Tour)
     }
 }
 
-/// A test mission: the name of its cell, with `@NUMBER` for another one than the first.
+/// Returns a test mission: the name of its cell, with `@NUMBER` for another one than the first.
 fn of_cell(text: &str) -> MissionResult<PlanInput> {
     let (cell, number) = text.split_once('@').unwrap_or((text, "0"));
     let cell: Cell = cell.parse().map_err(|why: String| no_such_name(text, cell, &why))?;
@@ -197,7 +197,7 @@ fn of_cell(text: &str) -> MissionResult<PlanInput> {
     Ok(PlanInput { start, ..PlanInput::new(format!("{cell}@{number}"), problem) })
 }
 
-/// Nothing is called so: the names that are nearest, and where names are listed.
+/// Returns the error of an unknown name: the nearest names, and the place where names are listed.
 fn no_such_name(text: &str, cell: &str, why: &str) -> MissionError {
     let trouble = MissionError::planning(format!("there is no mission, file or test mission called {text}"));
     let shipped = Path::new("missions").join(text);
@@ -219,7 +219,7 @@ fn no_such_name(text: &str, cell: &str, why: &str) -> MissionError {
 /// Edits between a misspelt name and a known one at most, as a share of its length.
 const MISSPELT_SHARE_MAX: f64 = 0.4;
 
-/// The cell whose name is nearest to `text`, if any is near; the count stays as it is given.
+/// Returns the cell whose name is nearest to `text`, if any is near; the count stays as it is given.
 fn nearest_cell(text: &str) -> Option<Cell> {
     let count = text.split('-').find_map(|part| part.parse().ok()).filter(|count| (1..=TARGETS_MAX).contains(count));
     let cells = Cell::all().into_iter().map(|cell| Cell { count: count.unwrap_or(cell.count), ..cell });
@@ -260,7 +260,7 @@ fn places_alone(path: &Path) -> MissionError {
         .help(help)
 }
 
-/// A file that is neither JSON nor, perhaps, PDL: a benchmark's, by its extension or its first lines.
+/// Returns a file that is neither JSON nor, perhaps, PDL: a benchmark's, by its extension or its first lines.
 fn of_benchmark(path: &Path) -> MissionResult<Option<PlanInput>> {
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default();
     if extension == "pdl" {
@@ -282,7 +282,7 @@ fn of_benchmark(path: &Path) -> MissionResult<Option<PlanInput>> {
     Ok(Some(PlanInput { benchmark, ..PlanInput::new(name, Problem::SingleVisit(problem)) }))
 }
 
-/// The goal and budget of the mission's first declared solver.
+/// Returns the goal and budget of the mission's first declared solver.
 fn goal_and_budget(mission: &Mission) -> (Value, Duration) {
     let declared = mission.library.solvers.first();
     let budget = declared.and_then(|solver| solver.budget.as_ref()).and_then(|budget| match &budget.kind {
@@ -293,7 +293,7 @@ fn goal_and_budget(mission: &Mission) -> (Value, Duration) {
     (goal.unwrap_or_else(|| Value::list([Value::symbol("plan")])), budget.unwrap_or(BUDGET_DEFAULT))
 }
 
-/// The goal that an index without variables serves.
+/// Returns the goal that an index without variables serves.
 fn ground(index: &apex_model::pattern::Pattern) -> Option<Value> {
     use apex_model::pattern::Pattern;
     match index {

@@ -29,7 +29,7 @@ pub(super) fn read(text: &str) -> Result<Problem, serde_json::Error> {
     Ok(problem)
 }
 
-/// The problem as JSON of the present version.
+/// Returns the problem as JSON of the present version.
 pub fn write(problem: &Problem) -> String {
     match problem {
         Problem::Surveillance(problem) => serde_json::json!({ "version": 2, "Surveillance": problem }),

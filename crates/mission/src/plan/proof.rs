@@ -42,7 +42,7 @@ pub struct Proven {
     pub complete: bool,
 }
 
-/// The error with its evidence: the problem and the plan as JSON, to be read again by `apex plan PROBLEM --plan PLAN`.
+/// Returns the error with its evidence: the problem and the plan as JSON, to be read again by `apex plan PROBLEM --plan PLAN`.
 fn internal_error(contradiction: &Contradiction) -> MissionError {
     let Contradiction { problem, plan, .. } = contradiction;
     let evidence = serde_json::json!({ "problem": problem, "plan": plan });

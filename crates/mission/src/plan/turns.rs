@@ -16,7 +16,7 @@ pub struct Turns {
     pub time_s: f64,
 }
 
-/// None where turns take no time, or the problem says times only.
+/// Returns the turns; `None` if turns take no time, or the problem states times only.
 pub fn of(problem: &Problem, plan: &Plan, mission: Option<&Mission>) -> Option<Turns> {
     match (problem, plan) {
         (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) => {

@@ -21,14 +21,14 @@ pub(super) fn begins(look: &WantedLook) -> Vec<TimeWindow> {
     with_ramp.collect()
 }
 
-/// The first instant from `from_s` on at which the look may begin; `from_s` itself where its windows are over.
+/// Returns the first instant from `from_s` on at which the look may begin; `from_s` itself where its windows are over.
 pub(super) fn first_s(look: &WantedLook, from_s: f64) -> f64 {
     let open = begins(look).into_iter().filter(|window| window.until_s > from_s);
     let first_s = open.map(|window| window.from_s.max(from_s)).fold(f64::INFINITY, f64::min);
     if first_s.is_finite() { first_s } else { from_s }
 }
 
-/// The light that planners know without a table: with the usual elevations of the sun, and no ramp.
+/// Returns the light that planners know without a table: with the usual elevations of the sun, and no ramp.
 pub(super) fn hard_light(look: &WantedLook) -> Light {
     match look.light {
         light if light == LightNeed::DAY => Light::Day,
@@ -37,7 +37,7 @@ pub(super) fn hard_light(look: &WantedLook) -> Light {
     }
 }
 
-/// The timing factor of an observation by its beginning, for one that takes `duration_s`; empty where it is 1 whenever the
+/// Returns the timing factor of an observation by its beginning, for one that takes `duration_s`; empty where it is 1 whenever the
 /// windows and the light of planners allow it.
 pub(super) fn table(
     mission: &Mission,
@@ -79,7 +79,7 @@ pub(super) fn table(
     corners(&all)
 }
 
-/// The points that are needed to draw the same line.
+/// Returns the points that are needed to draw the same line.
 fn corners(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut kept: Vec<(f64, f64)> = Vec::new();
     for (index, point) in points.iter().enumerate() {

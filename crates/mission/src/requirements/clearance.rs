@@ -12,24 +12,24 @@ use apex_requirements::margin::terrain;
 const PULL_UP_M_S2: f64 = 1.0;
 
 impl Scene<'_> {
-    /// Elevation of the ground below the vehicle, as its height above ground says.
+    /// Returns the elevation of the ground below the vehicle, as its height above ground says.
     pub(super) fn ground_below_m(&self) -> Option<f64> {
         Some(self.flown.altitude_m - self.flown.height_above_ground_m?)
     }
 
-    /// The highest ground within a second's flight of a place, where the mission knows it.
+    /// Returns the highest ground within a second's flight of a place, where the mission knows it.
     pub(super) fn known_ground_m(&self, position: Position) -> Option<f64> {
         self.mission.terrain.as_ref()?.highest_m_near(position, self.motion.true_airspeed_mps)
     }
 
-    /// The same for a point of the plane.
+    /// Returns the same for a point of the plane.
     fn known_ground_below_m(&self, point: Point) -> Option<f64> {
         // Without terrain the position need not be known.
         self.mission.terrain.as_ref().and_then(|_| self.known_ground_m(self.plane.position(point)))
     }
 
-    /// True if the ground counts as flat and the route keeps clear of it: altitude only rises or only falls along the route, so that its
-    /// ends decide.
+    /// Returns true if the ground counts as flat and the route keeps clear of it: altitude only rises or only falls along the route, so
+    /// that its ends decide.
     fn is_clear_of_flat_ground(&self, ground_m: f64, clearance_m: f64) -> bool {
         let ends_s = [0.0, self.route.end_s().min(self.requirements().look_ahead_s)];
         let is_clear = |after_s: f64| {
@@ -39,7 +39,7 @@ impl Scene<'_> {
         self.mission.terrain.is_none() && ends_s.into_iter().all(is_clear)
     }
 
-    /// The highest ground along the route within the look-ahead, and below the vehicle.
+    /// Returns the highest ground along the route within the look-ahead, and below the vehicle.
     pub(super) fn ground_ahead_m(&self) -> f64 {
         let below_m = self.ground_below_m().unwrap_or(f64::NEG_INFINITY);
         let until_s = self.route.end_s().min(self.requirements().look_ahead_s);
@@ -48,7 +48,7 @@ impl Scene<'_> {
         ahead.fold(below_m, f64::max)
     }
 
-    /// Clearance of the ground, below and along the route.
+    /// Returns the reading of the clearance of the ground, below and along the route.
     pub(super) fn terrain(&self) -> Option<Reading> {
         let clearance_m = self.requirements().terrain_clearance_m?;
         if self.flown.is_near_ground {

@@ -64,7 +64,7 @@ impl Commanded {
         }
     }
 
-    /// Altitude that the vehicle flies at now, or climbs or descends to.
+    /// Returns the altitude that the vehicle flies at now, or climbs or descends to.
     pub(super) fn altitude_m(&self) -> Option<f64> {
         match self.via {
             (1.., Some(altitude_m)) => Some(altitude_m),
@@ -101,7 +101,7 @@ impl Commanded {
         }
     }
 
-    /// The order that is flown at `now_s`: none while the vehicle holds.
+    /// Returns the order that is flown at `now_s`: none while the vehicle holds.
     pub(super) fn order_at(&self, now_s: f64) -> Option<&FlightOrder> {
         self.order.as_ref().filter(|_| self.hold_until_s.is_none_or(|until_s| now_s >= until_s))
     }
@@ -153,7 +153,7 @@ impl Commanded {
     }
 }
 
-/// `:via (LOCATION ..)`: points before the goal, and the altitude of the first.
+/// Reads `:via (LOCATION ..)`: points before the goal, and the altitude of the first.
 fn via(items: &[Value]) -> (Vec<Position>, Option<f64>) {
     let points = keyword(items, ":via").and_then(Value::as_list).unwrap_or_default();
     let positions = points.iter().filter_map(Location::from_value).map(|location| location.position).collect();
@@ -161,7 +161,7 @@ fn via(items: &[Value]) -> (Vec<Position>, Option<f64>) {
 }
 
 impl FlightOrder {
-    /// The points ahead.
+    /// Returns the points ahead.
     fn points_mut(&mut self) -> Option<&mut Vec<Position>> {
         match self {
             FlightOrder::TakeOff => None,
@@ -178,7 +178,7 @@ impl FlightOrder {
 const BEHIND_M: f64 = 2_000.0;
 const DEGREE_M: f64 = 111_195.0;
 
-/// East and north of one position as seen from another, on a chart: for the side of a line only.
+/// Returns the offset to the east and north of one position from another, on a chart: for the side of a line only.
 fn offset_m(from: Position, to: Position) -> (f64, f64) {
     let east = libm::cos(from.latitude_deg.to_radians()) * DEGREE_M;
     (wrap_180(to.longitude_deg - from.longitude_deg) * east, (to.latitude_deg - from.latitude_deg) * DEGREE_M)
@@ -201,7 +201,7 @@ fn number(value: &Value, unit: Dimension) -> Option<f64> {
     value.as_number().filter(|(_, found)| *found == unit || *found == Dimension::NONE).map(|(si, _)| si)
 }
 
-/// The altitude of a location that states one.
+/// Returns the altitude of a location that states one.
 fn with_altitude(item: &Value) -> Option<f64> {
     let items = item.as_list().filter(|items| items.len() == 3)?;
     let altitude = items.get(2).and_then(|value| number(value, Dimension::LENGTH));
@@ -264,7 +264,7 @@ impl Flown {
         false
     }
 
-    /// Direction of flight over ground, clockwise from north; without a reported track that of the last two positions.
+    /// Returns the direction of flight over ground, clockwise from north; without a reported track that of the last two positions.
     pub(super) fn track_deg(&self) -> f64 {
         let moved = self.previous.zip(self.position).filter(|(from, to)| distance_m(*from, *to) > 1.0);
         self.track_deg.or_else(|| moved.map(|(from, to)| azimuth_deg(from, to))).unwrap_or(0.0)

@@ -8,7 +8,7 @@ use apex_requirements::Route;
 /// Shortest distance of a degree of latitude (at the equator).
 const DEGREE_M: f64 = 110_500.0;
 
-/// The route of an order. Without an order the vehicle circles or hovers where it is.
+/// Returns the route of an order. Without an order the vehicle circles or hovers where it is.
 ///
 /// The first leg begins with a turn from the present track; where legs meet, corners are cut as planned, and are left sharp here.
 pub(super) fn along(
@@ -68,7 +68,7 @@ pub(super) fn is_on_line((point, track): (Point, Point), from: Point, to: Point)
     is_near && along.dot(track) >= ON_LINE_COSINE
 }
 
-/// A lower bound of the distance to a polygon, from the box around its corners in degrees.
+/// Returns a lower bound of the distance to a polygon, from the box around its corners in degrees.
 pub(super) fn chart_distance_m(here: Position, corners: &[Position]) -> f64 {
     let mut north = (f64::INFINITY, f64::NEG_INFINITY);
     let mut east = (f64::INFINITY, f64::NEG_INFINITY);

@@ -76,7 +76,7 @@ pub(super) struct Scene<'a> {
 }
 
 impl<'a> Scene<'a> {
-    /// The scene at `now_s`; `None` before the first position.
+    /// Returns the scene at `now_s`; `None` before the first position.
     pub(super) fn new(
         (mission, forecast): (&'a Mission, &'a WindField),
         flown: &'a Flown,
@@ -122,19 +122,19 @@ impl<'a> Scene<'a> {
         airfields.chain(bases)
     }
 
-    /// The start as a place to land, for missions that name no other.
+    /// Returns the start as a place to land, for missions that name no other.
     fn start(&self) -> LandingSite<'a> {
         let mission = self.mission;
         LandingSite { name: "start", position: mission.start, elevation_m: mission.start_altitude_m }
     }
 
-    /// The nearest landing site to a position, with its distance; the start if the mission has none.
+    /// Returns the nearest landing site to a position, with its distance; the start if the mission has none.
     pub(super) fn nearest_site(&self, position: Position) -> (LandingSite<'a>, f64) {
         let (site, (distance_m, _)) = self.way_to_site(position);
         (site, distance_m)
     }
 
-    /// The nearest landing site to a position, with the length and the azimuth of the geodesic to it.
+    /// Returns the nearest landing site to a position, with the length and the azimuth of the geodesic to it.
     fn way_to_site(&self, position: Position) -> (LandingSite<'a>, (f64, f64)) {
         // Near on a plane chart first, since geodesics are expensive; the nearest three of those exactly.
         let east = libm::cos(position.latitude_deg.to_radians());
@@ -168,12 +168,12 @@ impl<'a> Scene<'a> {
             .unwrap_or_else(|| way(self.start()))
     }
 
-    /// Ground speed on a track.
+    /// Returns the ground speed on a track.
     fn ground_speed_mps(&self, track_deg: f64, airspeed_mps: f64) -> f64 {
         triangle(track_deg, airspeed_mps, self.motion.wind).map_or(0.0, |found| found.ground_speed_mps)
     }
 
-    /// The wind's speed at its strongest side, for turns.
+    /// Returns the wind's speed at its strongest side, for turns.
     fn wind_mps(&self) -> f64 {
         libm::hypot(self.motion.wind.east_mps, self.motion.wind.north_mps)
     }
@@ -203,7 +203,7 @@ impl<'a> Scene<'a> {
             .map(|state| state.after_s)
     }
 
-    /// The readings of all requirements that the mission states and the vehicle's reports allow, most important first.
+    /// Returns the readings of all requirements that the mission states and the vehicle's reports allow, most important first.
     pub(super) fn readings(&self) -> Vec<Reading> {
         let flight = [self.terrain(), self.energy(), self.landing(), self.airspace(), self.turbulence(), self.wind()];
         let all = flight.into_iter().chain([self.sun()]);
@@ -348,7 +348,7 @@ impl<'a> Scene<'a> {
         })
     }
 
-    /// Margin inside of what is permitted, and when the route leaves it.
+    /// Returns the margin inside of the permitted area, and the time at which the route leaves it.
     fn keep_in(&self, zones: &[LocalZone], buffer: &ZoneBuffer) -> (f64, Option<f64>) {
         let Some(area) = KeepIn::new(zones, self.flown.altitude_m, self.now_s) else { return (f64::INFINITY, None) };
         let inside_m = area.keep_in_m(Point::default(), self.flown.altitude_m, buffer);

@@ -27,7 +27,7 @@ const CLEARANCE_SHARE: f64 = 1.5;
 const LEVEL_M: f64 = 10.0;
 
 impl Scene<'_> {
-    /// The response to a reading, with its way out. After `is_escalated` alarms the response that did not help is replaced by a
+    /// Returns the response to a reading, with its way out. After `is_escalated` alarms the response that did not help is replaced by a
     /// landing at the nearest landing site.
     pub(super) fn recovery(&self, reading: &Reading, is_escalated: bool) -> (Response, Location) {
         let site = self.nearest_site(self.here).0;
@@ -74,7 +74,7 @@ impl Scene<'_> {
         Location { position, altitude_m: self.flown.altitude_m }
     }
 
-    /// Another altitude where a climb or a descent is what violates the requirement; else a turn where that leads to a place that
+    /// Returns another altitude where a climb or a descent is what violates the requirement; else a turn where that leads to a place that
     /// keeps it; else the nearest altitude that does: a face of a zone that covers everything around cannot be left sideways.
     fn leave_airspace(&self, reading: &Reading) -> (Response, Location) {
         let to_level = |altitude_m: f64| {
@@ -104,7 +104,7 @@ impl Scene<'_> {
         self.requirements().airspace.unwrap_or(ZoneBuffer { horizontal_m: 0.0, vertical_m: 0.0, time_s: 0.0 })
     }
 
-    /// The altitude nearest to `wished_m`, beyond a face of a zone, at which the vehicle may be at `point`.
+    /// Returns the altitude nearest to `wished_m`, beyond a face of a zone, at which the vehicle may be at `point`.
     fn permitted_level(&self, point: Point, wished_m: f64) -> Option<f64> {
         let buffer = self.zone_buffer();
         let (zones, _) = self.near_zones();
@@ -125,7 +125,7 @@ impl Scene<'_> {
             .min_by(|a, b| distance_m(a).total_cmp(&distance_m(b)))
     }
 
-    /// The least margin of all zones at a point, an altitude and an instant.
+    /// Returns the least margin of all zones at a point, an altitude and an instant.
     fn zone_margin_m(
         &self,
         point: Point,
@@ -139,7 +139,7 @@ impl Scene<'_> {
         out_m.min(area.map_or(f64::INFINITY, |area| area.keep_in_m(point, altitude_m, buffer)))
     }
 
-    /// The place around here whose way stays farthest from what is to be kept, the nearest to the present course among equals, and
+    /// Returns the place around here whose way stays farthest from what is to be kept, the nearest to the present course among equals, and
     /// the margin there.
     fn turn_away(&self) -> (Location, f64) {
         let buffer = self.zone_buffer();
@@ -164,7 +164,7 @@ impl Scene<'_> {
         (Location { position: self.plane.position(to), altitude_m }, end_m)
     }
 
-    /// The least margin on the way to a place, at most the distance to it: farther than that needs no preference.
+    /// Returns the least margin on the way to a place, at most the distance to it: farther than that needs no preference.
     fn worst_m(&self, to: Point, zones: &[LocalZone], area: Option<&KeepIn>, buffer: &ZoneBuffer) -> f64 {
         let track_rad = self.flown.track_deg().to_radians();
         let track = Point { x: libm::sin(track_rad), y: libm::cos(track_rad) };
@@ -193,7 +193,7 @@ impl Scene<'_> {
         worst_m.min(margin(to, self.now_s + route.end_s()) - 1e-3)
     }
 
-    /// The nearest altitude at which the forecast keeps the limit on the present course.
+    /// Returns the nearest altitude at which the forecast keeps the limit on the present course.
     fn calmer_layer(&self, reading: &Reading) -> Option<(Response, Location)> {
         let requirements = self.requirements();
         let model = &self.mission.model;

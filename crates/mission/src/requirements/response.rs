@@ -18,7 +18,7 @@ pub enum Response {
 }
 
 impl Response {
-    /// Its word in messages.
+    /// Returns its word in messages.
     pub fn word(self) -> &'static str {
         match self {
             Response::TurnAway => "turn-away",

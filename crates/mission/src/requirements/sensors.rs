@@ -21,7 +21,7 @@ const STEP_S: f64 = 5.0;
 const GROUND_TILT_DEG: f64 = -3.0;
 
 impl Scene<'_> {
-    /// The least margin of all cameras that point; none by night, without civil time, and while no camera points.
+    /// Returns the least margin of all cameras that point; none by night, without civil time, and while no camera points.
     pub(super) fn sun(&self) -> Option<Reading> {
         let keep_out = self.requirements().sun?;
         let zero_unix_s = self.mission.settings.epoch_unix_s?;
@@ -70,7 +70,7 @@ impl Scene<'_> {
         })
     }
 
-    /// The first instant at which the sight line, kept on the ground that it meets now, comes too near to the sun along the route.
+    /// Returns the first instant at which the sight line, kept on the ground that it meets now, comes too near to the sun along the route.
     fn first_sun(&self, here: ViewDirection, margin_deg: impl Fn(Position, ViewDirection, f64) -> f64) -> Option<f64> {
         let height_m = self.flown.height_above_ground_m.unwrap_or(0.0);
         let seen = (here.elevation_deg < GROUND_TILT_DEG && height_m > 0.0).then(|| {
@@ -97,7 +97,7 @@ impl Scene<'_> {
         })
     }
 
-    /// Angle from the present course to the course between two points of the route.
+    /// Returns the angle from the present course to the course between two points of the route.
     fn turned_deg(&self, from: Point, to: Point) -> f64 {
         let along = to.minus(from);
         if along.length() < 1.0 { 0.0 } else { libm::atan2(along.x, along.y).to_degrees() - self.flown.track_deg() }

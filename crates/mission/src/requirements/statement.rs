@@ -68,7 +68,7 @@ pub struct SunKeepOut {
 }
 
 impl Requirements {
-    /// Greatest distance from a landing place, for planning problems.
+    /// Returns the greatest distance from a landing place, for planning problems.
     pub fn landing_distance_m_max(&self) -> Option<f64> {
         match self.landing {
             Some(LandingReach::Disc { distance_m_max }) => Some(distance_m_max),
@@ -96,8 +96,8 @@ const USAGE: &str = "`:requirements ((airspace :horizontal 500m :vertical 150m :
     (energy :reserve 45min) (turbulence :at-most 0.4) (wind :at-most 15m/s) \
     (sun :margin 10deg) (look-ahead 5min))`; (NAME :off) takes a requirement out";
 
-/// The requirements of a mission with these settings and this vehicle, whose plans keep `planned_margin_m` from zones. Those that it does not state have thresholds from the
-/// vehicle's figures.
+/// Returns the requirements of a mission with these settings and this vehicle, whose plans keep `planned_margin_m` from zones. Those that
+/// it does not state have thresholds from the vehicle's figures.
 ///
 /// # Errors
 /// A form of another shape, an unknown name or key, a figure of another unit or outside of its range, a requirement twice.
@@ -122,7 +122,7 @@ pub(crate) fn state(settings: &Stated<'_>, model: &VehicleModel, planned_margin_
     Ok(requirements)
 }
 
-/// The requirements before the mission states any, for plans that keep `planned_margin_m` from zones.
+/// Returns the requirements before the mission states any, for plans that keep `planned_margin_m` from zones.
 fn of_vehicle(settings: &Stated<'_>, model: &VehicleModel, planned_margin_m: f64) -> Requirements {
     let cruise_mps = model.true_airspeed_m_s_cruise;
     Requirements {
@@ -143,12 +143,12 @@ fn of_vehicle(settings: &Stated<'_>, model: &VehicleModel, planned_margin_m: f64
     }
 }
 
-/// Flight time that the vehicle's own rule keeps in reserve.
+/// Returns the flight time that the vehicle's rule keeps in reserve.
 fn reserve_s(model: &VehicleModel) -> f64 {
     model.reserve_s()
 }
 
-/// Flight time that full energy allows at cruise.
+/// Returns the flight time that full energy allows at cruise.
 pub(super) fn endurance_s(model: &VehicleModel) -> f64 {
     model.endurance_cruise_s()
 }
@@ -230,7 +230,7 @@ impl Statement<'_> {
         }
     }
 
-    /// The only key and its figure.
+    /// Returns the only key and its figure.
     fn one(&self, is_off: bool, key: &str, unit: Dimension, most: f64) -> MissionResult<Option<f64>> {
         if is_off {
             return Ok(None);
@@ -259,7 +259,7 @@ impl Statement<'_> {
         self.wrong(format!("unknown key `{key}`; known are {known}"))
     }
 
-    /// A positive figure in SI units; bare numbers are SI.
+    /// Returns a positive figure in SI units; bare numbers are SI.
     fn figure(&self, value: &Value, unit: Dimension, most: f64) -> MissionResult<f64> {
         match value.as_number() {
             Some((si, found)) if (found == unit || found == Dimension::NONE) && si > 0.0 && si <= most => Ok(si),

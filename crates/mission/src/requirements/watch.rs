@@ -65,7 +65,7 @@ pub struct Findings {
 }
 
 impl Watch {
-    /// Turbulence as last measured, m^(2/3)/s.
+    /// Returns the turbulence as last measured, m^(2/3)/s.
     pub(crate) fn edr(&self) -> Option<f64> {
         self.flown.edr
     }
@@ -205,7 +205,7 @@ impl Findings {
     }
 }
 
-/// A number with [`DIGITS`] significant digits.
+/// Returns a number with [`DIGITS`] significant digits.
 fn rounded(number: f64) -> f64 {
     if number == 0.0 || !number.is_finite() {
         return number;

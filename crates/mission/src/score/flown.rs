@@ -42,7 +42,7 @@ pub struct FlownScore {
     footprints: Option<FootprintLog>,
 }
 
-/// A site as a target of pictures: a point at the height of the thing itself, with one look of value 1.
+/// Returns a site as a target of pictures: a point at the height of the thing itself, with one look of value 1.
 fn of_site(target: &Target, site: &Site) -> ObservedTarget {
     ObservedTarget {
         name: target.id.clone(),
@@ -64,7 +64,7 @@ pub(crate) fn told(flown: &Result<Option<FlownScore>, String>) -> Result<&FlownS
 }
 
 impl FlownScore {
-    /// Nothing observed yet; none for a mission without targets of single visits.
+    /// Returns a score without observations; `None` for a mission without targets of single visits.
     ///
     /// # Errors
     /// The ground of a target is invalid.
@@ -108,7 +108,7 @@ impl FlownScore {
         FlownScore { footprints: Some(FootprintLog::default()), ..self }
     }
 
-    /// The ground seen so far, with the swath under way up to its last kept line; empty without
+    /// Returns the ground seen so far, with the swath under way up to its last kept line; empty without
     /// [`FlownScore::only_footprints`].
     pub fn footprints(&self) -> Option<&Footprints> {
         self.footprints.as_ref().map(|log| &log.seen)
@@ -148,8 +148,8 @@ impl FlownScore {
         self.sample(pending);
     }
 
-    /// `(image-taken CAMERA TARGET)`: position, attitude and the angles of the mount were reported just before. A picture that clouds
-    /// hide (`image-obscured`), and one of a failed detector (`image-blank`), is a look that is not clear.
+    /// Processes `(image-taken CAMERA TARGET)`: position, attitude and the angles of the mount were reported just before. A picture that
+    /// clouds hide (`image-obscured`), and one of a failed detector (`image-blank`), is a look that is not clear.
     fn occurrence(&mut self, form: &Value, at: Time) {
         let Some([Value::Symbol(head), camera, ..]) = form.as_list() else { return };
         let (is_obscured, is_blank) = (head.is("image-obscured"), head.is("image-blank"));
@@ -173,7 +173,7 @@ impl FlownScore {
         }
     }
 
-    /// A picture as recorded; none where the position or the angles of the mount are not known.
+    /// Returns a picture as recorded; `None` if the position or the angles of the mount are not known.
     fn picture(&mut self, camera: &CameraSetting, at: Time) -> Option<Picture> {
         self.latest.turn(at);
         let (position, altitude_m) = self.latest.place?;
@@ -212,7 +212,7 @@ impl FlownScore {
         }
     }
 
-    /// The scanner was switched.
+    /// Records that the scanner was switched on or off.
     fn switch(&mut self) {
         let state = match &self.scanner {
             Some(setting) if self.latest.is_on => SensorState::Scanning(setting.clone()),
@@ -255,12 +255,12 @@ impl FlownScore {
         &self.observation
     }
 
-    /// True if a picture of the target taken between two instants is worth something.
+    /// Returns true if a picture of the target taken between two instants is worth something.
     pub fn saw(&self, target: &str, from_s: f64, until_s: f64) -> bool {
         self.observation.valid_looks_s(target).into_iter().any(|time_s| (from_s..=until_s).contains(&time_s))
     }
 
-    /// The result of the looks of one target; none while nothing of it has been seen.
+    /// Returns the result of the looks of one target; none while nothing of it has been seen.
     pub fn result(&self, target: &str) -> Option<TargetResult> {
         self.observation.result(target)
     }

@@ -53,7 +53,7 @@ pub struct Footprints {
 }
 
 impl Footprints {
-    /// The part in `from_ns ..= to_ns`; nothing of it depends on what was seen later.
+    /// Returns the part in `from_ns ..= to_ns`; nothing of it depends on what was seen later.
     pub fn between(&self, from_ns: i64, to_ns: i64) -> Footprints {
         let is_in = |t_ns: i64| (from_ns..=to_ns).contains(&t_ns);
         let cut =
@@ -75,7 +75,7 @@ pub(super) struct FootprintLog {
 }
 
 impl FootprintLog {
-    /// The scanner was switched, or nothing is known for a while: the swath ends.
+    /// Ends the swath: the scanner was switched off, or nothing is known for a while.
     pub(super) fn end_swath(&mut self) {
         if let Some(last) = self.last.take()
             && let Some(swath) = self.seen.swaths.last_mut()
@@ -86,7 +86,7 @@ impl FootprintLog {
         self.is_open = false;
     }
 
-    /// The scanner records at `at`, over ground of `ground_m` above mean sea level.
+    /// Records the line that the scanner sees at `at`, over ground of `ground_m` above mean sea level.
     pub(super) fn line(
         &mut self,
         latest: &Latest,
@@ -135,7 +135,7 @@ impl FootprintLog {
         self.last = Some(seen);
     }
 
-    /// A picture is taken over ground of `ground_m` above mean sea level.
+    /// Records a picture taken over ground of `ground_m` above mean sea level.
     pub(super) fn picture(&mut self, picture: &Picture, at: Time, ground_m: f64) {
         let sample = &picture.sample;
         let sight = sight_of(&sample.attitude.unwrap_or_default(), picture.angles, picture.is_stabilised);

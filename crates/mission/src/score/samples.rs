@@ -85,7 +85,7 @@ impl Latest {
         }
     }
 
-    /// Roll, pitch and heading at `at`; none if one of them is not in the record, or too old.
+    /// Returns roll, pitch and heading at `at`; `None` if one of them is not in the record, or too old.
     pub(super) fn attitude(&self, at: Time) -> Option<Attitude> {
         Some(Attitude {
             heading_deg: known(self.heading_deg, at)?,
@@ -109,7 +109,7 @@ impl Latest {
         }
     }
 
-    /// Angular rate of the body at the last sample, rad/s; 0 where samples are too far apart to tell.
+    /// Returns the angular rate of the body at the last sample, rad/s; 0 if samples are too far apart to tell.
     pub(super) fn rotation_rad_s(&self) -> f64 {
         let [Some((first, from)), Some((last, to))] = self.turns else { return 0.0 };
         let span_s = (to - from).seconds();
@@ -120,7 +120,7 @@ impl Latest {
         libm::sqrt(rates.roll * rates.roll + rates.pitch * rates.pitch + rates.yaw * rates.yaw)
     }
 
-    /// Speed over ground at `at`; 0 if it is not in the record.
+    /// Returns the speed over ground at `at`; 0 if it is not in the record.
     pub(super) fn ground_speed_mps(&self, at: Time) -> f64 {
         known(self.speed_mps, at).unwrap_or(0.0)
     }

@@ -14,7 +14,7 @@ use std::fmt::Write;
 const LOSS_TOLD_MIN: f64 = 0.05;
 
 impl FlightScore {
-    /// The score for the record and for programs.
+    /// Returns the score for the record and for programs.
     pub(crate) fn json(&self) -> Value {
         let cost = |cost: &Cost| {
             let (kind, points) = (cost.kind.word(), cost.points());
@@ -34,7 +34,7 @@ impl FlightScore {
         })
     }
 
-    /// The score for operators.
+    /// Returns the score for operators.
     pub(crate) fn write(&self, out: &mut String) -> std::fmt::Result {
         if !self.trouble.is_empty() {
             return writeln!(out, "Mission score: not known, since {}", self.trouble);
@@ -90,7 +90,7 @@ fn write_look(out: &mut String, look: &ScoredLook, width: usize) -> std::fmt::Re
     writeln!(out, "{indent}{}", wrapped(&told, "; ", indent.len(), &indent))
 }
 
-/// `roll 3.1` for each of these causes that cost points.
+/// Returns `roll 3.1` for each of these causes that cost points.
 fn causes(look: &LookResult, of: &[LossCause]) -> Vec<String> {
     let losses = look.losses.iter().filter(|loss| of.contains(&loss.cause) && loss.points >= LOSS_TOLD_MIN);
     losses.map(|loss| format!("{} {:.1}", loss.cause.words(), loss.points)).collect()

@@ -49,7 +49,7 @@ pub enum CostKind {
 }
 
 impl CostKind {
-    /// The word in reports.
+    /// Returns the word in reports.
     pub fn word(self) -> &'static str {
         match self {
             CostKind::Personnel => "personnel",
@@ -60,7 +60,7 @@ impl CostKind {
 }
 
 impl Cost {
-    /// Points.
+    /// Returns points.
     pub fn points(&self) -> f64 {
         self.quantity * self.price
     }
@@ -149,7 +149,7 @@ pub(super) fn running_costs(mission: &Mission, hours: f64) -> (Vec<Cost>, f64) {
     (costs, probability)
 }
 
-/// The looks with their names in plans, worth what the target's looks are worth now.
+/// Returns the looks with their names in plans and the present worth of the target's looks.
 fn looks_of(target: &Target, results: Vec<LookResult>) -> Vec<(String, LookResult)> {
     let TargetKind::Fire(fire) = &target.kind else { return Vec::new() };
     let valued = |result: LookResult| {
@@ -159,7 +159,7 @@ fn looks_of(target: &Target, results: Vec<LookResult>) -> Vec<(String, LookResul
     results.into_iter().filter_map(valued).collect()
 }
 
-/// The result where the look is worth `value` instead: every point counts in proportion.
+/// Returns the result where the look is worth `value` instead: every point counts in proportion.
 fn worth(result: LookResult, value: f64) -> LookResult {
     if result.value == value {
         return result;
@@ -172,7 +172,7 @@ fn worth(result: LookResult, value: f64) -> LookResult {
 }
 
 impl FlightScore {
-    /// Sum of the costs of a kind.
+    /// Returns the sum of the costs of a kind.
     pub fn cost_of(&self, kind: CostKind) -> f64 {
         // The sum of nothing would be -0.
         self.costs.iter().filter(|cost| cost.kind == kind).map(Cost::points).fold(0.0, std::ops::Add::add)

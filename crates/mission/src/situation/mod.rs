@@ -165,7 +165,7 @@ impl Situation {
         self.visits.iter().filter(|visit| visit.end.is_some())
     }
 
-    /// Turbulence as last measured, m^(2/3)/s.
+    /// Returns the turbulence as last measured, m^(2/3)/s.
     pub(crate) fn edr(&self) -> Option<f64> {
         self.watch.edr()
     }
@@ -316,7 +316,7 @@ impl Situation {
         }
     }
 
-    /// The executive adopted the plan of `request`: its targets are planned, those left out skipped with the reason.
+    /// Records that the executive adopted the plan of `request`: its targets are planned, those left out skipped with the reason.
     fn take_plan(&mut self, now: Time, request: SolveRequestId, summary: &str) {
         self.note(now, format!("new plan: {summary}"));
         self.adopted = self.adopted.saturating_add(1);

@@ -28,7 +28,7 @@ pub struct ScanLine {
 }
 
 impl ScanLine {
-    /// A line of which nothing has been seen.
+    /// Returns a line of which nothing has been seen.
     pub fn new(from: Position, to: Position) -> ScanLine {
         let middle_deg = 0.5 * (from.latitude_deg + to.latitude_deg);
         let metres_per_longitude = METRES_PER_DEGREE * libm::cos(middle_deg.to_radians());
@@ -40,7 +40,7 @@ impl ScanLine {
         ScanLine { from, along, metres_per_longitude, pieces: vec![None; count as usize], last: None }
     }
 
-    /// The aircraft is at `position`; are its wings level? Positions off the line mark nothing.
+    /// Marks the position on the present line as seen or lost, by whether the wings are level. Positions off the line mark nothing.
     pub fn mark(&mut self, position: Position, level: bool) {
         let east_m = (position.longitude_deg - self.from.longitude_deg) * self.metres_per_longitude;
         let north_m = (position.latitude_deg - self.from.latitude_deg) * METRES_PER_DEGREE;

@@ -164,7 +164,7 @@ impl MissionUpdates {
         }
     }
 
-    /// True when the target has been announced.
+    /// Returns true when the target has been announced.
     pub fn is_announced(&self, target: &str) -> bool {
         self.announced.contains(target)
     }
@@ -174,7 +174,7 @@ impl MissionUpdates {
         &self.imposed
     }
 
-    /// The operator's plan.
+    /// Returns the operator's plan.
     pub fn operator_plan(&self) -> Option<&OperatorPlan> {
         self.operator_plan.as_ref()
     }
@@ -196,7 +196,7 @@ impl MissionUpdates {
         targets.chain(likely).chain(forecasts).collect()
     }
 
-    /// The mission as it is assumed after the updates: with what is known of its targets and winds now.
+    /// Returns the mission as it is assumed after the updates: with what is known of its targets and winds now.
     pub fn believed(&self, mission: &Mission) -> Mission {
         let mut believed = self.valued(mission);
         believed.targets.retain(|target| {
@@ -237,7 +237,7 @@ impl MissionUpdates {
         believed
     }
 
-    /// The forecast that is assumed.
+    /// Returns the forecast that is assumed.
     pub fn forecast<'a>(&self, mission: &'a Mission) -> &'a WindField {
         let known = |name: &String| mission.forecasts.iter().find(|(known, _)| known == name);
         self.forecasts.iter().rev().find_map(known).map_or(&mission.forecast, |(_, forecast)| forecast)
@@ -257,7 +257,7 @@ fn revalue(id: &str, fire: &mut Fire, said: &BTreeMap<String, f64>) {
     }
 }
 
-/// A name as events have it: a symbol or a text.
+/// Returns a name as events have it: a symbol or a text.
 fn name(value: &Value) -> String {
     match value {
         Value::Text(text) => text.to_string(),
@@ -275,7 +275,7 @@ fn importance(cost: &CostFunction, of_families: f64) -> f64 {
     }
 }
 
-/// The same cost, `factor` times as high.
+/// Returns the same cost, `factor` times as high.
 fn scaled(cost: &CostFunction, factor: f64) -> CostFunction {
     let mut cost = cost.clone();
     match &mut cost {

@@ -31,12 +31,12 @@ pub struct Visit {
 }
 
 impl Visit {
-    /// An observation that begins now.
+    /// Returns an observation that begins now.
     pub(super) fn new(target: String, begin: Time, lines: Vec<ScanLine>, predicted: Option<Predicted>) -> Visit {
         Visit { target, begin, end: None, reflies: 0, lines, altitude_m: (0.0, 0), roll_deg_max: 0.0, predicted }
     }
 
-    /// Mean altitude above mean sea level while scanning; `None` if nothing was scanned.
+    /// Returns the mean altitude above mean sea level while scanning; `None` if nothing was scanned.
     pub fn altitude_m(&self) -> Option<f64> {
         let (sum, count) = self.altitude_m;
         (count > 0).then(|| sum / f64::from(count))

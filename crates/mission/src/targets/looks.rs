@@ -58,7 +58,7 @@ pub(crate) struct Terms<'t> {
     pub(crate) terrain: Option<&'t Arc<Terrain>>,
 }
 
-/// The looks that a feature wants: those of `looks`, or one that its own properties describe.
+/// Returns the looks that a feature wants: those of `looks`, or one that its own properties describe.
 ///
 /// # Errors
 /// As docs/reference/mission-data.md lists them, each with file, feature and property.
@@ -226,7 +226,7 @@ fn slope(feature: &NamedFeature) -> MissionResult<Option<ValueSlope>> {
 /// Elements older than this at some time of the mission say little of the pass: an error of about a kilometre a day.
 const ELEMENTS_DAYS_MAX: f64 = 14.0;
 
-/// The satellite that `tle` or `omm` describes.
+/// Returns the satellite that `tle` or `omm` describes.
 fn satellite(feature: &NamedFeature, part: &NamedFeature) -> MissionResult<Satellite> {
     let no_orbit = |key: &str, reason: String, help: &str| {
         feature.trouble(format!("`{key}` of `overpass` is not an orbit")).because(reason).help(help)

@@ -51,7 +51,7 @@ pub(crate) fn register(limits: Limits, functions: &mut HostFunctions) {
     }
 }
 
-/// `(landing-place-near LOCATION REACH)`: the name of the nearest landing place within REACH, else nil.
+/// Evaluates `(landing-place-near LOCATION REACH)`: the name of the nearest landing place within REACH, else nil.
 fn landing_place_near(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let [location, reach] = arguments else { return Err("a location and a reach are missing".to_string()) };
     let here = Location::of(location)?.position;
@@ -63,8 +63,8 @@ fn landing_place_near(limits: &Limits, arguments: &[Value]) -> Result<Value, Str
     Ok(nearest.map_or_else(Value::nil, |(_, name)| Value::symbol(name)))
 }
 
-/// `(forecast-error LOCATION TIME SPEED DIRECTION)`: length of the difference between a measured wind and the forecast for its place and
-/// time (since the start of the mission); nil without a location.
+/// Evaluates `(forecast-error LOCATION TIME SPEED DIRECTION)`: length of the difference between a measured wind and the forecast for its
+/// place and time (since the start of the mission); nil without a location.
 fn forecast_error(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let [location, time, speed, direction] = arguments else { return Err("a measured wind is missing".to_string()) };
     if !location.is_true() {
@@ -83,7 +83,7 @@ fn forecast_error(limits: &Limits, arguments: &[Value]) -> Result<Value, String>
     Ok(Value::measured(libm::hypot(east_mps, north_mps), Dimension::SPEED))
 }
 
-/// As [`start_of`]; none also if nothing limits the ways.
+/// Like [`start_of`]; none also if nothing limits the ways.
 fn start(limits: &Limits, arguments: &[Value]) -> Result<Option<Request>, String> {
     if limits.are_none() && !limits.has_weak() {
         return Ok(None);
@@ -126,7 +126,7 @@ fn start_of(arguments: &[Value]) -> Result<Option<Request>, String> {
     }))
 }
 
-/// A location, or a place by its name, with its altitude where the location states one.
+/// Returns a location, or a place by its name, with its altitude where the location states one.
 fn spot(limits: &Limits, value: &Value) -> Result<(Position, Option<f64>), String> {
     let name = match value {
         Value::Symbol(symbol) => Some(symbol.folded().to_string()),
@@ -142,7 +142,7 @@ fn spot(limits: &Limits, value: &Value) -> Result<(Position, Option<f64>), Strin
     }
 }
 
-/// The areas that the situation published as a value; what is not one of them is left out.
+/// Returns the areas that the situation published as a value; what is not one of them is left out.
 fn weak_areas(value: &Value) -> Vec<AirspaceZone> {
     let area = |item: &Value| {
         let [Value::Text(name), top, corners @ ..] = item.as_list()? else { return None };
@@ -169,7 +169,7 @@ fn length(value: &Value) -> Result<Option<f64>, String> {
     }
 }
 
-/// `(way-to HERE TRACK MET PLACE ALTITUDE)`
+/// Evaluates `(way-to HERE TRACK MET PLACE ALTITUDE)`.
 fn to_place(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let Some(request) = start(limits, arguments)? else { return Ok(Value::nil()) };
     let [.., place, altitude] = arguments else { return Ok(Value::nil()) };
@@ -185,7 +185,7 @@ fn to_place(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     Ok(with_option(answer(limits.best_way(&request), None), altitude))
 }
 
-/// An answer whose command has one more option.
+/// Returns an answer whose command has one more option.
 fn with_option(answer: Value, option: Option<(&str, Value)>) -> Value {
     let Some((name, value)) = option else { return answer };
     let items = answer.as_list().unwrap_or_default();
@@ -195,8 +195,8 @@ fn with_option(answer: Value, option: Option<(&str, Value)>) -> Value {
     Value::list(std::iter::once(options).chain(items.iter().skip(1).cloned()))
 }
 
-/// `(way-to-circle HERE TRACK MET PLACE TIME)`: TIME is how long one circles there, or nil. Where the circle does not fit, it is
-/// flown around the nearest place where it does (`:centre`).
+/// Evaluates `(way-to-circle HERE TRACK MET PLACE TIME)`: TIME is the duration of circling there, or nil. Where the circle does not fit, it
+/// is flown around the nearest place where it does (`:centre`).
 fn to_circle(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let Some(request) = start(limits, arguments)? else { return Ok(Value::nil()) };
     let [.., place, time] = arguments else { return Ok(Value::nil()) };
@@ -234,7 +234,7 @@ fn to_circle(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     Ok(with_option(answer(way, None), moved.map(|centre| (":centre", centre))))
 }
 
-/// `(way-to-line HERE TRACK MET FROM TO LEFT)`: LEFT is where the line was left before, or nil.
+/// Evaluates `(way-to-line HERE TRACK MET FROM TO LEFT)`: LEFT is the point at which the line was left before, or nil.
 fn to_line(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let Some(request) = start(limits, arguments)? else { return Ok(Value::nil()) };
     let [.., from, to, left] = arguments else { return Ok(Value::nil()) };
@@ -293,8 +293,8 @@ fn to_landing(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     Ok(answer(landing.way, landing.course_deg))
 }
 
-/// `(way-to-segment HERE TRACK MET FROM TO END)`: `(A B OPTIONS)`, the ends of the segment in the order in which it is soonest
-/// flown again, and the line to END taken up after it; where that cannot be computed, `(FROM TO)`.
+/// Evaluates `(way-to-segment HERE TRACK MET FROM TO END)`: returns `(A B OPTIONS)`, the ends of the segment in the order in which it is
+/// soonest flown again, and the line to END taken up after it; where that cannot be computed, `(FROM TO)`.
 fn to_segment(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     let [.., from, to, end] = arguments else { return Err("an end of the segment is missing".to_string()) };
     let as_it_is = Value::list([from.clone(), to.clone()]);
@@ -312,7 +312,8 @@ fn to_segment(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
     Ok(Value::list([first.clone(), second.clone()].into_iter().chain(told.iter().cloned())))
 }
 
-/// `(OPTIONS)` or `(OPTIONS NAME WHY)`: options of the command, and what has to be broken; nil for the straight way.
+/// Returns `(OPTIONS)` or `(OPTIONS NAME WHY)`: options of the command, and the requirement that must be violated; nil for the straight
+/// path.
 fn answer(way: Option<Way>, course_deg: Option<f64>) -> Value {
     let mut options = Vec::new();
     if let Some(course_deg) = course_deg {
@@ -339,7 +340,7 @@ fn answer(way: Option<Way>, course_deg: Option<f64>) -> Value {
     }
 }
 
-/// A place on a way, to a decimetre.
+/// Returns a place on a way, to a decimetre.
 fn shown(position: Position, altitude_m: f64) -> Value {
     let round = |number: f64, per: f64| Value::Real(libm::round(number * per) / per);
     Value::list([round(position.latitude_deg, 1e6), round(position.longitude_deg, 1e6), round(altitude_m, 1.0)])

@@ -12,7 +12,7 @@ const PIECE_M: f64 = 250.0;
 const PIECES_MAX: f64 = 5_000.0;
 
 impl Limits {
-    /// Names of the restricted zones that the way comes within `clearance_m` of while they are active, in the mission's order, then
+    /// Returns names of the restricted zones that the way comes within `clearance_m` of while they are active, in the mission's order, then
     /// `permitted area` if it may leave that. Around both ends `clearance_m` is counted where the way has turns, else everywhere: there
     /// the vehicle chooses its turns itself. Bound: O(corners x pieces).
     pub(super) fn crossed(&self, request: &Request, way: &Way, (clearance_m, has_turns): (f64, bool)) -> Vec<String> {
@@ -68,7 +68,7 @@ impl<'a> Outline<'a> {
         Outline { zone, plane, corners }
     }
 
-    /// Inside, or outside by at most `clearance_m`; with a negative clearance inside by at least that.
+    /// Returns true if the place is inside, or outside by at most `clearance_m`; with a negative clearance, inside by at least that.
     fn reaches(&self, place: Position, clearance_m: f64) -> bool {
         let Some(point) = self.plane.project(place) else { return false };
         let edge_m = plane::segment_to_edges(point, point, &self.corners);

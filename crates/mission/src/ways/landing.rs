@@ -71,7 +71,7 @@ impl Limits {
         }
     }
 
-    /// The way onto the final approach with this course.
+    /// Returns the way onto the final approach with this course.
     ///
     /// # Errors
     /// What shuts the approach, or every way to it.
@@ -109,8 +109,8 @@ const ASIDES: usize = 60;
 const ASIDE_DIRECTIONS: usize = 24;
 
 impl Limits {
-    /// The place nearest to that of a request around which a circle fits for all of the stay; else its own place, and what shuts it.
-    /// A vehicle that is inside of the circle when it begins needs more space: it turns onto it from within.
+    /// Returns the place nearest to that of a request around which a circle fits for all of the stay; else its own place, and what shuts
+    /// it. A vehicle that is inside of the circle when it begins needs more space: it turns onto it from within.
     pub(super) fn circle_centre(&self, request: &Request) -> (Position, Option<String>) {
         if self.are_none() {
             return (request.to, None);
@@ -139,7 +139,7 @@ impl Limits {
     }
 }
 
-/// The point of a line at a distance along it from its beginning, before it where negative, and the course there.
+/// Returns the point of a line at a distance along it from its beginning, before it where negative, and the course there.
 pub(super) fn on_line(from: Position, to: Position, along_m: f64) -> (Position, f64) {
     let azimuth_deg = geodesy::azimuth_deg(from, to);
     let there = if along_m >= 0.0 {

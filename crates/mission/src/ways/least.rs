@@ -26,8 +26,8 @@ const EDGE_M: f64 = 500.0;
 const MARGINS_LEFT: f64 = 0.2;
 
 impl Limits {
-    /// The way of a request, around weak links where such a way is not much longer: with every requirement where that can be, else with
-    /// the least broken. None where it is straight.
+    /// Returns the way of a request, around weak links where such a way is not much longer: with every requirement where that can be, else
+    /// with the least broken. `None` if it is straight.
     pub(super) fn best_way(&self, request: &Request) -> Option<Way> {
         match self.way_around_weak_links(request, true) {
             Some(way) => way,
@@ -36,8 +36,8 @@ impl Limits {
         }
     }
 
-    /// As [`Limits::best_way`], by turns of this program also where the straight way is open: an autopilot's own turns onto a line may be
-    /// wider than what was checked around the straight way. None for a mission without requirements.
+    /// Like [`Limits::best_way`], but computes the turns also if the straight path is open: an autopilot's turns onto a line may be wider
+    /// than the space that was checked around the straight path. `None` for a mission without requirements.
     pub(super) fn turning_way(&self, request: &Request) -> Option<Way> {
         if self.are_none() {
             return None;
@@ -46,7 +46,7 @@ impl Limits {
         Some(around.unwrap_or_else(|| self.required_way(request)))
     }
 
-    /// A way that keeps every requirement and avoids weak links; within: none where it is straight and may be.
+    /// Returns a way that keeps every requirement and avoids weak links; within: `None` if it is straight and may be.
     fn way_around_weak_links(&self, request: &Request, may_be_straight: bool) -> Option<Option<Way>> {
         let limits = self.around_weak([request.from, request.to])?;
         if may_be_straight && limits.is_straight_open(request) {
@@ -59,7 +59,7 @@ impl Limits {
         ways.next().filter(of_use).map(Some)
     }
 
-    /// A way with turns, whatever the links.
+    /// Returns a way with turns, whatever the links.
     fn required_way(&self, request: &Request) -> Way {
         let mut first = None;
         for margins in MARGIN_SHARES {
@@ -80,7 +80,7 @@ impl Limits {
         way.unwrap_or_else(|| self.straight_anyway(request, why))
     }
 
-    /// The way with what it breaks: the requirement without which it was searched, and every zone that it passes. Where the
+    /// Returns the way with what it breaks: the requirement without which it was searched, and every zone that it passes. Where the
     /// vehicle chooses its turns itself, every zone near them counts.
     fn breaking(&self, request: &Request, way: Way, (name, why): (&str, &str), has_turns: bool) -> Way {
         let clearance_m = TURN_WIDTH * self.turn_radius_m_over_ground();
@@ -98,7 +98,7 @@ impl Limits {
         Way { broken: Some(Broken { name: known.join("; "), why: why.to_string() }), ..way }
     }
 
-    /// By the shortest legs out of where one must not be, and into where one must not go.
+    /// Returns the path with the shortest legs out of and into forbidden space at its ends.
     fn way_between_permitted_ends(&self, request: &Request) -> Option<Way> {
         let strict = Strictness::all(MARGINS_LEFT);
         let low_m = request.from_altitude_m.min(request.to_altitude_m);
@@ -136,7 +136,7 @@ impl Limits {
         Some(self.breaking(request, Way { via, ..found }, (&name, &why), false))
     }
 
-    /// The nearest place to `position` at which it is allowed to be, and why it is not there; within: none where it is.
+    /// Returns the nearest place to `position` at which it is allowed to be, and why it is not there; within: `None` if it is.
     fn nearest_permitted(
         &self,
         network: &mut Network,
@@ -166,7 +166,8 @@ impl Limits {
         None
     }
 
-    /// Through the zone that takes the least time, or through all of them; last out of the reach of landing places.
+    /// Returns the path through the zone that takes the least time, or through all of them; as a last resort beyond the reach of landing
+    /// places.
     fn through_zones(&self, request: &Request, why: &str) -> Option<Way> {
         let mut names: Vec<String> = Vec::new();
         for zone in &self.zones {
@@ -235,7 +236,7 @@ impl Limits {
     }
 }
 
-/// Length of a way on the wrong side of a zone's edges, in pieces of about a kilometre.
+/// Returns the length of a way on the wrong side of a zone's edges, in pieces of about a kilometre.
 fn metres_against(zone: &AirspaceZone, points: &[Position]) -> f64 {
     let plane = Plane::around(&zone.corners);
     let corners: Vec<Point> = zone.corners.iter().filter_map(|corner| plane.project(*corner)).collect();

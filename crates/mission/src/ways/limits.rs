@@ -1,4 +1,4 @@
-//! Data of a mission on which paths depend.
+//! Limits of paths from the data of a mission: zones, ground, wind, turns and reach of landing places.
 
 use crate::vehicle::Airframe;
 use crate::vehicle::{VehicleModel, turn_radius_m};
@@ -10,7 +10,7 @@ use apex_model::problem::{AirspaceZone, LandingPlace, Position, WindField, ZoneK
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// A part of the ground of one elevation.
+/// A part of the ground with one elevation.
 #[derive(Clone, Debug)]
 pub(super) struct Patch {
     pub(super) position: Position,
@@ -22,7 +22,7 @@ pub(super) struct Patch {
 #[derive(Clone, Debug)]
 pub struct Limits {
     pub(super) zones: Vec<AirspaceZone>,
-    /// Areas where a link is weak: ways go around them where they can, and break nothing where they cannot.
+    /// Areas with a weak link. Paths avoid them if possible; a path through them violates no requirement.
     pub(super) weak: Vec<AirspaceZone>,
     pub(super) landing_places: Vec<LandingPlace>,
     pub(super) landing_distance_m_max: Option<f64>,
@@ -32,12 +32,12 @@ pub struct Limits {
     pub(super) terrain: Option<Arc<Terrain>>,
     /// Distance kept from zones.
     pub(super) margin_m: f64,
-    /// Height kept over ground away from where one starts and where one goes.
+    /// Height kept over ground away from both ends of a path.
     pub(super) ground_margin_m: f64,
     pub(super) true_airspeed_mps: f64,
     /// Radius of planned turns through the air; 0 for a vehicle that turns on the spot.
     pub(super) turn_radius_m: f64,
-    /// Radius of circles as a multiple of it.
+    /// Radius of circles as a multiple of `turn_radius_m`.
     pub(super) circle_width: f64,
     pub(super) climb_rate_mps: f64,
     pub(super) descent_rate_mps: f64,
@@ -52,25 +52,24 @@ pub struct Limits {
     places: Vec<(String, Position, f64)>,
 }
 
-/// Straight flight before a line, so that the wings are level where it begins: so many times as long as rolling into a turn takes, since
-/// the end of a turn leaves an error across the line; at least what autopilots keep for their own joins, at most what a large aircraft
-/// needs, s.
+/// Time of straight flight before a line, so that the wings are level at its beginning: a multiple of the time for rolling into a turn,
+/// since the end of a turn leaves an error across the line. The minimum is that of autopilots, the maximum that of a large aircraft, s.
 const LEAD_IN_ROLLS: f64 = 8.0;
 const LEAD_IN_S: (f64, f64) = (16.0, 24.0);
 
-/// Seconds of straight flight before a line of a scanner or a camera.
+/// Returns seconds of straight flight before a line of a scanner or a camera.
 pub(crate) fn lead_in_s(model: &VehicleModel) -> f64 {
     (LEAD_IN_ROLLS * model.bank_deg_max / model.roll_rate_deg_s_max).clamp(LEAD_IN_S.0, LEAD_IN_S.1)
 }
 
-/// The name of the requirement to stay above the ground, where it has to be broken.
+/// Name of the requirement to stay above the ground, in reports of its violation.
 pub(super) const GROUND: &str = "ground";
 /// Width of a turn, across, and its overshoot, as multiples of the radius over ground.
 pub(super) const TURN_WIDTH: f64 = 3.0;
-/// Height over ground that ways keep: fixed wing, rotorcraft. The first is 1,000 feet, the least height over open country
-/// (ICAO Annex 2, 4.6); the second is what small aircraft keep from obstacles.
+/// Height over ground that paths keep: fixed wing, rotorcraft. The first is 1,000 feet, the minimum height over open country
+/// (ICAO Annex 2, 4.6); the second is the usual distance of small aircraft from obstacles.
 const GROUND_MARGIN_M: (f64, f64) = (300.0, 30.0);
-/// Ground that counts on either side of a leg: so many turn radii, at least this.
+/// Width of the ground that counts on either side of a leg: a multiple of the turn radius, with a minimum.
 const GROUND_WIDTH_RADII: f64 = 1.0;
 const GROUND_WIDTH_M_MIN: f64 = 50.0;
 /// Space around a landing place for a vehicle that lands on the spot.
@@ -79,20 +78,20 @@ const FIELD_M: f64 = 200.0;
 const APPROACH_STEP_M: f64 = 1_500.0;
 const APPROACH_WIDTH_M: f64 = 500.0;
 
-/// Height over ground that ways keep: that of the requirement where the ground is known.
+/// Returns the height over ground that ways keep: that of the requirement where the ground is known.
 fn ground_margin_m(mission: &Mission, is_fixed_wing: bool) -> f64 {
     let usual_m = if is_fixed_wing { GROUND_MARGIN_M.0 } else { GROUND_MARGIN_M.1 };
     let required_m = mission.requirements.terrain_clearance_m.filter(|_| mission.terrain.is_some());
     required_m.map_or(usual_m, |required_m| usual_m.max(REQUIRED_SHARE * required_m))
 }
 
-/// Ways keep this multiple of the required clearance: altitudes are held within some metres.
+/// Multiple of the required clearance that paths keep, because vehicles hold altitudes only within some metres.
 const REQUIRED_SHARE: f64 = 1.1;
 /// Extent of the known elevation around a target or an airfield.
 const PATCH_M: f64 = 10_000.0;
 
 impl Limits {
-    /// The limits of a mission.
+    /// Returns the limits of a mission.
     pub fn of(mission: &Mission) -> Limits {
         let model = &mission.model;
         let is_fixed_wing = model.airframe == Airframe::FixedWing;
@@ -143,12 +142,12 @@ impl Limits {
         !self.weak.is_empty()
     }
 
-    /// The same limits with the areas that a flight has learned; as they are without any.
+    /// Returns the limits with the weak areas that a flight has measured.
     pub(super) fn with_weak(&self, areas: Vec<AirspaceZone>) -> Cow<'_, Limits> {
         if areas.is_empty() { Cow::Borrowed(self) } else { Cow::Owned(Limits { weak: areas, ..self.clone() }) }
     }
 
-    /// The same limits with those weak areas as zones, without those near the ends of a way.
+    /// Returns the limits with weak areas as zones, except for areas near the ends of a path; `None` if no area remains.
     pub(super) fn around_weak(&self, ends: [Position; 2]) -> Option<Limits> {
         let near_m = self.margin_m + TURN_WIDTH * self.turn_radius_m_over_ground();
         let is_clear = |zone: &&AirspaceZone| ends.iter().all(|end| distance_m(zone, *end) > near_m);
@@ -166,7 +165,7 @@ impl Limits {
         place.map(|(_, position, elevation_m)| (*position, *elevation_m))
     }
 
-    /// Elevation of the ground at a position, as far as it is known.
+    /// Returns the elevation of the ground at a position, as far as it is known.
     pub(super) fn elevation_m_at(&self, position: Position) -> f64 {
         if let Some(elevation_m) = self.terrain.as_ref().and_then(|terrain| terrain.elevation_m_at(position)) {
             return elevation_m;
@@ -176,18 +175,18 @@ impl Limits {
         near.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.0, |(_, patch)| patch.elevation_m)
     }
 
-    /// The strongest wind of the forecast.
+    /// Returns the strongest wind of the forecast.
     pub(super) fn wind_mps_max(&self) -> f64 {
         apex_geo::wind::speed_mps_max(&self.wind)
     }
 
-    /// Radius over ground of a turn in the strongest wind: at the airspeed and the wind together.
+    /// Returns the radius over ground of a turn in the strongest wind: at the airspeed and the wind together.
     pub(super) fn turn_radius_m_over_ground(&self) -> f64 {
         let share = 1.0 + self.wind_mps_max() / self.true_airspeed_mps;
         self.turn_radius_m * share * share
     }
 
-    /// Radius of the circles that the vehicle flies where it holds.
+    /// Returns the radius of the circles that the vehicle flies where it holds.
     pub(super) fn circle_radius_m(&self) -> f64 {
         self.circle_width * self.turn_radius_m_over_ground()
     }
@@ -197,7 +196,7 @@ impl Limits {
         self.zones.iter().any(|zone| zone.kind == ZoneKind::Permitted)
     }
 
-    /// Lowest altitude over the patches of ground within `near` of one of `places`, except for those of the two ends.
+    /// Returns the lowest permitted altitude over the ground under the legs between `places`, except for the ground around both ends.
     pub(super) fn lowest_altitude_m(&self, places: &[Position], ends: (Position, Position)) -> f64 {
         let distance_m = apex_geo::geodesy::distance_m;
         let counts = |patch: &&Patch| {
@@ -215,8 +214,8 @@ impl Limits {
         highest_m + self.ground_margin_m
     }
 
-    /// The highest ground under the legs and the turns at their ends, without what lies around the landing places at which they begin or
-    /// end: there the vehicle climbs or descends.
+    /// Returns the highest ground under the legs and the turns at their ends. Ground around the landing places at which the path begins or
+    /// ends does not count, because the vehicle climbs or descends there.
     fn highest_ground_m(&self, terrain: &Terrain, places: &[Position]) -> f64 {
         let half_width_m = GROUND_WIDTH_M_MIN.max(GROUND_WIDTH_RADII * self.turn_radius_m_over_ground());
         let skip_m = |end: Option<&Position>| end.map_or(0.0, |end| self.field_room_m(*end));
@@ -236,14 +235,14 @@ impl Limits {
         highest_m
     }
 
-    /// Room for climbs and descents around the landing place at which a way begins or ends; 0 elsewhere.
+    /// Returns the radius for climbs and descents around the landing place at which a path begins or ends; 0 elsewhere.
     fn field_room_m(&self, end: Position) -> f64 {
         let room_m = FIELD_M.max(self.final_approach_m + 2.0 * self.circle_radius_m());
         let is_field = |place: &LandingPlace| apex_geo::geodesy::distance_m(place.position, end) <= room_m;
         if self.landing_places.iter().any(is_field) { room_m } else { 0.0 }
     }
 
-    /// The lowest that a vehicle may be on its glide path to a landing place, by the ground below the final approach.
+    /// Returns true if the glide path from `begin` to a landing place is clear of the ground below the final approach.
     pub(super) fn approach_is_clear(&self, begin: Position, field: Position, field_m: f64) -> bool {
         let Some(terrain) = &self.terrain else { return true };
         let (length_m, azimuth_deg) = apex_geo::geodesy::inverse(field, begin);
@@ -253,7 +252,7 @@ impl Limits {
                 let there = apex_geo::geodesy::destination(field, azimuth_deg, out_m.min(length_m));
                 let path_m = field_m + self.final_approach_height_m * (out_m / self.final_approach_m).min(1.0);
                 let ground_m = terrain.highest_m_near(there, APPROACH_WIDTH_M);
-                // Half of the glide path's height, or what is kept under way, whichever is less.
+                // The smaller of half the glide path's height and the height that paths keep.
                 let kept_m = self.ground_margin_m.min(0.5 * (path_m - field_m));
                 ground_m.is_none_or(|ground_m| path_m - ground_m >= kept_m)
             },
@@ -267,7 +266,7 @@ impl Limits {
     }
 }
 
-/// Distance of a place from the outline of a zone; 0 inside.
+/// Returns the distance of a place from the outline of a zone; 0 inside.
 fn distance_m(zone: &AirspaceZone, place: Position) -> f64 {
     let plane = Plane::new(place);
     let corners: Vec<Point> = zone.corners.iter().filter_map(|corner| plane.project(*corner)).collect();

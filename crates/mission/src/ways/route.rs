@@ -22,7 +22,7 @@ pub(super) struct Strictness {
 }
 
 impl Strictness {
-    /// Every requirement, with this share of the margins.
+    /// Returns every requirement, with this share of the margins.
     pub(super) fn all(margins: f64) -> Strictness {
         Strictness { margins, turns: true, reach: true, without: Vec::new() }
     }
@@ -40,7 +40,7 @@ const HOLD_S_MIN: f64 = 5.0;
 const EARLY_S: f64 = 120.0;
 
 impl Limits {
-    /// The fastest path at any altitude that is of use.
+    /// Returns the fastest path at any altitude that is of use.
     ///
     /// # Errors
     /// What prevents a way at the altitude of the place.
@@ -65,7 +65,7 @@ impl Limits {
         found.ok_or(trouble.unwrap_or(TravelError::Shut))
     }
 
-    /// The fastest way through open airspace: turns in the wind, and a straight leg between them.
+    /// Returns the fastest way through open airspace: turns in the wind, and a straight leg between them.
     pub(super) fn open_way(&self, request: &Request) -> Option<Way> {
         let without = self.zones.iter().map(|zone| zone.name.clone()).collect();
         self.way_at(request, request.to_altitude_m, &Strictness { reach: false, without, ..Strictness::all(1.0) }).ok()
@@ -174,7 +174,7 @@ impl Limits {
         })
     }
 
-    /// The network of a search between two altitudes, with the wind at a third.
+    /// Returns the network of a search between two altitudes, with the wind at a third.
     pub(super) fn network(
         &self,
         request: &Request,
@@ -200,7 +200,7 @@ impl Limits {
         Network::new(&setting, air).map_err(|_| TravelError::TooFar)
     }
 
-    /// The zones that count: restricted ones with times last longer, permitted ones shorter and are smaller.
+    /// Returns the zones that count: restricted ones with times last longer, permitted ones shorter and are smaller.
     fn counted(&self, request: &Request, strict: &Strictness) -> Vec<AirspaceZone> {
         let counts = |zone: &&AirspaceZone| !strict.without.contains(&zone.name);
         let mut zones: Vec<AirspaceZone> = self.zones.iter().filter(counts).cloned().collect();
@@ -229,7 +229,7 @@ fn cost_s(way: &Way) -> f64 {
     way.hold_s + way.time_s
 }
 
-/// Points of a path that are needed to fly it, without its beginning and its end.
+/// Returns points of a path that are needed to fly it, without its beginning and its end.
 fn thinned(path: &[Position]) -> Vec<Position> {
     let mut kept = Vec::new();
     let mut turned_deg = 0.0;
@@ -256,7 +256,7 @@ fn thinned(path: &[Position]) -> Vec<Position> {
     kept
 }
 
-/// The polygon made smaller by `rim_m` on all sides; as it is where that would not be a polygon.
+/// Returns the polygon made smaller by `rim_m` on all sides; as it is where that would not be a polygon.
 fn inset(corners: &[Position], rim_m: f64) -> Vec<Position> {
     let smaller = || {
         let plane = Plane::around(corners);

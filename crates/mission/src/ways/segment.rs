@@ -38,7 +38,7 @@ pub struct SegmentWay {
 }
 
 impl Limits {
-    /// The fastest way to fly a segment again, in the direction that costs least together with the rest of its line; none for a
+    /// Returns the fastest way to fly a segment again, in the direction that costs least together with the rest of its line; `None` for a
     /// vehicle that needs no turns, and where no way is permitted.
     pub fn segment_again(&self, request: &Request, segment: &Segment) -> Option<SegmentWay> {
         let Segment { begin, until, line_end, altitude_m } = *segment;
@@ -89,8 +89,8 @@ mod tests {
     use crate::Mission;
     use apex_model::problem::{FOREVER_S, WindLayer};
 
-    /// Wind along the track and across it, m/s, and the shortest time for 1 km again, from its end to its end or its beginning: an optimum of
-    /// Dubins paths in the wind, computed apart from this program (speed 95 m/s, bank 18 degrees, 5 s of straight flight before).
+    /// Wind along the track and across it, m/s, and the shortest time for 1 km again, from its end to its end or its beginning: an optimum
+    /// of Dubins paths in the wind, computed apart from this program (speed 95 m/s, bank 18 degrees, 5 s of straight flight before).
     const TABLE: [(f64, f64, f64); 11] = [
         (0.0, 0.0, 218.4),
         (10.0, 0.0, 232.2),
@@ -126,7 +126,7 @@ mod tests {
         Limits::of(&mission)
     }
 
-    /// The time for a segment on a track to the north, from its end.
+    /// Returns the time for a segment on a track to the north, from its end.
     fn again_s(limits: &Limits, length_m: f64) -> f64 {
         let begin = Position::new(40.0, -120.0);
         let until = geodesy::destination(begin, 0.0, length_m);

@@ -16,7 +16,7 @@ pub struct Position {
 }
 
 impl Position {
-    /// The point at `latitude_deg`, `longitude_deg`.
+    /// Returns the point at `latitude_deg`, `longitude_deg`.
     pub const fn new(latitude_deg: f64, longitude_deg: f64) -> Position {
         Position { latitude_deg, longitude_deg }
     }

@@ -68,7 +68,7 @@ pub struct SingleVisitTarget {
 }
 
 impl SingleVisitTarget {
-    /// The timing factor of an observation that begins at `begin_s`.
+    /// Returns the timing factor of an observation that begins at `begin_s`.
     pub fn timing_at(&self, begin_s: f64) -> f64 {
         let after = self.timing.iter().position(|(time_s, _)| *time_s > begin_s);
         let Some(after) = after else { return self.timing.last().map_or(1.0, |(_, factor)| *factor) };
@@ -149,7 +149,7 @@ pub struct QualityFactors {
 }
 
 impl QualityFactors {
-    /// The product of the three.
+    /// Returns the product of the three.
     pub fn product(&self) -> f64 {
         self.coverage.factor * self.resolution.factor * self.clarity.factor
     }
@@ -230,7 +230,7 @@ pub struct FailureTerm {
 }
 
 impl FailureTerm {
-    /// The same failure where one point represents `money_per_point`, and the costs here are money.
+    /// Returns the same failure where one point represents `money_per_point`, and the costs here are money.
     pub fn in_points(self, money_per_point: f64) -> FailureTerm {
         FailureTerm {
             vehicle_cost: self.vehicle_cost / money_per_point,

@@ -46,7 +46,7 @@ pub struct EventRate {
 }
 
 impl EventRate {
-    /// The same rate forever.
+    /// Returns the same rate forever.
     pub fn constant(events_per_s: f64) -> EventRate {
         EventRate { steps: vec![(0.0, events_per_s)] }
     }

@@ -84,58 +84,58 @@ impl TravelTimes {
         self.later.is_empty()
     }
 
-    /// From the start to target `to`, leaving at 0.
+    /// Returns the time from the start to target `to`, leaving at 0.
     pub fn start_to(&self, to: usize) -> f64 {
         one(&self.from_start_s, to)
     }
 
-    /// From target `from` to target `to`, leaving at 0.
+    /// Returns the time from target `from` to target `to`, leaving at 0.
     pub fn between(&self, from: usize, to: usize) -> f64 {
         pair(&self.between_s, from, to)
     }
 
-    /// From target `from` to the base, leaving at 0.
+    /// Returns the time from target `from` to the base, leaving at 0.
     pub fn to_base(&self, from: usize) -> f64 {
         one(&self.to_base_s, from)
     }
 
-    /// From the start to target `to`, leaving at `depart_s`.
+    /// Returns the time from the start to target `to`, leaving at `depart_s`.
     pub fn start_to_at(&self, to: usize, depart_s: f64) -> f64 {
         if self.later.is_empty() { self.start_to(to) } else { self.at(LegEnds::Out(to), depart_s) }
     }
 
-    /// From target `from` to target `to`, leaving at `depart_s`.
+    /// Returns the time from target `from` to target `to`, leaving at `depart_s`.
     pub fn between_at(&self, from: usize, to: usize, depart_s: f64) -> f64 {
         if self.later.is_empty() { self.between(from, to) } else { self.at(LegEnds::Between(from, to), depart_s) }
     }
 
-    /// From target `from` to the base, leaving at `depart_s`.
+    /// Returns the time from target `from` to the base, leaving at `depart_s`.
     pub fn to_base_at(&self, from: usize, depart_s: f64) -> f64 {
         if self.later.is_empty() { self.to_base(from) } else { self.at(LegEnds::Home(from), depart_s) }
     }
 
-    /// From target `from` to target `to` at the best departure.
+    /// Returns the time from target `from` to target `to` at the best departure.
     pub fn between_s_min(&self, from: usize, to: usize) -> f64 {
         self.least_of(LegEnds::Between(from, to))
     }
 
-    /// From the start to target `to` at the best departure.
+    /// Returns the time from the start to target `to` at the best departure.
     pub fn start_to_s_min(&self, to: usize) -> f64 {
         self.least_of(LegEnds::Out(to))
     }
 
-    /// From target `from` to the base at the best departure.
+    /// Returns the time from target `from` to the base at the best departure.
     pub fn to_base_s_min(&self, from: usize) -> f64 {
         self.least_of(LegEnds::Home(from))
     }
 
-    /// Constant times that no departure undercuts: between two departures times lie between those of the two.
+    /// Returns constant times that are a lower bound for every departure: between two departures times lie between those of the two.
     pub fn least(&self) -> TravelTimes {
         self.merged(|leg| self.least_of(leg))
     }
 
-    /// Constant times, the mean over departures from 0 to `until_s`: to compare places with each other. No way at some time
-    /// is no way.
+    /// Returns constant times, the mean over departures from 0 to `until_s`, for comparing places. A leg without a path at some departure
+    /// has no path.
     pub fn mean(&self, until_s: f64) -> TravelTimes {
         self.merged(|leg| self.mean_of(leg, until_s))
     }

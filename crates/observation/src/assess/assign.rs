@@ -25,7 +25,7 @@ pub(super) enum Chosen {
 }
 
 impl Chosen {
-    /// The entries of a cell for wanted look `k`, with the factor of their interval.
+    /// Returns the entries of a cell for wanted look `k`, with the factor of their interval.
     pub(super) fn of<'a>(
         &'a self,
         k: usize,
@@ -95,7 +95,7 @@ pub(super) fn assign(by_cell: &ByCell<'_>, cell: usize, worths: &[StripWorth<'_>
     Chosen::Passes(chosen)
 }
 
-/// The passes that see a cell in order of time.
+/// Returns the passes that see a cell in order of time.
 fn passes_of(by_cell: &ByCell<'_>, cell: usize, worths: &[StripWorth<'_>]) -> Vec<PassWorth> {
     let mut passes: Vec<PassWorth> = Vec::new();
     for entry in by_cell.of(cell) {
@@ -136,7 +136,7 @@ fn best_assignment(passes: &[PassWorth], worths: &[StripWorth<'_>]) -> PartialAs
     states.into_iter().fold(start, |best, state| if state.sum > best.sum { state } else { best })
 }
 
-/// The state after this pass serves the wanted looks in `set` as well; none if that is not allowed or is worth nothing.
+/// Returns the state in which this pass serves the wanted looks in `set` as well; `None` if that is not allowed or is worth nothing.
 fn extended(
     state: &PartialAssignment,
     set: usize,

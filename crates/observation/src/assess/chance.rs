@@ -40,7 +40,7 @@ pub(super) struct Scratch {
     candidates: Vec<LookCandidate>,
 }
 
-/// The sums of one cell over the looks in `entries`, each with the factor of its interval.
+/// Returns the sums of one cell over the looks in `entries`, each with the factor of its interval.
 pub(super) fn outcome(
     by_cell: &ByCell<'_>,
     worth: &StripWorth<'_>,
@@ -95,13 +95,13 @@ fn share_out(candidates: &mut [LookCandidate]) {
     }
 }
 
-/// Probability that `other` is valid and clear, given that a line of sight of the same hour with probability `clear` is.
+/// Returns the probability that `other` is valid and clear, given that a line of sight of the same hour with probability `clear` is.
 fn given_clear(other: &LookCandidate, clear: f64) -> f64 {
     let share = if clear > 0.0 { (other.worth.clear / clear).min(1.0) } else { 1.0 };
     other.worth.valid * share
 }
 
-/// Probability that no look of `better` in another hour than `hour` is valid and clear.
+/// Returns the probability that no look of `better` in another hour than `hour` is valid and clear.
 fn other_hours_invalid(better: &[LookCandidate], hour: i64) -> f64 {
     let mut product = 1.0;
     for (index, first) in better.iter().enumerate() {

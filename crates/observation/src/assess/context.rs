@@ -10,7 +10,7 @@ pub struct Product {
     pub from_s: f64,
     /// Last instant in the image.
     pub until_s: f64,
-    /// Instant at which it is on the ground.
+    /// Instant at which the image has arrived on the ground.
     pub on_ground_s: f64,
 }
 
@@ -23,6 +23,6 @@ pub struct AssessContext<'a> {
     pub products: &'a [Product],
     /// First valid look of each target seen so far, for order constraints.
     pub first_valid_s: &'a BTreeMap<String, f64>,
-    /// False leaves out the losses, which planners do not need.
+    /// True if losses are computed; planners do not need them.
     pub is_explained: bool,
 }

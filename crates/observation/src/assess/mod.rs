@@ -23,7 +23,7 @@ use chance::CellWorth;
 use std::collections::BTreeSet;
 use worth::{CAUSES, StripWorth};
 
-/// The factors, points and losses of every wanted look of a target, from all passes in `looks`, which belong to `grid`
+/// Returns the factors, points and losses of every wanted look of a target, from all passes in `looks`, which belong to `grid`
 /// ([`TargetLooks::on_grid`] takes them to another one).
 pub fn assess(
     target: &ObservedTarget,
@@ -71,7 +71,7 @@ pub fn assess(
     TargetResult { name: target.name.clone(), looks: results.collect() }
 }
 
-/// The cells that count with the share of each: all of them, or the best up to the wanted share.
+/// Returns the cells that count with the share of each: all of them, or the best up to the wanted share.
 fn counted(look: &WantedLook, grid: &TargetGrid, cells: &[CellWorth]) -> (f64, Vec<(usize, f64)>) {
     let share = if look.coverage_share.is_nan() { 1.0 } else { look.coverage_share.clamp(0.0, 1.0) };
     if share >= 1.0 {

@@ -1,4 +1,4 @@
-//! The worth of one look for one wanted look, factor by factor.
+//! Worth of one look for one wanted look, as a product of factors.
 
 use super::context::{AssessContext, Product};
 use crate::clarity::clear_probability;
@@ -31,7 +31,7 @@ pub(super) struct StripWorth<'a> {
     timings: Vec<Vec<StripTiming>>,
     /// Direction of the sun at each strip, where light is wanted.
     suns: Vec<Vec<[f64; 3]>>,
-    /// True if a look was worth something and no time of arrival on the ground is known for it.
+    /// True if a look has worth and the time of its arrival on the ground is not known.
     pub(super) is_arrival_missing: bool,
 }
 
@@ -42,7 +42,7 @@ pub(super) struct LookWorth {
     pub(super) valid: f64,
     /// Probability that no cloud hides the cell; 1 as flown.
     pub(super) clear: f64,
-    /// Clarity of a valid look.
+    /// Clarity of the look if it is valid.
     pub(super) s: f64,
     /// Clarity times resolution.
     pub(super) sr: f64,
@@ -51,7 +51,7 @@ pub(super) struct LookWorth {
 }
 
 impl LookWorth {
-    /// Expected worth of this look alone.
+    /// Returns the expected worth of this look alone.
     pub(super) fn expected(&self) -> f64 {
         self.valid * self.clear * self.sro
     }
@@ -102,7 +102,7 @@ impl<'a> StripWorth<'a> {
         self.look.resolution.factor(f64::from(look.pixel_along_m), f64::from(look.pixel_across_m))
     }
 
-    /// The worth of a look; `interval` is the factor of the time since the previous look that counts.
+    /// Returns the worth of a look; `interval` is the factor of the time since the previous look that counts.
     pub(super) fn of(&self, pass: u32, look: &CellLook, strip: &StripFacts, interval: f64) -> LookWorth {
         let clear = clear_of(look, strip);
         let steady = strip.weights.steady() * f64::from(look.glint);
@@ -212,7 +212,7 @@ fn arrival_s(strip: &StripFacts, products: &[Product]) -> Option<f64> {
     received.chain(strip.on_ground_s).reduce(f64::min)
 }
 
-/// Direction of the sun at each strip, turning evenly between the ends of a pass.
+/// Returns the direction of the sun at each strip, turning evenly between the ends of a pass.
 fn suns(passes: &[&TargetPass], zero_unix_s: f64) -> Vec<Vec<[f64; 3]>> {
     let of_pass = |pass: &&TargetPass| {
         let (Some(first), Some(last)) = (pass.strips.first(), pass.strips.last()) else { return Vec::new() };

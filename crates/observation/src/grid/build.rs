@@ -48,7 +48,7 @@ impl Default for GridSettings {
 }
 
 impl TargetGrid {
-    /// The grid of a target.
+    /// Returns the grid of a target.
     ///
     /// # Errors
     /// [`AreaError`] if the area has too few corners, no extent, figures that are not finite, or spans more than 1,000 km.
@@ -267,7 +267,7 @@ fn gather_inside(inside: &[bool], columns: usize, areas: &mut [f64]) {
     }
 }
 
-/// Distance of each cell's middle from the nearest edge, where it is less than `half_m` and a cell; infinite elsewhere.
+/// Returns the distance of each cell's middle from the nearest edge, where it is less than `half_m` and a cell; infinite elsewhere.
 fn edge_distances_m(rings: &Rings, origin: Point, cell_m: f64, size: (usize, usize), half_m: f64) -> Vec<f64> {
     let (rows, columns) = size;
     let mut distances_m = vec![f64::INFINITY; rows * columns];
@@ -313,7 +313,7 @@ fn line(target: &ObservedTarget, positions: &[Position], settings: GridSettings)
     points(target, &cells, cell_m)
 }
 
-/// A grid of single points, one per row.
+/// Returns a grid of single points, one per row.
 fn points(target: &ObservedTarget, cells: &[(Position, f64)], cell_m: f64) -> Result<TargetGrid, String> {
     let positions: Vec<Position> = cells.iter().map(|(position, _)| *position).collect();
     let plane = check(&positions)?;
@@ -346,7 +346,7 @@ fn from_dense(
     finish(target, plane, cell_m, rows, cells)
 }
 
-/// The unit normal of the ellipsoid at a position: through (0, 0), through (0, 90 E), through the north pole.
+/// Returns the unit normal of the ellipsoid at a position: through (0, 0), through (0, 90 E), through the north pole.
 fn normal_of(position: Position) -> [f64; 3] {
     let (latitude_rad, longitude_rad) = (position.latitude_deg * RAD_PER_DEG, position.longitude_deg * RAD_PER_DEG);
     let cosine = libm::cos(latitude_rad);

@@ -34,7 +34,7 @@ pub struct TargetGrid {
 }
 
 impl TargetGrid {
-    /// The grid with the elevation of each cell from `ground`. Where it is not known, the target's elevation is used and
+    /// Returns the grid with the elevation of each cell from `ground`. Where it is not known, the target's elevation is used and
     /// [`TargetGrid::is_terrain_missing`] is true.
     pub fn with_elevations(mut self, ground: &dyn Ground) -> TargetGrid {
         let mut elevations_m = Vec::with_capacity(self.x.len());
@@ -57,7 +57,7 @@ impl TargetGrid {
         self
     }
 
-    /// The plane of the cells.
+    /// Returns the plane of the cells.
     pub fn plane(&self) -> &EqualAreaPlane {
         &self.plane
     }
@@ -67,22 +67,22 @@ impl TargetGrid {
         self.cell_m
     }
 
-    /// Number of cells.
+    /// Returns the number of cells.
     pub fn len(&self) -> usize {
         self.x.len()
     }
 
-    /// True if no ground is wanted.
+    /// Returns true if no ground is wanted.
     pub fn is_empty(&self) -> bool {
         self.x.is_empty()
     }
 
-    /// Weight of each cell: square metres of areas, metres of lines, 1 for a point.
+    /// Returns the weight of each cell: square metres of areas, metres of lines, 1 for a point.
     pub fn weights(&self) -> &[f64] {
         &self.weights
     }
 
-    /// Sum of the weights.
+    /// Returns the sum of the weights.
     pub fn total(&self) -> f64 {
         self.total
     }
@@ -92,12 +92,12 @@ impl TargetGrid {
         (self.low, self.high)
     }
 
-    /// Elevation of the ground at a cell.
+    /// Returns the elevation of the ground at a cell.
     pub fn elevation_m(&self, cell: usize) -> f64 {
         self.elevations_m.get(cell).map_or(self.elevation_m, |elevation_m| f64::from(*elevation_m))
     }
 
-    /// True if the elevation of some cell was not known.
+    /// Returns true if the elevation of some cell was not known.
     pub fn is_terrain_missing(&self) -> bool {
         self.is_terrain_missing
     }
@@ -107,7 +107,7 @@ impl TargetGrid {
         self.slope_max
     }
 
-    /// Unit normal of the ellipsoid at a cell.
+    /// Returns unit normal of the ellipsoid at a cell.
     pub(crate) fn normal(&self, cell: usize) -> [f64; 3] {
         self.normals.get(cell).copied().unwrap_or_default()
     }
@@ -117,12 +117,12 @@ impl TargetGrid {
         self.rows.iter().flat_map(|row| self.row_cells(row).iter().map(|x| (*x, row.y)))
     }
 
-    /// The position of each cell's middle.
+    /// Returns the position of each cell's middle.
     pub fn positions(&self) -> impl Iterator<Item = Position> + '_ {
         self.rows.iter().flat_map(|row| self.plane.row_positions(row.y, self.row_cells(row)))
     }
 
-    /// The cell whose middle is nearest to a point among those of the nearest row; none without cells.
+    /// Returns the cell whose middle is nearest to a point among those of the nearest row; `None` without cells.
     pub fn nearest_cell(&self, point: Point) -> Option<usize> {
         let above = self.rows.partition_point(|row| row.y < point.y);
         let near_rows = self.rows.iter().take(above + 1).skip(above.saturating_sub(1));
@@ -176,7 +176,7 @@ impl TargetGrid {
         }
     }
 
-    /// The first of the cells of a row whose middle is not west of `x`. Middles are a cell or more apart, and mostly one.
+    /// Returns the first of the cells of a row whose middle is not west of `x`. Middles are a cell or more apart, and mostly one.
     fn first_from(&self, cells: &[f64], x: f64) -> usize {
         let Some(west) = cells.first() else { return 0 };
         let guess = libm::ceil((x - west) / self.cell_m).clamp(0.0, cells.len() as f64) as usize;

@@ -72,12 +72,12 @@ impl Arc {
     /// Angle of a piece of the path as seen from the target.
     const STEP_DEG: f64 = 2.0;
 
-    /// Elevation angle at which the tilt limit is reached with a body pitch: `90 - theta - |tau_min + 90|`.
+    /// Returns the elevation angle at which the tilt limit is reached with a body pitch: `90 - theta - |tau_min + 90|`.
     pub fn limit_elevation_deg(tilt_deg_min: f64, pitch_deg: f64) -> f64 {
         90.0 - pitch_deg - (tilt_deg_min + 90.0).abs()
     }
 
-    /// Distance from the target to the path at an elevation angle.
+    /// Returns the distance from the target to the path at an elevation angle.
     fn slant_m(&self, elevation_deg: f64) -> f64 {
         match self.shape {
             ArcShape::Arch { radius_m } => radius_m,
@@ -85,7 +85,7 @@ impl Arc {
         }
     }
 
-    /// Least distance from the target: overhead.
+    /// Returns the least distance from the target: overhead.
     pub fn overhead_m(&self) -> f64 {
         self.slant_m(90.0)
     }
@@ -121,7 +121,7 @@ impl Arc {
         }
     }
 
-    /// Greatest tilt rate of a level pass: `v sin^2 beta / h`, with the speed on the braked part.
+    /// Returns the greatest tilt rate of a level pass: `v sin^2 beta / h`, with the speed on the braked part.
     fn level_tilt_rate_rad_s(&self) -> f64 {
         let overhead_m = self.overhead_m();
         let rate = |distance_m: f64| {
@@ -137,7 +137,7 @@ impl Arc {
         }
     }
 
-    /// Speed at a distance along the path from overhead: slow while turning, and as fast as the braking permits elsewhere.
+    /// Returns the speed at a distance along the path from overhead: slow while turning, and as fast as the braking permits elsewhere.
     pub fn speed_at(&self, distance_m: f64) -> f64 {
         let turning_m = 0.5 * self.turn_speed_mps * 180.0 / self.yaw_rate_deg_s + 1e-9;
         let beyond_m = (distance_m.abs() - turning_m).max(0.0);
@@ -210,7 +210,7 @@ impl Arc {
         let limit = |figure, unit| Limit { manoeuvre: Self::NAME, figure, unit };
         let figures = self.figures(camera.high_deg);
         let most = camera.mount.rate_deg_s;
-        limit("a tilt rate", "deg/s").at_most(figures.tilt_rate_deg_s, most, "the mount tilts no faster", || {
+        limit("a tilt rate", "deg/s").at_most(figures.tilt_rate_deg_s, most, "the mount cannot tilt faster", || {
             format!("a speed of {:.1} m/s works", self.speed_mps * most / figures.tilt_rate_deg_s)
         })?;
         let drift = limit("an angle flown while turning", "degrees");

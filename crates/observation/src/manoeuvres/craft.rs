@@ -68,7 +68,7 @@ impl DrainTable {
 }
 
 impl Craft {
-    /// Radius of a turn through the air at `true_airspeed_mps` with the bank of planned turns: `V^2 / (g tan phi)`. For a
+    /// Returns the radius of a turn through the air at `true_airspeed_mps` with the bank of planned turns: `V^2 / (g tan phi)`. For a
     /// vehicle that hovers, the radius at which the turn needs its whole acceleration.
     pub fn turn_radius_m(&self, true_airspeed_mps: f64) -> f64 {
         if self.can_hover {
@@ -78,7 +78,7 @@ impl Craft {
         }
     }
 
-    /// Least radius of a circle over ground in a wind: `(V + w)^2 / (g tan phi)`.
+    /// Returns the least radius of a circle over ground in a wind: `(V + w)^2 / (g tan phi)`.
     pub fn circle_radius_m_min(&self, true_airspeed_mps: f64, wind_mps: f64) -> f64 {
         self.turn_radius_m(true_airspeed_mps + wind_mps)
     }

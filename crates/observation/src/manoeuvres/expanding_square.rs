@@ -27,7 +27,7 @@ impl ExpandingSquare {
     /// Most rounds.
     const ROUNDS_MAX: u32 = 200;
 
-    /// Length of all legs: `S k (k + 1)`.
+    /// Returns the length of all legs: `S k (k + 1)`.
     pub fn length_m(&self) -> f64 {
         let rounds = f64::from(self.rounds);
         self.spacing_m * rounds * (rounds + 1.0)
@@ -38,7 +38,7 @@ impl ExpandingSquare {
         self.spacing_m * (f64::from(self.rounds) + 1.0)
     }
 
-    /// The datum and the ends of all legs.
+    /// Returns the datum and the ends of all legs.
     pub fn corners(&self, scene: &Scene) -> Vec<Point> {
         let first_deg = self.first_track_deg.or(scene.wind_from_deg()).unwrap_or(0.0);
         let mut corners = vec![Point { x: 0.0, y: 0.0 }];

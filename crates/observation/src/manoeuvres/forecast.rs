@@ -66,7 +66,7 @@ impl Manoeuvre {
     /// Predicts the looks that a target receives, and the cost.
     ///
     /// # Errors
-    /// As [`Manoeuvre::fly`].
+    /// Like [`Manoeuvre::fly`].
     pub fn forecast(
         &self,
         craft: &Craft,
@@ -102,7 +102,7 @@ fn factors_of(result: &TargetResult) -> Factors {
     result.looks.first().map_or(none, |look| look.factors)
 }
 
-/// Lines of a scanner: the observed chords, those of one direction together.
+/// Returns lines of a scanner: the observed chords, those of one direction together.
 fn planned_lines(flown: &FlownPath, scene: &Scene, on_ground_s: Option<f64>) -> Vec<PlannedLine> {
     let mut lines: Vec<PlannedLine> = Vec::new();
     let mut track_deg = f64::NAN;
@@ -181,7 +181,7 @@ fn planned_pictures(
     pictures
 }
 
-/// The pose at a share of the way to the next one.
+/// Returns the pose at a share of the way to the next one.
 fn between(from: &PathPose, to: &PathPose, share: f64) -> PathPose {
     PathPose {
         time_s: from.time_s + share * (to.time_s - from.time_s),
@@ -191,7 +191,7 @@ fn between(from: &PathPose, to: &PathPose, share: f64) -> PathPose {
     }
 }
 
-/// The view of a camera at a pose, with the angles that its mount reaches from the present ones.
+/// Returns the view of a camera at a pose, with the angles that its mount reaches from the present ones.
 fn view_of(
     pose: &PathPose,
     sight: Sight,
@@ -247,7 +247,7 @@ fn weights_of(
     weights
 }
 
-/// True if the middle of the target is inside a view.
+/// Returns true if the middle of the target is inside a view.
 fn sees(view: &PictureView, scene: &Scene) -> bool {
     let sight = crate::sensor::camera::sight_of(&view.attitude, view.angles, view.is_stabilised);
     let axis = sight(Vector::new(1.0, 0.0, 0.0));

@@ -79,7 +79,7 @@ impl FlightPath {
         SectorSearch::NAME,
     ];
 
-    /// Name in PDL.
+    /// Returns name in PDL.
     pub fn name(&self) -> &'static str {
         match self {
             FlightPath::StraightOver(_) => StraightOver::NAME,
@@ -138,19 +138,19 @@ impl Manoeuvre {
         }
     }
 
-    /// Its poses over time, with time, length and energy.
+    /// Returns its poses over time, with time, length and energy.
     ///
     /// # Errors
-    /// As [`Manoeuvre::track`], and a speed that vehicle or wind do not permit.
+    /// Like [`Manoeuvre::track`], and a speed that vehicle or wind do not permit.
     pub fn fly(&self, craft: &Craft, instrument: &Instrument, scene: &Scene) -> Result<FlownPath, Refusal> {
         let track = self.track(craft, instrument, scene)?;
         timing::fly(self.path.name(), &track, (&self.attitude, &self.speed), (craft, instrument), scene)
     }
 
-    /// The points to be followed with their speeds; empty for a manoeuvre that only hovers.
+    /// Returns the points to be followed with their speeds; empty for a manoeuvre that only hovers.
     ///
     /// # Errors
-    /// As [`Manoeuvre::fly`].
+    /// Like [`Manoeuvre::fly`].
     pub fn paced_points(
         &self,
         craft: &Craft,

@@ -103,7 +103,7 @@ impl DataHandling {
 }
 
 impl AttitudeMode {
-    /// Direction of the nose at a point with this track and wind, clockwise from north.
+    /// Returns the direction of the nose at a point with this track and wind, clockwise from north.
     pub(crate) fn heading_deg(&self, here: Point, (track_deg, ground_speed_mps): (f64, f64), scene: &Scene) -> f64 {
         match self {
             AttitudeMode::Coordinated => {
@@ -134,7 +134,7 @@ impl AttitudeMode {
 }
 
 impl SpeedProfile {
-    /// Ground speed on a track at a height over the target's level and a horizontal distance from the target.
+    /// Returns the ground speed on a track at a height over the target's level and a horizontal distance from the target.
     ///
     /// # Errors
     /// The wind is too strong for the track, or the speed is outside of what the vehicle flies.
@@ -176,7 +176,7 @@ impl SpeedProfile {
         Ok(wanted_mps)
     }
 
-    /// The airspeed at which turns between observed parts are flown.
+    /// Returns the airspeed at which turns between observed parts are flown.
     pub(crate) fn turn_airspeed_mps(&self, craft: &Craft) -> f64 {
         match self {
             SpeedProfile::Airspeed(airspeed_mps) => *airspeed_mps,

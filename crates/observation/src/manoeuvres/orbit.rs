@@ -34,17 +34,17 @@ impl Orbit {
     /// Steps of the integral over a circle.
     const STEPS: u32 = 720;
 
-    /// Angle off the vertical at which the target is seen: `atan(r / h)`.
+    /// Returns the angle off the vertical at which the target is seen: `atan(r / h)`.
     pub fn look_angle_deg(&self) -> f64 {
         libm::atan2(self.radius_m, self.height_m) / RAD_PER_DEG
     }
 
-    /// Distance to the target.
+    /// Returns the distance to the target.
     pub fn slant_m(&self) -> f64 {
         libm::hypot(self.radius_m, self.height_m)
     }
 
-    /// Time of one circle at an airspeed in a wind: the integral of `r / gs(track)`. None where the wind is too strong.
+    /// Returns the time of one circle at an airspeed in a wind: the integral of `r / gs(track)`. `None` if the wind is too strong.
     pub fn period_s(&self, true_airspeed_mps: f64, wind: Wind) -> Option<f64> {
         let step_deg = 360.0 / f64::from(Self::STEPS);
         let step_m = self.radius_m * step_deg * RAD_PER_DEG;
@@ -56,7 +56,7 @@ impl Orbit {
             .sum()
     }
 
-    /// Least and greatest bank on the circle, into and with the wind.
+    /// Returns the least and greatest bank on the circle, into and with the wind.
     pub fn bank_deg(&self, true_airspeed_mps: f64, wind_mps: f64) -> (f64, f64) {
         let bank = |ground_speed_mps: f64| circle_bank_deg(ground_speed_mps, self.radius_m, 0.0);
         (bank(true_airspeed_mps - wind_mps), bank(true_airspeed_mps + wind_mps))

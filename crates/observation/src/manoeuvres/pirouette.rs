@@ -49,7 +49,7 @@ impl Pirouette {
         (radius(self.depression_deg + 0.5 * high_deg), radius(self.depression_deg - 0.5 * high_deg))
     }
 
-    /// Greatest yaw rate at which a picture smears by its limit: one pixel angle by the exposure time.
+    /// Returns the greatest yaw rate at which a picture smears by its limit: one pixel angle by the exposure time.
     pub fn yaw_rate_deg_s_max(&self, camera: &CameraSetting) -> f64 {
         let level = libm::cos(self.depression_deg * RAD_PER_DEG).max(1e-6);
         camera.smear.full_pixels * camera.pixel_rad() / (camera.exposure_s * level) / RAD_PER_DEG
@@ -83,8 +83,8 @@ impl Pirouette {
         };
         let (low, high) = camera.mount.tilt_deg;
         let tilt = limit("a tilt", "degrees");
-        tilt.at_least(-self.depression_deg, low, "the mount tilts no lower", || format!("{low:.0} degrees works"))?;
-        tilt.at_most(-self.depression_deg, high, "the mount tilts no higher", || format!("{high:.0} degrees works"))
+        tilt.at_least(-self.depression_deg, low, "the mount cannot tilt lower", || format!("{low:.0} degrees works"))?;
+        tilt.at_most(-self.depression_deg, high, "the mount cannot tilt higher", || format!("{high:.0} degrees works"))
     }
 
     pub(crate) fn track(

@@ -33,7 +33,7 @@ impl fmt::Display for Refusal {
 
 impl std::error::Error for Refusal {}
 
-/// A number as operators read it: whole from 100 on, else three digits.
+/// Returns a number as operators read it: whole from 100 on, else three digits.
 pub(crate) fn short(number: f64) -> String {
     if number.abs() >= 100.0 || number == libm::trunc(number) {
         format!("{number:.0}")

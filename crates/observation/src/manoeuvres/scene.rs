@@ -27,7 +27,7 @@ impl Scene {
         Scene { target, elevation_m, wind: Wind::default(), approach: Point { x: 0.0, y: -1.0 }, from_s: 0.0 }
     }
 
-    /// The position of a point.
+    /// Returns the position of a point.
     pub fn position(&self, point: Point) -> Position {
         let distance_m = point.length();
         if distance_m == 0.0 {
@@ -36,25 +36,25 @@ impl Scene {
         geodesy::destination(self.target, libm::atan2(point.x, point.y) / RAD_PER_DEG, distance_m)
     }
 
-    /// The point of a position.
+    /// Returns the point of a position.
     pub fn point(&self, position: Position) -> Point {
         let (distance_m, azimuth_deg) = geodesy::inverse(self.target, position);
         along(azimuth_deg, if distance_m.is_finite() { distance_m } else { 0.0 })
     }
 
-    /// Speed of the wind.
+    /// Returns the speed of the wind.
     pub fn wind_mps(&self) -> f64 {
         libm::hypot(self.wind.east_mps, self.wind.north_mps)
     }
 
-    /// Direction from which the wind comes, clockwise from north; none without wind.
+    /// Returns the direction from which the wind comes, clockwise from north; `None` without wind.
     pub fn wind_from_deg(&self) -> Option<f64> {
         (self.wind_mps() > 0.1)
             .then(|| geodesy::wrap_360(libm::atan2(-self.wind.east_mps, -self.wind.north_mps) / RAD_PER_DEG))
     }
 }
 
-/// The point `distance_m` from the origin in a direction clockwise from north.
+/// Returns the point `distance_m` from the origin in a direction clockwise from north.
 pub(crate) fn along(azimuth_deg: f64, distance_m: f64) -> Point {
     let azimuth_rad = azimuth_deg * RAD_PER_DEG;
     Point { x: distance_m * libm::sin(azimuth_rad), y: distance_m * libm::cos(azimuth_rad) }
@@ -70,12 +70,12 @@ pub enum Instrument {
 }
 
 impl Instrument {
-    /// True if the mount turns around the vertical.
+    /// Returns true if the mount turns around the vertical.
     pub(crate) fn pans(&self) -> bool {
         matches!(self, Instrument::Camera(camera) if camera.mount.pan_deg.1 > camera.mount.pan_deg.0)
     }
 
-    /// Rate of the mount; infinite for a scanner, which does not point.
+    /// Returns the rate of the mount; infinite for a scanner, which does not point.
     pub(crate) fn slew_rate_deg_s(&self) -> f64 {
         match self {
             Instrument::Scanner(_) => f64::INFINITY,
@@ -91,7 +91,7 @@ impl Instrument {
         }
     }
 
-    /// Angle of one pixel.
+    /// Returns the angle of one pixel.
     pub fn pixel_rad(&self) -> f64 {
         match self {
             Instrument::Scanner(scanner) => scanner.setting.mode.pixel_rad(),
@@ -99,7 +99,7 @@ impl Instrument {
         }
     }
 
-    /// Greatest ground speed at which successive pictures straight down overlap by `overlap`.
+    /// Returns the greatest ground speed at which successive pictures straight down overlap by `overlap`.
     pub(crate) fn overlap_speed_mps(&self, height_m: f64, overlap: f64) -> f64 {
         match self {
             Instrument::Scanner(scanner) => {
@@ -114,7 +114,7 @@ impl Instrument {
         }
     }
 
-    /// Greatest ground speed at which a picture smears by at most `pixels`, seen from `slant_m`.
+    /// Returns the greatest ground speed at which a picture smears by at most `pixels`, seen from `slant_m`.
     pub(crate) fn smear_speed_mps(&self, slant_m: f64, pixels: f64) -> f64 {
         match self {
             Instrument::Scanner(_) => f64::INFINITY,

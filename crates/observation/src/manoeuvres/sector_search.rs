@@ -7,7 +7,7 @@ use super::{Craft, Instrument};
 use apex_geo::plane::Point;
 use serde::{Deserialize, Serialize};
 
-/// Legs through the place where the target is most likely.
+/// A sector search: legs through the most likely position of the target.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SectorSearch {
@@ -15,7 +15,7 @@ pub struct SectorSearch {
     pub radius_m: f64,
     /// Height above the target.
     pub height_m: f64,
-    /// Direction of the first leg; none: into the wind, north without wind. A repetition is turned by 30 degrees.
+    /// Direction of the first leg; `None`: into the wind, or north without wind. A repetition is turned by 30 degrees.
     pub first_track_deg: Option<f64>,
 }
 
@@ -23,12 +23,12 @@ impl SectorSearch {
     /// Name in PDL.
     pub const NAME: &'static str = "sector-search";
 
-    /// Length of all legs: `9 r`.
+    /// Returns the length of all legs: `9 r`.
     pub fn length_m(&self) -> f64 {
         9.0 * self.radius_m
     }
 
-    /// The ends of all legs, from datum to datum. Every turn is to the right by 120 degrees, except where two triangles
+    /// Returns the ends of all legs, from datum to datum. Every turn is to the right by 120 degrees, except where two triangles
     /// meet at the datum: there the search goes straight on.
     pub fn corners(&self, scene: &Scene) -> Vec<Point> {
         let mut track_deg = self.first_track_deg.or(scene.wind_from_deg()).unwrap_or(0.0);

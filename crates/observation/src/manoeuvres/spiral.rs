@@ -43,13 +43,13 @@ impl Spiral {
         0.5 * pitch * (part(self.outer_radius_m) - part(self.inner_radius_m))
     }
 
-    /// Length by the rings it replaces: `pi (r1^2 - r0^2) / s`.
+    /// Returns the length by the rings it replaces: `pi (r1^2 - r0^2) / s`.
     pub fn length_m_about(&self) -> f64 {
         let squares = self.outer_radius_m * self.outer_radius_m - self.inner_radius_m * self.inner_radius_m;
         PI * squares / self.spacing_m
     }
 
-    /// Points of the curve, from the inner end, on chords no longer than the limit.
+    /// Returns points of the curve, from the inner end, on chords no longer than the limit.
     pub(crate) fn points(&self, chord_m_max: f64) -> Vec<Point> {
         let pitch = self.spacing_m / TAU;
         let whole_rad = (self.outer_radius_m - self.inner_radius_m) / pitch;

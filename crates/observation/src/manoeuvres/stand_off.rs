@@ -39,12 +39,12 @@ impl StandOff {
     /// Name in PDL.
     pub const NAME: &'static str = "stand-off";
 
-    /// Distance of the line from the middle of the target: `h tan o`.
+    /// Returns the distance of the line from the middle of the target: `h tan o`.
     pub fn offset_m(&self) -> f64 {
         self.height_m * libm::tan(self.look_angle_deg * RAD_PER_DEG)
     }
 
-    /// Metres per pixel across the view at the target: `ifov h / cos^2 o` on flat ground.
+    /// Returns metres per pixel across the view at the target: `ifov h / cos^2 o` on flat ground.
     pub fn pixel_m(&self, pixel_rad: f64) -> f64 {
         let cosine = libm::cos(self.look_angle_deg * RAD_PER_DEG);
         pixel_rad * self.height_m / (cosine * cosine)

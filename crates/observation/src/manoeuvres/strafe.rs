@@ -27,12 +27,12 @@ impl Strafe {
     /// Name in PDL.
     pub const NAME: &'static str = "strafe";
 
-    /// Distance for a wanted pixel: `g / ifov`.
+    /// Returns the distance for a wanted pixel: `g / ifov`.
     pub fn distance_m_for(wanted_m: f64, pixel_rad: f64) -> f64 {
         wanted_m / pixel_rad
     }
 
-    /// Angle of the camera below the horizon.
+    /// Returns the angle of the camera below the horizon.
     pub fn depression_deg(&self) -> f64 {
         libm::atan2(self.height_m, self.distance_m) / RAD_PER_DEG
     }

@@ -25,7 +25,7 @@ impl StraightOver {
     /// Name in PDL.
     pub const NAME: &'static str = "straight-over";
 
-    /// The line `offset_m` to the right of the middle.
+    /// Returns the line `offset_m` to the right of the middle.
     pub(crate) fn line(&self, offset_m: f64) -> (Point, Point) {
         let half_m = 0.5 * self.length_m;
         let aside = along(self.track_deg + 90.0, offset_m);

@@ -38,7 +38,7 @@ impl Sweep {
     /// Directions tried in addition to those of the edges.
     const DIRECTIONS: u32 = 18;
 
-    /// Lines over a width across the track: `ceil((D - S) / S_p) + 1`, one if the swath is as wide.
+    /// Returns lines over a width across the track: `ceil((D - S) / S_p) + 1`, one if the swath is as wide.
     pub fn line_count(width_m: f64, swath_m: f64, spacing_m: f64) -> usize {
         if width_m <= swath_m { 1 } else { libm::ceil((width_m - swath_m) / spacing_m - 1e-9) as usize + 1 }
     }
@@ -61,7 +61,7 @@ impl Sweep {
         (1.0 - spacing_m / self.swath_m).max(self.sidelap)
     }
 
-    /// The lines in one direction, from the corner nearest to the approach.
+    /// Returns the lines in one direction, from the corner nearest to the approach.
     ///
     /// # Errors
     /// The area has no extent, or the lines are too many.
@@ -97,7 +97,7 @@ impl Sweep {
         all
     }
 
-    /// Time of the lines and the turns between them; infinite where the wind is too strong.
+    /// Returns the time of the lines and the turns between them; infinite where the wind is too strong.
     fn time_s(&self, lines: &[(Point, Point)], airspeed_mps: f64, craft: &Craft, scene: &Scene) -> f64 {
         let each = lines.iter().map(|(from, to)| {
             let step = to.minus(*from);
@@ -108,10 +108,10 @@ impl Sweep {
         each.sum::<f64>() + turns_s(lines, airspeed_mps, craft, scene)
     }
 
-    /// The lines in the order flown, in the fastest direction.
+    /// Returns the lines in the order flown, in the fastest direction.
     ///
     /// # Errors
-    /// As [`Sweep::lines`].
+    /// Like [`Sweep::lines`].
     pub fn best_lines(&self, airspeed_mps: f64, craft: &Craft, scene: &Scene) -> Result<Vec<(Point, Point)>, Refusal> {
         let directions = self.track_deg.map_or_else(|| self.directions_deg(), |track_deg| vec![track_deg]);
         let mut best: Option<(f64, Vec<(Point, Point)>)> = None;
@@ -154,7 +154,7 @@ impl Sweep {
 /// `sweep_lines` and on the ellipsoid differ by 0.3 %.
 const SPREAD_SHARE: f64 = 6e-3;
 
-/// Time of the turns between successive lines, lead-ins included.
+/// Returns the time of the turns between successive lines, lead-ins included.
 fn turns_s(lines: &[(Point, Point)], airspeed_mps: f64, craft: &Craft, scene: &Scene) -> f64 {
     let mut total_s = 0.0;
     for pair in lines.windows(2) {
@@ -167,7 +167,7 @@ fn turns_s(lines: &[(Point, Point)], airspeed_mps: f64, craft: &Craft, scene: &S
     total_s
 }
 
-/// Time of the fastest turn of a fixed wing from the end of a line to the lead-in of another, and of the lead-in.
+/// Returns the time of the fastest turn of a fixed wing from the end of a line to the lead-in of another, and of the lead-in.
 pub fn turn_s(
     (from, exit): (Point, Point),
     (next, to): (Point, Point),
@@ -192,7 +192,7 @@ pub fn turn_s(
     }
 }
 
-/// Every k-th line first, so that turns are at least two radii wide; none where lines are as far apart as they are, or few.
+/// Returns every k-th line first, so that turns are at least two radii wide; `None` if lines are as far apart as they are, or few.
 fn skip_order(lines: &[(Point, Point)], airspeed_mps: f64, craft: &Craft) -> Option<Vec<(Point, Point)>> {
     let (first, second) = (lines.first()?, lines.get(1)?);
     let along = first.1.minus(first.0).unit()?;

@@ -133,10 +133,10 @@ pub struct PacedPoint {
     pub is_observed: bool,
 }
 
-/// The followed points of a track with their speeds; empty for one that only hovers.
+/// Returns the followed points of a track with their speeds; empty for one that only hovers.
 ///
 /// # Errors
-/// As [`fly`].
+/// Like [`fly`].
 pub(crate) fn pace(
     manoeuvre: &str,
     track: &Track,
@@ -261,12 +261,12 @@ fn node_speeds(chords: &[Chord], craft: &Craft) -> Vec<f64> {
     nodes
 }
 
-/// Speed at a corner, so that the direction of flight changes in [`CORNER_S`].
+/// Returns the speed at a corner, so that the direction of flight changes in [`CORNER_S`].
 pub fn corner_speed_mps(turn_deg: f64, acceleration_mps2: f64) -> f64 {
     acceleration_mps2 * CORNER_S / (2.0 * libm::sin(0.5 * turn_deg * RAD_PER_DEG)).max(1e-6)
 }
 
-/// Time over a chord from one speed to another, with a greatest speed between.
+/// Returns the time over a chord from one speed to another, with a greatest speed between.
 fn chord_s(chord: &Chord, (from, to): (f64, f64), craft: &Craft) -> f64 {
     let (a, b, length) = (craft.acceleration_mps2, craft.braking_mps2, chord.length_m);
     let peak = libm::sqrt(((2.0 * a * b * length + b * from * from + a * to * to) / (a + b)).max(0.0));

@@ -83,14 +83,14 @@ pub struct Track {
 }
 
 impl TrackPoint {
-    /// A point without a limit of speed.
+    /// Returns a point without a limit of speed.
     pub fn new(point: Point, height_m: f64) -> TrackPoint {
         TrackPoint { point, height_m, speed_mps_max: f64::INFINITY }
     }
 }
 
 impl Track {
-    /// All points in the order flown.
+    /// Returns all points in the order flown.
     pub fn points(&self) -> impl Iterator<Item = TrackPoint> {
         self.elements.iter().flat_map(|element| match element {
             Element::Follow { points, .. } => points.clone(),
@@ -98,7 +98,7 @@ impl Track {
         })
     }
 
-    /// Lines that are observed, as pairs of points, in the order flown: the followed parts with two points.
+    /// Returns lines that are observed, as pairs of points, in the order flown: the followed parts with two points.
     pub fn observed_lines(&self) -> Vec<(TrackPoint, TrackPoint)> {
         let lines = self.elements.iter().filter_map(|element| match element {
             Element::Follow { points, is_observed: true } => match points.as_slice() {
@@ -111,7 +111,7 @@ impl Track {
     }
 }
 
-/// Points of an arc around `centre`, from an azimuth (clockwise from north, seen from the centre) through `sweep_deg`
+/// Returns points of an arc around `centre`, from an azimuth (clockwise from north, seen from the centre) through `sweep_deg`
 /// (positive clockwise). Bound: one point per [`CHORD_DEG`], finer where the chord is longer than `chord_m_max`.
 pub(crate) fn arc_points(centre: Point, radius_m: f64, from_deg: f64, sweep_deg: f64, chord_m_max: f64) -> Vec<Point> {
     let chord_deg = CHORD_DEG.min(chord_m_max / radius_m / RAD_PER_DEG).max(0.1);
@@ -125,7 +125,7 @@ pub(crate) fn chord_m_max(craft: &Craft) -> f64 {
     if craft.can_hover { f64::INFINITY } else { 0.4 * craft.turn_radius_m(craft.true_airspeed_mps) }
 }
 
-/// The lines in order, each with a straight lead-in and the turns between them. A vehicle that hovers needs neither.
+/// Returns the lines in order, each with a straight lead-in and the turns between them. A vehicle that hovers needs neither.
 ///
 /// # Errors
 /// The wind is too strong for a line.
@@ -158,7 +158,7 @@ pub(crate) fn lines_with_turns(
     Ok(elements)
 }
 
-/// The fastest turn of a fixed wing from the end of one line to the lead-in of the next; none for a vehicle that hovers.
+/// Returns the fastest turn of a fixed wing from the end of one line to the lead-in of the next; `None` for a vehicle that hovers.
 fn turn_points(
     manoeuvre: &str,
     before: Option<(Point, Point)>,
@@ -181,7 +181,7 @@ fn turn_points(
     Ok(Some(path.points(CHORD_SHARE * flyer.turn_radius_m)))
 }
 
-/// The vehicle as the planner of turns takes it.
+/// Returns the vehicle as the planner of turns takes it.
 pub(crate) fn flyer(airspeed_mps: f64, craft: &Craft, scene: &Scene) -> Flyer {
     Flyer {
         true_airspeed_mps: airspeed_mps,
@@ -190,7 +190,7 @@ pub(crate) fn flyer(airspeed_mps: f64, craft: &Craft, scene: &Scene) -> Flyer {
     }
 }
 
-/// Radius over ground that a fixed wing keeps in any direction of the wind.
+/// Returns the radius over ground that a fixed wing keeps in any direction of the wind.
 pub(crate) fn fillet_m(airspeed_mps: f64, craft: &Craft, scene: &Scene) -> f64 {
     if craft.can_hover { 0.0 } else { craft.circle_radius_m_min(airspeed_mps, scene.wind_mps()) }
 }
@@ -199,13 +199,13 @@ pub(crate) fn fillet_m(airspeed_mps: f64, craft: &Craft, scene: &Scene) -> f64 {
 /// the bank.
 const WIDE: f64 = 1.4;
 
-/// Radius of roundings where a turn begins `room_m` before a corner at most.
+/// Returns the radius of roundings where a turn begins `room_m` before a corner at most.
 pub(crate) fn wide_fillet_m(least_m: f64, turn_deg: f64, room_m: f64) -> f64 {
     let most_m = room_m / libm::tan(0.5 * turn_deg * RAD_PER_DEG);
     (WIDE * least_m).min(most_m).max(least_m)
 }
 
-/// A polyline whose corners a fixed wing rounds with `radius_m`; 0 keeps the corners.
+/// Returns a polyline whose corners a fixed wing rounds with `radius_m`; 0 keeps the corners.
 pub(crate) fn rounded(corners: &[Point], radius_m: f64, chord_m_max: f64) -> Vec<Point> {
     let mut points: Vec<Point> = corners.first().copied().into_iter().collect();
     for window in corners.windows(3) {
@@ -219,7 +219,7 @@ pub(crate) fn rounded(corners: &[Point], radius_m: f64, chord_m_max: f64) -> Vec
     points
 }
 
-/// The arc that joins two legs; none without a radius or a turn.
+/// Returns the arc that joins two legs; `None` without a radius or a turn.
 fn fillet((before, corner, after): (Point, Point, Point), radius_m: f64, chord_m_max: f64) -> Option<Vec<Point>> {
     let (into, out) = (corner.minus(before).unit()?, after.minus(corner).unit()?);
     // Clockwise is positive, as azimuths are.
@@ -235,7 +235,7 @@ fn fillet((before, corner, after): (Point, Point, Point), radius_m: f64, chord_m
     Some(arc_points(centre, radius_m, side_deg + 180.0, turn_rad / RAD_PER_DEG, chord_m_max))
 }
 
-/// Distance from a corner at which its rounding begins.
+/// Returns the distance from a corner at which its rounding begins.
 pub(crate) fn tangent_m(turn_deg: f64, radius_m: f64) -> f64 {
     radius_m * libm::tan(0.5 * turn_deg * RAD_PER_DEG)
 }

@@ -54,7 +54,7 @@ pub struct VantageScore {
 }
 
 impl VantageScore {
-    /// The product: what places are compared by.
+    /// Returns the product: what places are compared by.
     pub fn product(&self) -> f64 {
         self.sight * self.angle * self.resolution * self.sun * self.wind * self.link
     }
@@ -64,17 +64,17 @@ impl VantagePoint {
     /// Name in PDL.
     pub const NAME: &'static str = "vantage-point";
 
-    /// Height above the target.
+    /// Returns the height above the target.
     pub fn height_m(&self) -> f64 {
         self.slant_m * libm::cos(self.look_angle_deg * RAD_PER_DEG)
     }
 
-    /// Distance over ground from the target.
+    /// Returns the distance over ground from the target.
     pub fn distance_m(&self) -> f64 {
         self.slant_m * libm::sin(self.look_angle_deg * RAD_PER_DEG)
     }
 
-    /// The factors of the place. `sight` and `link` (0 to 1) are what terrain and radio leave.
+    /// Returns the factors of the place. `sight` and `link` (0 to 1) are what terrain and radio leave.
     pub fn score(&self, needs: &VantageNeeds, (sight, link): (f64, f64), wind_mps: f64) -> VantageScore {
         let cosine = libm::cos(self.look_angle_deg * RAD_PER_DEG).max(1e-6);
         let pixel_m = needs.pixel_rad * self.slant_m / cosine;

@@ -50,7 +50,7 @@ pub struct ExposureMotion {
 }
 
 impl CameraSetting {
-    /// Angle of one pixel in radians.
+    /// Returns the angle of one pixel in radians.
     pub fn pixel_rad(&self) -> f64 {
         self.pixel_mrad * 1e-3
     }
@@ -61,7 +61,7 @@ impl CameraSetting {
         (size(self.wide_deg), size(self.high_deg))
     }
 
-    /// True if the mount can look straight down.
+    /// Returns true if the mount can look straight down.
     pub fn sees_nadir(&self) -> bool {
         self.mount.tilt_deg.0 <= -90.0
     }
@@ -77,7 +77,7 @@ impl CameraSetting {
         self.exposure_s * (ground_speed_mps / slant_m + rotation_rad_s) / self.pixel_rad()
     }
 
-    /// Greatest ground speed without degrading smear, seen from `slant_m`, the body not rotating.
+    /// Returns the greatest ground speed without degrading smear, seen from `slant_m`, the body not rotating.
     pub fn ground_speed_mps_max(&self, slant_m: f64) -> f64 {
         self.smear.full_pixels * self.pixel_rad() * slant_m / self.exposure_s
     }

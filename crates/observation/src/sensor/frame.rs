@@ -32,24 +32,24 @@ pub struct PhotoSpacing {
 }
 
 impl FrameCamera {
-    /// Angle of one pixel at the middle of the picture.
+    /// Returns the angle of one pixel at the middle of the picture.
     pub fn pixel_rad(&self) -> f64 {
         self.pixel_um * 1e-3 / self.focal_length_mm
     }
 
-    /// Metres per pixel at the nadir: `h p / f`.
+    /// Returns metres per pixel at the nadir: `h p / f`.
     pub fn ground_sample_m(&self, height_m: f64) -> f64 {
         height_m * self.pixel_rad()
     }
 
-    /// Metres per pixel of an oblique view: along the scan plane, and in the plane of view where the ground is met at
+    /// Returns metres per pixel of an oblique view: along the scan plane, and in the plane of view where the ground is met at
     /// `incidence_rad`. `slant_m` is the distance to the ground point.
     pub fn oblique_sample_m(&self, slant_m: f64, incidence_rad: f64) -> (f64, f64) {
         let sample_m = self.pixel_rad() * slant_m;
         (sample_m, sample_m / libm::cos(incidence_rad))
     }
 
-    /// Greatest height with at most `wanted_m` per pixel at the nadir.
+    /// Returns the greatest height with at most `wanted_m` per pixel at the nadir.
     pub fn height_m_max(&self, wanted_m: f64) -> f64 {
         wanted_m / self.pixel_rad()
     }

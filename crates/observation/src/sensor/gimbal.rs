@@ -58,7 +58,7 @@ pub struct Pointing {
 pub const NADIR_CONE_DEG: f64 = 3.0;
 
 impl PointingTolerance {
-    /// Angle between sight line and target that is accepted: the largest of a twentieth of the field of view, two standard
+    /// Returns the angle between sight line and target that is accepted: the largest of a twentieth of the field of view, two standard
     /// deviations of the attitude, and a pixel.
     pub fn tolerance_deg(&self) -> f64 {
         (self.field_of_view_deg / 20.0).max(2.0 * self.attitude_sigma_deg).max(self.pixel_mrad * 1e-3 / RAD_PER_DEG)
@@ -73,7 +73,7 @@ pub fn angles_of(line: Vector) -> GimbalAngles {
     }
 }
 
-/// The unit line of sight in body axes at these angles.
+/// Returns the unit line of sight in body axes at these angles.
 pub fn line_of(angles: GimbalAngles) -> Vector {
     let (pan_rad, tilt_rad) = (angles.pan_deg * RAD_PER_DEG, angles.tilt_deg * RAD_PER_DEG);
     let level = libm::cos(tilt_rad);
@@ -103,13 +103,13 @@ impl Gimbal {
         Pointing { angles, error_deg: line_of(angles).angle_rad(line) / RAD_PER_DEG, is_in_nadir_cone }
     }
 
-    /// The angle between the sight line of these angles and a target's line, both in north-east-down axes: pan is not
+    /// Returns the angle between the sight line of these angles and a target's line, both in north-east-down axes: pan is not
     /// compared, so that a target straight below is judged by the sight line alone.
     pub fn sight_error_deg(angles: GimbalAngles, body: &Rotation, target: Vector) -> f64 {
         body.to_ground(line_of(angles)).angle_rad(target) / RAD_PER_DEG
     }
 
-    /// Time to slew between two sets of angles and settle.
+    /// Returns the time to slew between two sets of angles and settle.
     pub fn slew_s(&self, from: GimbalAngles, to: GimbalAngles) -> f64 {
         let greatest_deg = (to.pan_deg - from.pan_deg).abs().max((to.tilt_deg - from.tilt_deg).abs());
         greatest_deg / self.rate_deg_s + self.settle_s
@@ -120,7 +120,7 @@ impl Gimbal {
         self.slew_s(from, to) + 2.0
     }
 
-    /// The pan angle equal to `pan_deg` up to whole turns that is inside the limits, or the nearer limit.
+    /// Returns the pan angle equal to `pan_deg` up to whole turns that is inside the limits, or the nearer limit.
     fn reachable_pan_deg(&self, pan_deg: f64) -> f64 {
         let turns = [0.0, -360.0, 360.0].map(|turn| pan_deg + turn);
         let inside = turns.into_iter().find(|angle| self.pan_deg.0 <= *angle && *angle <= self.pan_deg.1);
@@ -129,7 +129,7 @@ impl Gimbal {
         inside.unwrap_or(nearer)
     }
 
-    /// The reachable tilt nearest to `tilt_deg` on the circle: a line behind the vehicle is beyond -90.
+    /// Returns the reachable tilt nearest to `tilt_deg` on the circle: a line behind the vehicle is beyond -90.
     fn nearest_tilt_deg(&self, tilt_deg: f64) -> f64 {
         let (low, high) = self.tilt_deg;
         let turns = [0.0, -360.0, 360.0].map(|turn| tilt_deg + turn);
@@ -140,12 +140,12 @@ impl Gimbal {
     }
 }
 
-/// Angle in degrees that must stay between boresight and sun: half the field of view and a margin.
+/// Returns the angle in degrees that must stay between boresight and sun: half the field of view and a margin.
 pub fn keep_out_deg(field_of_view_deg: f64, margin_deg: f64) -> f64 {
     0.5 * field_of_view_deg + margin_deg
 }
 
-/// Least angle between the sun and the boresight while it slews on the great circle from one direction to another. All
+/// Returns the least angle between the sun and the boresight while it slews on the great circle from one direction to another. All
 /// are unit vectors in the same axes. Between opposite ends no great circle is distinguished: the angle is then 0.
 pub fn least_sun_angle_deg(from: Vector, to: Vector, sun: Vector) -> f64 {
     let ends_rad = from.angle_rad(sun).min(to.angle_rad(sun));
@@ -164,7 +164,7 @@ pub fn least_sun_angle_deg(from: Vector, to: Vector, sun: Vector) -> f64 {
 /// Sun elevation below which the keep-out does not apply.
 pub const KEEP_OUT_ELEVATION_DEG_MIN: f64 = -1.0;
 
-/// True if the boresight may slew from one direction to another with the shutter open.
+/// Returns true if the boresight may slew from one direction to another with the shutter open.
 pub fn is_slew_allowed(from: Vector, to: Vector, sun: Vector, keep_out_deg: f64) -> bool {
     let elevation_deg = libm::asin((-sun.z).clamp(-1.0, 1.0)) / RAD_PER_DEG;
     elevation_deg < KEEP_OUT_ELEVATION_DEG_MIN || least_sun_angle_deg(from, to, sun) >= keep_out_deg

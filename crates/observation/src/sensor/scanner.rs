@@ -64,7 +64,7 @@ pub struct LineScanner {
 }
 
 impl ScannerMode {
-    /// Angle of one pixel in radians.
+    /// Returns the angle of one pixel in radians.
     pub fn pixel_rad(&self) -> f64 {
         self.pixel_mrad * 1e-3
     }
@@ -74,17 +74,17 @@ impl ScannerMode {
         0.5 * self.field_of_view_deg * RAD_PER_DEG
     }
 
-    /// Metres per pixel straight below.
+    /// Returns metres per pixel straight below.
     pub fn nadir_pixel_m(&self, height_m: f64) -> f64 {
         self.pixel_rad() * height_m
     }
 
-    /// Metres per pixel along the track at the look angle.
+    /// Returns metres per pixel along the track at the look angle.
     pub fn pixel_along_m(&self, height_m: f64, look_angle_rad: f64) -> f64 {
         self.pixel_rad() * height_m / libm::cos(look_angle_rad)
     }
 
-    /// Metres per pixel across the track at the look angle, on flat ground.
+    /// Returns metres per pixel across the track at the look angle, on flat ground.
     pub fn pixel_across_m(&self, height_m: f64, look_angle_rad: f64) -> f64 {
         let cosine = libm::cos(look_angle_rad);
         self.pixel_rad() * height_m / (cosine * cosine)
@@ -114,23 +114,23 @@ impl ScannerMode {
         2.0 * height_m * libm::tan(self.useful_half_angle_rad(height_m, wanted_m))
     }
 
-    /// Greatest height with pixels of at most `wanted_m` across the track at the look angle.
+    /// Returns the greatest height with pixels of at most `wanted_m` across the track at the look angle.
     pub fn height_m_max(&self, wanted_m: f64, look_angle_rad: f64) -> f64 {
         let cosine = libm::cos(look_angle_rad);
         wanted_m * cosine * cosine / self.pixel_rad()
     }
 
-    /// Least scan rate that leaves no gap between lines at the nadir: `gs (1 + overlap) / (ifov h)`.
+    /// Returns the least scan rate that leaves no gap between lines at the nadir: `gs (1 + overlap) / (ifov h)`.
     pub fn scan_rate_hz_min(&self, height_m: f64, ground_speed_mps: f64) -> f64 {
         ground_speed_mps * (1.0 + self.line_overlap) / (self.pixel_rad() * height_m)
     }
 
-    /// Least height above ground that leaves no gap between lines at the nadir at a scan rate.
+    /// Returns the least height above ground that leaves no gap between lines at the nadir at a scan rate.
     pub fn height_m_min(&self, scan_rate_hz: f64, ground_speed_mps: f64) -> f64 {
         ground_speed_mps * (1.0 + self.line_overlap) / (self.pixel_rad() * scan_rate_hz)
     }
 
-    /// Least height that any scan rate of the mode permits; 0 when the rates are not known.
+    /// Returns the least height that any scan rate of the mode permits; 0 when the rates are not known.
     pub fn height_m_min_any(&self, ground_speed_mps: f64) -> f64 {
         match self.scan_rate_hz_max() {
             Some(rate_hz) => self.height_m_min(rate_hz, ground_speed_mps),
@@ -146,7 +146,7 @@ impl ScannerMode {
             .fold(None, |best: Option<f64>, rate| Some(best.map_or(rate, |b| b.max(rate))))
     }
 
-    /// The lowest scan rate without gaps (a higher one oversamples), or the fastest if none suffices. None when the rates
+    /// Returns the lowest scan rate without gaps (a higher one oversamples), or the fastest if none suffices. `None` if the rates
     /// are not known.
     pub fn choose_scan_rate_hz(&self, height_m: f64, ground_speed_mps: f64) -> Option<f64> {
         let least_hz = self.scan_rate_hz_min(height_m, ground_speed_mps);
@@ -156,7 +156,7 @@ impl ScannerMode {
             .or(self.scan_rate_hz_max())
     }
 
-    /// Share of the ground along the track that the lines cover at the nadir: 1 without gaps, `ifov h f / gs` below the
+    /// Returns the share of the ground along the track that the lines cover at the nadir: 1 without gaps, `ifov h f / gs` below the
     /// V/H limit. Pitching at a rate widens the advance per line by `h q / f`.
     pub fn covered_share(&self, height_m: f64, ground_speed_mps: f64, pitch_rate_rad_s: f64, scan_rate_hz: f64) -> f64 {
         let advance_m = (ground_speed_mps + height_m * pitch_rate_rad_s.abs()) / scan_rate_hz;

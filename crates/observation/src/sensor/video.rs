@@ -42,7 +42,7 @@ impl ViewerTask {
         }
     }
 
-    /// Probability of success with so many line pairs on the target.
+    /// Returns the probability of success with so many line pairs on the target.
     pub fn probability(self, line_pairs: f64) -> f64 {
         let ratio = line_pairs / self.line_pairs_at_half();
         if ratio.is_nan() || ratio <= 0.0 {
@@ -65,13 +65,13 @@ impl VideoCamera {
         critical_m * foreshortening / (2.0 * self.pixel_mrad * 1e-3 * slant_m)
     }
 
-    /// Greatest distance with so many line pairs across a target that is seen without foreshortening.
+    /// Returns the greatest distance with so many line pairs across a target that is seen without foreshortening.
     pub fn range_m_max(&self, critical_m: f64, line_pairs: f64) -> f64 {
         critical_m / (2.0 * self.pixel_mrad * 1e-3 * line_pairs)
     }
 }
 
-/// Probability of at least one success in glimpses at `rate_hz` over `dwell_s`, each with `probability`.
+/// Returns the probability of at least one success in glimpses at `rate_hz` over `dwell_s`, each with `probability`.
 pub fn glimpse_probability(probability: f64, rate_hz: f64, dwell_s: f64) -> f64 {
     let missed = (1.0 - probability).clamp(0.0, 1.0);
     1.0 - libm::pow(missed, (rate_hz * dwell_s).max(0.0))

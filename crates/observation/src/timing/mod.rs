@@ -69,7 +69,7 @@ impl LightNeed {
     /// Civil night, without a ramp.
     pub const NIGHT: LightNeed = LightNeed::Night { elevation_deg_max: -6.0, ramp_deg: 0.0 };
 
-    /// The factor at an elevation of the sun.
+    /// Returns the factor at an elevation of the sun.
     pub fn factor(&self, elevation_deg: f64) -> f64 {
         match *self {
             LightNeed::Any => 1.0,
@@ -107,13 +107,13 @@ fn off_limit(beyond: f64, ramp: f64) -> f64 {
 }
 
 impl WindowNeed {
-    /// The factor at an instant.
+    /// Returns the factor at an instant.
     pub fn factor(&self, time_s: f64) -> f64 {
         off_limit((self.from_s - time_s).max(time_s - self.until_s), self.ramp_s)
     }
 }
 
-/// The factor of the best window at an instant; 1 without windows.
+/// Returns the factor of the best window at an instant; 1 without windows.
 pub fn windows_factor(windows: &[WindowNeed], time_s: f64) -> f64 {
     if windows.is_empty() {
         return 1.0;
@@ -122,7 +122,7 @@ pub fn windows_factor(windows: &[WindowNeed], time_s: f64) -> f64 {
 }
 
 impl ValueSlope {
-    /// The factor at an instant.
+    /// Returns the factor at an instant.
     pub fn factor(&self, time_s: f64) -> f64 {
         match *self {
             ValueSlope::Linear { since_s, zero_after_s } => ramp_down(time_s - since_s, 0.0, zero_after_s),
@@ -132,7 +132,7 @@ impl ValueSlope {
 }
 
 impl OverpassNeed {
-    /// The factor of the nearest pass; 0 without passes.
+    /// Returns the factor of the nearest pass; 0 without passes.
     pub fn factor(&self, time_s: f64) -> f64 {
         let nearest_s = self.passes_s.iter().fold(f64::INFINITY, |best, pass_s| best.min((time_s - pass_s).abs()));
         ramp_down(nearest_s, self.full_s, self.zero_s)
@@ -140,7 +140,7 @@ impl OverpassNeed {
 }
 
 impl LatencyNeed {
-    /// The factor for a time from look to ground; 0 if the image never arrives (`None`).
+    /// Returns the factor for a time from look to ground; 0 if the image never arrives (`None`).
     pub fn factor(&self, latency_s: Option<f64>) -> f64 {
         latency_s.map_or(0.0, |latency_s| ramp_down(latency_s, self.full_s, self.zero_s))
     }

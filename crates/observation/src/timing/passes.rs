@@ -1,7 +1,7 @@
 //! Passes of satellites over a place, by SGP4.
 //!
-//! Element set -> position in TEME -> rotation by Greenwich mean sidereal time -> Earth-fixed axes; a pass is a least
-//! slant range above the horizon. Source: D. Vallado et al., "Revisiting Spacetrack Report #3", AIAA 2006-6753; constants
+//! The element set gives the position in TEME; rotation by Greenwich mean sidereal time gives Earth-fixed axes. A pass is a minimum
+//! of the slant range above the horizon. Source: D. Vallado et al., "Revisiting Spacetrack Report #3", AIAA 2006-6753; constants
 //! WGS72, as element sets are made with. Bound: O(span / 20 s) propagations, at most [`SCAN_STEPS_MAX`].
 
 use apex_geo::geodesy::{Position, RAD_PER_DEG};
@@ -9,7 +9,7 @@ use std::fmt;
 
 /// Step of the search for passes.
 pub const SCAN_STEP_S: f64 = 20.0;
-/// Steps of one search: thirty days.
+/// Maximum number of steps of one search: thirty days.
 pub const SCAN_STEPS_MAX: usize = 129_600;
 /// Half the scan angle of MODIS at the satellite.
 pub const MODIS_HALF_SCAN_DEG: f64 = 55.0;
@@ -56,7 +56,7 @@ pub struct Pass {
     pub nadir_angle_deg: f64,
     /// Elevation of the satellite at the place.
     pub elevation_deg: f64,
-    /// Distance.
+    /// Slant range between satellite and place.
     pub range_km: f64,
 }
 
@@ -76,7 +76,7 @@ impl fmt::Display for OrbitError {
 impl std::error::Error for OrbitError {}
 
 impl Satellite {
-    /// The satellite of a two-line element set.
+    /// Returns the satellite of a two-line element set.
     ///
     /// # Errors
     /// [`OrbitError`] if a line cannot be read or describes no orbit.
@@ -87,7 +87,7 @@ impl Satellite {
         Satellite::of(&elements)
     }
 
-    /// The satellite of an orbit mean-elements message (CCSDS 502.0-B) as a JSON object, with the keywords as its members.
+    /// Returns the satellite of an orbit mean-elements message (CCSDS 502.0-B) as a JSON object, with the keywords as its members.
     ///
     /// # Errors
     /// [`OrbitError`] if a keyword is missing or wrong, or describes no orbit.
@@ -106,19 +106,19 @@ impl Satellite {
         Ok(Satellite { constants, epoch_unix_s })
     }
 
-    /// Days between the epoch of the elements and an instant: positive after it. The error of a prediction grows by about a
-    /// kilometre with each.
+    /// Returns the days from the epoch of the elements to an instant, negative before it. The error of a prediction grows by about a
+    /// kilometre per day.
     pub fn age_days(&self, unix_s: f64) -> f64 {
         (unix_s - self.epoch_unix_s) / 86_400.0
     }
 
-    /// Position in true-equator, mean-equinox axes in km; none after the orbit has decayed.
+    /// Returns the position in true-equator, mean-equinox axes in km; `None` after the orbit has decayed.
     pub fn position_teme_km(&self, unix_s: f64) -> Option<[f64; 3]> {
         let minutes = sgp4::MinutesSinceEpoch((unix_s - self.epoch_unix_s) / 60.0);
         self.constants.propagate_afspc_compatibility_mode(minutes).ok().map(|prediction| prediction.position)
     }
 
-    /// Position in Earth-fixed axes in km.
+    /// Returns the position in Earth-fixed axes in km.
     fn position_fixed_km(&self, unix_s: f64) -> Option<[f64; 3]> {
         let [x, y, z] = self.position_teme_km(unix_s)?;
         let angle_rad = sidereal_rad(unix_s);
@@ -127,7 +127,7 @@ impl Satellite {
     }
 }
 
-/// Greenwich mean sidereal time of 1982 (UT1 taken as UTC: 0.9 s at most).
+/// Returns Greenwich mean sidereal time (model of 1982). UTC replaces UT1, which differs by at most 0.9 s.
 fn sidereal_rad(unix_s: f64) -> f64 {
     let century = (unix_s - J2000_UNIX_S) / 86_400.0 / 36_525.0;
     let seconds = 67_310.548_41 + (876_600.0 * 3_600.0 + 8_640_184.812_866) * century + 0.093_104 * century * century
@@ -151,7 +151,7 @@ impl Site {
         Site { at_km: [normal_km * x, normal_km * y, normal_km * (1.0 - ECCENTRICITY_SQUARED) * z], up }
     }
 
-    /// Range, elevation, and angle at the satellite between the middle of the Earth and the site.
+    /// Returns range, elevation, and the angle at the satellite between the centre of the Earth and the site.
     fn look(&self, satellite: &Satellite, unix_s: f64) -> Option<Pass> {
         let from_km = satellite.position_fixed_km(unix_s)?;
         let ([sx, sy, sz], [px, py, pz]) = (self.at_km, from_km);
@@ -173,7 +173,7 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
-/// All passes above the horizon between `from_s` and `until_s`, by a scan in steps of 20 s and a golden-section search to
+/// Returns all passes above the horizon between `from_s` and `until_s`, by a scan in steps of 20 s and a golden-section search to
 /// 0.1 s. Passes outside the instrument's swath are included; [`PassLimits::sees`] tells them apart. A search stops after
 /// thirty days or where the orbit has decayed.
 pub fn passes(satellite: &Satellite, place: Position, zero_unix_s: f64, from_s: f64, until_s: f64) -> Vec<Pass> {
@@ -202,7 +202,7 @@ pub fn passes(satellite: &Satellite, place: Position, zero_unix_s: f64, from_s: 
     found
 }
 
-/// The least range between two instants by golden-section search to 0.1 s.
+/// Returns the least range between two instants by golden-section search to 0.1 s.
 fn nearest(look: &impl Fn(f64) -> Option<Pass>, low_s: f64, high_s: f64) -> Option<Pass> {
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
     let range_km = |time_s: f64| look(time_s).map_or(f64::INFINITY, |pass| pass.range_km);
@@ -226,14 +226,14 @@ fn nearest(look: &impl Fn(f64) -> Option<Pass>, low_s: f64, high_s: f64) -> Opti
 }
 
 impl PassLimits {
-    /// True if the instrument sees the place in this pass at an angle that is wanted.
+    /// Returns true if the instrument sees the place in this pass within the limit of the nadir angle.
     pub fn sees(&self, pass: &Pass) -> bool {
         pass.nadir_angle_deg <= self.half_scan_deg.min(self.nadir_angle_deg_max)
     }
 }
 
-/// Half the width of the swath on the ground in km, and the incidence at its edge in degrees, for a satellite at
-/// `height_km` that scans `half_scan_deg` to either side. None if the edge misses the Earth.
+/// Returns half the width of the swath on the ground in km, and the incidence at its edge in degrees, for a satellite at `height_km`
+/// that scans `half_scan_deg` to either side; `None` if the edge misses the Earth.
 pub fn half_swath_km(height_km: f64, half_scan_deg: f64) -> Option<(f64, f64)> {
     const MEAN_RADIUS_KM: f64 = 6_371.0;
     let scan_rad = half_scan_deg * RAD_PER_DEG;
@@ -254,7 +254,7 @@ mod tests {
         "2 99902  98.2000 188.2001 0001000  90.0000 120.0000 14.57100000    12",
     );
 
-    /// The message says what the two lines say, so the passes are the same.
+    /// Both formats describe the same orbit, so the passes are equal.
     #[test]
     fn orbit_messages_are_the_same_orbits() {
         let message = serde_json::json!({

@@ -29,7 +29,7 @@ pub struct SunDirection {
 }
 
 impl SunDirection {
-    /// The direction at an instant.
+    /// Returns the direction at an instant.
     pub fn at(unix_s: f64) -> SunDirection {
         let century = (unix_s - J2000_UNIX_S) / 86_400.0 / DAYS_PER_CENTURY;
         let mean_longitude_deg = wrap_360(280.466_46 + century * (36_000.769_83 + century * 0.000_303_2));
@@ -57,7 +57,7 @@ impl SunDirection {
         }
     }
 
-    /// The direction as a function of time between two instants less than a day apart. Declination and subsolar longitude
+    /// Returns the direction as a function of time between two instants less than a day apart. Declination and subsolar longitude
     /// turn evenly: over 6 hours the error is below 0.001 degrees.
     pub fn track(from_unix_s: f64, until_unix_s: f64) -> impl Fn(f64) -> SunDirection {
         let (first, last) = (SunDirection::at(from_unix_s), SunDirection::at(until_unix_s));
@@ -76,7 +76,7 @@ impl SunDirection {
         }
     }
 
-    /// The unit vector: through (0, 0), through (0, 90 E), through the north pole.
+    /// Returns the unit vector: through (0, 0), through (0, 90 E), through the north pole.
     pub fn unit(&self) -> [f64; 3] {
         let longitude_rad = self.subsolar_longitude_deg * RAD_PER_DEG;
         [
@@ -94,12 +94,12 @@ impl SunDirection {
             + libm::cos(latitude_rad) * self.cosine_declination * libm::cos(hour_rad)
     }
 
-    /// Elevation without refraction at a place.
+    /// Returns the elevation without refraction at a place.
     pub fn elevation_deg(&self, position: Position) -> f64 {
         libm::asin(self.sine_elevation(position).clamp(-1.0, 1.0)) / RAD_PER_DEG
     }
 
-    /// Azimuth clockwise from north at a place.
+    /// Returns the azimuth clockwise from north at a place.
     pub fn azimuth_deg(&self, position: Position) -> f64 {
         let hour_rad = (position.longitude_deg - self.subsolar_longitude_deg) * RAD_PER_DEG;
         let latitude_rad = position.latitude_deg * RAD_PER_DEG;
@@ -110,7 +110,7 @@ impl SunDirection {
     }
 }
 
-/// Position of the sun in the sky of a place at an instant (seconds of Unix time).
+/// Returns the position of the sun in the sky of a place at an instant (seconds of Unix time).
 pub fn solar_position(position: Position, unix_s: f64) -> SolarPosition {
     let sun = SunDirection::at(unix_s);
     let elevation_deg = sun.elevation_deg(position);
@@ -138,7 +138,7 @@ pub fn refraction_deg(elevation_deg: f64) -> f64 {
     seconds / 3_600.0
 }
 
-/// Angle between a line of sight to flat water and the mirrored ray of the sun, in degrees: 0 sees the mirror image.
+/// Returns the angle between a line of sight to flat water and the mirrored ray of the sun, in degrees: 0 sees the mirror image.
 ///
 /// `sun_zenith_deg` and `view_zenith_deg` are off the vertical at the point; `azimuth_difference_deg` is the azimuth of the
 /// vehicle as seen from the point minus that of the sun.

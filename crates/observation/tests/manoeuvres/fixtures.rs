@@ -37,7 +37,7 @@ pub(crate) fn predator() -> Craft {
     }
 }
 
-/// A mapping fixed wing: 13 m/s, 35 degrees, 20 m of lead-in.
+/// Returns a mapping fixed wing: 13 m/s, 35 degrees, 20 m of lead-in.
 pub(crate) fn mapper() -> Craft {
     Craft {
         name: "mapper".to_string(),
@@ -50,7 +50,7 @@ pub(crate) fn mapper() -> Craft {
     }
 }
 
-/// A helicopter: 8 m/s, 1.5 m/s^2, 45 deg/s.
+/// Returns a helicopter: 8 m/s, 1.5 m/s^2, 45 deg/s.
 pub(crate) fn helicopter() -> Craft {
     Craft {
         name: "rmax".to_string(),
@@ -73,7 +73,7 @@ pub(crate) fn helicopter() -> Craft {
     }
 }
 
-/// A camera of 60 by 45 degrees that tilts from straight down to 10 degrees up.
+/// Returns a camera of 60 by 45 degrees that tilts from straight down to 10 degrees up.
 pub(crate) fn camera(pans: bool) -> Instrument {
     Instrument::Camera(CameraSetting {
         name: "camera-1".to_string(),

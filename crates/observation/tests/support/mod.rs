@@ -19,12 +19,12 @@ pub(crate) fn near(actual: f64, expected: f64, tolerance: f64) {
     assert!((actual - expected).abs() <= tolerance, "{actual}, expected {expected} +- {tolerance}");
 }
 
-/// The position east and north of the middle.
+/// Returns the position east and north of the middle.
 pub(crate) fn offset(east_m: f64, north_m: f64) -> Position {
     offset_position(CENTRE, north_m, east_m)
 }
 
-/// A rectangle around the middle, width by depth in metres, at sea level.
+/// Returns a rectangle around the middle, width by depth in metres, at sea level.
 pub(crate) fn rectangle(name: &str, (width_m, depth_m): (f64, f64), looks: Vec<WantedLook>) -> ObservedTarget {
     let (x, y) = (0.5 * width_m, 0.5 * depth_m);
     let outer = [(-x, -y), (x, -y), (x, y), (-x, y)].map(|(east, north)| offset(east, north)).to_vec();
@@ -38,7 +38,7 @@ pub(crate) fn rectangle(name: &str, (width_m, depth_m): (f64, f64), looks: Vec<W
     }
 }
 
-/// A scanner with 1.25 mrad and 86 degrees.
+/// Returns a scanner with 1.25 mrad and 86 degrees.
 pub(crate) fn wide_scanner(scan_rates_hz: &[f64]) -> ScannerSetting {
     let mode = ScannerMode {
         name: "wide".to_string(),

@@ -29,7 +29,7 @@ pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     }
 }
 
-/// Nothing in it can be without a value: no branch, no result, nothing selected.
+/// Returns true if every part certainly has a value: no branch, no result, nothing selected.
 fn is_simple(procedure: &Procedure) -> bool {
     let binds = |step: &Step| {
         step.binds.is_some() || !step.waitfor.is_empty() || !step.select.is_empty() || step.forall.is_some()
@@ -157,7 +157,7 @@ impl<'l> VariableFacts<'l> {
         self.selects(number, step, &waitfor, &mut told, report);
     }
 
-    /// `select` clauses are evaluated in order.
+    /// Checks `select` clauses, which are evaluated in order.
     fn selects(
         &self,
         number: usize,
@@ -312,7 +312,7 @@ fn report_own_result(step: &Step, name: &Symbol, report: &mut FindingCollector<'
     report.add(diagnostic);
 }
 
-/// A variable that one way to match binds and another does not, or that occurs below a negation only.
+/// Reports a variable that one alternative binds and another does not, or that occurs only below a negation.
 fn report_branch(
     place: Place,
     name: &Symbol,
@@ -338,7 +338,7 @@ fn report_branch(
             let span = report.locator.use_of_variable(place, name);
             let diagnostic =
                 Diagnostic::error(codes::UNBOUND_VARIABLE, span, format!("`?{name}` never has a value here"))
-                    .reason("what is matched under a negation is not there, so it binds nothing")
+                    .reason("a negated condition holds if nothing matches, so it binds no variable")
                     .help("bind the variable in the index, a select, or another condition");
             match negated {
                 Some(negated) => diagnostic.label(report.locator.span(*negated), "this binds nothing"),

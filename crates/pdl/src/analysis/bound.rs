@@ -26,7 +26,7 @@ impl<'l> Bound<'l> {
         self.surely.is_empty() && self.perhaps.is_empty() && self.never.is_empty()
     }
 
-    /// Both match.
+    /// Returns what is bound if both match.
     pub(crate) fn and(mut self, other: Bound<'l>) -> Bound<'l> {
         if self.is_nothing() {
             return other;
@@ -37,7 +37,7 @@ impl<'l> Bound<'l> {
         self
     }
 
-    /// One of them matches.
+    /// Returns what is bound if one of them matches.
     fn or(parts: Vec<Bound<'l>>, places: impl Iterator<Item = Option<Place>>) -> Bound<'l> {
         let mut result = Bound::default();
         let mut shared: Option<BTreeSet<&'l Symbol>> = None;

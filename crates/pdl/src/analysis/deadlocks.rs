@@ -52,14 +52,14 @@ pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     }
 }
 
-/// The resources of a circle, in a fixed order: each circle is reported once.
+/// Returns the resources of a circle, in a fixed order: each circle is reported once.
 fn key(circle: &[(usize, &AcquisitionOrder<'_>)]) -> Vec<String> {
     let mut names: Vec<String> = circle.iter().map(|(_, order)| order.held.0.folded().to_string()).collect();
     names.sort();
     names
 }
 
-/// The orders that arise below a step, before any resource is held.
+/// Returns the orders that arise below a step, before any resource is held.
 fn of_step<'l>(program: &Program<'l>, procedure: usize, step: usize) -> Vec<AcquisitionOrder<'l>> {
     let mut orders = Vec::new();
     if let Some(found) = program.library.procedures.get(procedure).and_then(|each| each.steps.get(step)) {
@@ -100,7 +100,8 @@ fn pursue<'l>(
     held.truncate(before);
 }
 
-/// The steps of a procedure, while `held` is held. In a sequence a later step has what an earlier one holds for all.
+/// Collects the orders of resources in the steps of a procedure, while `held` is held. In a sequence, a resource that one step holds is
+/// held for all later ones.
 fn within<'l>(
     program: &Program<'l>,
     number: usize,
@@ -187,7 +188,7 @@ fn close<'a, 'l>(
     false
 }
 
-/// Two steps of which neither waits for the other.
+/// Returns true for two steps of which neither waits for the other.
 fn run_together(procedure: &Procedure, one: usize, other: usize) -> bool {
     let (Some(a), Some(b)) = (procedure.steps.get(one), procedure.steps.get(other)) else { return false };
     one != other && !waits_for_steps(a) && !waits_for_steps(b)

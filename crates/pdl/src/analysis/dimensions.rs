@@ -62,7 +62,7 @@ fn sums(program: &Program<'_>, expr: &Expr, report: &mut FindingCollector<'_>) {
     }
 }
 
-/// Right sides of comparisons with declared state variables.
+/// Checks right sides of comparisons with declared state variables.
 fn comparisons(program: &Program<'_>, condition: &Condition, report: &mut FindingCollector<'_>) {
     let (attribute, lists) = match &condition.kind {
         ConditionKind::Measurement(measurement) => (&measurement.variable.attribute, vec![&measurement.value]),

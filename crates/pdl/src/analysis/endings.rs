@@ -75,7 +75,7 @@ fn holds((nodes, solution): &(Nodes, Solution), method: Method) -> Option<bool> 
     node.map(|node| solution.holds(node))
 }
 
-/// Is the truth of this test known? Then which.
+/// Returns the truth of a test if it is known.
 pub(crate) fn known_truth(test: Option<&Expr>) -> Option<bool> {
     match &test?.kind {
         ExprKind::Constant(value) => Some(value.is_true()),
@@ -83,14 +83,14 @@ pub(crate) fn known_truth(test: Option<&Expr>) -> Option<bool> {
     }
 }
 
-/// A repetition that nothing written in it ends.
+/// Returns true for a repetition that nothing written in it ends.
 pub(crate) fn is_endless(clause: &Repetition) -> bool {
     let goes_on = clause.while_true.is_none() || known_truth(clause.while_true.as_ref()) == Some(true);
     goes_on && (clause.until.is_none() || known_truth(clause.until.as_ref()) == Some(false))
 }
 
-/// A step that repeats or responds without end by what its clause is (not by what its tests say), so that the end of its
-/// procedure does not wait for it.
+/// Returns true for a step that repeats or responds without end by its clause (not by its tests), so that the end of its procedure does not
+/// wait for it.
 pub(crate) fn is_uncounted(step: &Step) -> bool {
     let bounded = |clause: &Repetition| clause.while_true.is_some() || clause.until.is_some();
     step.responding.is_some() || step.repeating.as_deref().is_some_and(|clause| !bounded(clause))
@@ -129,7 +129,7 @@ fn ends_strangers(procedure: &Procedure) -> bool {
     !targets.is_subset(&tags) || procedure.steps.iter().flat_map(walk::activities).any(strange)
 }
 
-/// The node of a goal: served by any of its methods; a fact if that is undecided.
+/// Returns the node of a goal: served by any of its methods; a fact if that is undecided.
 fn goal_node(horn: &mut Horn, methods: Option<&[Method]>, nodes: &Nodes, of_all: bool) -> HornAtom {
     let Some(methods) = methods.filter(|methods| !methods.is_empty()) else {
         return if of_all { horn.any() } else { horn.fact() };
@@ -190,7 +190,7 @@ fn ending(library: &Library, methods: &Methods<'_>, reaches: &Reaching<'_>) -> (
     (nodes, horn.solve())
 }
 
-/// A clause or a terminate step, whose conditions are taken to be met, ends the procedure.
+/// Returns true if a clause or a terminate step can end the procedure; their conditions are assumed to hold.
 fn ends_at_will(procedure: &Procedure) -> bool {
     procedure.transitions.end_when.is_some()
         || procedure.kind != ProcedureKind::Sequential && procedure.steps.iter().any(may_end_procedure)
@@ -200,7 +200,7 @@ fn may_end_procedure(step: &Step) -> bool {
     walk::activities(step).any(ends_procedure)
 }
 
-/// For each step: true if it must have ended before the procedure is complete.
+/// Returns for each step true if it must have ended before the procedure is complete.
 fn awaited_steps(procedure: &Procedure) -> Vec<bool> {
     if procedure.kind == ProcedureKind::Sequential {
         let last = procedure.steps.iter().position(may_end_procedure).unwrap_or(procedure.steps.len());
@@ -210,7 +210,7 @@ fn awaited_steps(procedure: &Procedure) -> Vec<bool> {
     procedure.steps.iter().map(|step| all_uncounted || !is_uncounted(step)).collect()
 }
 
-/// Something other than its activity may end the step for good.
+/// Returns true if something other than its activity may end the step for good.
 pub(crate) fn is_stopped(step: &Step, terminated: &BTreeSet<&Symbol>) -> bool {
     step.transitions.end_when.is_some() || terminated.contains(&step.tag)
 }
@@ -258,7 +258,7 @@ fn instantaneous(library: &Library, methods: &Methods<'_>, reaches: &Reaching<'_
     (nodes, horn.solve())
 }
 
-/// The step whose end this condition waits for, and nothing else.
+/// Returns the step whose end this condition waits for, and nothing else.
 pub(crate) fn is_end_of(condition: &Condition) -> Option<&Symbol> {
     match &condition.kind {
         ConditionKind::TaskEnded(tag) => Some(tag),
@@ -266,13 +266,13 @@ pub(crate) fn is_end_of(condition: &Condition) -> Option<&Symbol> {
     }
 }
 
-/// Nothing outside of its steps decides when it begins, pauses or ends.
+/// Returns true if nothing outside of its steps decides when the procedure begins, pauses or ends.
 pub(crate) fn is_plain(procedure: &Procedure) -> bool {
     let transitions = walk::transitions(&procedure.transitions).next().is_none();
     transitions && procedure.profile.is_empty() && !procedure.steps.is_empty()
 }
 
-/// Nothing but its waitfor decides when it begins, pauses or ends.
+/// Returns true if nothing but its waitfor decides when the step begins, pauses or ends.
 pub(crate) fn is_plain_step(step: &Step) -> bool {
     let transitions = walk::transitions(&step.transitions).next().is_none();
     transitions && step.profile.is_empty()
@@ -321,7 +321,7 @@ impl<'l> Reaching<'l> {
         acts
     }
 
-    /// It has no duration, no form completes it, and no answer to a command can.
+    /// Returns true if the primitive has no duration, no form completes it, and no answer to a command can.
     fn never_completes(&self, primitive: &Primitive) -> bool {
         primitive.duration.is_none() && primitive.update.is_some() && !self.acts(primitive)
     }

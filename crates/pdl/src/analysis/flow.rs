@@ -12,7 +12,7 @@ use apex_model::procedure::{Activity, Procedure, Step};
 use apex_model::source::Place;
 use std::collections::BTreeSet;
 
-/// `caught`: procedures of which another message says that they pursue themselves without end.
+/// Reports steps that never begin. `caught` holds the procedures for which an endless recursion is reported already.
 pub(super) fn check(program: &Program<'_>, caught: &BTreeSet<usize>, report: &mut FindingCollector<'_>) {
     unreached_completions(program, report);
     if program.endings.is_wild {
@@ -117,7 +117,7 @@ fn report_circle(procedure: &Procedure, circle: &[(usize, Premise)], report: &mu
     report.add(diagnostic.help(help).fixes(fix));
 }
 
-/// A step that waits for itself more likely waits for the one before it.
+/// Returns a fix for a step that waits for itself: it probably waits for the step before it.
 fn step_before(procedure: &Procedure, step: usize, place: Place, report: &mut FindingCollector<'_>) -> Option<Fix> {
     let before = &procedure.steps.get(step.checked_sub(1)?)?.tag;
     let condition = report.locator.datum(place)?;
@@ -183,7 +183,7 @@ fn report_endless(
         diagnostic = diagnostic
             .label(place, why)
             .reason(format!("{waits_in_words}, which does not end on its own"))
-            .help(format!("give {other} an `end-when`, or let what it does come to an end"));
+            .help(format!("give {other} an `end-when`, or an activity that ends"));
     }
     report.add(diagnostic);
 }

@@ -12,17 +12,17 @@ pub(crate) struct Horn {
 }
 
 impl Horn {
-    /// A node that is true from the start.
+    /// Returns a node that is true from the start.
     pub(crate) fn fact(&mut self) -> HornAtom {
         self.node(0)
     }
 
-    /// A node that is true when one of its premises is; without any it never is.
+    /// Returns a node that is true when one of its premises is; without any it never is.
     pub(crate) fn any(&mut self) -> HornAtom {
         self.node(1)
     }
 
-    /// A node that is true when `count` premises are.
+    /// Returns a node that is true when `count` premises are.
     pub(crate) fn all(&mut self, count: usize) -> HornAtom {
         self.node(u32::try_from(count).unwrap_or(u32::MAX))
     }
@@ -59,7 +59,7 @@ impl Horn {
         Solution(is_true)
     }
 
-    /// The conclusions of the rules, those of one premise in a row, and where those of each premise begin: one
+    /// Returns the conclusions of the rules, those of one premise in a row, and where those of each premise begin: one
     /// entry more than there are nodes.
     fn by_premise(&self) -> (Vec<u32>, Vec<u32>) {
         // Counted one place later, so that what is before the place is where the premise begins.

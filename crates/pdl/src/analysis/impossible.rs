@@ -92,14 +92,14 @@ fn never(
         Constraint::Compare { relation: Relation::GreaterOrEqual, right, tolerance: None }
     }));
     let reason = match (contradiction(constraints, library), contradiction(&all, library), least) {
-        (None, Some(_), Some(1.0)) => "is never below 1: nothing is said of no sample".to_string(),
+        (None, Some(_), Some(1.0)) => "is never below 1: without a sample the condition is unknown".to_string(),
         (None, Some(_), _) => "is never negative".to_string(),
         (found, ..) => found?,
     };
     Some(Impossible { place, reason: format!("the {} {reason}", name.folded()) })
 }
 
-/// The number that an expression always is, in SI units.
+/// Returns the number that an expression always is, in SI units.
 pub(super) fn number(expr: &Expr, library: &Library) -> Option<f64> {
     match &expr.kind {
         ExprKind::Constant(value) => value.as_number().map(|(number, _)| number),

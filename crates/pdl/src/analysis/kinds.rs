@@ -22,7 +22,7 @@ pub(crate) enum Kind {
 }
 
 impl Kind {
-    /// As text, with an article where there is one.
+    /// Returns the kind as text, with an article where there is one.
     pub(crate) fn words(self) -> String {
         match self {
             Kind::Unknown => "unknown".to_string(),
@@ -33,7 +33,7 @@ impl Kind {
         }
     }
 
-    /// The kind of both, where they agree.
+    /// Returns the kind of both, where they agree.
     fn join(self, other: Kind) -> Kind {
         if self == other { self } else { Kind::Unknown }
     }
@@ -54,7 +54,7 @@ pub(crate) struct Kinds<'l> {
 }
 
 impl<'l> Kinds<'l> {
-    /// The kind of `expr`, which stands outside of functions.
+    /// Returns the kind of `expr`, which stands outside of functions.
     pub(crate) fn of(library: &'l Library, expr: &'l Expr) -> Kind {
         Kinds { library, locals: Vec::new(), depth: 0, steps: 0 }.kind(expr)
     }
@@ -98,7 +98,7 @@ impl<'l> Kinds<'l> {
         kind
     }
 
-    /// In a body that sees `locals` alone.
+    /// Returns the kind of a body that sees only `locals`.
     fn apart(&mut self, locals: Vec<(&'l Symbol, Kind)>, body: &'l [Expr]) -> Kind {
         if self.depth >= DEPTH_MAX {
             return Kind::Unknown;
@@ -181,7 +181,7 @@ impl<'l> Kinds<'l> {
         Kind::Number(product)
     }
 
-    /// Values of a declared state variable.
+    /// Returns the values of a declared state variable.
     fn queried(&self, attribute: &Expr) -> Kind {
         let ExprKind::Constant(Value::Symbol(attribute)) = &attribute.kind else { return Kind::Unknown };
         match self.library.state_variables.get(attribute) {
@@ -201,7 +201,7 @@ fn of_value(value: &Value) -> Kind {
     }
 }
 
-/// The kind of a sum or difference whose parts agree.
+/// Returns the kind of a sum or difference whose parts agree.
 fn sum(is_difference: bool, kinds: &[Kind]) -> Kind {
     let instants = kinds.iter().filter(|kind| **kind == Kind::Instant).count();
     match (kinds, instants) {
@@ -214,7 +214,7 @@ fn sum(is_difference: bool, kinds: &[Kind]) -> Kind {
     }
 }
 
-/// Literal numbers that may mean zero of anything.
+/// Returns true for literal numbers that may mean zero of any dimension.
 pub(crate) fn is_zero(expr: &Expr) -> bool {
     match &expr.kind {
         ExprKind::Constant(value) => value.as_number().is_some_and(|(number, _)| number == 0.0),

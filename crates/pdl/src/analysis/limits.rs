@@ -1,4 +1,4 @@
-//! Messages about conditions that can never hold.
+//! Diagnostics of conditions that can never hold, because their limits exclude each other.
 
 use super::impossible::impossible;
 use super::{FindingCollector, Program, walk};
@@ -18,7 +18,8 @@ pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     }
 }
 
-/// `decides`: if the part never holds, neither does what it is part of, and a step never begins.
+/// Reports impossible parts of a condition: errors if `decides` is true (the whole condition, and so a step, depends on the part),
+/// else warnings.
 fn look(program: &Program<'_>, condition: &Condition, decides: bool, report: &mut FindingCollector<'_>) {
     if let Some(found) = impossible(condition, program.library) {
         let span = report.locator.span(found.place);

@@ -1,5 +1,5 @@
-//! Loops without a way out: repetitions and recursions that take no time, responses to themselves, procedures that
-//! pursue themselves again and again.
+//! Diagnostics of endless loops: repetitions and recursions at one instant, steps that answer their own messages, and
+//! procedures whose goals lead back to themselves.
 
 use super::endings::{ends_procedure, is_end_of, is_endless, is_plain, is_plain_step, known_truth};
 use super::horn::{Horn, HornAtom};
@@ -21,7 +21,7 @@ use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Yields the procedures that surely lead into a recursion without end.
+/// Reports all endless loops, and returns the procedures that certainly begin an endless recursion.
 pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) -> BTreeSet<usize> {
     let mut reported = BTreeSet::new();
     let mut caught = recursion(program, true, &mut reported, report);
@@ -33,7 +33,7 @@ pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) ->
     caught
 }
 
-/// Repetitions whose whole work takes no time.
+/// Reports repeating steps whose activity takes no mission time.
 fn repetitions(program: &Program<'_>, number: usize, procedure: &Procedure, report: &mut FindingCollector<'_>) {
     for (index, step) in procedure.steps.iter().enumerate() {
         let Some(clause) = step.repeating.as_deref().filter(|clause| is_endless(clause)) else { continue };
@@ -44,12 +44,15 @@ fn repetitions(program: &Program<'_>, number: usize, procedure: &Procedure, repo
         }
         let said = SentMessages::by(program, number, index);
         let announces = said.others || !said.forms.is_empty();
-        // What it says may end it from outside.
+        // A message of the step may cause another task to end it.
         let severity = if announces { Severity::Warning } else { Severity::Error };
         let span = report.locator.clause(step.place, "repeating");
         let diagnostic =
             Diagnostic::new(severity, codes::ENDLESS_REPETITION, span, "this step repeats without end at one instant")
-                .label(report.locator.activity(step.place), "nothing in what serves this takes any time")
+                .label(
+                    report.locator.activity(step.place),
+                    "the procedures and primitives that serve this take no time",
+                )
                 .help("add `:with-min-interval D`, `:until T`, or a waitfor");
         let fix = Fix::look("let time pass between repetitions").insert_before(closing(span), " :with-min-interval 1s");
         report.add(diagnostic.fix(fix));
@@ -64,8 +67,8 @@ fn has_interval(clause: &Repetition) -> bool {
     })
 }
 
-/// Procedures that surely pursue themselves, or lead to one that does. `at_once`: without any time passing. `reported` receives
-/// those that a message was about.
+/// Returns the procedures that certainly pursue their own goal, or lead to one that does. `at_once` restricts the search to
+/// loops that take no mission time. Procedures that a diagnostic names are added to `reported`.
 fn recursion(
     program: &Program<'_>,
     at_once: bool,
@@ -132,7 +135,7 @@ fn recursion(
     (0..procedures.len()).filter(|number| caught(*number)).collect()
 }
 
-/// Steps with goals that are pursued whenever the procedure is, by number.
+/// Returns the indices of the steps whose goals are pursued in every run of the procedure.
 fn sure_goals(program: &Program<'_>, number: usize, procedure: &Procedure, at_once: bool) -> Vec<usize> {
     let is_free = if at_once { is_plain(procedure) } else { procedure.transitions.end_when.is_none() };
     let is_sequence = procedure.kind == ProcedureKind::Sequential;
@@ -212,16 +215,17 @@ fn report_recursion(
             diagnostic = diagnostic.label(report.locator.activity(step.place), label);
         }
     }
-    let reason = format!("each begins the next one below itself, and tasks are nested {TASK_DEPTH_MAX} deep at most");
+    let reason =
+        format!("each task begins the next one as its subtask, and tasks are nested {TASK_DEPTH_MAX} deep at most");
     diagnostic = diagnostic.reason(reason).help(if at_once {
-        "write a procedure for the goal with which it ends, or let the step wait for something"
+        "write a procedure for the case in which the recursion ends, or let the step wait for a condition"
     } else {
-        "to do something again and again, let a step repeat: `(repeating)`"
+        "to repeat an activity, give its step the clause `(repeating)`"
     });
     report.add(diagnostic);
 }
 
-/// Steps that answer what their answers say.
+/// Reports steps that answer a message by sending a message that they, or steps that they trigger, answer again.
 fn answers(program: &Program<'_>, number: usize, procedure: &Procedure, report: &mut FindingCollector<'_>) {
     let mut given = BTreeSet::new();
     variables::of_pattern(&procedure.index, &mut |name| {
@@ -260,10 +264,10 @@ fn answers(program: &Program<'_>, number: usize, procedure: &Procedure, report: 
     }
 }
 
-/// Answering steps of one procedure that are compared with each other.
+/// Maximum number of steps of one procedure whose messages are compared with each other.
 const REACTIVE_MAX: usize = 100;
 
-/// The message that the step answers whenever it comes, with nothing else to wait for.
+/// Returns the message pattern that starts the step each time a message matches; `None` if the step also needs anything else.
 fn answered_form<'p>(step: &'p Step, given: &BTreeSet<Symbol>) -> Option<&'p Pattern> {
     let clause = step.repeating.as_deref().or(step.responding.as_deref())?;
     let [condition] = step.waitfor.as_slice() else { return None };
@@ -291,27 +295,27 @@ fn report_answers(
     };
     let span = report.locator.clause(first.place, "waitfor");
     let mut diagnostic = Diagnostic::error(codes::ENDLESS_REPETITION, span, message)
-        .label(report.locator.activity(first.place), "this says what is answered");
+        .label(report.locator.activity(first.place), "this sends a message that the step answers");
     for other in others {
-        diagnostic = diagnostic.label(report.locator.clause(other.place, "waitfor"), "and answered again here");
+        diagnostic = diagnostic.label(report.locator.clause(other.place, "waitfor"), "this step answers that message");
     }
     report.add(diagnostic.help("let the answer be another message, or add `:for-new ?x` or `:while TEST`"));
 }
 
-/// Messages that a step sends as it is carried out.
+/// Messages that a step sends while it is executed.
 #[derive(Default)]
 struct SentMessages {
-    /// Messages that it surely sends.
+    /// Messages that the step certainly sends.
     forms: Vec<Template>,
-    /// It may send others, or end everything.
+    /// True if the step may send further messages or end other tasks.
     others: bool,
-    /// Methods at work, so that a recursion is followed once.
+    /// Methods that enclose the inspected step: a recursive method is inspected once.
     stack: Vec<Method>,
-    /// Steps inspected.
+    /// Number of steps inspected so far.
     steps: usize,
 }
 
-/// Steps below one step that are inspected for their messages.
+/// Maximum number of descendants of a step that are inspected for messages.
 const SAYING_MAX: usize = 1_000;
 
 impl SentMessages {
@@ -368,7 +372,7 @@ impl SentMessages {
         self.stack.pop();
     }
 
-    /// Forms of a hook: only its direct calls are sure.
+    /// Adds the messages of a hook. Only direct calls certainly run; any other expression sets `others`.
     fn body(&mut self, body: &[Expr]) {
         for expr in body {
             match &expr.kind {

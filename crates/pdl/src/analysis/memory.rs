@@ -61,7 +61,7 @@ fn looking_back(condition: &Condition, report: &mut FindingCollector<'_>) {
     );
 }
 
-/// A limit that keeps the past out.
+/// Returns true for a limit that excludes the past.
 fn is_earliest(limit: &Constraint) -> bool {
     let real = |expr: &Expr| !matches!(&expr.kind, ExprKind::Indexical(name) if name.is("beginning-of-time"));
     match limit {
@@ -92,7 +92,7 @@ fn logs(procedure: &Procedure, report: &mut FindingCollector<'_>) {
             },
             format!(
                 "the policy has neither a time limit nor a count limit: {}",
-                kept("all are kept while the procedure is at work")
+                kept("all are kept while the procedure executes")
             ),
             "add `:time-limit P10M` or `:count-limit 5000`",
             report,
@@ -109,13 +109,13 @@ fn piling_up(step: &Step, ends: bool, report: &mut FindingCollector<'_>) {
     warn(
         report.locator.clause(step.place, "responding"),
         format!("tasks of `{}` pile up", step.tag),
-        "each response begins a new task, and what the step does never ends on its own".to_string(),
+        "each response begins a new task, and the step's activity does not end".to_string(),
         "give the step an `end-when`, or use `repeating`, which has one task at a time",
         report,
     );
 }
 
-/// `:for-new` over values that are never the same again.
+/// Reports `:for-new` over values that never repeat.
 fn new_for_ever(procedure: &Procedure, step: &Step, report: &mut FindingCollector<'_>) {
     let clause = match (&step.responding, &step.repeating) {
         (Some(clause), _) => ("responding", clause),
@@ -194,9 +194,9 @@ fn queries(procedure: &Procedure, report: &mut FindingCollector<'_>) {
             return;
         }
         if !matches!(arguments.first().map(|attribute| &attribute.kind), Some(ExprKind::Constant(_))) {
-            found.push((expr.place, "which state variable is asked for is known only when it is asked"));
+            found.push((expr.place, "its state variable is known only when the query is evaluated"));
         } else if arguments.iter().skip(2).any(is_beginning) {
-            found.push((expr.place, "it asks back to the beginning of time"));
+            found.push((expr.place, "its window has no beginning"));
         }
     });
     for (place, why) in found {
@@ -214,7 +214,7 @@ fn is_beginning(expr: &Expr) -> bool {
     matches!(&expr.kind, ExprKind::Indexical(name) if name.is("beginning-of-time"))
 }
 
-/// State variables whose object is computed: each value makes one more.
+/// Reports published state variables with a computed object: each value creates one more history.
 fn published(expr: &Expr, report: &mut FindingCollector<'_>) {
     let ExprKind::Call { function, arguments } = &expr.kind else { return };
     if !function.is("publish") {

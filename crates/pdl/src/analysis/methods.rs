@@ -42,7 +42,7 @@ pub(crate) struct Methods<'l> {
 }
 
 impl<'l> Methods<'l> {
-    /// The methods of `library`.
+    /// Returns the methods of `library`.
     pub(crate) fn new(library: &'l Library) -> Methods<'l> {
         let mut methods = Methods { library, by_head: BTreeMap::new(), open: Vec::new(), of_steps: Vec::new() };
         for (number, procedure) in library.procedures.iter().enumerate() {
@@ -71,7 +71,7 @@ impl<'l> Methods<'l> {
         }
     }
 
-    /// The index of `method`.
+    /// Returns the index of `method`.
     pub(crate) fn index(&self, method: Method) -> Option<&'l Pattern> {
         let library = self.library;
         match method {
@@ -113,7 +113,7 @@ impl<'l> Methods<'l> {
         self.of_steps.get(procedure)?.get(step)?.as_deref()
     }
 
-    /// The most specific first.
+    /// Returns the most specific first.
     fn rank(&self, method: Method) -> Option<Reverse<Specificity>> {
         self.index(method).map(|index| Reverse(specificity(index)))
     }

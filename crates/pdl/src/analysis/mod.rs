@@ -69,7 +69,7 @@ impl FindingCollector<'_> {
     }
 }
 
-/// Everything there is to say about `library`.
+/// Returns all diagnostics of `library`.
 pub(crate) fn analyse(library: &Library, names: &Names, fragment: bool, foreign: &BTreeSet<u32>) -> Vec<Diagnostic> {
     let methods = Methods::new(library);
     let endings = Endings::new(library, names, &methods);

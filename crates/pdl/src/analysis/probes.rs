@@ -23,7 +23,7 @@ pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     }
 }
 
-/// An interval or a limit that is known beforehand, and with which there is nothing to pursue.
+/// Reports intervals and limits of probing that are known at load time and not above zero.
 fn amounts(program: &Program<'_>, condition: &Condition, report: &mut FindingCollector<'_>) {
     let ConditionKind::Probing { interval, time_limit, count_limit, .. } = &condition.kind else { return };
     let library = program.library;
@@ -31,7 +31,7 @@ fn amounts(program: &Program<'_>, condition: &Condition, report: &mut FindingCol
     for (span, name) in spans {
         let Some(span) = span else { continue };
         if number(span, library).is_some_and(|length| length <= 0.0) {
-            let message = format!("the {name} of `:probing` is not longer than nothing");
+            let message = format!("the {name} of `:probing` is not above zero");
             let reason = match name {
                 "interval" => "a probe would follow the other at the same instant, without end",
                 _ => "probing would be over before the first probe",
@@ -54,7 +54,7 @@ fn report_amount(amount: &Expr, message: String, reason: &str, help: &str, repor
     report.add(Diagnostic::error(codes::NOTHING_TO_PROBE, span, message).reason(reason).help(help));
 }
 
-/// Outside of an agent there are no tasks, so nothing is pursued.
+/// Reports probing outside of an agent: no task exists to pursue its goal.
 pub(super) fn without_effect(conditions: &[Condition], report: &mut FindingCollector<'_>) {
     for condition in conditions {
         walk::conditions(condition, &mut |part| {
@@ -62,7 +62,7 @@ pub(super) fn without_effect(conditions: &[Condition], report: &mut FindingColle
                 let span = report.locator.probe(part.place);
                 let message = "`:probing` has no effect here: no task pursues its goal";
                 let diagnostic = Diagnostic::new(Severity::Warning, codes::WITHOUT_EFFECT, span, message)
-                    .reason("a condition that is watched alone has no task; the samples that come are all there is")
+                    .reason("a condition that is watched without a program has no task that could probe")
                     .help("remove the option, or let an agent wait for the condition: `(waitfor ..)` in a procedure");
                 report.add(diagnostic);
             }
@@ -96,7 +96,7 @@ fn needs_itself(procedure: &Procedure, step: &Step, report: &mut FindingCollecto
             let span = report.locator.variable_of_probe(place, &name);
             let message = format!("`?{name}` has no value yet when this is pursued");
             let diagnostic = Diagnostic::error(codes::UNBOUND_VARIABLE, span, message)
-                .reason("a probe begins while what gives it a value is still waited for")
+                .reason("a probe begins before the condition holds that gives the variable its value")
                 .help("name what is to be probed, or let the index or another step's result bind it");
             report.add(diagnostic);
         }

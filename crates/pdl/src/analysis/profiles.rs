@@ -58,7 +58,7 @@ fn total(program: &Program<'_>, resource: &Symbol) -> (f64, Dimension) {
     }
 }
 
-/// The least that an entry asks for, as a number and as text.
+/// Returns the least that an entry asks for, as a number and as text.
 fn least(program: &Program<'_>, resource: &Symbol, need: &ResourceNeed) -> Option<f64> {
     let (total, dimension) = total(program, resource);
     match need.amount.as_ref().map(|amount| &amount.kind) {
@@ -89,7 +89,7 @@ fn shortage(
             let diagnostic = Diagnostic::error(
                 codes::RESOURCE_SHORT,
                 report.locator.span(need.place),
-                format!("less than nothing is asked of `{resource}`"),
+                format!("a negative amount is needed of `{resource}`"),
             );
             report.add(diagnostic.help("write an amount that is not negative"));
         }
@@ -131,7 +131,7 @@ fn shortage(
     }
 }
 
-/// The profile of the procedure or primitive that surely serves the step.
+/// Returns the profile of the procedure or primitive that surely serves the step.
 fn profile_of_served<'l>(program: &Program<'l>, (number, index): (usize, usize), step: &Step) -> &'l [ResourceNeed] {
     let Activity::Goal(goal) = &step.activity else { return &[] };
     if step.forall.is_some() {
@@ -148,7 +148,7 @@ fn profile_of_served<'l>(program: &Program<'l>, (number, index): (usize, usize),
     }
 }
 
-/// `release-resource` where the procedure holds nothing.
+/// Reports `release-resource` if the procedure holds nothing.
 fn useless_release(step: &Step, holds: bool, report: &mut FindingCollector<'_>) {
     if !holds && matches!(step.activity, Activity::BuiltIn(BuiltInActivity::ReleaseResource, _)) {
         let span = report.locator.activity(step.place);
@@ -191,8 +191,8 @@ fn starved(program: &Program<'_>, number: usize, procedure: &Procedure, report: 
         let span = report.locator.activity(step.place);
         let message = format!("`{}` never gets `{resource}`", step.tag);
         let diagnostic = Diagnostic::new(Severity::Warning, codes::STARVED, span, message)
-            .label(report.locator.activity(keeper.place), "this holds it and does not end on its own")
-            .reason("among equals the one that has a resource keeps it")
+            .label(report.locator.activity(keeper.place), "this step holds the resource and does not end")
+            .reason("of tasks with equal priority, the holder keeps the resource")
             .help("give the step a `(priority N)`, or let the other one end");
         report.add(diagnostic);
     }

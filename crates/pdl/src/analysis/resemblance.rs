@@ -27,7 +27,7 @@ pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     outcomes(program, report);
 }
 
-/// The known name that `name` is certainly meant to be.
+/// Returns the known name that `name` is certainly meant to be.
 fn meant<'n>(name: &Symbol, known: impl IntoIterator<Item = &'n str>) -> Option<&'n str> {
     let found = near(name.printed(), known);
     // Names that differ in digits are names of different things.
@@ -57,7 +57,7 @@ fn messages(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     for (name, places) in waited.iter().filter(|(name, _)| !said.contains_key(*name)).take(SUSPECTS_MAX) {
         let (Some(known), Some(place)) = (meant(name, unheard()), places.first()) else { continue };
         let span = report.locator.word(*place, name);
-        let message = format!("nothing here says `({name} ..)`, but something says `({known} ..)`");
+        let message = format!("no step sends `({name} ..)`, but the program sends `({known} ..)`");
         let mut diagnostic = Diagnostic::new(Severity::Warning, codes::RESEMBLES, span, message)
             .reason("if no source outside the program sends it either, the wait never ends")
             .fixes(renames(span, name.printed(), [known]));
@@ -116,7 +116,7 @@ fn said_in<'l>(program: &Program<'l>) -> Uses<'l> {
     said
 }
 
-/// State variables that nothing declares, next to declared ones.
+/// Reports undeclared state variables that resemble declared ones.
 fn state_variables(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     let declared = &program.library.state_variables;
     if declared.is_empty() {
@@ -201,7 +201,7 @@ fn resources(program: &Program<'_>, report: &mut FindingCollector<'_>) {
         let span = report.locator.word(*place, name).to(span);
         let message = format!("resource `{name}` is needed nowhere else, but `{known}` is");
         let diagnostic = Diagnostic::new(Severity::Warning, codes::RESEMBLES, span, message)
-            .reason("a resource that nothing else needs is not a conflict with anything")
+            .reason("a resource that only one step needs never causes a conflict")
             .fixes(renames(span, name.printed(), [known]));
         report.add(diagnostic);
     }

@@ -69,7 +69,7 @@ pub(crate) struct Waits<'l> {
 }
 
 impl<'l> Waits<'l> {
-    /// The waits of the procedure with this number; none if all of its steps begin: they wait for nothing, or only for
+    /// Returns the waits of the procedure with this number; `None` if all of its steps begin: they wait for nothing, or only for
     /// steps that stand before them and end.
     pub(crate) fn new(library: &'l Library, number: usize, endings: &'l Endings) -> Option<Waits<'l>> {
         let procedure = library.procedures.get(number)?;
@@ -121,7 +121,7 @@ impl<'l> Waits<'l> {
         self.procedure.steps.get(step).is_none_or(|template| can_end(template, self.number, step, self.endings))
     }
 
-    /// Every reason why steps never begin, each once, in order of the first step concerned.
+    /// Returns every reason why steps never begin, each once, in order of the first step concerned.
     pub(crate) fn blocked(&self) -> Vec<Blocked> {
         let mut found = Vec::new();
         // Steps by the walk that saw them first.
@@ -165,7 +165,7 @@ impl<'l> Waits<'l> {
         found
     }
 
-    /// The first premise that is not met.
+    /// Returns the first premise that is not met.
     fn unmet(&self, need: &Need) -> Option<Premise> {
         match need {
             Need::Free => None,

@@ -35,7 +35,7 @@ pub(super) fn check(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     }
 }
 
-/// Selected variables and results that no clause uses.
+/// Reports selected variables and results that no clause uses.
 fn variables_of(procedure: &Procedure, report: &mut FindingCollector<'_>) {
     let gives = |step: &apex_model::procedure::Step| !step.select.is_empty() || step.binds.is_some();
     if procedure.steps.iter().any(gives) {
@@ -76,7 +76,7 @@ fn variables_of(procedure: &Procedure, report: &mut FindingCollector<'_>) {
     walk::procedure(procedure, &mut |expr| unused_let(expr, report));
 }
 
-/// A variable that stands once in the procedure and is certainly a misspelling of `name`.
+/// Returns a variable that stands once in the procedure and is certainly a misspelling of `name`.
 fn misspelt_use(procedure: &Procedure, name: &Symbol, report: &mut FindingCollector<'_>) -> Option<(Span, Symbol)> {
     let datum = report.locator.datum(procedure.place)?;
     let mut found: BTreeMap<Symbol, (usize, Span)> = BTreeMap::new();
@@ -93,7 +93,7 @@ fn misspelt_use(procedure: &Procedure, name: &Symbol, report: &mut FindingCollec
     found.get(&other).map(|(_, span)| (*span, other.clone()))
 }
 
-/// Every variable that a clause of the procedure uses; what a `=>` or a `select` gives a value does not count.
+/// Collects every variable that a clause of the procedure uses; a `=>` or a `select` that gives a value is not a use.
 fn uses_of(procedure: &Procedure, note: &mut dyn FnMut(&Symbol)) {
     let mut exprs: Vec<&Expr> = Vec::new();
     walk::procedure(procedure, &mut |expr| exprs.push(expr));
@@ -178,7 +178,7 @@ fn definitions(program: &Program<'_>, report: &mut FindingCollector<'_>) {
     }
 }
 
-/// Everything that agents may come to pursue; none when a goal may be anything.
+/// Returns all methods that agents may come to pursue; `None` if a goal may be anything.
 fn reached(program: &Program<'_>) -> Option<BTreeSet<Method>> {
     let library = program.library;
     let mut reached: BTreeSet<Method> = BTreeSet::new();

@@ -12,7 +12,7 @@ use apex_model::source::Place;
 /// Receives every expression, outer ones before inner ones.
 pub(crate) type Visit<'v, 'l> = &'v mut dyn FnMut(&'l Expr);
 
-/// The expression and everything inside of it.
+/// Visits the expression and everything inside of it.
 pub(crate) fn expr<'l>(root: &'l Expr, visit: Visit<'_, 'l>) {
     visit(root);
     match &root.kind {
@@ -44,12 +44,12 @@ pub(crate) fn expr<'l>(root: &'l Expr, visit: Visit<'_, 'l>) {
     }
 }
 
-/// Every expression of a body.
+/// Visits every expression of a body.
 pub(crate) fn exprs<'l>(parts: impl IntoIterator<Item = &'l Expr>, visit: Visit<'_, 'l>) {
     parts.into_iter().for_each(|part| expr(part, visit));
 }
 
-/// Every expression of a datum with holes.
+/// Visits every expression of a datum with holes.
 pub(crate) fn template<'l>(root: &'l Template, visit: Visit<'_, 'l>) {
     match root {
         Template::Constant(_) => {}
@@ -58,7 +58,7 @@ pub(crate) fn template<'l>(root: &'l Template, visit: Visit<'_, 'l>) {
     }
 }
 
-/// Every expression of a pattern.
+/// Visits every expression of a pattern.
 pub(crate) fn pattern<'l>(root: &'l Pattern, visit: Visit<'_, 'l>) {
     match root {
         Pattern::Computed(inner) | Pattern::Guard(inner) => expr(inner, visit),
@@ -70,7 +70,7 @@ pub(crate) fn pattern<'l>(root: &'l Pattern, visit: Visit<'_, 'l>) {
     }
 }
 
-/// The parts of a condition that is made of conditions.
+/// Returns the parts of a condition that is made of conditions.
 pub(crate) fn parts(condition: &Condition) -> &[Condition] {
     match &condition.kind {
         ConditionKind::And(parts, _)
@@ -83,13 +83,13 @@ pub(crate) fn parts(condition: &Condition) -> &[Condition] {
     }
 }
 
-/// The condition and all conditions inside of it.
+/// Visits the condition and all conditions inside of it.
 pub(crate) fn conditions<'l>(root: &'l Condition, visit: &mut dyn FnMut(&'l Condition)) {
     visit(root);
     parts(root).iter().for_each(|part| conditions(part, visit));
 }
 
-/// Every expression of a condition, those of its parts included.
+/// Visits every expression of a condition, those of its parts included.
 pub(crate) fn condition<'l>(root: &'l Condition, visit: Visit<'_, 'l>) {
     match &root.kind {
         ConditionKind::Measurement(measurement) => {
@@ -150,7 +150,7 @@ fn timing<'l>(timing: &'l Timing, visit: Visit<'_, 'l>) {
     }
 }
 
-/// Every expression of constraints.
+/// Visits every expression of constraints.
 pub(crate) fn constraints<'l>(all: &'l [Constraint], visit: Visit<'_, 'l>) {
     for each in all {
         match each {
@@ -162,7 +162,7 @@ pub(crate) fn constraints<'l>(all: &'l [Constraint], visit: Visit<'_, 'l>) {
     }
 }
 
-/// Every expression of an activity.
+/// Visits every expression of an activity.
 pub(crate) fn activity<'l>(root: &'l Activity, visit: Visit<'_, 'l>) {
     match root {
         Activity::Goal(goal) => template(goal, visit),
@@ -178,7 +178,7 @@ pub(crate) fn activities(step: &Step) -> impl Iterator<Item = &Activity> {
     std::iter::once(&step.activity).chain(step.on_failure.as_deref())
 }
 
-/// The conditions of transition clauses with the clauses' names.
+/// Returns the conditions of transition clauses with the clauses' names.
 pub(crate) fn transitions(transitions: &Transitions) -> impl Iterator<Item = (&'static str, &Condition)> {
     let Transitions {
         end_when,
@@ -216,13 +216,13 @@ pub(crate) fn hooks(hooks: &Hooks) -> [(&'static str, &[Expr]); 4] {
     ]
 }
 
-/// The expressions of `repeating` and `responding`.
+/// Returns the expressions of `repeating` and `responding`.
 pub(crate) fn repetition(clause: &Repetition) -> impl Iterator<Item = &Expr> {
     let Repetition { while_true, until, enabled, recovery, minimum_interval, for_new: _, drop_missed: _ } = clause;
     [while_true, until, enabled, recovery, minimum_interval].into_iter().flatten()
 }
 
-/// The expressions of priority clauses.
+/// Returns the expressions of priority clauses.
 pub(crate) fn priorities(clauses: &[PriorityClause]) -> impl Iterator<Item = &Expr> {
     clauses.iter().flat_map(|clause| match clause {
         PriorityClause::Number(number) => vec![number],
@@ -230,7 +230,7 @@ pub(crate) fn priorities(clauses: &[PriorityClause]) -> impl Iterator<Item = &Ex
     })
 }
 
-/// Every expression of a profile.
+/// Visits every expression of a profile.
 pub(crate) fn profile<'l>(needs: &'l [ResourceNeed], visit: Visit<'_, 'l>) {
     for need in needs {
         template(&need.resource, visit);
@@ -238,7 +238,7 @@ pub(crate) fn profile<'l>(needs: &'l [ResourceNeed], visit: Visit<'_, 'l>) {
     }
 }
 
-/// Every expression of a step.
+/// Visits every expression of a step.
 pub(crate) fn step<'l>(step: &'l Step, visit: Visit<'_, 'l>) {
     activity(&step.activity, visit);
     step.on_failure.iter().for_each(|handler| activity(handler, visit));
@@ -252,7 +252,7 @@ pub(crate) fn step<'l>(step: &'l Step, visit: Visit<'_, 'l>) {
     hooks(&step.hooks).into_iter().for_each(|(_, forms)| exprs(forms, visit));
 }
 
-/// Every expression of a procedure, its steps included.
+/// Visits every expression of a procedure, its steps included.
 pub(crate) fn procedure<'l>(procedure: &'l Procedure, visit: Visit<'_, 'l>) {
     pattern(&procedure.index, visit);
     profile(&procedure.profile, visit);
@@ -263,7 +263,7 @@ pub(crate) fn procedure<'l>(procedure: &'l Procedure, visit: Visit<'_, 'l>) {
     procedure.steps.iter().for_each(|each| step(each, visit));
 }
 
-/// Every expression of a primitive.
+/// Visits every expression of a primitive.
 pub(crate) fn primitive<'l>(primitive: &'l Primitive, visit: Visit<'_, 'l>) {
     pattern(&primitive.index, visit);
     profile(&primitive.profile, visit);
@@ -275,7 +275,7 @@ pub(crate) fn primitive<'l>(primitive: &'l Primitive, visit: Visit<'_, 'l>) {
     hooks(&primitive.hooks).into_iter().for_each(|(_, forms)| exprs(forms, visit));
 }
 
-/// Every expression of a library.
+/// Visits every expression of a library.
 pub(crate) fn library<'l>(library: &'l Library, visit: Visit<'_, 'l>) {
     library.procedures.iter().for_each(|each| procedure(each, visit));
     library.primitives.iter().for_each(|each| primitive(each, visit));
@@ -288,7 +288,7 @@ pub(crate) fn library<'l>(library: &'l Library, visit: Visit<'_, 'l>) {
     }
 }
 
-/// Every goal that is pursued while a condition of the procedure is waited for, with the condition's place.
+/// Visits every goal that is pursued while a condition of the procedure is waited for, with the condition's place.
 pub(crate) fn probes<'l>(procedure: &'l Procedure, visit: &mut dyn FnMut(Place, &'l Template)) {
     conditions_of(procedure, &mut |condition| {
         if let ConditionKind::Probing { goal, .. } = &condition.kind {
@@ -297,7 +297,7 @@ pub(crate) fn probes<'l>(procedure: &'l Procedure, visit: &mut dyn FnMut(Place, 
     });
 }
 
-/// The state variable that a condition watches, unless it watches something else.
+/// Returns the state variable that a condition watches, unless it watches something else.
 pub(crate) fn variable_of(condition: &Condition) -> Option<&VariablePattern> {
     match &condition.kind {
         ConditionKind::Measurement(measurement) => Some(&measurement.variable),
@@ -307,7 +307,7 @@ pub(crate) fn variable_of(condition: &Condition) -> Option<&VariablePattern> {
     }
 }
 
-/// Every condition of a procedure, outer ones before inner ones.
+/// Visits every condition of a procedure, outer ones before inner ones.
 pub(crate) fn conditions_of<'l>(procedure: &'l Procedure, visit: &mut dyn FnMut(&'l Condition)) {
     transitions(&procedure.transitions).for_each(|(_, each)| conditions(each, visit));
     for step in &procedure.steps {

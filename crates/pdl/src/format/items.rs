@@ -56,7 +56,7 @@ impl DatumNode {
         }
     }
 
-    /// The text of an atom.
+    /// Returns the text of an atom.
     pub(super) fn atom(&self) -> Option<&str> {
         match self {
             DatumNode::Atom(text) => Some(text),
@@ -64,7 +64,7 @@ impl DatumNode {
         }
     }
 
-    /// The folded name that a list begins with.
+    /// Returns the folded name that a list begins with.
     pub(super) fn head(&self) -> Option<String> {
         match self {
             DatumNode::List(entries, _) => entries.first()?.node()?.atom().map(str::to_lowercase),
@@ -81,7 +81,7 @@ fn one_line_width(text: &str) -> Option<usize> {
     (!text.contains('\n')).then(|| text.chars().count())
 }
 
-/// The entries of a list or of the whole text.
+/// Returns the entries of a list or of the whole text.
 pub(super) fn entries(node: &SyntaxNode) -> Vec<Entry> {
     let mut collected = Vec::new();
     let mut lines = 0;
@@ -117,7 +117,7 @@ fn list(node: &SyntaxNode) -> DatumNode {
     DatumNode::List(entries, width)
 }
 
-/// A prefix with its datum. Comments between the two move before the prefix, into `outer`.
+/// Returns a prefix with its datum. Comments between the two move before the prefix, into `outer`.
 fn prefixed(node: &SyntaxNode, outer: &mut Vec<Entry>, lines: &mut usize) -> Option<DatumNode> {
     let prefix = node.first_token().map(|token| token.text().to_string())?;
     for mut entry in entries(node) {

@@ -3,7 +3,7 @@
 use super::LINE_CHARACTERS_MAX;
 use super::items::{DatumNode, Entry, Piece};
 
-/// The laid-out text of top-level entries, and the line of each step in it, from 1.
+/// Returns the laid-out text of top-level entries, and the line of each step in it, from 1.
 pub(super) fn lay_out(entries: &[Entry]) -> (String, Vec<u32>) {
     let mut page = Page { text: String::new(), column: 0, line: 1, line_ended: false, steps: Vec::new() };
     for (index, entry) in entries.iter().enumerate() {
@@ -120,7 +120,7 @@ impl Page {
         }
     }
 
-    /// The head and what belongs to it on the first line, everything else below.
+    /// Lays out a broken form: its head and what belongs to it on the first line, everything else below.
     fn broken(&mut self, entries: &[Entry], head: &str, trailing: usize) {
         let start = self.column;
         let is_data = entries.first().and_then(Entry::node).is_none_or(|node| node.atom().is_none());

@@ -19,7 +19,7 @@ pub fn format(text: &str) -> Result<String, Diagnostic> {
     format_steps(text).map(|(text, _)| text)
 }
 
-/// As [`format`], with the line of each step of a broken form, from 1, in order.
+/// Like [`format`], with the line of each step of a broken form, from 1, in order.
 #[expect(clippy::result_large_err, reason = "the message is made once and shown at once")]
 pub(crate) fn format_steps(text: &str) -> Result<(String, Vec<u32>), Diagnostic> {
     let flaws = read_file(0, text).diagnostics;

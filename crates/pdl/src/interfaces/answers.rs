@@ -33,7 +33,7 @@ pub(super) fn check(library: &Library, methods: &Methods<'_>, findings: &mut Fin
     }
 }
 
-/// True if a step asks the operator.
+/// Returns true if a step asks the operator.
 pub(super) fn has_questions(library: &Library) -> bool {
     let asks = |step: &Step| matches!(step.activity, Activity::BuiltIn(BuiltInActivity::AskOperator, _));
     library.procedures.iter().any(|procedure| procedure.steps.iter().any(asks))
@@ -50,7 +50,7 @@ fn constant(expr: &Expr) -> Option<&Value> {
     }
 }
 
-/// The options, if they are all known.
+/// Returns the options, if they are all known.
 fn constants(options: &Expr) -> Vec<&Value> {
     match constant(options) {
         Some(Value::List(items)) => items.iter().collect(),
@@ -76,7 +76,7 @@ fn default_among(step: &Step, options: &[&Value], default: Option<&Value>, findi
     let words = options.iter().filter_map(|option| option.as_symbol()).map(Symbol::printed);
     let diagnostic =
         Diagnostic::new(Severity::Warning, codes::UNSERVED_ANSWER, span, format!("`{word}` is none of the options"))
-            .reason("the operator cannot choose what counts without an answer")
+            .reason("without an answer the default counts, so it must be an answer that the operator can choose")
             .fixes(renames(span, word.printed(), words));
     findings.add(diagnostic);
 }
@@ -125,7 +125,7 @@ fn mentions(goal: &Template, answer: &Symbol) -> bool {
     }
 }
 
-/// The goal with the answer in it.
+/// Returns the goal with the answer in it.
 fn fill(goal: &Template, answer: &Symbol, value: &Value) -> Template {
     match goal {
         Template::List(parts) => Template::List(parts.iter().map(|part| fill(part, answer, value)).collect()),
@@ -136,7 +136,7 @@ fn fill(goal: &Template, answer: &Symbol, value: &Value) -> Template {
     }
 }
 
-/// The procedure or primitive for a goal that differs from `goal` by words that resemble each other.
+/// Returns the procedure or primitive for a goal that differs from `goal` by words that resemble each other.
 fn unused_index(library: &Library, goal: &Template) -> Option<Place> {
     let Template::List(parts) = goal else { return None };
     let resembles = |own: &Template, index: &Pattern| match (own, index) {
@@ -157,7 +157,7 @@ fn unused_index(library: &Library, goal: &Template) -> Option<Place> {
     indexes.find(|(index, _)| is_similar(index)).map(|(_, place)| place)
 }
 
-/// The word after a keyword of the step, else the activity.
+/// Returns the word after a keyword of the step, else the activity.
 fn after_keyword(findings: &mut Findings<'_>, step: &Step, keyword: &str, word: &Symbol) -> Span {
     let Some(datum) = findings.locator.datum(step.place) else { return findings.locator.span(step.place) };
     let mut found = None;

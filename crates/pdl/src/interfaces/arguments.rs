@@ -104,7 +104,7 @@ fn quantity(wanted: Dimension, value: &Value) -> Option<Mismatch> {
     }
 }
 
-/// The unit that a bare number most likely has: that of the type's own documentation.
+/// Returns the unit that a bare number most likely has: that of the type's own documentation.
 fn usual_unit(wanted: &ArgumentType) -> Option<&'static str> {
     match wanted {
         ArgumentType::Quantity(Dimension::LENGTH) => Some("m"),
@@ -140,7 +140,7 @@ fn argument(call: &Call<'_>, number: usize, wanted: &ArgumentType, found: Mismat
                 Some(unit) => {
                     let fix = Fix::look(format!("write `{number}{unit}`")).insert_after(span, unit);
                     diagnostic
-                        .reason(format!("a bare number counts in {unit}, whatever its writer has in mind"))
+                        .reason(format!("a bare number counts in {unit}, whichever unit its author intended"))
                         .fix(fix)
                 }
                 None => diagnostic,
@@ -150,7 +150,7 @@ fn argument(call: &Call<'_>, number: usize, wanted: &ArgumentType, found: Mismat
     findings.add(diagnostic);
 }
 
-/// Too few or too many arguments.
+/// Reports too few or too many arguments.
 fn count(call: &Call<'_>, declaration: &InterfaceDeclaration, findings: &mut Findings<'_>) {
     let is_keyword =
         |item: &&View<'_>| item.value().and_then(Value::as_symbol).is_some_and(|name| name.folded().starts_with(':'));
@@ -177,7 +177,7 @@ fn count(call: &Call<'_>, declaration: &InterfaceDeclaration, findings: &mut Fin
     ));
 }
 
-/// True for words that need no place of this name.
+/// Returns true for words that need no place of this name.
 pub(super) fn is_place_word(word: &str) -> bool {
     PLACE_WORDS.contains(&word)
 }

@@ -44,12 +44,12 @@ pub(super) struct Call<'l> {
 }
 
 impl<'l> Call<'l> {
-    /// The first word.
+    /// Returns the first word.
     pub(super) fn head(&self) -> Option<&'l Symbol> {
         self.items.first().and_then(|item| item.value()).and_then(Value::as_symbol)
     }
 
-    /// The stretch of the argument with this number, else of the form.
+    /// Returns the stretch of the argument with this number, else of the form.
     pub(super) fn argument_span(&self, locator: &mut Locator<'_>, number: usize) -> Span {
         let mut found = None;
         if let (Some(datum), Some(head)) = (locator.datum(self.place), self.head()) {
@@ -151,7 +151,7 @@ impl<'l> Calls<'l> {
         self.add(owner, Receiver::Goal(served), View::Template(goal), false, place);
     }
 
-    /// `(inform MESSAGE)`, `(cogevent MESSAGE)`, `(command COMMAND)` in a hook or a function.
+    /// Checks `(inform MESSAGE)`, `(cogevent MESSAGE)` and `(command COMMAND)` in a hook or a function.
     fn form(&mut self, library: &'l Library, owner: Option<Method>, expr: &'l Expr) {
         let ExprKind::Call { function, arguments } = &expr.kind else { return };
         match function.folded() {
@@ -186,7 +186,7 @@ impl<'l> Calls<'l> {
     }
 }
 
-/// The position of a variable in an index.
+/// Returns the position of a variable in an index.
 fn position(index: Option<&Pattern>, variable: &Symbol) -> Option<usize> {
     let Some(Pattern::List(parts)) = index else { return None };
     if parts.iter().any(|part| matches!(part, Pattern::Segment { .. } | Pattern::Guard(_))) {
@@ -197,7 +197,7 @@ fn position(index: Option<&Pattern>, variable: &Symbol) -> Option<usize> {
     )
 }
 
-/// The parts of a form up to the first splice, and whether these are all.
+/// Returns the parts of a form up to the first splice, and whether these are all.
 fn parts(view: View<'_>) -> (Vec<View<'_>>, bool) {
     match view {
         View::Template(Template::List(parts)) => {
@@ -210,7 +210,7 @@ fn parts(view: View<'_>) -> (Vec<View<'_>>, bool) {
     }
 }
 
-/// A literal form: `'(a b)` or `` `(a ,b) ``.
+/// Returns a literal form: `'(a b)` or `` `(a ,b) ``.
 fn view_of(expr: &Expr) -> Option<View<'_>> {
     match &expr.kind {
         ExprKind::Constant(value) => Some(View::Value(value)),

@@ -15,7 +15,7 @@ pub(super) struct Findings<'l> {
 }
 
 impl<'l> Findings<'l> {
-    /// None yet, about these texts.
+    /// Returns an empty collection of findings about these texts.
     pub(super) fn new(sources: &'l [SourceFile]) -> Findings<'l> {
         Findings { locator: Locator::new(sources), diagnostics: Vec::new() }
     }
@@ -27,7 +27,7 @@ impl<'l> Findings<'l> {
     }
 }
 
-/// True for a text that came from the libraries of Apex.
+/// Returns true for a text that came from the libraries of Apex.
 pub(super) fn is_shipped(library: &Library, place: Place) -> bool {
     let source = usize::try_from(place.file).ok().and_then(|file| library.sources.get(file));
     source.is_some_and(|source| source.name.starts_with("library/"))

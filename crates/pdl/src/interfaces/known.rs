@@ -29,7 +29,7 @@ pub struct KnownNames {
 }
 
 impl KnownNames {
-    /// A message about `name`, unless the mission has it or the kind is not known.
+    /// Returns a message about `name`, unless the mission has it or the kind is not known.
     fn unknown(&self, kind: NameKind, name: &Symbol, span: impl FnOnce() -> Span) -> Option<Diagnostic> {
         let known = self.names.get(&kind)?;
         if known.contains(name) || kind == NameKind::Place && is_place_word(name.folded()) {
@@ -53,7 +53,7 @@ const AGENTS_SHOWN: usize = 3;
 /// Names listed in one message.
 const NAMES_SHOWN: usize = 12;
 
-/// Names among the arguments of goals, messages and commands.
+/// Checks names among the arguments of goals, messages and commands.
 pub(super) fn arguments(known: &KnownNames, calls: &Calls<'_>, types: &Types<'_>, findings: &mut Findings<'_>) {
     for call in &calls.all {
         for (number, item) in call.items.iter().enumerate().skip(1) {
@@ -110,7 +110,7 @@ fn symbol_of(expr: &Expr) -> Option<&Symbol> {
     }
 }
 
-/// Declared solvers that no planner is.
+/// Reports declared solvers that are not planners.
 pub(super) fn solvers(library: &Library, known: &KnownNames, findings: &mut Findings<'_>) {
     if known.solvers.is_empty() {
         return;
@@ -120,7 +120,7 @@ pub(super) fn solvers(library: &Library, known: &KnownNames, findings: &mut Find
         let names: Vec<&str> = known.solvers.iter().map(Symbol::printed).collect();
         let message = format!("no planner is called `{}`", solver.name);
         let diagnostic = Diagnostic::new(Severity::Warning, codes::UNKNOWN_SOLVER, span, message)
-            .reason("only a solver program that is given with `--solver` can have this name")
+            .reason("only a solver program that is given with `--solver-program` can have this name")
             .fixes_or_help(renames(span, solver.name.printed(), names.iter().copied()), || {
                 format!("planners are {}", names.join(", "))
             });

@@ -65,7 +65,7 @@ pub(super) fn check(library: &Library, known: &KnownNames, calls: &Calls<'_>, fi
     }
 }
 
-/// True unless no message of this declaration matches.
+/// Returns false if no message of this declaration can match.
 fn may_be(declaration: &InterfaceDeclaration, pattern: &Pattern) -> bool {
     let literals: Vec<Pattern>;
     let parts: &[Pattern] = match pattern {

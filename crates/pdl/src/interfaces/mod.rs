@@ -50,7 +50,7 @@ pub fn check_names(library: &Library, known: &KnownNames) -> Vec<Diagnostic> {
     findings.diagnostics
 }
 
-/// Without declarations the types of a program are unknown.
+/// Returns true if the program declares messages or commands; without declarations, types are unknown.
 fn has_declarations(library: &Library) -> bool {
     !library.commands.is_empty() || !library.events.is_empty()
 }

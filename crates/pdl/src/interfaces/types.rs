@@ -1,5 +1,5 @@
-//! Types of the variables of goals, from the uses of their values: arguments of declared commands and messages, durations, and goals
-//! whose variables have a type.
+//! Inference of the types of goal variables from their uses: as arguments of declared commands and messages, as durations, and
+//! as arguments of goals whose variables have a type already.
 
 use super::calls::{Call, Calls, Receiver};
 use crate::analysis::methods::{Method, Methods};
@@ -14,10 +14,10 @@ use apex_model::quantity::Dimension;
 use apex_model::symbol::Symbol;
 use std::collections::BTreeMap;
 
-/// Types go from a goal to those that lead to it; a chain longer than this is not followed to its end.
+/// Maximum number of passes. Each pass carries types from a goal to the goals that call it; longer chains stay untyped.
 const ROUNDS_MAX: usize = 32;
 
-/// A type, or the knowledge that uses differ.
+/// Type of a variable, or the fact that its uses contradict each other.
 #[derive(Clone, PartialEq)]
 enum TypeUse {
     Type(ArgumentType),
@@ -27,7 +27,7 @@ enum TypeUse {
 /// The types of the variables of indexes.
 pub(super) struct Types<'l> {
     found: BTreeMap<(Method, &'l Symbol), TypeUse>,
-    /// The index of each method as positions.
+    /// Gives the index of each method.
     library: &'l Library,
 }
 
@@ -56,7 +56,7 @@ impl<'l> Types<'l> {
         types
     }
 
-    /// `(duration ?d)`, and the time that a question has.
+    /// Types the variables of `(duration ?d)` and of the time limit of questions as durations.
     fn durations(&mut self) {
         let time = || ArgumentType::Quantity(Dimension::TIME);
         for (number, primitive) in self.library.primitives.iter().enumerate() {
@@ -78,7 +78,7 @@ impl<'l> Types<'l> {
         }
     }
 
-    /// Objects of state variables: `(signal-level ?modem)` in a condition of a procedure whose goal names the radio.
+    /// Types the objects of state variables: `?modem` is a radio if a condition uses `(signal-level ?modem)`.
     fn objects(&mut self) {
         let library = self.library;
         for (number, procedure) in library.procedures.iter().enumerate() {
@@ -98,7 +98,7 @@ impl<'l> Types<'l> {
         }
     }
 
-    /// Notes a use; returns whether something is new.
+    /// Records a use; returns true if it adds information.
     fn note(&mut self, owner: Method, variable: &'l Symbol, wanted: ArgumentType) -> bool {
         match self.found.get(&(owner, variable)) {
             Some(TypeUse::Contradictory) => false,
@@ -114,7 +114,7 @@ impl<'l> Types<'l> {
         }
     }
 
-    /// The type that the argument with this number must have, where it is known.
+    /// Returns the type that argument `number` of the call must have, if it is known.
     pub(super) fn wanted(&self, call: &Call<'l>, number: usize) -> Option<ArgumentType> {
         match &call.receiver {
             Receiver::Message => None,
@@ -139,7 +139,7 @@ impl<'l> Types<'l> {
         }
     }
 
-    /// The type of the variable at this position of a method's index.
+    /// Returns the type of the variable at position `number` of a method's index.
     fn of_index(&self, method: Method, number: usize) -> Option<ArgumentType> {
         let index = match method {
             Method::Procedure(procedure) => &self.library.procedures.get(procedure)?.index,
@@ -158,7 +158,7 @@ impl<'l> Types<'l> {
     }
 }
 
-/// The variable that is the whole argument.
+/// Returns the variable of an argument that is nothing but a variable.
 fn variable(item: View<'_>) -> Option<&Symbol> {
     match item {
         View::Template(Template::Hole(expr)) => of_expression(expr),

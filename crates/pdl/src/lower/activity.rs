@@ -40,7 +40,7 @@ impl Lowering {
         }
     }
 
-    /// `(terminate [task] [outcome] [>> value])`
+    /// Lowers `(terminate [task] [outcome] [>> value])`.
     fn terminate(&mut self, datum: &Datum, items: &[Datum]) -> Option<Activity> {
         let mark = items.iter().position(|item| item.is(">>")).unwrap_or(items.len());
         let (before, after) = items.split_at_checked(mark).unwrap_or((items, &[]));
@@ -109,7 +109,7 @@ impl Lowering {
         Some(Activity::BuiltIn(which, arguments))
     }
 
-    /// `(ask operator QUESTION [:options O..] [:by TIME] [:default VALUE])`
+    /// Lowers `(ask operator QUESTION [:options O..] [:by TIME] [:default VALUE])`.
     fn ask(&mut self, datum: &Datum, items: &[Datum]) -> Option<Activity> {
         let (before, options) = groups(items);
         let [_, question] = before else {
@@ -184,7 +184,7 @@ impl Lowering {
     }
 }
 
-/// An option of a result: nothing was asked for, or it could be lowered.
+/// Returns an option of a result: nothing was asked for, or it could be lowered.
 pub(crate) fn swap<T>(option: Option<Option<T>>) -> Option<Option<T>> {
     match option {
         None => Some(None),

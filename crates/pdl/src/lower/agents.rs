@@ -47,7 +47,7 @@ impl Lowering {
         }
     }
 
-    /// `(agent NAME [:initial-task GOAL] [:use-bundles (..)] [:routers (..)] [:workload 1..9] [:limits (..)])`
+    /// Lowers `(agent NAME [:initial-task GOAL] [:use-bundles (..)] [:routers (..)] [:workload 1..9] [:limits (..)])`.
     pub(crate) fn agent(&mut self, form: &Datum, library: &Library) -> Option<AgentDeclaration> {
         if self.report_missing_colon(form.tail(), &["initial-task", "use-bundles", "routers"], "an agent") {
             return None;
@@ -110,7 +110,7 @@ impl Lowering {
         Some(inner.clone())
     }
 
-    /// Names in a list or in a row, without colons.
+    /// Returns names in a list or in a row, without colons.
     fn bundles(&mut self, values: &[Datum]) -> Vec<Symbol> {
         let mut names = Vec::new();
         for value in values {
@@ -138,7 +138,7 @@ impl Lowering {
         names
     }
 
-    /// `(NAME | (NAME [:publish TOPICS] [:subscribe TOPICS]) ..)`
+    /// Lowers `(NAME | (NAME [:publish TOPICS] [:subscribe TOPICS]) ..)`.
     fn router_uses(&mut self, values: &[Datum]) -> Option<Vec<RouterUse>> {
         let items = match values {
             [only] if only.as_list().is_some() && only.tail().first().and_then(Datum::keyword).is_none() => {
@@ -197,7 +197,7 @@ impl Lowering {
         Some(())
     }
 
-    /// `all`, or a list of patterns; a bare name is everything that begins with it.
+    /// Lowers `all`, or a list of patterns; a bare name is everything that begins with it.
     fn topics(&mut self, datum: &Datum) -> Option<Topics> {
         if datum.is("all") || datum.is(":all") || datum.is("t") {
             return Some(Topics::All);

@@ -12,7 +12,7 @@ use apex_model::value::Value;
 /// A number and the unit behind it: its place among the items, the number, the unit.
 type Apart = (usize, f64, &'static Unit);
 
-/// `20 seconds` is one value, written as one word.
+/// Returns a fix for `20 seconds`, which is one value and written as one word.
 pub(super) fn apart_from_unit(values: &[Datum]) -> Option<Fix> {
     let [(0, ..)] = apart(values).as_slice() else { return None };
     let [number, unit] = values else { return None };
@@ -74,7 +74,7 @@ fn apart(items: &[Datum]) -> Vec<Apart> {
     items.windows(2).enumerate().filter_map(pair).collect()
 }
 
-/// The one blank between the two; a line end or a comment there is not for a program to remove.
+/// Returns the one blank between the two; a line end or a comment there is not for a program to remove.
 fn gap(number: &Datum, unit: &Datum) -> Option<Span> {
     let gap = Span { start: number.span.end, end: unit.span.start, ..number.span };
     (gap.end == gap.start.saturating_add(1) && number.span.line == unit.span.line).then_some(gap)

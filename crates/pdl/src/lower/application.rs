@@ -115,14 +115,14 @@ impl Lowering {
         let stray =
             options.iter().find(|group| CUES.contains(&group.name) && !(group.name == "start" && is_text(group)));
         let Some(group) = stray else { return Some(()) };
-        let message = format!("`:{}` is said to an outside simulator, and this application has none", group.name);
+        let message = format!("`:{}` is sent to an outside simulator, and this application has none", group.name);
         let diagnostic = Diagnostic::error(codes::UNKNOWN_OPTION, group.span, message)
             .reason(format!("its type is {kind}"))
             .help("write `:type foreign-sim`, or let a step of the initial task do it");
         self.refuse(diagnostic)
     }
 
-    /// Is the option none that is misspelt or lacks its value? Options that the checker does not know are for the host program.
+    /// Returns true unless the option is misspelt or lacks its value. Options that the checker does not know are for the host program.
     fn is_application_option(&mut self, group: &super::clauses::KeywordGroup<'_>) -> bool {
         let mark = |name: &str| format!(":{name}");
         let known = OPTIONS.contains(&group.name);
@@ -160,7 +160,7 @@ impl Lowering {
         }
     }
 
-    /// One router or a list of routers.
+    /// Lowers one router or a list of routers.
     fn routers(&mut self, values: &[Datum], library: &mut Library) -> Option<()> {
         for value in values {
             let forms = match value.as_list() {
@@ -177,7 +177,7 @@ impl Lowering {
         Some(())
     }
 
-    /// One agent or a list of agents.
+    /// Lowers one agent or a list of agents.
     fn agents(&mut self, values: &[Datum], library: &mut Library) -> Option<()> {
         for value in values {
             let forms = match value.as_list() {

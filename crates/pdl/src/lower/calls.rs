@@ -82,7 +82,7 @@ impl Lowering {
         self.expression(datum)
     }
 
-    /// A function given to `mapcar` and the like: `#'f`, `f`, `'f`, a lambda or an expression that yields one.
+    /// Returns a function given to `mapcar` and the like: `#'f`, `f`, `'f`, a lambda or an expression that yields one.
     fn function_argument(&mut self, datum: &Datum) -> Option<Expr> {
         match &datum.kind {
             DatumKind::Symbol(name) if !self.scope.is_local(name) => self.function_value(datum),
@@ -105,7 +105,7 @@ impl Lowering {
         Some(Expr { kind: ExprKind::FunctionName(canonical), place: datum.span.place() })
     }
 
-    /// The stored name of the function called `name`; unknown names are collected, not reported at once.
+    /// Returns the stored name of the function called `name`; unknown names are collected, not reported at once.
     fn resolve_name(&mut self, name: &Symbol, at: Span) -> Option<(Symbol, Option<Callable>)> {
         let Some((canonical, callable)) = self.names.function(name) else {
             self.unknown_functions.entry(name.clone()).or_default().push(at);
@@ -152,7 +152,7 @@ impl Lowering {
         self.refuse(diagnostic)
     }
 
-    /// A predicate named in a pattern or constraint, called with `count` arguments.
+    /// Returns a predicate named in a pattern or constraint, called with `count` arguments.
     pub(crate) fn predicate(&mut self, name: &Symbol, at: Span, count: usize) -> Option<Symbol> {
         self.pure("a pattern or condition", |lowering| lowering.resolve_call(name, at, at, count))
     }
@@ -177,7 +177,7 @@ impl Lowering {
         Some(())
     }
 
-    /// Literal dimensions of the arguments must agree; a literal 0 is zero of any dimension.
+    /// Checks that literal dimensions of the arguments agree; a literal 0 is zero of any dimension.
     fn one_dimension(&mut self, function: &Symbol, data: &[Datum], arguments: &mut [Expr]) -> Option<()> {
         let known: Vec<Option<Dimension>> = arguments.iter().map(dimension_of).collect();
         let Some(wanted) = known.iter().flatten().copied().find(|dimension| *dimension != Dimension::NONE) else {

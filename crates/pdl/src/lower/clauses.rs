@@ -94,7 +94,7 @@ impl Lowering {
         self.report(diagnostic);
     }
 
-    /// The only value of an option or clause.
+    /// Returns the only value of an option or clause.
     pub(crate) fn only<'d>(&mut self, name: &str, values: &'d [Datum], span: Span) -> Option<&'d Datum> {
         match values {
             [one] => Some(one),
@@ -106,7 +106,7 @@ impl Lowering {
         }
     }
 
-    /// `Some(None)` when there is no such group, `Some(Some(..))` when its value could be lowered.
+    /// Returns `Some(None)` if there is no such group, and `Some(Some(..))` if its value could be lowered.
     pub(crate) fn optional<T>(
         &mut self,
         groups: &[KeywordGroup<'_>],
@@ -119,7 +119,7 @@ impl Lowering {
     }
 }
 
-/// The values of the group called `name`, or nothing.
+/// Returns the values of the group called `name`, or nothing.
 pub(crate) fn values_of<'d>(groups: &[KeywordGroup<'d>], name: &str) -> &'d [Datum] {
     groups.iter().find(|group| group.name == name).map_or(&[], |group| group.values)
 }

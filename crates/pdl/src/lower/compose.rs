@@ -34,7 +34,7 @@ fn allen(keyword: &str) -> Option<AllenRelation> {
     ALLEN.iter().find(|(name, _)| *name == keyword).map(|(_, relation)| *relation)
 }
 
-/// `:any` of a relation is said of each episode that it relates.
+/// Applies `:any` of a relation to an episode that it relates.
 fn bound_by_any_samples(part: &mut Condition) {
     match &mut part.kind {
         ConditionKind::Episode(episode) => Arc::make_mut(episode).any = true,
@@ -111,7 +111,7 @@ impl Lowering {
         Some(Condition { tag, kind, place: datum.span.place() })
     }
 
-    /// A tag before composite parts is a plain symbol: a variable there is the end of a step.
+    /// Splits off the tag before composite parts: a plain symbol, because a variable there is the end of a step.
     fn composite_tag<'d>(&mut self, items: &'d [Datum]) -> (Option<Symbol>, &'d [Datum]) {
         match items.split_first() {
             Some((Datum { kind: DatumKind::Symbol(name), span }, rest)) if !name.folded().starts_with(':') => {

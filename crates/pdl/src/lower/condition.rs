@@ -1,4 +1,4 @@
-//! Conditions (`conditions.md`): which form is which.
+//! Lowering of conditions (`conditions.md`): recognises the kind of each form.
 
 use super::constraint::relation_named;
 use super::{Lowering, Scope};
@@ -49,7 +49,7 @@ const OUTCOMES: &[&str] = &["succeeded", "failed", "skipped", "exited", "precond
 impl Lowering {
     /// Lowers a sequence of conditions; `:quality Q` may stand directly after an episode, as the paper prints it.
     pub(crate) fn conditions(&mut self, items: &[Datum]) -> Option<Vec<Condition>> {
-        // Conditions are large, and most clauses have one: no space is kept for more.
+        // Conditions are large and most clauses have one, so the vector has no spare capacity.
         let mut lowered = Vec::with_capacity(items.len());
         let mut complete = true;
         let mut rest = items;
@@ -216,7 +216,7 @@ impl Lowering {
         Some(Condition { tag, kind, place: datum.span.place() })
     }
 
-    /// A word before the times of a `:delay` or `:timestamp` is the name of its result.
+    /// Splits off the tag of a `:delay` or `:timestamp`: a word before its times.
     fn time_tag<'d>(&mut self, items: &'d [Datum]) -> (Option<Symbol>, &'d [Datum]) {
         match items.split_first() {
             Some((Datum { kind: DatumKind::Symbol(name), span }, rest))
@@ -235,7 +235,7 @@ impl Lowering {
         self.conform(expr, datum.span, &Expected::plain("this instant", ExpectedKind::Instant))
     }
 
-    /// The end of the task that variable `name` holds.
+    /// Returns the end of the task that variable `name` holds.
     fn task_ended(&mut self, name: &Symbol, span: Span) -> Option<ConditionKind> {
         let is_known = self.scope.tags.contains(name) || self.scope.is_bound_everywhere(name);
         if !is_known {
@@ -265,7 +265,7 @@ impl Lowering {
         Some(ConditionKind::TaskEnded(name.clone()))
     }
 
-    /// `task-state` is always about a task; `state` is when its object is a step or this task.
+    /// Returns true for conditions on states of tasks: always for `task-state`, and for `state` if its object is a step or this task.
     fn is_task(&self, items: &[Datum], task: &Datum) -> bool {
         let always = items.first().is_some_and(|head| head.is("task-state"));
         match &task.kind {
@@ -275,12 +275,12 @@ impl Lowering {
         }
     }
 
-    /// True for the variable of a step.
+    /// Returns true for the variable of a step.
     fn is_step(&self, task: &Datum) -> bool {
         matches!(&task.kind, DatumKind::Variable(name) | DatumKind::Bound(name) if self.scope.tags.contains(name))
     }
 
-    /// A task by its variable or indexical.
+    /// Returns a task by its variable or indexical.
     fn task_named(&mut self, task: &Datum) -> Option<ExprKind> {
         match &task.kind {
             DatumKind::Indexical(name) => Some(self.indexical(name, task.span)),
@@ -308,7 +308,7 @@ impl Lowering {
         Some(ConditionKind::TaskState { task, state: self.pattern(state)? })
     }
 
-    /// A tag that may stand before the rest of a condition, and the rest.
+    /// Returns a tag that may stand before the rest of a condition, and the rest.
     pub(crate) fn condition_tag<'d>(&mut self, items: &'d [Datum]) -> (Option<Symbol>, &'d [Datum]) {
         match items {
             [tag, second, ..] if second.as_list().is_some() => {
@@ -324,7 +324,7 @@ impl Lowering {
         }
     }
 
-    /// True for expressions that are tasks by their form; used where a clause accepts either.
+    /// Returns true for expressions that are tasks by their form; used where a clause accepts either.
     pub(crate) fn is_task_expression(&self, datum: &Datum) -> bool {
         match &datum.kind {
             DatumKind::Variable(_) | DatumKind::Bound(_) => true,

@@ -111,7 +111,7 @@ fn constant_name(datum: &Datum) -> Option<Symbol> {
     }
 }
 
-/// Is there anything to compute? A list that begins with a number or a string is data, for example a location.
+/// Returns true if there is anything to compute: a list that begins with a number or a string is data, for example a location.
 fn is_computed(value: &Datum) -> bool {
     match &value.kind {
         DatumKind::List(items) if items.first().is_some_and(|head| head.as_symbol().is_some()) => true,
@@ -119,7 +119,7 @@ fn is_computed(value: &Datum) -> bool {
     }
 }
 
-/// The first indexical that is evaluated with `value`.
+/// Returns the first indexical that is evaluated with `value`.
 fn indexical_in(value: &Datum) -> Option<(Symbol, Span)> {
     match &value.kind {
         DatumKind::Indexical(name) => Some((name.clone(), value.span)),
@@ -129,7 +129,7 @@ fn indexical_in(value: &Datum) -> Option<(Symbol, Span)> {
     }
 }
 
-/// The functions whose values change with time, and those that call them.
+/// Returns the functions whose values change with time, and those that call them.
 fn changing_functions(callers: &BTreeMap<Symbol, Vec<Symbol>>) -> BTreeSet<Symbol> {
     let mut open: Vec<Symbol> = CHANGING.iter().map(|name| Symbol::new(name)).collect();
     let mut changing = BTreeSet::new();

@@ -12,7 +12,7 @@ use apex_model::pattern::Pattern;
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 
-/// The relation that a symbol names.
+/// Returns the relation that a symbol names.
 pub(crate) fn relation_named(datum: &Datum) -> Option<Relation> {
     match datum.as_symbol()?.folded() {
         "=" => Some(Relation::Equal),
@@ -73,7 +73,7 @@ impl Lowering {
         self.conform(expr, datum.span, expected)
     }
 
-    /// The right side of a comparison. A rate may be written `(20 P1S)`: an amount per duration.
+    /// Returns the right side of a comparison. A rate may be written `(20 P1S)`: an amount per duration.
     fn right_side(&mut self, datum: &Datum, expected: &Expected) -> Option<Expr> {
         if let ExpectedKind::Rate(dimension, unit) = expected.kind
             && let Some([amount, per]) = datum.as_list()
@@ -142,7 +142,7 @@ impl Lowering {
         Some(Constraint::Compare { relation, right, tolerance })
     }
 
-    /// A right side of `=` that binds variables or describes a structure rather than computes a value.
+    /// Returns true for a right side of `=` that binds variables or describes a structure rather than computes a value.
     fn is_pattern(&self, datum: &Datum) -> bool {
         match &datum.kind {
             DatumKind::Variable(_) | DatumKind::Bound(_) | DatumKind::Anonymous => true,

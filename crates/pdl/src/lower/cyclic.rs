@@ -12,7 +12,7 @@ use apex_model::symbol::Symbol;
 use std::sync::Arc;
 
 impl Lowering {
-    /// `(:cyclic [tag] (ATTR OBJ) :period C ..)`
+    /// Lowers `(:cyclic [tag] (ATTR OBJ) :period C ..)`.
     pub(crate) fn cyclic(&mut self, datum: &Datum, items: &[Datum]) -> Option<Condition> {
         let (tag, items) = self.condition_tag(items);
         let Some((form, options)) = items.split_first().filter(|(form, _)| form.as_list().is_some()) else {

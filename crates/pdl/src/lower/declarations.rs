@@ -277,7 +277,8 @@ impl Lowering {
         self.refuse(diagnostic.help("for example `:depletable 180kg`"))
     }
 
-    /// A part is not used up, and is not a part of itself. Whether its whole is declared is seen when all is collected.
+    /// Checks a resource that is a part: it must not be depletable, nor a part of itself. Whether its whole is declared is checked at the
+    /// end.
     fn check_part(&mut self, name: &Symbol, kind: &ResourceKind, (whole, span): (&Symbol, Span)) -> Option<()> {
         let message = match kind {
             ResourceKind::Depletable(_) | ResourceKind::Renewable(_) => {
@@ -336,7 +337,7 @@ impl Lowering {
         Some((name.clone(), expr))
     }
 
-    /// `(solver [NAME] (index PATTERN) [:budget E] [:meanwhile GOAL])`, options as clauses, too.
+    /// Lowers `(solver [NAME] (index PATTERN) [:budget E] [:meanwhile GOAL])`; options may also be clauses.
     pub(crate) fn solver(&mut self, form: &Datum) -> Option<SolverDeclaration> {
         const CLAUSES: &[&str] = &["index", "budget", "meanwhile"];
         let (name, rest) = match form.tail() {

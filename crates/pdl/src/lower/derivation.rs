@@ -52,7 +52,7 @@ impl Lowering {
             lowering.literal_duration(datum).filter(|limit| {
                 let positive = *limit > Duration::ZERO;
                 if !positive {
-                    let message = format!("a limit of {limit} joins nothing");
+                    let message = format!("the limit of `:join` is {limit}, expected a duration above zero");
                     let help = "write a duration above zero: `:join (:hold 1s)`";
                     lowering.report(Diagnostic::error(codes::DERIVATION, datum.span, message).help(help));
                 }
@@ -105,7 +105,7 @@ impl Lowering {
         Some(Derivation { object, inputs, value: lowered?, join, rank: 0, place: value.span.place() })
     }
 
-    /// `datum` with a variable in the place of each state variable.
+    /// Returns `datum` with a variable in the place of each state variable.
     fn with_inputs(&mut self, datum: &Datum, inputs: &mut Inputs) -> Option<Datum> {
         let Some(items) = datum.as_list() else {
             return match &datum.kind {
@@ -156,7 +156,7 @@ impl Lowering {
         Some(Datum { kind: DatumKind::List(replaced), span: datum.span })
     }
 
-    /// `(ATTR OBJ)`: a name that is not a function's, with an object.
+    /// Returns true for `(ATTR OBJ)`: a name that is not a function's, with an object.
     fn is_state_variable(&self, items: &[Datum]) -> bool {
         let [Datum { kind: DatumKind::Symbol(attribute), .. }, object] = items else { return false };
         let is_object = matches!(object.kind, DatumKind::Variable(_) | DatumKind::Symbol(_));
@@ -244,7 +244,7 @@ fn meaning(reading: Reading) -> &'static str {
     }
 }
 
-/// A derived variable is as late as the latest of its inputs may be.
+/// Gives a derived variable the greatest lateness of its inputs.
 fn inherit_lateness(library: &mut Library) {
     let mut order: Vec<(u32, Symbol)> =
         library.derivations.iter().map(|(name, derivation)| (derivation.rank, name.clone())).collect();

@@ -43,7 +43,7 @@ const GAP_WORDS: &[&str] = &[
 ];
 
 impl Lowering {
-    /// `(:episode [tag] (ATTR OBJ) :quality Q ..)`; `outer` is a quality that stands directly after the form.
+    /// Lowers `(:episode [tag] (ATTR OBJ) :quality Q ..)`; `outer` is a quality that stands directly after the form.
     pub(crate) fn episode(&mut self, datum: &Datum, items: &[Datum], outer: Option<&Datum>) -> Option<Condition> {
         let (any, items) = self.without_any(items);
         let (tag, items) = self.condition_tag(&items);
@@ -249,7 +249,7 @@ impl Lowering {
         Some(vec![Constraint::Predicate(name, Vec::new())])
     }
 
-    /// An option that is a value rather than a constraint: `:hysteresis 3deg`, also as it is printed, `(= 3deg)`.
+    /// Returns an option that is a value rather than a constraint: `:hysteresis 3deg`, also as it is printed, `(= 3deg)`.
     pub(super) fn one_value(&mut self, option: &str, values: &[Datum], span: Span) -> Option<Vec<Constraint>> {
         let datum = self.only(option, values, span)?;
         let right = match datum.as_list() {
@@ -259,7 +259,7 @@ impl Lowering {
         Some(vec![Constraint::Compare { relation: Relation::Equal, right, tolerance: None }])
     }
 
-    /// `(:atomic-episode [tag] FORM [:timing T..])`
+    /// Lowers `(:atomic-episode [tag] FORM [:timing T..])`.
     pub(crate) fn atomic_episode(&mut self, datum: &Datum, items: &[Datum]) -> Option<Condition> {
         let (tag, items) = self.condition_tag(items);
         let Some((form, options)) = items.split_first().filter(|(form, _)| form.as_list().is_some()) else {
@@ -280,7 +280,7 @@ impl Lowering {
         self.probing(Condition { tag, kind, place: datum.span.place() }, &options)
     }
 
-    /// True for a list whose first item is a list: several groups in one pair of parentheses.
+    /// Returns true for a list whose first item is a list: several groups in one pair of parentheses.
     pub(crate) fn is_nested(datum: &Datum) -> bool {
         matches!(&datum.kind, DatumKind::List(items) if items.first().is_some_and(|first| first.as_list().is_some()))
     }
@@ -297,7 +297,7 @@ fn direction(word: &str) -> Option<Relation> {
     }
 }
 
-/// `(:mean :time-weighted C..)` as `(:time-weighted-mean C..)`.
+/// Rewrites `(:mean :time-weighted C..)` as `(:time-weighted-mean C..)`.
 fn weighted(item: &Datum) -> Datum {
     let parts = item.as_list().unwrap_or_default();
     let Some((head, rest)) = parts.split_first() else { return item.clone() };
@@ -309,7 +309,7 @@ fn weighted(item: &Datum) -> Datum {
     Datum { kind: DatumKind::List(std::iter::once(head).chain(rest).collect()), span: item.span }
 }
 
-/// Both ways to state the quality, after the last part of an episode: the one that asks for nothing, and the one that
+/// Returns both ways to state the quality, after the last part of an episode: the one that asks for nothing, and the one that
 /// asks for samples close together.
 fn quality_added(episode: &Datum) -> Vec<Fix> {
     let Some(last) = episode.as_list().and_then(<[Datum]>::last) else { return Vec::new() };
@@ -323,7 +323,7 @@ fn quality_added(episode: &Datum) -> Vec<Fix> {
     ]
 }
 
-/// A misspelt quality, or one without its colon.
+/// Returns a misspelt quality, or one without its colon.
 fn quality_renamed(quality: &Datum) -> Vec<Fix> {
     let words = || std::iter::once("no-constraints").chain(GAP_WORDS.iter().copied());
     let word = quality.as_list().and_then(<[Datum]>::first).unwrap_or(quality);

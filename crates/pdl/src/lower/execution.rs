@@ -11,7 +11,7 @@ use apex_model::procedure::Transitions;
 use apex_model::value::Value;
 
 impl Lowering {
-    /// `(precondition C..)`, `(invariant C..)`: all must hold at an instant.
+    /// Lowers `(precondition C..)` and `(invariant C..)`: all conditions must hold at an instant.
     pub(crate) fn execution_condition(&mut self, clause: &Datum, transitions: &mut Transitions) -> Option<()> {
         let (name, items) = (clause.head_name(), clause.tail());
         if items.is_empty() {
@@ -42,7 +42,7 @@ impl Lowering {
             ConditionKind::Function(_) | ConditionKind::TaskEnded(_) => return Some(()),
             ConditionKind::TaskState { state, .. } => match state {
                 Pattern::Literal(Value::Symbol(word)) if word.is("resumed") => {
-                    ("`resumed` is a change, and over at once", "write the state: `ongoing`")
+                    ("`resumed` is a change of state without a duration", "write the state: `ongoing`")
                 }
                 _ => return Some(()),
             },
@@ -69,7 +69,7 @@ impl Lowering {
             }
             ConditionKind::Not(part) => return self.check_present(clause, part, datum),
             _ => (
-                "it must hold, or not, at each instant; messages are over at once, and runs need time",
+                "the clause is judged at single instants; a message has no duration, and an episode needs several samples",
                 "write a measurement, a state of a step, `(:function ..)`, or these with `:and`, `:or`, `:not`; to end when \
                  something happens write `exit-when` or `end-when`",
             ),

@@ -43,22 +43,22 @@ pub(crate) enum ExpectedKind {
 }
 
 impl Expected {
-    /// Nothing is known and nothing is checked.
+    /// Returns an expectation that accepts everything.
     pub(crate) fn anything() -> Expected {
         Expected::plain("the object", ExpectedKind::Anything)
     }
 
-    /// A pure number, such as a count.
+    /// Returns a pure number, such as a count.
     pub(crate) fn number(subject: &str) -> Expected {
         Expected::plain(subject, ExpectedKind::Measured(Dimension::NONE, None))
     }
 
-    /// A constraint of this kind that no declaration is about.
+    /// Returns a constraint of this kind that no declaration is about.
     pub(crate) fn plain(subject: &str, kind: ExpectedKind) -> Expected {
         Expected { subject: subject.to_string(), kind, declared: None, value_type: None }
     }
 
-    /// Values of the state variable with this attribute.
+    /// Returns the values of the state variable with this attribute.
     pub(crate) fn values_of(lowering: &Lowering, attribute: &Symbol) -> Expected {
         let subject = format!("`({attribute} ..)`");
         let Some((declaration, span)) = lowering.names.state_variables.get(attribute) else {
@@ -74,7 +74,7 @@ impl Expected {
         Expected { subject, kind, declared: Some(*span), value_type: declaration.value_type.clone() }
     }
 
-    /// The change per second of such values.
+    /// Returns the change per second of such values.
     pub(crate) fn rate(&self) -> Expected {
         let (dimension, unit) = match self.kind {
             ExpectedKind::Measured(dimension, unit) => (dimension, unit),
@@ -87,7 +87,7 @@ impl Expected {
         }
     }
 
-    /// The square of such values; bare numbers are squares of the unit.
+    /// Returns the square of such values; bare numbers are squares of the unit.
     pub(crate) fn square(&self) -> Expected {
         let kind = match self.kind {
             ExpectedKind::Measured(dimension, unit) if dimension != Dimension::NONE => {
@@ -98,7 +98,7 @@ impl Expected {
         Expected { kind, ..self.named("variance") }
     }
 
-    /// A statistic of such values, which has their dimension.
+    /// Returns a statistic of such values, which has their dimension.
     pub(crate) fn named(&self, name: &str) -> Expected {
         if let ExpectedKind::Undeclared = self.kind {
             return self.clone();
@@ -106,7 +106,7 @@ impl Expected {
         Expected { subject: format!("the {name} of {}", self.subject), ..self.clone() }
     }
 
-    /// A number that is computed: real, whatever the values are.
+    /// Returns a number that is computed: real, whatever the values are.
     pub(crate) fn real(&self) -> Expected {
         match self.value_type.as_ref().map(Symbol::folded) {
             Some("symbol" | "string" | "list") => self.clone(),
@@ -124,7 +124,7 @@ impl Expected {
         }
     }
 
-    /// `number` without unit as a value of the expected kind.
+    /// Returns `number` without unit as a value of the expected kind.
     fn bare(&self, number: f64) -> Option<Value> {
         match self.kind {
             ExpectedKind::Duration => (number == 0.0).then_some(Value::Duration(Duration::ZERO)),
@@ -150,7 +150,7 @@ fn si_unit(dimension: Dimension) -> Option<&'static Unit> {
     Quantity::si(0.0, dimension).unit()
 }
 
-/// `number` of `unit` as a value: a duration for units of time.
+/// Returns `number` of `unit` as a value: a duration for units of time.
 pub(crate) fn of_unit(number: f64, unit: &'static Unit) -> Value {
     if unit.dimension == Dimension::TIME {
         Value::Duration(Duration::from_seconds(number * unit.factor))
@@ -159,7 +159,7 @@ pub(crate) fn of_unit(number: f64, unit: &'static Unit) -> Value {
     }
 }
 
-/// The dimension of an expression as far as its text tells; bare numbers have none.
+/// Returns the dimension of an expression as far as its text tells; bare numbers have none.
 pub(crate) fn dimension_of(expr: &Expr) -> Option<Dimension> {
     match &expr.kind {
         ExprKind::Constant(value) => value.as_number().map(|(_, dimension)| dimension),
@@ -182,7 +182,7 @@ pub(crate) fn dimension_of(expr: &Expr) -> Option<Dimension> {
     }
 }
 
-/// The dimension of a sum. Next to a part that may be an instant, a duration does not make the sum a duration.
+/// Returns the dimension of a sum. Next to a part that may be an instant, a duration does not make the sum a duration.
 fn dimension_of_sum(parts: &[Expr]) -> Option<Dimension> {
     let known: Vec<Option<Dimension>> = parts.iter().map(dimension_of).collect();
     let found = known.iter().flatten().copied().find(|dimension| *dimension != Dimension::NONE);
@@ -194,7 +194,7 @@ fn dimension_of_sum(parts: &[Expr]) -> Option<Dimension> {
     }
 }
 
-/// Zero of `dimension`, if the expression is the literal 0.
+/// Returns zero of `dimension` if the expression is the literal 0.
 pub(crate) fn zero_of(expr: &Expr, dimension: Dimension) -> Option<Value> {
     match &expr.kind {
         ExprKind::Constant(Value::Integer(0)) => Some(Value::measured(0.0, dimension)),
@@ -237,8 +237,8 @@ impl Lowering {
         let Some(found) = dimension_of(expr) else { return Some(()) };
         if let ExpectedKind::Instant = expected.kind {
             let diagnostic =
-                Diagnostic::error(codes::DIMENSION, span, format!("{found} stands where an instant is needed"))
-                    .reason("durations and numbers have no place on the time line")
+                Diagnostic::error(codes::DIMENSION, span, format!("{found} is used where an instant is needed"))
+                    .reason("a duration or a number is not an instant")
                     .fixes(self.since_start(span, found))
                     .help("add it to an instant: `(+ (start-of +this-task+) P10S)`");
             return self.refuse(diagnostic);
@@ -278,14 +278,14 @@ impl Lowering {
         self.refuse(diagnostic)
     }
 
-    /// The declared state variable that was probably meant by an undeclared one.
+    /// Returns the declared state variable that was probably meant by an undeclared one.
     fn declared_like(&self, subject: &str) -> Option<String> {
         let name = subject.trim_start_matches("`(").split(' ').next()?;
         let declared = self.names.state_variables.keys().map(Symbol::printed);
         crate::suggest::nearest(name, declared).map(|near| format!("`{near}` is declared: is that one meant?"))
     }
 
-    /// A duration where an instant is needed is meant from the start of the mission, or of the task.
+    /// Returns a fix for a duration where an instant is needed: the author probably counts from the start of the mission or of the task.
     fn since_start(&self, span: Span, found: Dimension) -> Option<Fix> {
         let written = self.text_at(span).filter(|_| found == Dimension::TIME)?;
         let title = format!("count from the start of the mission: `(+ +mission-start+ {written})`");
@@ -333,7 +333,7 @@ impl Lowering {
         {
             let message = format!("{duration} is a negative span of time");
             let diagnostic = Diagnostic::error(codes::DURATION_EXPECTED, datum.span, message)
-                .reason("what is waited for lies ahead")
+                .reason("a wait ends now or later")
                 .help("write a duration of at least 0");
             return self.refuse(diagnostic);
         }

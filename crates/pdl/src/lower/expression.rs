@@ -8,7 +8,7 @@ use apex_model::expression::{Expr, ExprKind, Template};
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 
-/// A constant where `span` stands.
+/// Returns a constant where `span` stands.
 pub(crate) fn constant(value: Value, span: Span) -> Expr {
     Expr { kind: ExprKind::Constant(value), place: span.place() }
 }
@@ -71,7 +71,7 @@ impl Lowering {
         ExprKind::Constant(Value::Symbol(name.clone()))
     }
 
-    /// As [`Lowering::check_quantity_name`], for every name in data that are not checked otherwise.
+    /// Like [`Lowering::check_quantity_name`], for every name in data that are not checked otherwise.
     pub(crate) fn check_quantity_names(&mut self, datum: &Datum) {
         match &datum.kind {
             DatumKind::Symbol(name) => self.check_quantity_name(name, datum.span),
@@ -95,7 +95,7 @@ impl Lowering {
         self.report(diagnostic);
     }
 
-    /// `?x` or `<?x>`: a parameter written so, or a variable of the task.
+    /// Lowers `?x` or `<?x>`: a parameter, or a variable of the task.
     pub(crate) fn variable(&mut self, name: &Symbol, must_be_bound: bool, span: Span) -> Option<ExprKind> {
         if !self.scope.locals.is_empty() {
             let local = Symbol::new(&format!("?{name}"));
@@ -158,7 +158,7 @@ impl Lowering {
         }
     }
 
-    /// `datum` as data with holes, as an expression.
+    /// Lowers `datum` as data with holes to an expression.
     pub(crate) fn template_expression(&mut self, datum: &Datum) -> Option<Expr> {
         let kind = match self.template(datum)? {
             Template::Constant(value) => ExprKind::Constant(value),
@@ -168,7 +168,7 @@ impl Lowering {
         Some(Expr { kind, place: datum.span.place() })
     }
 
-    /// An argument printed as FORM: a datum with holes unless it is quoted, backquoted or a variable.
+    /// Returns an argument printed as FORM: a datum with holes unless it is quoted, backquoted or a variable.
     pub(crate) fn form(&mut self, datum: &Datum) -> Option<Expr> {
         match &datum.kind {
             DatumKind::List(_) | DatumKind::Symbol(_) => self.template_expression(datum),

@@ -118,7 +118,7 @@ impl<'s> GoalIndex<'s> {
         candidates.any(|served| may_match(view, &served.pattern, &mut { MATCH_STEPS_MAX }))
     }
 
-    /// Of the classes that begin as the goal does, the one that differs least.
+    /// Returns, of the classes that begin as the goal does, the one that differs least.
     pub(super) fn likest(&self, goal: &Template) -> Option<&'s Served> {
         let view = View::Template(goal);
         let same = self.by_head.get(view.head()?).into_iter().flatten().take(COMPARED_MAX);

@@ -29,7 +29,7 @@ impl Lowering {
                 let message = format!("`{text}` is served twice in one bundle");
                 let diagnostic = Diagnostic::error(codes::DUPLICATE_INDEX, each.span, message)
                     .label(first, "the same goals are served here")
-                    .reason("nothing would tell which of the two to choose")
+                    .reason("the executive could not decide which of the two to choose")
                     .help("remove one, make its index more specific, or put it into another bundle");
                 self.report(diagnostic);
                 continue;
@@ -43,7 +43,7 @@ impl Lowering {
         self.served = served;
     }
 
-    /// A built-in activity serves all goals of its form: an index for some of them would never be chosen.
+    /// Reports an index for goals that a built-in activity serves: it would never be chosen.
     fn report_built_in(&mut self, each: &Served) {
         let Some(word) = built_in_that_serves(&each.pattern) else { return };
         let text = pattern_text(&each.pattern);
@@ -76,7 +76,7 @@ impl Lowering {
     }
 }
 
-/// The built-in activity that serves all goals that the pattern matches.
+/// Returns the built-in activity that serves all goals that the pattern matches.
 fn built_in_that_serves(pattern: &Pattern) -> Option<&'static str> {
     const ALWAYS: [&str; 6] = ["terminate", "cogevent", "inform", "print", "hold-resource", "release-resource"];
     const OF_TASKS: [&str; 5] = ["reset", "suspend", "resume", "reprioritize", "plan"];
@@ -105,7 +105,7 @@ fn built_in_that_serves(pattern: &Pattern) -> Option<&'static str> {
     }
 }
 
-/// The pattern with its variables numbered: equal for patterns that match the same values.
+/// Returns the pattern with its variables numbered: equal for patterns that match the same values.
 pub(crate) fn shape(pattern: &Pattern) -> String {
     let mut names: BTreeMap<Symbol, usize> = BTreeMap::new();
     let mut text = String::new();
@@ -164,7 +164,7 @@ fn first_symbol(pattern: &Pattern) -> String {
     first.map_or(String::new(), |value| value.to_string().to_lowercase())
 }
 
-/// True when some value provably matches both patterns; guards and segments are not looked into.
+/// Returns true when some value provably matches both patterns; guards and segments are not looked into.
 fn overlap(a: &Pattern, b: &Pattern) -> bool {
     match (a, b) {
         (Pattern::Literal(a), Pattern::Literal(b)) => a.matches(b),

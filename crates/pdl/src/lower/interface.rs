@@ -17,7 +17,7 @@ const COMMAND: &str = "(declare-command (NAME (?parameter TYPE).. [&optional (?p
 const SOURCES: &[&str] = &["vehicle", "mission", "operator", "world"];
 
 impl Lowering {
-    /// `(declare-event ..)` and `(declare-command ..)`.
+    /// Lowers `(declare-event ..)` and `(declare-command ..)`.
     pub(super) fn declare_interface(&mut self, form: &Datum, library: &mut Library) -> Option<()> {
         let is_event = form.head_name() == "declare-event";
         let (shape, known): (_, &[&str]) = if is_event { (EVENT, &["from"]) } else { (COMMAND, &[]) };
@@ -65,14 +65,14 @@ impl Lowering {
         match datum.as_symbol() {
             Some(name) if SOURCES.contains(&name.folded()) => Some(name.clone()),
             name => {
-                let diagnostic = Diagnostic::error(codes::MALFORMED, datum.span, "nothing of this name sends messages");
+                let diagnostic = Diagnostic::error(codes::MALFORMED, datum.span, "unknown source of messages");
                 let fixes = renames(datum.span, name.map_or("", Symbol::printed), SOURCES.iter().copied());
                 self.refuse(diagnostic.fixes_or_help(fixes, || format!("sources are {}", SOURCES.join(" "))))
             }
         }
     }
 
-    /// The parameters of a declaration.
+    /// Returns the parameters of a declaration.
     fn signature(&mut self, items: &[Datum], shape: &str) -> Option<InterfaceDeclaration> {
         let mut declaration = InterfaceDeclaration {
             parameters: Vec::new(),
@@ -107,7 +107,7 @@ impl Lowering {
         Some(declaration)
     }
 
-    /// `(?name TYPE)`; `?name` alone takes anything.
+    /// Lowers `(?name TYPE)`; `?name` alone takes anything.
     fn typed_parameter(&mut self, item: &Datum, shape: &str) -> Option<Parameter> {
         if let Some(name) = item.as_variable() {
             return Some(Parameter { name: name.clone(), argument_type: ArgumentType::Any });

@@ -20,7 +20,7 @@ use std::sync::Arc;
 type Names = BTreeSet<Symbol>;
 
 impl Lowering {
-    /// The conditions of a clause, which hold together: joined, and each use of a variable inspected.
+    /// Returns the conditions of a clause, which hold together: joined, and each use of a variable inspected.
     pub(crate) fn clause_conditions(&mut self, mut conditions: Vec<Condition>, clause: Span) -> Vec<Condition> {
         let constraints = join(&mut conditions);
         for condition in &conditions {
@@ -83,7 +83,7 @@ pub(crate) fn join(parts: &mut [Condition]) -> Vec<Expr> {
     constraints
 }
 
-/// The variables that a result of the condition certainly binds.
+/// Collects the variables that a result of the condition certainly binds.
 fn bound_by(condition: &Condition, names: &mut Names) {
     match &condition.kind {
         ConditionKind::Or(parts, _) => {
@@ -136,7 +136,7 @@ fn of_constraints(constraints: &[Constraint], names: &mut Names) {
     }
 }
 
-/// The variable that takes the value: `= ?v`.
+/// Returns the variable that takes the value: `= ?v`.
 fn taken(constraint: &Constraint) -> Option<&Symbol> {
     match constraint {
         Constraint::Compare {
@@ -167,7 +167,7 @@ fn of_pattern(pattern: &Pattern, names: &mut Names) {
     }
 }
 
-/// `<?v>` of an earlier part becomes `?v`, whose values must agree.
+/// Turns `<?v>` of an earlier part into `?v`, whose values must agree.
 fn take_over(condition: &mut Condition, bound: &Names) {
     match &mut condition.kind {
         ConditionKind::And(parts, _)
@@ -312,7 +312,7 @@ fn each_leaf<'a>(condition: &'a Condition, act: &mut dyn FnMut(&'a Condition)) {
     }
 }
 
-/// The variables whose values a leaf needs to be judged, with their places.
+/// Returns the variables whose values a leaf needs to be judged, with their places.
 fn uses(leaf: &Condition) -> Vec<(Symbol, Place)> {
     let mut found = Vec::new();
     match &leaf.kind {
@@ -359,7 +359,7 @@ fn of_expr(expr: &Expr, found: &mut Vec<(Symbol, Place)>) {
     variables::of_expr(expr, &mut |name| found.push((name.clone(), expr.place)));
 }
 
-/// Every `<?v>` of a pattern.
+/// Collects every `<?v>` of a pattern.
 fn bound_marks(pattern: &Pattern, place: Place, found: &mut Vec<(Symbol, Place)>) {
     match pattern {
         Pattern::BoundVariable(name) => found.push((name.clone(), place)),

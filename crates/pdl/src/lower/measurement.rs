@@ -16,7 +16,7 @@ use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 
 impl Lowering {
-    /// `(ATTR OBJ REL VAL [+/- E])`, a relation being present.
+    /// Lowers `(ATTR OBJ REL VAL [+/- E])`, which contains a relation.
     pub(crate) fn short_measurement(&mut self, datum: &Datum, items: &[Datum]) -> Option<ConditionKind> {
         let (variable, value) = self.variable_with_value(datum, items)?;
         let (object, timestamp) = (Vec::new(), Vec::new());
@@ -43,7 +43,7 @@ impl Lowering {
         Some((variable, constraints))
     }
 
-    /// `ATTR OBJ..` as a pattern over state variables.
+    /// Lowers `ATTR OBJ..` to a pattern over state variables.
     fn state_variable(&mut self, datum: &Datum, names: &[Datum]) -> Option<VariablePattern> {
         let Some((Datum { kind: DatumKind::Symbol(attribute), .. }, objects)) = names.split_first() else {
             let diagnostic =
@@ -63,13 +63,13 @@ impl Lowering {
         Some(VariablePattern { attribute: attribute.clone(), object })
     }
 
-    /// A state variable alone, as episodes name it.
+    /// Returns a state variable alone, as episodes name it.
     pub(crate) fn plain_state_variable(&mut self, datum: &Datum) -> Option<VariablePattern> {
         let items = datum.as_list().unwrap_or_default();
         self.state_variable(datum, items)
     }
 
-    /// `(:measurement [tag] (ATTR OBJ [= VAL]) [:value C..] [:object C..] [:timestamp C..] [:estimation E])`
+    /// Lowers `(:measurement [tag] (ATTR OBJ [= VAL]) [:value C..] [:object C..] [:timestamp C..] [:estimation E])`.
     pub(crate) fn measurement(&mut self, datum: &Datum, items: &[Datum]) -> Option<Condition> {
         let (tag, items) = self.condition_tag(items);
         let Some((form, options)) = items.split_first().filter(|(form, _)| form.as_list().is_some()) else {
@@ -111,7 +111,7 @@ impl Lowering {
         self.refuse(diagnostic)
     }
 
-    /// An estimator answers for every instant: it is asked for the first that satisfies the constraints, and these must
+    /// Returns an estimator answers for every instant: it is asked for the first that satisfies the constraints, and these must
     /// say which instants and, on a line, which values that are.
     fn check_solvable(&mut self, measurement: &MeasurementCondition, span: Span) -> Option<()> {
         let is_bound = |constraint: &Constraint| match constraint {
@@ -150,7 +150,7 @@ impl Lowering {
             }
             Some("linear-regression") => self.regression(&options, datum.span, expected),
             _ => {
-                let diagnostic = Diagnostic::error(codes::MALFORMED_CONDITION, datum.span, "no estimator is called so")
+                let diagnostic = Diagnostic::error(codes::MALFORMED_CONDITION, datum.span, "unknown estimator")
                     .help("estimators are `:persist`, `(:persist :with-timeout D)` and `:linear-regression`");
                 self.refuse(diagnostic)
             }
@@ -214,7 +214,7 @@ impl Lowering {
         self.pure(place, |lowering| lowering.expression(datum))
     }
 
-    /// A frequency as the interval between samples, or an interval as it is.
+    /// Returns a frequency as the interval between samples, or an interval as it is.
     pub(crate) fn interval_or_frequency(&mut self, datum: &Datum) -> Option<Expr> {
         use apex_model::quantity::Dimension;
         if let DatumKind::Quantity(quantity) = &datum.kind

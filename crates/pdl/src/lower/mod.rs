@@ -146,7 +146,7 @@ impl Lowering {
         None
     }
 
-    /// The severity of an undefined name: in a fragment its definition may be elsewhere.
+    /// Returns the severity of an undefined name: in a fragment its definition may be elsewhere.
     pub(crate) fn undefined(&self) -> Severity {
         if self.fragment { Severity::Note } else { Severity::Error }
     }
@@ -170,7 +170,7 @@ impl Lowering {
     }
 }
 
-/// The span of `items`, or `fallback` without items.
+/// Returns the span of `items`, or `fallback` without items.
 pub(crate) fn span_of(items: &[Datum], fallback: Span) -> Span {
     match (items.first(), items.last()) {
         (Some(first), Some(last)) => first.span.to(last.span),

@@ -35,7 +35,7 @@ pub(crate) struct Names {
 }
 
 impl Names {
-    /// The function called `name`, under the name to store.
+    /// Returns the function called `name`, under the name to store.
     pub(crate) fn function(&self, name: &Symbol) -> Option<(Symbol, Callable)> {
         if let Some(found) = builtins::built_in(name.folded()) {
             let callable =
@@ -64,7 +64,7 @@ impl Names {
         INDEXICALS.binary_search(&name.folded()).is_ok() || self.indexicals.contains_key(name)
     }
 
-    /// All names that may head a call, for suggestions.
+    /// Returns all names that may head a call, for suggestions.
     pub(crate) fn operators(&self) -> impl Iterator<Item = &str> {
         BUILT_INS
             .iter()
@@ -74,7 +74,7 @@ impl Names {
             .chain(self.functions.keys().map(Symbol::printed))
     }
 
-    /// All indexicals, for suggestions.
+    /// Returns all indexicals, for suggestions.
     pub(crate) fn indexical_names(&self) -> impl Iterator<Item = &str> {
         INDEXICALS.iter().copied().chain(self.indexicals.keys().map(Symbol::printed))
     }

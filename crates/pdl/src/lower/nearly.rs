@@ -26,7 +26,7 @@ const MISSING_VALUE: u32 = 16;
 const EXTRA: u32 = 18;
 const OTHER_WORD: u32 = 40;
 
-/// The one difference between a goal and an index and how great it is; none when there are several.
+/// Returns the only difference between a goal and an index with its size; `None` if there are several.
 pub(super) fn difference(goal: &Datum, index: &Datum) -> Option<(u32, Difference)> {
     let (goal, index) = (goal.as_list()?, index.as_list()?);
     let goal = goal.split(|item| item.is("=>")).next().unwrap_or(goal);
@@ -77,7 +77,7 @@ fn agree(goal: &[&Datum], index: &[&Datum]) -> bool {
         && pairs().any(|(one, other)| equal(one, other))
 }
 
-/// One word that differs: misspelt, or another one in a goal that is otherwise the same.
+/// Compares one word: it may be misspelt, or another word in a goal that is otherwise equal.
 fn word(goal: &[Datum], index: &[Datum], at: usize) -> Option<(u32, Difference)> {
     let (written, wanted) = (goal.get(at)?.as_symbol()?, index.get(at)?.as_symbol()?);
     if let Some(near) = near(written.printed(), [wanted.printed()]).first() {
@@ -102,12 +102,12 @@ fn may_equal(goal: &Datum, index: &Datum) -> bool {
     }
 }
 
-/// `(?* ?x)`: the index has no certain number of items.
+/// Returns true for `(?* ?x)`: the index then has no fixed number of items.
 fn has_segment(index: &[Datum]) -> bool {
     index.iter().any(|item| item.as_list().and_then(<[Datum]>::first).is_some_and(|head| head.as_variable().is_some()))
 }
 
-/// Every word of a goal or an index.
+/// Returns every word of a goal or an index.
 pub(super) fn words(datum: &Datum) -> impl Iterator<Item = &Symbol> {
     datum.as_list().unwrap_or_default().iter().filter_map(Datum::as_symbol)
 }

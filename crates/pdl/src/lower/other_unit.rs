@@ -1,4 +1,4 @@
-//! Fixes for a quantity of the wrong dimension: the number may be right where the unit is not.
+//! Fixes for a quantity of the wrong dimension: they keep the number and replace the unit.
 
 use super::Lowering;
 use crate::diagnostic::{Diagnostic, Span};
@@ -6,8 +6,8 @@ use crate::fix::Fix;
 use crate::read::number_and_unit;
 
 impl Lowering {
-    /// Says in which unit a value is wanted, and offers the number that is written with it. Only its author knows whether
-    /// the number was meant in that unit.
+    /// Adds the expected unit to a diagnostic, and a fix that writes the same number with it. The fix is not applied automatically,
+    /// because only the author knows whether the number is meant in that unit.
     pub(crate) fn in_unit(&self, diagnostic: Diagnostic, span: Span, unit: &str) -> Diagnostic {
         let diagnostic = diagnostic.reason(format!("its values are in {unit}"));
         match self.quantity_at(span) {
@@ -19,7 +19,7 @@ impl Lowering {
         }
     }
 
-    /// The number that is written at `span` as a duration: `m` is a length, and minutes are `min`.
+    /// Returns a fix that writes the number at `span` as a duration: `m` is metres, minutes are `min`.
     pub(crate) fn as_duration(&self, span: Span) -> Option<Fix> {
         let (number, other) = self.quantity_at(span)?;
         let unit = if other == "m" { "min" } else { "s" };
@@ -27,7 +27,7 @@ impl Lowering {
         Some(Fix::look(title).replace(span, format!("{number}{unit}")))
     }
 
-    /// The number and the unit of the quantity that is all that is written at `span`.
+    /// Returns number and unit of the text at `span`, if it is exactly one quantity.
     fn quantity_at(&self, span: Span) -> Option<(&str, &str)> {
         number_and_unit(self.text_at(span)?)
     }

@@ -21,7 +21,7 @@ enum ParameterKind {
 const MARKS: &[(&str, ParameterKind)] =
     &[("&optional", ParameterKind::Optional), ("&rest", ParameterKind::Rest), ("&body", ParameterKind::Rest)];
 
-/// Least and greatest number of arguments that a list of parameters takes, before its expressions are checked.
+/// Returns the least and greatest number of arguments that a list of parameters takes, before its expressions are checked.
 pub(crate) fn argument_counts(parameters: &[Datum]) -> (usize, Option<usize>) {
     let mark = |item: &Datum| item.as_symbol().is_some_and(|name| name.folded().starts_with('&'));
     let least = parameters.iter().take_while(|item| !mark(item)).count();
@@ -44,7 +44,7 @@ impl Lowering {
         body
     }
 
-    /// The parameters; their names are local variables from here on.
+    /// Returns the parameters; their names are local variables from here on.
     fn parameters(&mut self, datum: &Datum) -> Option<Parameters> {
         let Some(items) = datum.as_list() else {
             let diagnostic = Diagnostic::error(codes::MALFORMED, datum.span, "parameters are a list of names");
@@ -104,7 +104,7 @@ impl Lowering {
         }
     }
 
-    /// A name, or an optional one with what it is where a call leaves it out.
+    /// Lowers a name, or an optional one with its default.
     fn parameter(&mut self, item: &Datum, part: ParameterKind) -> Option<(Symbol, Option<Expr>)> {
         if let Some(name) = local_name(item) {
             return Some((name, None));

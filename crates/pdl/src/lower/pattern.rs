@@ -113,7 +113,7 @@ fn is_operator(name: &Symbol) -> bool {
     matches!(name.folded(), "*" | "+" | "?" | "if" | "is" | "and" | "or" | "not")
 }
 
-/// A function's name, plain or as `#'name` or `'name`.
+/// Returns a function's name, plain or as `#'name` or `'name`.
 pub(crate) fn function_name(datum: &Datum) -> Option<&Symbol> {
     match &datum.kind {
         DatumKind::Function(inner) | DatumKind::Quote(inner) => inner.as_symbol(),

@@ -38,7 +38,7 @@ impl Lowering {
         found
     }
 
-    /// A step with a step inside was closed too late.
+    /// Reports a step inside of another one, whose list was closed too late.
     fn report_nested_step(&mut self, step: &Datum) -> bool {
         let items = step.as_list().unwrap_or_default();
         let Some(at) = items.iter().position(|item| item.head_name() == "step") else { return false };
@@ -76,7 +76,7 @@ fn left_the_step(step: &Datum, rest: &[Datum]) -> usize {
     if certain == 0 { 0 } else { certain + rest.iter().skip(certain).take_while(indented).count() }
 }
 
-/// The `)` of a list.
+/// Returns the `)` of a list.
 fn closer(list: &Datum) -> Span {
     Span { start: list.span.end.saturating_sub(1).max(list.span.start), ..list.span }
 }

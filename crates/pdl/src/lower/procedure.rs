@@ -69,7 +69,7 @@ impl Lowering {
         Some(procedure)
     }
 
-    /// `(proctype ranked)` is the kind, which stands first.
+    /// Reports `(proctype ranked)`: the kind of a procedure is its first word.
     fn report_proctype(&mut self, datum: &Datum) -> bool {
         let Some(clause) = datum.tail().iter().find(|item| item.head_name() == "proctype") else { return false };
         let kind = match clause.tail() {
@@ -153,7 +153,7 @@ impl Lowering {
         }
     }
 
-    /// `=> ?x` belongs to the step that pursues the goal; an index with it matches no goal.
+    /// Reports `=> ?x` in an index: it belongs to the step that pursues the goal, and an index with it matches no goal.
     fn report_result_in_index(&mut self, datum: &Datum) -> bool {
         let items = datum.as_list().unwrap_or_default();
         let Some(mark) = items.iter().position(|item| item.is("=>")).filter(|mark| *mark > 0) else { return false };
@@ -178,9 +178,13 @@ impl Lowering {
             return None;
         }
         if let Some(bound) = first_bound(datum) {
-            let diagnostic = Diagnostic::error(codes::NEVER_BOUND, bound.span, "nothing is bound before the index")
-                .reason("`<?x>` must have a value already; an index gives variables their first values")
-                .help("write `?x`");
+            let diagnostic = Diagnostic::error(
+                codes::NEVER_BOUND,
+                bound.span,
+                "no variable has a value before the index is matched",
+            )
+            .reason("`<?x>` must have a value already; an index gives variables their first values")
+            .help("write `?x`");
             return self.refuse(diagnostic);
         }
         for item in datum.tail() {
@@ -315,14 +319,14 @@ impl Lowering {
     }
 }
 
-/// A clause for readers: it says something about the text, and does nothing.
+/// Returns true for a clause for readers, which documents the text and has no effect.
 pub(crate) fn is_documentation(clause: &Datum) -> bool {
     let name = clause.head_name();
     DOCUMENTATION_CLAUSES.contains(&name.strip_prefix(':').unwrap_or(name))
         && clause.tail().iter().all(|item| item.as_list().is_none())
 }
 
-/// A list that is neither a clause nor nearly one.
+/// Returns true for a list that is neither a clause nor similar to one.
 fn is_bare_step(clause: &Datum) -> bool {
     let name = clause.head_name();
     let words = || PROCEDURE_CLAUSES.iter().chain(STEP_CLAUSES).copied();
@@ -333,12 +337,12 @@ fn is_bare_step(clause: &Datum) -> bool {
         && !super::step::is_meant_clause(name)
 }
 
-/// The step that ends a procedure with success.
+/// Returns the step that ends a procedure with success.
 fn terminate_step(tag: &str, place: apex_model::source::Place) -> Step {
     Step::plain(Symbol::new(tag), Activity::Terminate { task: None, outcome: None, value: None }, place)
 }
 
-/// `(indx (..))`: one list inside, headed by nearly `index`.
+/// Returns true for `(indx (..))`: one list inside, headed by a word similar to `index`.
 fn is_misspelt_index(datum: &Datum) -> bool {
     let name = datum.head_name();
     matches!(datum.tail(), [pattern] if pattern.as_list().is_some()) && nearest(name, ["index"]).is_some()

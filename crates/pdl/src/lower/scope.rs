@@ -76,7 +76,7 @@ impl Binders {
 }
 
 impl Scope {
-    /// The scope of a procedure or primitive.
+    /// Returns the scope of a procedure or primitive.
     pub(crate) fn of_tasks() -> Scope {
         Scope { has_variables: true, ..Scope::default() }
     }
@@ -149,12 +149,12 @@ impl Scope {
         self.binders.get(name).and_then(Binders::first)
     }
 
-    /// The use of `name` at `place`.
+    /// Returns the use of `name` at `place`.
     pub(crate) fn use_at(&self, name: &Symbol, place: Place) -> Option<Span> {
         self.uses.iter().find(|(used, _, span)| used == name && span.place() == place).map(|(.., span)| *span)
     }
 
-    /// The step other than the present one whose result binds `name`.
+    /// Returns true if `name` is bound by the result of a step other than the present one.
     pub(crate) fn is_result_of_another_step(&self, name: &Symbol) -> bool {
         self.results.get(name).is_some_and(|step| Some(*step) != self.step)
     }

@@ -13,7 +13,7 @@ use apex_model::time::Duration;
 use apex_model::value::Value;
 
 impl Lowering {
-    /// `(end-when C)`, `(terminate (when C))`, `(suspend-when C until C)`, `(suspend (when C) (until C))` and relatives.
+    /// Lowers `(end-when C)`, `(terminate (when C))`, `(suspend-when C until C)`, `(suspend (when C) (until C))` and the like.
     pub(crate) fn transition(&mut self, clause: &Datum, transitions: &mut Transitions) -> Option<()> {
         let name = clause.head_name();
         let items = clause.tail();
@@ -59,7 +59,7 @@ impl Lowering {
         Some(())
     }
 
-    /// The one condition of a clause; `:quality Q` may follow an episode.
+    /// Returns the one condition of a clause; `:quality Q` may follow an episode.
     fn clause_condition(&mut self, name: &str, items: &[Datum], clause: &Datum) -> Option<Condition> {
         let lowered = self.conditions(items)?;
         let mut lowered = self.clause_conditions(lowered, clause.span);
@@ -77,7 +77,7 @@ impl Lowering {
         }
     }
 
-    /// A hook: forms with effects.
+    /// Returns a hook: forms with effects.
     pub(crate) fn hook(&mut self, clause: &Datum, hooks: &mut Hooks) -> Option<()> {
         let forms = self.body(clause.tail())?;
         match clause.head_name() {
@@ -162,7 +162,7 @@ impl Lowering {
         }
     }
 
-    /// `(log (ATTR OBJ)..)` and `(log ((ATTR OBJ) :frequency-limit D ..)..)`; for messages `(:events HEAD)` replaces `(ATTR OBJ)`.
+    /// Lowers `(log (ATTR OBJ)..)` and `(log ((ATTR OBJ) :frequency-limit D ..)..)`; for messages `(:events HEAD)` replaces `(ATTR OBJ)`.
     pub(crate) fn log(&mut self, clause: &Datum) -> Option<Vec<LogPolicy>> {
         self.all(clause.tail(), |lowering, item| {
             let nested = Lowering::is_nested(item);
@@ -214,18 +214,18 @@ impl Lowering {
         }
     }
 
-    /// A limit of a log in time: more than nothing.
+    /// Returns a limit of a log in time: more than nothing.
     fn log_span(&mut self, datum: &Datum) -> Option<Duration> {
         let span = self.literal_duration(datum)?;
         if span > Duration::ZERO {
             return Some(span);
         }
-        let message = format!("a limit of {span} leaves nothing to keep, or limits nothing");
+        let message = format!("the limit of a log is {span}, expected a duration above zero");
         let help = "leave it out, or write a duration above zero: `:frequency-limit 1s`, `:time-limit P10M`";
         self.refuse(Diagnostic::error(codes::NOTHING_TO_LOG, datum.span, message).help(help))
     }
 
-    /// A duration that is known at load time; a frequency means its interval.
+    /// Returns a duration that is known at load time; a frequency means its interval.
     pub(crate) fn literal_duration(&mut self, datum: &Datum) -> Option<Duration> {
         let expr: Expr = self.interval_or_frequency(datum)?;
         match expr.kind {

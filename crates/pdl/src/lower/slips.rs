@@ -130,7 +130,7 @@ impl Lowering {
         }) else {
             return false;
         };
-        let message = format!("nothing is called `{head}` of a step");
+        let message = format!("a step has no `{head}`");
         let fix = Fix::safe(format!("replace `{head}` by `{meant}`")).replace(datum.head_span(), meant);
         self.report(Diagnostic::error(codes::UNKNOWN_CONDITION, datum.head_span(), message).fix(fix));
         true
@@ -151,7 +151,7 @@ impl Lowering {
             let fix = Fix::safe(format!("write `(VARIABLE {name} VALUE)`"));
             let message = "a comparison begins with the state variable";
             let diagnostic = Diagnostic::error(codes::MALFORMED_CONDITION, relation.span, message)
-                .reason("as it stands it is an event with these words, which never comes")
+                .reason("as written, it is an event with these words, which never occurs")
                 .fix(fix.replace(opening, "").replace(closing, format!(" {name}")));
             self.report(diagnostic);
             return true;
@@ -167,7 +167,7 @@ impl Lowering {
         let fix = Fix::safe(format!("replace `{name}` by `{own}`")).replace(span, own);
         self.report(
             Diagnostic::error(codes::MALFORMED_CONDITION, span, format!("no relation is called `{name}`"))
-                .reason("as it stands this is an event with these words, which never comes")
+                .reason("as written, this is an event with these words, which never occurs")
                 .fix(fix),
         );
         true
@@ -175,7 +175,7 @@ impl Lowering {
 }
 
 impl Lowering {
-    /// `(roll ac1 >15)` and `(roll ac1>15)`: the relation is part of a word, and the whole would be a message.
+    /// Reports `(roll ac1 >15)` and `(roll ac1>15)`: the relation is part of a word, so that the whole would be a message.
     fn report_glued_relation(&mut self, items: &[Datum]) -> bool {
         for item in items.iter().skip(1) {
             let Some(name) = item.as_symbol() else { continue };
@@ -185,7 +185,7 @@ impl Lowering {
             let message = format!("`{sign}` is part of the word `{name}`");
             self.report(
                 Diagnostic::error(codes::MALFORMED_CONDITION, item.span, message)
-                    .reason("words end at spaces: as it stands this is an event with these words, which never comes")
+                    .reason("words end at spaces: as written, this is an event with these words, which never occurs")
                     .fix(fix),
             );
             return true;
@@ -194,7 +194,7 @@ impl Lowering {
     }
 }
 
-/// A relation as a word before something that can be compared.
+/// Returns a relation as a word before something that can be compared.
 fn relation_word(items: &[Datum]) -> Option<(Span, &Symbol, &'static str)> {
     items.windows(2).skip(1).find_map(|pair| {
         let [word, next] = pair else { return None };
@@ -213,7 +213,7 @@ fn relation_word(items: &[Datum]) -> Option<(Span, &Symbol, &'static str)> {
     })
 }
 
-/// A word with a relation in it, taken apart, where a number or a variable follows.
+/// Returns a word with a relation in it, taken apart, where a number or a variable follows.
 fn glued(name: &str) -> Option<(&str, &'static str, &'static str, &str)> {
     let at = name.find(['<', '>', '=', '/', '!'])?;
     let (before, rest) = name.split_at_checked(at)?;
@@ -224,7 +224,7 @@ fn glued(name: &str) -> Option<(&str, &'static str, &'static str, &str)> {
     (compared && !before.ends_with('-')).then_some((before, *sign, *own, after))
 }
 
-/// The message about a word of an index that was meant as the variable used at `used`.
+/// Returns the message about a word of an index that was meant as the variable used at `used`.
 pub(super) fn variable_without_mark(name: &Symbol, word: Span, used: Span) -> Diagnostic {
     let fix = Fix::safe(format!("write `?{name}`")).insert_before(Span { end: word.start, ..word }, "?");
     Diagnostic::error(codes::UNBOUND_VARIABLE, word, format!("`{name}` is a word here, and nothing binds `?{name}`"))

@@ -26,7 +26,7 @@ pub(crate) struct StepSource<'d> {
 }
 
 impl<'d> StepSource<'d> {
-    /// A step that is its activity alone: `(fly-to ?place)`.
+    /// Returns a step that is its activity alone: `(fly-to ?place)`.
     pub(crate) fn bare(activity: &'d Datum) -> StepSource<'d> {
         let (span, clauses) = (activity.span, Vec::new());
         StepSource { tag: Symbol::new(""), tag_span: span, activity, result: None, clauses, span }
@@ -111,7 +111,7 @@ impl Lowering {
         Some(StepSource { tag, tag_span, activity, result, clauses, span: datum.span })
     }
 
-    /// The name of a step that begins with a number and reads like a quantity: `4.4a`, `2s`.
+    /// Returns the name of a step that begins with a number and reads like a quantity: `4.4a`, `2s`.
     fn number_as_name(&self, tag: &Datum) -> Option<Symbol> {
         matches!(tag.kind, DatumKind::Quantity(_) | DatumKind::Duration(_))
             .then(|| self.text_at(tag.span))
@@ -149,7 +149,7 @@ impl Lowering {
         Some(step)
     }
 
-    /// The pattern of a `=>` binds for the whole procedure.
+    /// Returns the pattern of a `=>` binds for the whole procedure.
     fn result_pattern(&mut self, datum: &Datum) -> Option<apex_model::pattern::Pattern> {
         let step = self.scope.step.take();
         let pattern = self.pattern(datum);
@@ -321,7 +321,7 @@ impl Lowering {
         Some(Repetition { while_true, until, enabled, recovery, minimum_interval, for_new, drop_missed })
     }
 
-    /// `answer` or `drop`; true when messages that come while the step is busy are dropped.
+    /// Lowers `answer` or `drop`; returns true if messages that arrive while the step is busy are dropped.
     fn missed_messages(&mut self, datum: &Datum) -> Option<bool> {
         if datum.is("drop") || datum.is("answer") {
             return Some(datum.is("drop"));

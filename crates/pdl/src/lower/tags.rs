@@ -33,8 +33,8 @@ impl Lowering {
             .collect()
     }
 
-    /// Several conditions agree on a tag that no step has, and one step has nearly that tag and is named by no condition: it is
-    /// the step that is misspelt. True if that was reported.
+    /// Reports a misspelt tag: several conditions agree on a tag that no step has, and one step has nearly that tag and is named by no
+    /// condition. Returns true if it was reported.
     pub(crate) fn report_odd_tag(&mut self, name: &Symbol, used: Span) -> bool {
         if self.scope.times_named.get(name).is_none_or(|count| *count < 2) {
             return false;
@@ -70,7 +70,7 @@ impl Lowering {
     }
 }
 
-/// Another tag for one of two steps with the same: the one that other steps wait for and no step has, or a new one.
+/// Returns another tag for one of two steps with the same: the one that other steps wait for and no step has, or a new one.
 fn other_tag(steps: &[StepSource<'_>], first: &StepSource<'_>, second: &StepSource<'_>) -> Option<Fix> {
     let tags: BTreeSet<&Symbol> = steps.iter().map(|step| &step.tag).collect();
     let mut missed: BTreeMap<&Symbol, Vec<usize>> = BTreeMap::new();
@@ -92,7 +92,7 @@ fn other_tag(steps: &[StepSource<'_>], first: &StepSource<'_>, second: &StepSour
     Some(Fix::look(format!("tag the second step `{fresh}`")).replace(second.tag_span, fresh))
 }
 
-/// The variables of `(end ?x)` and the like in a condition.
+/// Collects the variables of `(end ?x)` and the like in a condition.
 fn ended_tasks<'d>(condition: &'d Datum, found: &mut dyn FnMut(&'d Symbol)) {
     let Some(items) = condition.as_list() else { return };
     match (condition.head_name(), items) {

@@ -42,7 +42,7 @@ fn hole_or_constant(expr: Expr) -> Template {
     }
 }
 
-/// A list template; a constant when no part has a hole.
+/// Returns a list template; a constant when no part has a hole.
 pub(crate) fn list_of(parts: Vec<Template>) -> Template {
     if parts.iter().all(|part| matches!(part, Template::Constant(_))) {
         let values = parts.into_iter().filter_map(|part| match part {

@@ -22,7 +22,7 @@ const WORDS: &[&str] = &[
     "latest-end",
 ];
 
-/// `:start`, `:end` and the other words of timing.
+/// Returns true for `:start`, `:end` and the other words of timing.
 fn is_word(item: &Datum) -> bool {
     item.keyword().is_some_and(|name| WORDS.contains(&name))
 }
@@ -53,7 +53,7 @@ impl Lowering {
         complete.then_some(timing)
     }
 
-    /// `(:start CONSTRAINT.. :end CONSTRAINT..)`, as the original writes it.
+    /// Lowers `(:start CONSTRAINT.. :end CONSTRAINT..)`, the spelling of the original.
     fn timing_in_one_list(&mut self, item: &Datum, is_event: bool, timing: &mut Timing) -> Option<()> {
         let mut complete = true;
         let mut rest = item.as_list().unwrap_or_default();

@@ -24,7 +24,7 @@ pub(crate) struct Unindexed {
 }
 
 impl Unindexed {
-    /// Of a form whose parts after its name and kind are `items`.
+    /// Returns the diagnosis of a form whose parts after its name and kind are `items`.
     pub(crate) fn new(form: &Datum, items: &[Datum]) -> Unindexed {
         let all = form.as_list().unwrap_or_default();
         let first = items.first().and_then(|first| all.iter().position(|item| item.span == first.span));
@@ -91,7 +91,7 @@ impl Lowering {
 /// Maximum number of unserved goals that are inspected.
 const GOALS_MAX: usize = 100;
 
-/// The pattern that serves all these goals, if they are of one kind, and whether nothing about it is guessed.
+/// Returns the pattern that serves all these goals, if they are of one kind, and whether it is certain.
 fn pattern_of(form: &Unindexed, goals: &[Datum]) -> Option<(String, bool)> {
     let lists: Vec<&[Datum]> = goals
         .iter()

@@ -115,7 +115,7 @@ impl<'s, 'l> Search<'s, 'l> {
         word.and_then(|word| self.counts.get(word)).copied().unwrap_or(0)
     }
 
-    /// The message about an unserved goal, and the place of what is wrong: goals with the same cause share a message.
+    /// Returns the diagnostic of an unserved goal, and the place of the error: goals with the same cause share a diagnostic.
     fn message(&mut self, goal: &Goal, goals: &[Goal], index: &GoalIndex<'_>) -> Option<(Place, Diagnostic)> {
         let source = self.locator.datum(goal.span.place())?;
         let text = template_text(&goal.template);
@@ -181,7 +181,7 @@ impl<'s, 'l> Search<'s, 'l> {
         diagnostic.fixes_or_help(fixes, || format!("write a procedure for it: `(procedure (index {text}) ..)`"))
     }
 
-    /// A procedure for the goal at the end of its file, which only says that it is still to be written.
+    /// Returns a procedure for the goal at the end of its file, which only says that it is still to be written.
     fn skeleton(&self, goal: &Datum) -> Option<Fix> {
         let text = &self.library.sources.get(usize::try_from(goal.span.file).ok()?)?.text;
         let items = goal.as_list()?.iter().enumerate();
@@ -215,7 +215,7 @@ impl<'s, 'l> Search<'s, 'l> {
         Some(Nearest { served, index: index.clone(), difference, is_only })
     }
 
-    /// Is it the index that is misspelt? It serves no goal, its word stands nowhere else, and the goal's word does.
+    /// Returns true if the index is probably misspelt: it serves no goal, its word occurs nowhere else, and the goal's word does.
     fn is_odd(&self, nearest: &Nearest<'_>, at: usize, source: &Datum, goals: &[Goal]) -> bool {
         let word = |datum: &Datum| datum.as_list().and_then(|items| items.get(at)).and_then(Datum::as_symbol).cloned();
         let alone = GoalIndex::new(std::slice::from_ref(nearest.served));

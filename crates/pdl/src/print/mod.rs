@@ -9,12 +9,12 @@ use apex_model::condition::Condition;
 use apex_model::expression::{Expr, Template};
 use apex_model::pattern::Pattern;
 
-/// The condition as PDL.
+/// Returns the condition as PDL.
 pub fn print_condition(condition: &Condition) -> String {
     laid_out(Style::Exact.condition(condition))
 }
 
-/// The expression as PDL.
+/// Returns the expression as PDL.
 pub fn print_expression(expr: &Expr) -> String {
     laid_out(expression_text(expr))
 }
@@ -24,7 +24,7 @@ fn laid_out(text: String) -> String {
     laid_out_steps(text).0
 }
 
-/// As [`laid_out`], with the lines of the steps.
+/// Like [`laid_out`], with the lines of the steps.
 fn laid_out_steps(text: String) -> (String, Vec<u32>) {
     match crate::format::format_steps(&text) {
         Ok((formatted, steps)) => (formatted.trim_end().to_string(), steps),
@@ -36,12 +36,12 @@ fn expression_text(expr: &Expr) -> String {
     Style::Exact.expression(expr)
 }
 
-/// The template as flat text.
+/// Returns the template as flat text.
 pub(crate) fn template_text(template: &Template) -> String {
     Style::Exact.template(template)
 }
 
-/// The pattern as flat text.
+/// Returns the pattern as flat text.
 pub(crate) fn pattern_text(pattern: &Pattern) -> String {
     Style::Exact.pattern(pattern)
 }

@@ -11,7 +11,7 @@ use apex_model::procedure::{
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 
-/// The procedure as PDL. Its bundle is not part of the text: it is what `in-apex-bundle` says before it.
+/// Returns the procedure as PDL. Its bundle is not part of the text: it is what `in-apex-bundle` says before it.
 pub fn print_procedure(procedure: &Procedure) -> String {
     let kind = match procedure.kind {
         ProcedureKind::Concurrent => "",
@@ -30,7 +30,7 @@ pub fn print_procedure(procedure: &Procedure) -> String {
     laid_out(list_text("procedure", parts))
 }
 
-/// The primitive as PDL.
+/// Returns the primitive as PDL.
 pub fn print_primitive(primitive: &Primitive) -> String {
     let mut parts = vec![format!("(index {})", pattern_text(&primitive.index)), profile_text(&primitive.profile)];
     if !primitive.locals.is_empty() {
@@ -52,7 +52,7 @@ pub fn print_primitive(primitive: &Primitive) -> String {
     laid_out(list_text("primitive", parts))
 }
 
-/// A plan as PDL: a sequential procedure for the goal `index`, one step for each planned activity.
+/// Returns a plan as PDL: a sequential procedure for the goal `index`, one step for each planned activity.
 /// With `repeat` the plan is a cycle: it begins again whenever it has ended.
 pub fn print_plan(index: &Value, steps: &[(Symbol, Value)], repeat: bool) -> PrintedPlan {
     let step = |(tag, activity): &(Symbol, Value)| format!("(step {tag} {})", Style::Exact.literal(activity));

@@ -55,7 +55,7 @@ fn is_plain_word(text: &str) -> bool {
     text.bytes().next().is_some_and(|first| first.is_ascii_alphabetic() && !matches!(first, b'P' | b'p' | b'F' | b'f'))
 }
 
-/// A number, or a number with a known unit behind it.
+/// Returns a number, or a number with a known unit behind it.
 fn number(text: &str) -> Option<Atom<'_>> {
     let length = number_length(text)?;
     let (digits, suffix) = text.split_at_checked(length)?;
@@ -79,7 +79,7 @@ fn real(digits: &str) -> Option<f64> {
     digits.parse::<f64>().ok().filter(|number| number.is_finite())
 }
 
-/// `number` of `unit`: a duration for units of time, else a quantity.
+/// Returns `number` of `unit`: a duration for units of time, else a quantity.
 fn measured(number: f64, unit: &'static Unit) -> Atom<'static> {
     if unit.dimension == Dimension::TIME {
         Atom::Duration(Duration::from_seconds(number * unit.factor))
@@ -88,7 +88,7 @@ fn measured(number: f64, unit: &'static Unit) -> Atom<'static> {
     }
 }
 
-/// Length of the number that `text` begins with.
+/// Returns the length of the number that `text` begins with.
 fn number_length(text: &str) -> Option<usize> {
     let bytes = text.as_bytes();
     let at = |index: usize| bytes.get(index).copied().unwrap_or(0);
@@ -128,7 +128,7 @@ fn flight_level(text: &str) -> Option<Quantity> {
     Some(Quantity::of(real(digits)?, unit_named("FL")?))
 }
 
-/// `P1H3M4.5S`, `PT1H3M4.5S`, `P2DT3H`, `-P5S`. M is always minutes: missions do not last months.
+/// Parses `P1H3M4.5S`, `PT1H3M4.5S`, `P2DT3H`, `-P5S`. M is always minutes: missions do not last months.
 fn duration(text: &str) -> Option<Duration> {
     let (negative, text) = match text.strip_prefix('-') {
         Some(rest) => (true, rest),
@@ -168,7 +168,7 @@ fn duration(text: &str) -> Option<Duration> {
     (parts > 0).then_some(Duration(i64::try_from(signed).unwrap_or(i64::MAX)))
 }
 
-/// Exact nanoseconds of a decimal number of seconds; digits beyond the ninth are dropped.
+/// Returns the exact nanoseconds of a decimal number of seconds; digits beyond the ninth are dropped.
 fn nanoseconds(number: &str) -> Option<i128> {
     let (whole, fraction) = number.split_once('.').unwrap_or((number, ""));
     if (whole.is_empty() && fraction.is_empty()) || fraction.contains('.') || whole.len() > 18 {
@@ -180,18 +180,18 @@ fn nanoseconds(number: &str) -> Option<i128> {
     Some(whole * i128::from(NANOSECONDS_PER_SECOND) + fraction)
 }
 
-/// True for symbols that begin with a digit, such as `900MHzModem`.
+/// Returns true for symbols that begin with a digit, such as `900MHzModem`.
 pub(crate) fn is_number_like_symbol(symbol: &Symbol) -> bool {
     symbol.folded().starts_with(|first: char| first.is_ascii_digit()) && number_length(symbol.folded()).is_some()
 }
 
-/// The two parts of a number with a known unit, as they are written.
+/// Returns the two parts of a number with a known unit, as they are written.
 pub(crate) fn number_and_unit(text: &str) -> Option<(&str, &str)> {
     let parts = text.split_at_checked(number_length(text)?)?;
     unit_named(parts.1).map(|_| parts)
 }
 
-/// The number that `symbol` begins with and what follows it, if that probably misspells a unit: `35knt`. Nothing when the
+/// Returns the number that `symbol` begins with and what follows it, if that probably misspells a unit: `35knt`. Nothing when the
 /// rest is far from every unit.
 pub(crate) fn parse_unit_misspelt(symbol: &Symbol) -> Option<(String, String)> {
     let text = symbol.printed();

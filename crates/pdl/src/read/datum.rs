@@ -66,17 +66,17 @@ impl Datum {
         self.as_symbol().is_some_and(|symbol| symbol.is(name))
     }
 
-    /// The folded keyword without its colon.
+    /// Returns the folded keyword without its colon.
     pub(crate) fn keyword(&self) -> Option<&str> {
         self.as_symbol().and_then(|symbol| symbol.folded().strip_prefix(':')).filter(|name| !name.is_empty())
     }
 
-    /// The symbol that a list begins with.
+    /// Returns the symbol that a list begins with.
     pub(crate) fn head(&self) -> Option<&Symbol> {
         self.as_list().and_then(<[Datum]>::first).and_then(Datum::as_symbol)
     }
 
-    /// The folded name that a list begins with, or nothing.
+    /// Returns the folded name that a list begins with, or nothing.
     pub(crate) fn head_name(&self) -> &str {
         self.head().map_or("", Symbol::folded)
     }
@@ -86,12 +86,12 @@ impl Datum {
         self.as_list().and_then(<[Datum]>::first).map_or(self.span, |first| first.span)
     }
 
-    /// The items after the first of a list.
+    /// Returns the items after the first of a list.
     pub(crate) fn tail(&self) -> &[Datum] {
         self.as_list().and_then(|items| items.get(1..)).unwrap_or_default()
     }
 
-    /// The variable's name, for `?x` and `<?x>`.
+    /// Returns the variable's name, for `?x` and `<?x>`.
     pub(crate) fn as_variable(&self) -> Option<&Symbol> {
         match &self.kind {
             DatumKind::Variable(name) | DatumKind::Bound(name) => Some(name),
@@ -99,7 +99,7 @@ impl Datum {
         }
     }
 
-    /// The datum as a value, nothing evaluated: variables and indexicals become symbols as written.
+    /// Returns the datum as a value, nothing evaluated: variables and indexicals become symbols as written.
     pub(crate) fn to_value(&self) -> Value {
         let marked = |mark: &str, inner: &Datum| Value::list([Value::symbol(mark), inner.to_value()]);
         match &self.kind {

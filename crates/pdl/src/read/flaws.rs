@@ -7,7 +7,7 @@ use crate::fix::Fix;
 use crate::syntax::{Bracketed, Flaw, FlawKind, Repair, Repaired, repairs};
 use apex_model::limits::READ_DEPTH_MAX;
 
-/// One message for each flaw; where it is known which parenthesis the author forgot or wrote twice, about that one.
+/// Returns one diagnostic for each flaw; about the parenthesis that the author forgot or wrote twice, if that is known.
 pub(super) fn describe(file: u32, text: &str, flaws: &[Flaw]) -> Vec<Diagnostic> {
     if flaws.iter().any(|flaw| flaw.kind == FlawKind::UnclosedText)
         && let Some(quote) = forgotten(text)
@@ -23,7 +23,7 @@ pub(super) fn describe(file: u32, text: &str, flaws: &[Flaw]) -> Vec<Diagnostic>
     repaired.iter().map(|form| about(file, text, form)).chain(others).collect()
 }
 
-/// One message for each pair of brackets.
+/// Returns one diagnostic for each pair of brackets.
 pub(super) fn brackets(file: u32, text: &str, found: &[Bracketed]) -> Vec<Diagnostic> {
     let about = |pair: &Bracketed| {
         let place = |at: usize| locate(file, text, at, at + 1);
@@ -51,7 +51,7 @@ pub(super) fn brackets(file: u32, text: &str, found: &[Bracketed]) -> Vec<Diagno
     found.iter().filter_map(about).collect()
 }
 
-/// The message about a quotation mark.
+/// Returns the message about a quotation mark.
 fn about_quote(file: u32, text: &str, quote: Forgotten) -> Diagnostic {
     let fix = if quote.is_certain { Fix::safe("add `\"` here") } else { Fix::look("add `\"` here") };
     let last = text.get(..quote.at).and_then(|before| before.char_indices().next_back());
@@ -65,7 +65,7 @@ fn about_quote(file: u32, text: &str, quote: Forgotten) -> Diagnostic {
     diagnostic.fix(fix).help("a `\"` inside a string is written `\\\"`")
 }
 
-/// The message about one parenthesis.
+/// Returns the message about one parenthesis.
 fn about(file: u32, text: &str, form: &Repaired) -> Diagnostic {
     let fix = |title: &str| if form.is_certain { Fix::safe(title) } else { Fix::look(title) };
     match form.repair {
@@ -81,13 +81,13 @@ fn about(file: u32, text: &str, form: &Repaired) -> Diagnostic {
                 format!("a `)` is missing after this: `{head} ..` is never closed"),
             )
             .label(locate(file, text, opened, opened + 1), "this list")
-            .reason("so the indentation and the shapes of the forms around it say")
+            .reason("the indentation and the shapes of the forms around it show this")
             .fix(fix("add `)` here").insert_after(span, ")"))
         }
         Repair::Remove { at } => {
             let span = locate(file, text, at, at + 1);
             Diagnostic::error(codes::UNMATCHED_CLOSE, span, "this `)` is too many")
-                .reason("with it a list ends earlier than the indentation and the shapes of the forms around it say")
+                .reason("it closes a list earlier than the indentation and the shapes of the forms around it show")
                 .fix(fix("remove this `)`").replace(span, ""))
         }
         Repair::Open { at } => {
@@ -95,13 +95,13 @@ fn about(file: u32, text: &str, form: &Repaired) -> Diagnostic {
                 text.get(at..).unwrap_or_default().chars().take_while(|c| !c.is_whitespace() && *c != ')').collect();
             let span = locate(file, text, at, at + word.len());
             Diagnostic::error(codes::UNMATCHED_CLOSE, span, format!("a `(` is missing before `{word}`"))
-                .reason("there is one `)` too many, and here a list begins by the shapes of the forms around it")
+                .reason("there is one `)` too many, and the shapes of the forms around it show that a list begins here")
                 .fix(fix("add `(` here").insert_before(span, "("))
         }
     }
 }
 
-/// The place of a byte range. Costs a walk over the text before it: for flaws only, which are few.
+/// Returns the place of a byte range. Costs a walk over the text before it: for flaws only, which are few.
 fn locate(file: u32, text: &str, start: usize, end: usize) -> Span {
     let before = text.get(..start).unwrap_or(text);
     let line = 1 + before.bytes().filter(|byte| *byte == b'\n').count();

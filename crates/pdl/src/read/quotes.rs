@@ -15,7 +15,7 @@ pub(super) struct Forgotten {
 /// Closing parentheses at the end of a line that may have stood outside of the string.
 const CLOSERS_MAX: usize = 12;
 
-/// The place of the forgotten mark; none where no line is suspect.
+/// Returns the place of the forgotten mark; `None` if no line is suspect.
 pub(super) fn forgotten(text: &str) -> Option<Forgotten> {
     let mut start = 0;
     for line in text.split_inclusive('\n') {

@@ -127,7 +127,7 @@ impl<'t> Reader<'t> {
         self.data.push(Datum { kind, span });
     }
 
-    /// From `at` to the end of the last token.
+    /// Returns the span from `at` to the end of the last token.
     fn span(&self, at: Position) -> Span {
         Span {
             file: self.file,
@@ -169,7 +169,7 @@ fn size(count: usize) -> u32 {
     u32::try_from(count).unwrap_or(u32::MAX)
 }
 
-/// A list of numbers each followed by a unit is a quantity or duration; any other list is a list.
+/// Returns the kind of a list: numbers each followed by a unit are a quantity or duration, any other list is a list.
 fn list_kind(items: Vec<Datum>) -> DatumKind {
     measured_list(&items).unwrap_or(DatumKind::List(items))
 }
@@ -204,7 +204,7 @@ fn measured_list(items: &[Datum]) -> Option<DatumKind> {
     Some(DatumKind::Quantity(quantity))
 }
 
-/// The characters of a string token: `\x` is x.
+/// Returns the characters of a string token: `\x` is x.
 fn unescape(token: &str) -> Arc<str> {
     let inner = token.strip_prefix('"').unwrap_or(token);
     if !inner.contains('\\') {

@@ -32,7 +32,7 @@ pub(crate) struct Repaired {
 /// Tokens of a form, times places that are tried, that are considered in one text; beyond it no repair is proposed.
 const WORK_MAX: usize = 20_000_000;
 
-/// The repairs of all forms that lack one parenthesis or have one too many.
+/// Returns the repairs of all forms that lack one parenthesis or have one too many.
 pub(crate) fn repairs(text: &str) -> Vec<Repaired> {
     let pieces = pieces(text);
     let begins =
@@ -119,8 +119,8 @@ fn balance(form: &[Piece<'_>]) -> Balance {
     }
 }
 
-/// The change that leaves the least doubt, and whether it leaves none. Where misspelt clauses keep every change doubtful,
-/// the form is judged as if they were written right: what is certain then is meant, whatever the words.
+/// Returns the change that leaves the least doubt, and whether it leaves none. If misspelt clauses keep every change doubtful, the form is
+/// judged as if they were spelt correctly: what is certain then is meant, whatever the words.
 fn best(form: &[Piece<'_>], lacking: Balance) -> Option<(Repair, bool)> {
     let as_written = least_doubtful(form, lacking);
     if as_written.is_some_and(|(_, is_certain)| is_certain) {
@@ -131,7 +131,7 @@ fn best(form: &[Piece<'_>], lacking: Balance) -> Option<(Repair, bool)> {
     as_meant.filter(|(_, is_certain)| *is_certain).or(as_written)
 }
 
-/// The form with its misspelt clauses spelt right; none if there are none.
+/// Returns the form with its misspelt clauses spelt right; `None` if there are none.
 fn spelt_right<'t>(form: &[Piece<'t>]) -> Option<Vec<Piece<'t>>> {
     let mut meant = form.to_vec();
     let mut exchanged = false;
@@ -173,7 +173,7 @@ fn least_doubtful(form: &[Piece<'_>], lacking: Balance) -> Option<(Repair, bool)
     Some((repair, least == 0 && !tied))
 }
 
-/// The last `)` of several in a row: taking any of them away is the same.
+/// Returns true for the last `)` of several in a row: removing any of them has the same effect.
 fn is_last_of_run(form: &[Piece<'_>], at: usize) -> bool {
     let is_close = |at: usize| form.get(at).is_some_and(|piece| piece.kind == PieceKind::Close);
     is_close(at) && !is_close(at + 1)
@@ -197,7 +197,7 @@ impl BracketCandidate {
         form.get(self.at()).map_or(0, |piece| piece.line)
     }
 
-    /// The pieces of the form with this change.
+    /// Returns the pieces of the form with this change.
     fn applied<'f, 't>(self, form: &'f [Piece<'t>]) -> impl Iterator<Item = Piece<'t>> + 'f {
         form.iter().enumerate().flat_map(move |(number, piece)| {
             let close = Piece { kind: PieceKind::Close, text: ")", first_column: None, ..*piece };

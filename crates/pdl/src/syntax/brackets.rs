@@ -32,7 +32,7 @@ pub(crate) fn brackets(text: &str) -> Vec<Bracketed> {
     search.finish()
 }
 
-/// The text with parentheses in place of these brackets: every other character stays where it is.
+/// Returns the text with parentheses in place of these brackets: every other character stays where it is.
 pub(crate) fn with_parentheses(text: &str, found: &[Bracketed]) -> String {
     let mut places: Vec<(usize, char)> = found
         .iter()

@@ -10,7 +10,7 @@ pub(super) struct Token<'t> {
     pub(super) unclosed: bool,
 }
 
-/// The tokens of `text` in order; their texts joined are `text`.
+/// Returns the tokens of `text` in order; their texts joined are `text`.
 pub(super) fn tokens(text: &str) -> impl Iterator<Item = Token<'_>> {
     let mut rest = text;
     std::iter::from_fn(move || {
@@ -23,7 +23,7 @@ pub(super) fn tokens(text: &str) -> impl Iterator<Item = Token<'_>> {
     })
 }
 
-/// Kind and length in bytes of the token that `rest` begins with.
+/// Returns kind and length in bytes of the first token of `rest`.
 fn first_token(rest: &str, first: char) -> (SyntaxKind, usize, bool) {
     let single = |kind| (kind, 1, false);
     match first {
@@ -44,7 +44,7 @@ fn first_token(rest: &str, first: char) -> (SyntaxKind, usize, bool) {
     }
 }
 
-/// Bytes before the first character that is `wanted`. Most texts are ASCII, whose bytes are characters.
+/// Returns the number of bytes before the first character that is `wanted`. Most texts are ASCII, whose bytes are characters.
 fn length_until(rest: &str, wanted: impl Fn(char) -> bool) -> usize {
     let is_end = |byte: &u8| !byte.is_ascii() || wanted(char::from(*byte));
     let ascii = rest.as_bytes().iter().position(is_end).unwrap_or(rest.len());
@@ -52,7 +52,7 @@ fn length_until(rest: &str, wanted: impl Fn(char) -> bool) -> usize {
     ascii + after.find(wanted).unwrap_or(after.len())
 }
 
-/// True for characters that cannot be part of an atom.
+/// Returns true for characters that cannot be part of an atom.
 pub(crate) fn ends_atom(character: char) -> bool {
     character.is_whitespace() || matches!(character, '(' | ')' | '\'' | '`' | ',' | '"' | ';')
 }

@@ -104,11 +104,11 @@ pub(crate) struct Position {
 
 /// Receives the structure of a text, in text order. Opens and closes are balanced.
 pub(crate) trait Sink<'t> {
-    /// A list or a prefixed datum begins.
+    /// Begins a list or a prefixed datum.
     fn open(&mut self, kind: SyntaxKind, at: Position);
-    /// The next token; their texts joined are the text.
+    /// Adds the next token; the texts of all tokens joined are the text.
     fn token(&mut self, kind: SyntaxKind, text: &'t str, at: Position);
-    /// The innermost open list or prefixed datum has ended with the token before.
+    /// Ends the innermost open list or prefixed datum after the last token.
     fn close(&mut self);
 }
 

@@ -38,7 +38,7 @@ pub(super) fn is_form(word: &str) -> bool {
     FORMS.contains(&word) && word != "agent"
 }
 
-/// The clause or form that this misspelt word is certainly meant to be; none for what is one, or is a function.
+/// Returns the clause or form that this misspelt word is certainly meant to be; `None` for what is one, or is a function.
 pub(super) fn clause_meant(word: &str) -> Option<&'static str> {
     let known = || STEP_CLAUSES.iter().chain(PROCEDURE_CLAUSES).chain(PRIMITIVE_CLAUSES).chain(FORMS).copied();
     if built_in(word).is_some() || known().any(|name| name == word) {
@@ -89,7 +89,7 @@ struct List<'t> {
     atoms_after_list: usize,
 }
 
-/// The cost of a sequence of pieces; 0 for a form without any doubt. Parentheses without partner cost more than anything.
+/// Returns the cost of a sequence of pieces; 0 for a form without any doubt. Parentheses without partner cost more than anything.
 pub(super) fn cost<'t>(pieces: impl Iterator<Item = Piece<'t>>) -> usize {
     let mut stack: Vec<List<'t>> = Vec::new();
     let mut cost = 0;
@@ -126,7 +126,7 @@ pub(super) fn cost<'t>(pieces: impl Iterator<Item = Piece<'t>>) -> usize {
     cost + 1000 * stack.len()
 }
 
-/// A line that begins where its list does not put it.
+/// Returns a line that begins where its list does not put it.
 fn misaligned(piece: &Piece<'_>, stack: &mut [List<'_>]) -> usize {
     let Some(column) = piece.first_column else { return 0 };
     let Some(list) = stack.last_mut() else { return if column > 1 { MISALIGNED } else { 0 } };
@@ -137,7 +137,8 @@ fn misaligned(piece: &Piece<'_>, stack: &mut [List<'_>]) -> usize {
     if body == column { 0 } else { MISALIGNED }
 }
 
-/// A list begins with `head` inside of a list with this head and so many items, this one included.
+/// Returns the cost of a list that begins with `head`, inside of a list with the head and the number of items (itself included) in
+/// `parent`.
 fn headed(head: &str, parent: Option<(&str, usize)>) -> usize {
     let Some((outer, items)) = parent else {
         return if is_form(head) || head == "agent" { 0 } else { MISPLACED };
@@ -154,7 +155,7 @@ fn headed(head: &str, parent: Option<(&str, usize)>) -> usize {
     if fits { 0 } else { MISPLACED }
 }
 
-/// An item that is not a list and not the first of its list.
+/// Returns an item that is not a list and not the first of its list.
 fn item(text: &str, list: Option<&mut List<'_>>) -> usize {
     let Some(list) = list else { return MISPLACED };
     let after_list = list.lists > 0;

@@ -3,7 +3,7 @@
 use super::{Flaw, Pdl, Position, Sink, SyntaxKind, SyntaxNode, parse_into};
 use rowan::{GreenNodeBuilder, Language};
 
-/// The tree of `text`; its text is `text`. Never fails: what is wrong with the text is found when it is read.
+/// Returns the tree of `text`; its text is `text`. Never fails: what is wrong with the text is found when it is read.
 pub(crate) fn parse(text: &str) -> SyntaxNode {
     tree(text).0
 }

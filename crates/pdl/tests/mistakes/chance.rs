@@ -19,7 +19,7 @@ impl Chance {
         all.get(index)
     }
 
-    /// An index, each as likely as its weight says.
+    /// Returns an index, each as likely as its weight says.
     pub fn weighted(&mut self, weights: &[usize]) -> usize {
         let mut left = self.below(weights.iter().sum());
         for (index, weight) in weights.iter().enumerate() {

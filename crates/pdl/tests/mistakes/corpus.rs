@@ -48,7 +48,7 @@ impl Corpus {
         Corpus { texts, places: of_mission.chain(of_library).collect(), host }
     }
 
-    /// All texts of a program.
+    /// Returns all texts of a program.
     pub fn program_texts(&self, place: &Place) -> Vec<&str> {
         let mission = &self.texts[&place.program];
         let uses = |library: &&&str| {

@@ -15,7 +15,7 @@ fn sites(program: &Program<'_>, role: Role) -> Vec<Site> {
     program.roles.sites.iter().filter(|site| site.role == role).copied().collect()
 }
 
-/// The lists that begin with a clause of one of these names.
+/// Returns the lists that begin with a clause of one of these names.
 fn clauses(program: &Program<'_>, names: &[&str]) -> Vec<usize> {
     let named = |site: &Site| names.contains(&program.roles.word(site.node));
     sites(program, Role::Clause)
@@ -25,7 +25,7 @@ fn clauses(program: &Program<'_>, names: &[&str]) -> Vec<usize> {
         .collect()
 }
 
-/// A step forgotten that others wait for.
+/// Returns a step forgotten that others wait for.
 pub fn without_step(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
     let tag = *chance.pick(&sites(program, Role::Tag))?;
     let step = program.roles.tree.nodes[tag.node].parent?;
@@ -46,7 +46,7 @@ pub fn without_step(program: &Program<'_>, chance: &mut Chance) -> Option<Mistak
     (!uses.is_empty()).then_some(mistake)
 }
 
-/// A step renamed without those that wait for it: always seen at them, or at the step.
+/// Returns a step renamed without those that wait for it: always seen at them, or at the step.
 pub fn renamed_step(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
     let tag = *chance.pick(&sites(program, Role::Tag))?;
     let name = format!("?{}", program.roles.word(tag.node));
@@ -63,7 +63,7 @@ pub fn renamed_step(program: &Program<'_>, chance: &mut Chance) -> Option<Mistak
     Some(mistake)
 }
 
-/// A step that waits for its own end.
+/// Returns a step that waits for its own end.
 pub fn waits_for_itself(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
     let tag = *chance.pick(&sites(program, Role::TagUse))?;
     let tree = &program.roles.tree;
@@ -77,7 +77,7 @@ pub fn waits_for_itself(program: &Program<'_>, chance: &mut Chance) -> Option<Mi
     (!own.starts_with('(')).then(|| replace(program, range, &format!("?{own}")))
 }
 
-/// Two steps with one tag.
+/// Returns two steps with one tag.
 pub fn same_tag(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
     let tags = sites(program, Role::Tag);
     let (one, other) = (*chance.pick(&tags)?, *chance.pick(&tags)?);
@@ -90,7 +90,7 @@ pub fn same_tag(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
     Some(mistake)
 }
 
-/// A goal without one of its arguments.
+/// Returns a goal without one of its arguments.
 pub fn goal_without_argument(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
     let goals: Vec<usize> = program.roles.goals.iter().filter(|goal| !goal.is_index).map(|goal| goal.node).collect();
     let goal = *chance.pick(&goals)?;
@@ -101,7 +101,7 @@ pub fn goal_without_argument(program: &Program<'_>, chance: &mut Chance) -> Opti
     (is_argument && program.is_unserved_with(&mistake.text, goal)).then_some(mistake)
 }
 
-/// Two words of a goal in the wrong order.
+/// Returns two words of a goal in the wrong order.
 pub fn swapped_words(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
     let goals: Vec<usize> = program.roles.goals.iter().filter(|goal| !goal.is_index).map(|goal| goal.node).collect();
     let goal = *chance.pick(&goals)?;
@@ -117,7 +117,7 @@ pub fn swapped_words(program: &Program<'_>, chance: &mut Chance) -> Option<Mista
     program.is_unserved_with(&mistake.text, goal).then_some(mistake)
 }
 
-/// A function called without one of the arguments that it needs.
+/// Returns a function called without one of the arguments that it needs.
 pub fn call_without_argument(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
     let function = *chance.pick(&sites(program, Role::Function))?;
     let list = program.roles.tree.nodes[function.node].parent?;
@@ -130,7 +130,7 @@ pub fn call_without_argument(program: &Program<'_>, chance: &mut Chance) -> Opti
     Some(remove(program, range, "argument forgotten"))
 }
 
-/// An option without its value.
+/// Returns an option without its value.
 pub fn option_without_value(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
     let option = *chance.pick(&sites(program, Role::Option))?;
     let siblings = &program.roles.tree.nodes[program.roles.tree.nodes[option.node].parent?].children;
@@ -141,7 +141,7 @@ pub fn option_without_value(program: &Program<'_>, chance: &mut Chance) -> Optio
     Some(remove(program, program.roles.tree.nodes[value].range.clone(), "value forgotten"))
 }
 
-/// An episode without its quality.
+/// Returns an episode without its quality.
 pub fn without_quality(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
     let is_quality = |site: &Site| program.roles.word(site.node) == ":quality";
     let options: Vec<Site> = sites(program, Role::Option).into_iter().filter(is_quality).collect();
@@ -156,7 +156,7 @@ pub fn without_quality(program: &Program<'_>, chance: &mut Chance) -> Option<Mis
     Some(mistake)
 }
 
-/// A clause given twice that may be given once.
+/// Returns a clause given twice that may be given once.
 pub fn clause_twice(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
     let once = clauses(
         program,
@@ -170,7 +170,7 @@ pub fn clause_twice(program: &Program<'_>, chance: &mut Chance) -> Option<Mistak
     Some(replaced(program, &[(range.end..range.end, copy)], vec![first, last], what))
 }
 
-/// A procedure or primitive without its index.
+/// Returns a procedure or primitive without its index.
 pub fn without_index(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
     let index = *chance.pick(&clauses(program, &["index"]))?;
     let form = program.roles.tree.nodes[index].parent?;
@@ -179,7 +179,7 @@ pub fn without_index(program: &Program<'_>, chance: &mut Chance) -> Option<Mista
     Some(mistake)
 }
 
-/// A concurrent procedure without the step that ends it.
+/// Returns a concurrent procedure without the step that ends it.
 pub fn without_end(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
     let is_end = |site: &Site| program.roles.word(site.node) == "terminate";
     let ends: Vec<Site> = sites(program, Role::Activity).into_iter().filter(is_end).collect();
@@ -190,7 +190,7 @@ pub fn without_end(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake
     Some(mistake)
 }
 
-/// A procedure, primitive or function forgotten that others need. Right are the lines of those that need it, in any text
+/// Returns a procedure, primitive or function forgotten that others need. Right are the lines of those that need it, in any text
 /// of the program; which is for the scorer to look up.
 pub fn without_definition(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
     let form = *chance.pick(&program.roles.tree.forms)?;

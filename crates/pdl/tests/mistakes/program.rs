@@ -81,7 +81,7 @@ impl<'c> Program<'c> {
         found.collect()
     }
 
-    /// The goals of this text that the index, a node of this text, serves; none unless they are all of this text.
+    /// Returns the goals of this text that the index, a node of this text, serves; none unless they are all of this text.
     pub fn goals_of(&self, index: usize) -> Vec<usize> {
         let of = |each: &Roles<'c>| -> Vec<usize> {
             let served = each.goals.iter().filter(|goal| !goal.is_index && matches(&self.roles, index, each, goal));
@@ -121,7 +121,7 @@ impl<'c> Program<'c> {
     }
 }
 
-/// The state variables that a text declares.
+/// Returns the state variables that a text declares.
 fn declared(text: &str) -> Vec<String> {
     let tree = Tree::new(text);
     let forms = tree.forms.iter().filter(|form| tree.head(**form, text) == "state-variable");

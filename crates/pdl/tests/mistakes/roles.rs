@@ -68,7 +68,7 @@ const CONDITIONS: [&str; 6] = ["waitfor", "end-when", "restart-when", "resume-wh
 const ACTIVITIES: [&str; 6] = ["terminate", "inform", "plan", "print", "reset", "cogevent"];
 
 impl<'t> Roles<'t> {
-    /// The words of `text`; `attributes` are the state variables that its program declares.
+    /// Returns the words of `text`; `attributes` are the state variables that its program declares.
     pub fn new(text: &'t str, attributes: &[String]) -> Roles<'t> {
         let tree = Tree::new(text);
         let mut roles =

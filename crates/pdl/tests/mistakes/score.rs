@@ -178,7 +178,7 @@ fn add(sum: &mut Tally, one: Tally) {
 }
 
 impl Score {
-    /// A table by kind.
+    /// Returns a table by kind.
     pub fn report(&self) -> String {
         let mut text = format!("{:36} made line fix same safe wrong wordy\n", "");
         let rows = self.kinds.iter().map(|(kind, tally)| (*kind, tally)).chain([("all", &self.all)]);

@@ -6,7 +6,7 @@ use super::program::Program;
 use super::roles::Role;
 use super::tree::{NodeKind, line_of};
 
-/// Ends of all lists.
+/// Returns ends of all lists.
 fn closers(program: &Program<'_>) -> Vec<usize> {
     program.roles.tree.nodes.iter().filter(|node| node.kind == NodeKind::List).map(|node| node.range.end - 1).collect()
 }
@@ -34,7 +34,7 @@ pub fn dropped_open(program: &Program<'_>, chance: &mut Chance) -> Option<Mistak
     Some(replace(program, at..at + 1, ""))
 }
 
-/// A clause that only steps have, outside of its step: the step is closed too early.
+/// Returns a clause that only steps have, outside of its step: the step is closed too early.
 pub fn closed_too_early(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
     let clauses = ["waitfor", "priority", "rank", "forall", "repeating", "responding", "on-failure"];
     let is_clause =
@@ -51,7 +51,7 @@ pub fn closed_too_early(program: &Program<'_>, chance: &mut Chance) -> Option<Mi
     Some(replaced(program, &[(before..before, ")".to_string()), (end - 1..end, String::new())], lines, what))
 }
 
-/// A step that is closed too late: the next one stands inside of it.
+/// Returns a step that is closed too late: the next one stands inside of it.
 pub fn closed_too_late(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
     let tree = &program.roles.tree;
     let is_step = |node: &usize| tree.nodes[*node].kind == NodeKind::List && tree.head(*node, program.text) == "step";

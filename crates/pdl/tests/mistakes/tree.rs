@@ -77,19 +77,19 @@ impl Tree {
         index
     }
 
-    /// The atom that a list begins with.
+    /// Returns the atom that a list begins with.
     pub fn head<'t>(&self, list: usize, text: &'t str) -> &'t str {
         let first = self.nodes[list].children.first().filter(|first| self.nodes[**first].kind == NodeKind::Atom);
         first.map_or("", |first| &text[self.nodes[*first].range.clone()])
     }
 
-    /// The items of a list after the first.
+    /// Returns the items of a list after the first.
     pub fn tail(&self, list: usize) -> &[usize] {
         self.nodes[list].children.get(1..).unwrap_or_default()
     }
 }
 
-/// The line of an offset, from 1.
+/// Returns the line of an offset, from 1.
 pub fn line_of(text: &str, offset: usize) -> u32 {
     1 + u32::try_from(text[..offset].matches('\n').count()).unwrap()
 }

@@ -1,4 +1,4 @@
-//! Mistakes in one word.
+//! Generated mistakes of one word: each returns the changed program and the lines on which a diagnostic must appear.
 
 use super::chance::Chance;
 use super::mistake::{Mistake, replace};
@@ -8,7 +8,7 @@ use super::slips::misspelt;
 use super::tree::line_of;
 use apex_model::quantity::unit_named;
 
-/// A slip of the hand in a word of the role.
+/// Mistypes a word of the given role.
 pub fn typo(program: &Program<'_>, chance: &mut Chance, role: Role) -> Option<Mistake> {
     let sites: Vec<Site> = program.roles.sites.iter().filter(|site| site.role == role).copied().collect();
     let site = chance.pick(&sites)?;
@@ -35,14 +35,14 @@ pub fn typo(program: &Program<'_>, chance: &mut Chance, role: Role) -> Option<Mi
     Some(mistake)
 }
 
-/// The name in a word, without marks, and how many marks stand before it.
+/// Returns the name in a word without its leading marks (`?`, `:`), and the number of those marks.
 fn bare(word: &str) -> (&str, usize) {
     let name = word.trim_start_matches(['?', ':', '"', '+']);
     (name.trim_end_matches(['"', '+']), word.len() - name.len())
 }
 
-/// The lines, other than its own, that contradict a slip in the word at `site`; none when nothing contradicts it, for
-/// then it is a mistake that no checker can know. Where several words agree against it, only its own line is right.
+/// Returns the other lines at which a diagnostic about a mistyped word at `site` is correct, too. `None` if no other word contradicts
+/// the mistake: then no checker can detect it. If several words contradict it, the list is empty.
 fn lines_of_contradiction(program: &Program<'_>, site: &Site) -> Option<Vec<u32>> {
     let word = program.roles.word(site.node);
     let others: Vec<u32> = program
@@ -81,7 +81,7 @@ fn lines_of_contradiction(program: &Program<'_>, site: &Site) -> Option<Vec<u32>
     }
 }
 
-/// The question mark of a variable forgotten.
+/// Removes the question mark of a variable.
 pub fn without_question_mark(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
     let is_variable = |site: &&Site| matches!(site.role, Role::Variable | Role::TagUse);
     let sites: Vec<Site> = program.roles.sites.iter().filter(is_variable).copied().collect();
@@ -96,7 +96,7 @@ pub fn without_question_mark(program: &Program<'_>, chance: &mut Chance) -> Opti
     Some(mistake)
 }
 
-/// The colon of a keyword forgotten.
+/// Removes the colon of a keyword.
 pub fn without_colon(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
     let has_colon = |site: &&Site| program.roles.word(site.node).starts_with(':');
     let sites: Vec<Site> = program.roles.sites.iter().filter(has_colon).copied().collect();
@@ -105,7 +105,7 @@ pub fn without_colon(program: &Program<'_>, chance: &mut Chance) -> Option<Mista
     Some(replace(program, program.roles.tree.nodes[site.node].range.clone(), &word[1..]))
 }
 
-/// The unit behind a number misspelt.
+/// Misspells the unit of a quantity.
 pub fn misspelt_quantity(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
     let (range, digits, unit) = quantity(program, chance, |_| true)?;
     let slipped = misspelt(chance, unit);
@@ -115,7 +115,7 @@ pub fn misspelt_quantity(program: &Program<'_>, chance: &mut Chance) -> Option<M
     Some(replace(program, range, &format!("{digits}{slipped}")))
 }
 
-/// A unit of another dimension, where the text says which dimension is needed.
+/// Replaces a unit by one of another dimension, at places whose dimension the text determines.
 pub fn wrong_dimension(program: &Program<'_>, chance: &mut Chance) -> Option<Mistake> {
     let (range, digits, unit) = quantity(program, chance, |node| needs_dimension(program, node))?;
     let other = *chance.pick(&["deg", "kg", "ft", "kt", "min", "V", "s", "m"])?;
@@ -147,8 +147,8 @@ fn quantity<'t>(program: &Program<'t>, chance: &mut Chance, wanted: impl Fn(usiz
     Some((program.roles.tree.nodes[node].range.clone(), digits, unit))
 }
 
-/// A quantity that stands where its dimension is known: after certain options, in a duration clause, compared with the
-/// time that a step takes, or defined as an indexical in such a place.
+/// Returns true if the dimension at the quantity is determined: after certain options, in a duration clause, in a comparison with
+/// the time that a step takes, or in the definition of an indexical that is used at such a place.
 fn needs_dimension(program: &Program<'_>, node: usize) -> bool {
     let tree = &program.roles.tree;
     let Some(parent) = tree.nodes[node].parent else { return false };

@@ -126,7 +126,7 @@ fn fly(
     }
 }
 
-/// The altitudes that the vehicle may have `flown_s` after it left: it climbs or descends at once, and may be there already.
+/// Returns the altitudes that the vehicle may have `flown_s` after it left: it climbs or descends at once, and may be there already.
 fn heights_m(problem: &SingleVisitProblem, leg: &CheckedLeg<'_>, flown_s: f64) -> (f64, f64) {
     let vehicle = &problem.vehicle;
     let (climb, descent) = (vehicle.climb_rate_mps, vehicle.descent_rate_mps);
@@ -138,7 +138,7 @@ fn heights_m(problem: &SingleVisitProblem, leg: &CheckedLeg<'_>, flown_s: f64) -
     (now_m.min(leg.to_m), now_m.max(leg.to_m))
 }
 
-/// Speed over ground from vectors: the air velocity of given length whose sum with the wind points along the step.
+/// Returns the speed over ground from vectors: the air velocity of given length whose sum with the wind points along the step.
 pub(super) fn ground_speed_mps(
     problem: &SingleVisitProblem,
     from: Position,
@@ -195,7 +195,7 @@ fn inside_rules(
     }
 }
 
-/// Distance on the mean sphere by half-angle sines: within [`SPHERE_TOLERANCE`] of the geodesic.
+/// Returns the distance on the mean sphere by half-angle sines: within [`SPHERE_TOLERANCE`] of the geodesic.
 fn spherical_m(a: Position, b: Position) -> f64 {
     let half_sine = |from_deg: f64, to_deg: f64| libm::sin(0.5 * (to_deg - from_deg) * RAD_PER_DEG);
     let (north, east) = (half_sine(a.latitude_deg, b.latitude_deg), half_sine(a.longitude_deg, b.longitude_deg));

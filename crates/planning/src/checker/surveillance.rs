@@ -73,7 +73,7 @@ fn jumps(cost: &CostFunction) -> Vec<f64> {
     }
 }
 
-/// Expected cost of one target by quadrature, not by the planners' closed forms. Constant-rate intervals of equal
+/// Returns the expected cost of one target by quadrature, not by the planners' closed forms. Constant-rate intervals of equal
 /// length recur in cycles, so each length is integrated once.
 fn cost(target: &SurveillanceTarget, ends_s: &[f64], horizon_s: f64) -> Result<f64, String> {
     let jumps = jumps(&target.cost);

@@ -20,14 +20,14 @@ pub(super) fn flown<'a>(problem: &SingleVisitProblem, route: &'a [Position], pat
     if problem.vehicle.turn_radius_m > 0.0 && !path.is_empty() { path } else { route }
 }
 
-/// The direction of a line, at its end where it is `behind`; none where it has none.
+/// Returns the direction of a line, at its end where it is `behind`; `None` if it has none.
 pub(super) fn track_rad(line: Option<&(Position, Position)>, behind: bool) -> Option<f64> {
     let (from, to) = line?;
     let (length_m, azimuth_deg) = if behind { geodesy::inverse(*to, *from) } else { geodesy::inverse(*from, *to) };
     (length_m > 1.0).then_some((azimuth_deg + if behind { 180.0 } else { 0.0 }) * RAD_PER_DEG)
 }
 
-/// The direction in which a path ends; none where it has no length.
+/// Returns the direction in which a path ends; `None` if it has no length.
 pub(super) fn end_track_rad(flown: &[Position]) -> Option<f64> {
     let end = flown.last()?;
     let before = flown.iter().rev().find(|before| geodesy::distance_m(**before, *end) > SHORT_M)?;

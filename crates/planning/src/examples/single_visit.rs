@@ -58,7 +58,7 @@ pub fn manoeuvres(position: Position) -> Vec<Manoeuvre> {
     ]
 }
 
-/// The fires of 2007 from Edwards in `endurance_s`, in a westerly wind.
+/// Returns the fires of 2007 from Edwards in `endurance_s`, in a westerly wind.
 pub fn western_states(endurance_s: f64) -> SingleVisitProblem {
     let target = |(name, latitude, longitude, value): &(&str, f64, f64, f64)| {
         let position = Position::new(*latitude, *longitude);
@@ -106,7 +106,7 @@ pub fn western_states(endurance_s: f64) -> SingleVisitProblem {
     }
 }
 
-/// A rectangle of restricted airspace.
+/// Returns a rectangle of restricted airspace.
 pub fn restricted(name: &str, south: f64, north: f64, west: f64, east: f64) -> AirspaceZone {
     let corners = [(south, west), (south, east), (north, east), (north, west)];
     AirspaceZone {

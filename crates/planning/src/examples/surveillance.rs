@@ -10,7 +10,7 @@ pub fn random(count: usize, seed: u64) -> SurveillanceProblem {
     sized(count, seed, 4000.0)
 }
 
-/// As [`random`], on a map of another side.
+/// Like [`random`], on a map of another side.
 pub fn sized(count: usize, seed: u64, side_m: f64) -> SurveillanceProblem {
     let mut generator = Generator::new(seed);
     let places: Vec<(f64, f64)> =
@@ -45,7 +45,7 @@ pub fn sized(count: usize, seed: u64, side_m: f64) -> SurveillanceProblem {
     }
 }
 
-/// As [`sized`], with a wind that turns at `turn_s`: a vehicle under way then flies through both winds.
+/// Like [`sized`], with a wind that turns at `turn_s`: a vehicle under way then flies through both winds.
 pub fn turning(count: usize, seed: u64, side_m: f64, turn_s: f64) -> SurveillanceProblem {
     let mut problem = sized(count, seed, side_m);
     let mut generator = Generator::new(seed ^ 0x5EED);

@@ -5,7 +5,7 @@
 
 use apex_model::problem::{SurveillanceProblem, UNREACHABLE_S};
 
-/// Indices of the targets that some flight observes, of `count`, and what it took to find them, in nanoseconds. `end_s` is when an
+/// Returns indices of the targets that some flight observes, of `count`, and what it took to find them, in nanoseconds. `end_s` is when an
 /// observation of the third ends after being at the first (none: the start) at the second; infinite where it cannot be.
 pub(super) fn usable(count: usize, end_s: impl Fn(Option<usize>, f64, usize) -> f64) -> (Vec<usize>, u64) {
     let mut ends_s: Vec<f64> = (0..count).map(|target| end_s(None, 0.0, target)).collect();
@@ -18,7 +18,7 @@ pub(super) fn usable(count: usize, end_s: impl Fn(Option<usize>, f64, usize) -> 
     (usable.collect(), spent_ns)
 }
 
-/// Least times home over all departures and any others; empty where the direct way home is always the fastest.
+/// Returns the least times home over all departures and any others; empty where the direct way home is always the fastest.
 pub(super) fn detours_home_s(problem: &SurveillanceProblem) -> Vec<f64> {
     let count = problem.targets.len();
     let (travel, dwells_s) = (&problem.travel, problem.targets.iter().map(|target| target.dwell_s));

@@ -90,7 +90,7 @@ impl<'a> Scenario<'a> {
         Ok(scenario)
     }
 
-    /// The problem.
+    /// Returns the problem.
     pub fn problem(&self) -> &'a SurveillanceProblem {
         self.problem
     }
@@ -100,17 +100,18 @@ impl<'a> Scenario<'a> {
         &self.typical
     }
 
-    /// Indices of the targets that can be observed, as the first one or after others.
+    /// Returns indices of the targets that can be observed, as the first one or after others.
     pub fn usable(&self) -> &[usize] {
         &self.usable
     }
 
-    /// True if the way home can be faster over another target. Then whether a flight may end with a visit is known only when it does.
+    /// Returns true if the way home can be faster over another target. Then whether a flight may end with a visit is known only when it
+    /// does.
     pub fn has_detours_home(&self) -> bool {
         !self.home_s.is_empty()
     }
 
-    /// Latest end of a flight: horizon or endurance.
+    /// Returns the latest end of a flight: horizon or endurance.
     pub fn limit_s(&self) -> f64 {
         self.limit_s
     }
@@ -132,7 +133,7 @@ impl<'a> Scenario<'a> {
         budget.charge(spent_ns / unit_ns);
     }
 
-    /// Mean time from one usable target to another, dwell included.
+    /// Returns the mean time from one usable target to another, dwell included.
     pub fn mean_transit_s(&self) -> f64 {
         *self.mean_transit_s.get_or_init(|| {
             let (mut sum_s, mut count) = (0.0, 0.0);
@@ -149,7 +150,7 @@ impl<'a> Scenario<'a> {
         })
     }
 
-    /// The visit of `target` after being at `from` (none: the start) at `time_s`; none where it would end too late for every way
+    /// Returns the visit of `target` after being at `from` (none: the start) at `time_s`; `None` if it would end too late for every way
     /// home.
     pub fn next_stop(&self, from: Option<usize>, time_s: f64, target: usize) -> Option<Stop> {
         let travel = &self.problem.travel;
@@ -180,7 +181,7 @@ impl<'a> Scenario<'a> {
         stops.into_iter().take(flown).for_each(each);
     }
 
-    /// As [`Scenario::fly`], where what is flown may end without a way home.
+    /// Like [`Scenario::fly`], where what is flown may end without a way home.
     fn fly_out(&self, word: impl IntoIterator<Item = usize>, mut each: impl FnMut(Stop)) {
         let (mut place, mut time_s) = (None, 0.0);
         for target in word.into_iter().take(VISITS_MAX) {
@@ -190,14 +191,14 @@ impl<'a> Scenario<'a> {
         }
     }
 
-    /// Expected cost of flying `word`.
+    /// Returns the expected cost of flying `word`.
     pub fn cost(&self, word: impl IntoIterator<Item = usize>, budget: &mut dyn Budget) -> f64 {
         let (cost, ns) = self.price(word);
         self.charge(ns, budget);
         cost
     }
 
-    /// Expected cost of flying `word`, and the nanoseconds that it takes to find out.
+    /// Returns the expected cost of flying `word`, and the nanoseconds that it takes to find out.
     fn price(&self, word: impl IntoIterator<Item = usize>) -> (f64, u64) {
         let targets = &self.problem.targets;
         // A visit that has not ended has no number.
@@ -222,19 +223,19 @@ impl<'a> Scenario<'a> {
         (total, WORD_NS + visits_ns + targets.len() as u64 * TARGET_NS)
     }
 
-    /// Expected cost of flying `cycle` again and again.
+    /// Returns the expected cost of flying `cycle` again and again.
     pub fn cycle_cost(&self, cycle: &[usize], budget: &mut dyn Budget) -> f64 {
         self.cost(cycle.iter().copied().cycle(), budget)
     }
 
-    /// The word truly flown: `word` cut where it ends too late.
+    /// Returns the word truly flown: `word` cut where it ends too late.
     pub fn flown(&self, word: impl IntoIterator<Item = usize>) -> Vec<usize> {
         let mut flown = Vec::new();
         self.fly(word, |stop| flown.push(stop.target));
         flown
     }
 
-    /// The plan of flying `cycle` until the horizon.
+    /// Returns the plan of flying `cycle` until the horizon.
     pub fn cycle_plan(&self, solver: &str, cycle: &[usize]) -> SurveillancePlan {
         let mut plan = self.plan(solver, cycle.iter().copied().cycle());
         plan.cycle = cycle.iter().filter_map(|index| self.name(*index)).collect();
@@ -243,7 +244,7 @@ impl<'a> Scenario<'a> {
         plan
     }
 
-    /// The plan of flying `word`.
+    /// Returns the plan of flying `word`.
     pub fn plan(&self, solver: &str, word: impl IntoIterator<Item = usize>) -> SurveillancePlan {
         let mut stops = Vec::new();
         self.fly(word, |stop| stops.push(stop));

@@ -57,7 +57,7 @@ const DEPARTURES_MAX: usize = 128;
 const NUMBERS_MAX: usize = 2_000_000;
 
 impl SurveillanceTravel {
-    /// The ways between `targets`, from `start` and to `base`.
+    /// Returns the ways between `targets`, from `start` and to `base`.
     ///
     /// # Errors
     /// An error message that names an invalid zone, or the start or base that is off the map or inside a zone.
@@ -92,21 +92,21 @@ impl SurveillanceTravel {
         let changes_s: Vec<f64> = air.changes_s().iter().map(|change_s| change_s - begin_s).collect();
         let mut network = Network::new(&setting, air)?;
         let mut end = |position: Position, name: &str| {
-            let place = network.add(position).map_err(|trouble| format!("The {name} cannot be used: {trouble}."))?;
+            let place = network.add(position).map_err(|trouble| format!("the {name} cannot be used: {trouble}"))?;
             match network.place_trouble(place, (begin_s, begin_s)) {
-                Some(trouble) => Err(format!("The {name} cannot be used: {trouble}.")),
+                Some(trouble) => Err(format!("the {name} cannot be used: {trouble}")),
                 None => Ok(place),
             }
         };
         let (start, base) = (end(start, "start")?, end(base, "base")?);
         network.circle(start);
         if !network.has_room_to_circle(start) {
-            return Err(format!("The start cannot be used: {}.", TravelError::NoRoomToTurn));
+            return Err(format!("the start cannot be used: {}", TravelError::NoRoomToTurn));
         }
         let mut troubles = Vec::with_capacity(targets.len());
         let mut places: Vec<EndpointId> = Vec::with_capacity(targets.len());
         for position in targets {
-            let place = network.add(*position).map_err(|trouble| format!("A target cannot be used: {trouble}."))?;
+            let place = network.add(*position).map_err(|trouble| format!("a target cannot be used: {trouble}"))?;
             network.circle(place);
             let trouble = network.place_trouble(place, (begin_s, begin_s));
             troubles
@@ -119,7 +119,7 @@ impl SurveillanceTravel {
         Ok(ways)
     }
 
-    /// The times for leaving at the beginning and, where the wind changes, at as many later instants as it takes to read off
+    /// Returns the times for leaving at the beginning and, where the wind changes, at as many later instants as it takes to read off
     /// all others.
     fn at_departures(&mut self, changes_s: &[f64]) -> TravelTimes {
         let first = self.leaving_at(0.0);
@@ -189,7 +189,7 @@ impl SurveillanceTravel {
         self.positions(from.zip(to), depart_s)
     }
 
-    /// The same from a target to the base.
+    /// Returns the same from a target to the base.
     pub fn route_to_base(&mut self, from: usize, depart_s: f64) -> Vec<Position> {
         let ends = self.ends.targets.get(from).copied().map(|from| (from, self.ends.base));
         self.positions(ends, depart_s)
@@ -207,7 +207,7 @@ impl SurveillanceTravel {
         self.turns_between_s(from.zip(self.ends.targets.get(to).copied()), depart_s)
     }
 
-    /// The same from a target to the base.
+    /// Returns the same from a target to the base.
     pub fn turns_to_base_s(&mut self, from: usize, depart_s: f64) -> f64 {
         self.turns_between_s(self.ends.targets.get(from).map(|from| (*from, self.ends.base)), depart_s)
     }

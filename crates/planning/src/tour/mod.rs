@@ -25,13 +25,13 @@ fn memory(count: usize) -> u64 {
     1 + count as u64 / 400
 }
 
-/// Length of the closed tour.
+/// Returns the length of the closed tour.
 pub fn length(tour: &[usize], distance: impl Fn(usize, usize) -> f64) -> f64 {
     let next = tour.iter().skip(1).chain(tour.first());
     tour.iter().zip(next).map(|(from, to)| distance(*from, *to)).sum()
 }
 
-/// The shortest tour over `targets`, as a cycle of indices.
+/// Returns the shortest tour over `targets`, as a cycle of indices.
 pub fn shortest(scenario: &Scenario<'_>, targets: &[usize], budget: &mut dyn Budget) -> Vec<usize> {
     let distance = |from: usize, to: usize| scenario.typical().between(from, to);
     if targets.len() <= 2 {

@@ -1,4 +1,4 @@
-//! A tour in nearest-neighbour order: always on to the nearest target that it does not hold yet. Bound: O(n^2).
+//! Nearest-neighbour tour: each visit is followed by the nearest target that is not in the tour yet. Bound: O(n^2).
 
 use crate::solver::Budget;
 use crate::surveillance::scenario::Scenario;
@@ -6,7 +6,7 @@ use crate::surveillance::scenario::Scenario;
 /// Work per examined target, in nanoseconds.
 const LOOK_NS: u64 = 3;
 
-/// All of `targets` in nearest-neighbour order, beginning with the one nearest to `from` (none: the start).
+/// Returns all `targets` in nearest-neighbour order, beginning with the one nearest to `from` (`None`: the start).
 pub fn cycle_from(
     scenario: &Scenario<'_>,
     from: Option<usize>,

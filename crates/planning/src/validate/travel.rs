@@ -12,14 +12,14 @@ pub(super) fn times(travel: &TravelTimes, count: usize, with_base: bool) -> Resu
     let TravelTimes { from_start_s, between_s, to_base_s, later } = travel;
     table((from_start_s, between_s, to_base_s), count, with_base)?;
     if later.len() > DEPARTURES_MAX {
-        return Err(format!("There are travel times for {} departures; give {DEPARTURES_MAX} at most.", later.len()));
+        return Err(format!("there are travel times for {} departures; give {DEPARTURES_MAX} at most", later.len()));
     }
     let mut before = DepartureTable { depart_s: 0.0, from_start_s, between_s, to_base_s };
     for times in later {
         let LaterTimes { depart_s, from_start_s, between_s, to_base_s } = times;
         if !depart_s.is_finite() || *depart_s <= before.depart_s {
             return Err(format!(
-                "Travel times for leaving at {depart_s} s follow those for {} s; give later departures by rising time, the first after 0.",
+                "travel times for leaving at {depart_s} s follow those for {} s; give later departures by rising time, the first after 0",
                 before.depart_s
             ));
         }
@@ -38,12 +38,12 @@ fn table(
 ) -> Result<(), String> {
     let square = between_s.len() == count && between_s.iter().all(|row| row.len() == count);
     if from_start_s.len() != count || !square || (with_base && to_base_s.len() != count) {
-        return Err(format!("The travel times do not fit {count} targets: give one row and one column per target."));
+        return Err(format!("the travel times do not fit {count} targets: give one row and one column per target"));
     }
     // Row by row and without leaving early: a thousand targets have a million times.
     let sound = |times: &Vec<f64>| times.iter().fold(true, |sound, time_s| sound & (*time_s >= 0.0));
     if ![from_start_s, to_base_s].into_iter().chain(between_s).all(sound) {
-        return Err("A travel time is negative or not a number.".to_string());
+        return Err("a travel time is negative or not a number".to_string());
     }
     Ok(())
 }
@@ -71,7 +71,7 @@ fn overtaking(before: &DepartureTable<'_>, next: &DepartureTable<'_>) -> Result<
     };
     match pairs.find(early) {
         Some((early_s, late_s)) => Err(format!(
-            "A path takes {early_s} s for a departure at {} s and {late_s} s for a departure at {} s, which would arrive earlier; such a path includes waiting.",
+            "a path takes {early_s} s for a departure at {} s and {late_s} s for a departure at {} s, which would arrive earlier; such a path includes waiting",
             before.depart_s, next.depart_s
         )),
         None => Ok(()),

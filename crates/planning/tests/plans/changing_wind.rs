@@ -1,4 +1,4 @@
-//! Times that depend on the departure: every planner and the checker see them, and no vehicle overtakes.
+//! Travel times that depend on the departure: all planners and the checker use them, and a later departure never arrives earlier.
 
 use apex_model::problem::{Plan, Position, Problem, UNREACHABLE_S, WindField, WindLayer};
 use apex_planning::checker;
@@ -66,7 +66,7 @@ proptest! {
                     prop_assert!(depart_s + time_s >= before_s - 1e-6);
                     prop_assert!(ways.times.between_s_min(from, to) <= time_s);
                     before_s = depart_s + time_s;
-                    // Another clock for the same wind: the table of a plan that begins then, at its beginning.
+                    // The travel times of a plan that begins at the departure must be equal in the same wind.
                     let exact_s = self::ways(&wind, begin_s + depart_s).0.times.between(from, to);
                     prop_assert!((time_s - exact_s).abs() <= 4.0 * (0.005 * longest_s).max(1.0), "{time_s} {exact_s}");
                 }
@@ -90,7 +90,7 @@ proptest! {
             let mut plan = solver.solve(&problem, &mut environment).unwrap();
             apex_solvers::bounds::state(&problem, &mut plan).unwrap();
             prop_assert_eq!(checker::violations(&problem, &plan), Vec::<String>::new());
-            // A plan for a vehicle that is always as fast as at the best departure comes too late in truth.
+            // A plan that assumes the shortest time of each leg over all departures arrives late.
             let mut budget = WorkBudget::new(5_000);
             let mut environment = Environment { seed, budget: &mut budget, report: &mut |_| {}, previous: None };
             let hasty = solver.solve(&blind, &mut environment).unwrap();

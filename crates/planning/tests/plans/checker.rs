@@ -67,7 +67,7 @@ fn tampered_fire_plans_are_refused() {
     assert!(changed(&|plan| plan.fuel_used_kg = 1.0).contains("claims to burn"));
     assert!(changed(&|plan| plan.left_out.clear()).contains("no reason is given") || plan.left_out.is_empty());
     let message = accept(&Problem::Surveillance(examples::random(2, 1)), &Plan::SingleVisit(plan.clone())).unwrap_err();
-    assert_eq!(message, "The plan of single-visit is not valid: it answers another kind of problem.");
+    assert_eq!(message, "the plan of single-visit is not valid: it answers another kind of problem");
 }
 
 #[test]
@@ -104,12 +104,12 @@ proptest! {
         let problem = Problem::SingleVisit(fires::random(count, seed));
         match solve(&SingleVisit, &problem, seed, 30_000) {
             Ok(plan) => prop_assert_eq!(violations(&problem, &plan), Vec::<String>::new()),
-            Err(reason) => prop_assert!(reason.starts_with("No target") || reason.starts_with("The start"), "{reason}"),
+            Err(reason) => prop_assert!(reason.starts_with("No target") || reason.starts_with("the start"), "{reason}"),
         }
     }
 }
 
-/// A mission whose vehicle turns wide, with its plan.
+/// Returns a mission whose vehicle turns wide, with its plan.
 fn turning(seed: u64, turn_radius_m: f64) -> (Problem, Result<Plan, String>) {
     turning_over(fires::random(5, seed), seed, turn_radius_m)
 }

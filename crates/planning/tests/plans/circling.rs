@@ -146,6 +146,6 @@ fn who_has_no_room_to_circle_is_told_so_and_so_is_who_turns_too_wide() {
     for radius_m in [-1.0, f64::NAN, 1e7] {
         let told = SurveillanceTravel::new(start, &targets, start, &transit(radius_m, &calm, &[])).unwrap_err();
         let why = if radius_m > 0.0 { "wider than the 200000 m" } else { "must not be negative" };
-        assert!(told.contains("The turn radius is") && told.contains(why), "{told}");
+        assert!(told.contains("the turn radius is") && told.contains(why), "{told}");
     }
 }

@@ -28,7 +28,7 @@ fn plan(solver: &dyn Solver, problem: &SurveillanceProblem, units: u64, previous
     }
 }
 
-/// The problem some time later: a target is gone, another one is more expensive, the vehicle is elsewhere, less time
+/// Returns the problem some time later: a target is gone, another one is more expensive, the vehicle is elsewhere, less time
 /// remains.
 fn changed(problem: &SurveillanceProblem, seed: u64) -> SurveillanceProblem {
     let mut changed = examples::random(problem.targets.len(), seed);

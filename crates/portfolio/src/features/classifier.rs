@@ -33,7 +33,7 @@ impl<'a> ClassifierInput<'a> {
         Ok(ClassifierInput { scenario, points, reach_m })
     }
 
-    /// The problem.
+    /// Returns the problem.
     pub fn problem(&self) -> &'a SurveillanceProblem {
         self.scenario.problem()
     }
@@ -43,13 +43,13 @@ impl<'a> ClassifierInput<'a> {
         &self.points
     }
 
-    /// Metres of the given map for one metre of the table's: 1 for a mission of an hour at 20 m/s.
+    /// Returns metres of the given map for one metre of the table's: 1 for a mission of an hour at 20 m/s.
     pub(super) fn metres_per_metre(&self) -> f64 {
         if self.reach_m > 0.0 { self.reach_m / REACH_M } else { 1.0 }
     }
 }
 
-/// The middle speed from target to target; 0 where there is no way between any two.
+/// Returns the middle speed from target to target; 0 where there is no way between any two.
 fn speed_mps(problem: &SurveillanceProblem, points: &[Point]) -> f64 {
     let pairs = points.iter().enumerate().flat_map(|(from, a)| {
         points.iter().enumerate().skip(from + 1).map(move |(to, b)| (from, to, b.minus(*a).length()))
@@ -74,7 +74,7 @@ pub struct Classification {
 }
 
 impl Classification {
-    /// Index of the nearest bin; the first of equals.
+    /// Returns the index of the nearest bin; the first of equals.
     pub fn bin(&self) -> usize {
         let nearest = self.distances.iter().enumerate().min_by(|(_, a), (_, b)| a.total_cmp(b));
         nearest.map_or(0, |(bin, _)| bin)
@@ -83,7 +83,7 @@ impl Classification {
 
 /// A problem classifier: one feature of missions of surveillance.
 pub trait Classifier: Sync {
-    /// The feature's name in tables.
+    /// Returns the feature's name in tables.
     fn name(&self) -> &'static str;
     /// Words of its bins.
     fn bins(&self) -> &'static [&'static str];

@@ -38,7 +38,7 @@ pub struct Feature {
 }
 
 impl Feature {
-    /// Distance to the bin called `word`; none where there is no such bin.
+    /// Returns the distance to the bin called `word`; `None` if there is no such bin.
     pub fn distance(&self, word: &str) -> Option<f64> {
         let bin = self.bins.iter().position(|bin| *bin == word)?;
         self.reading.distances.get(bin).copied()
@@ -67,7 +67,7 @@ pub fn classify_with(classifiers: &[&dyn Classifier], problem: &SurveillanceProb
     Ok(classifiers.iter().map(read).collect())
 }
 
-/// The features as text, for reasons.
+/// Returns the features as text, for reasons.
 pub fn described(features: &[Feature]) -> String {
     let one = |feature: &Feature| {
         let numbers: Vec<String> =

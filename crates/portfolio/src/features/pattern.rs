@@ -104,7 +104,7 @@ impl PointStatistics {
     }
 }
 
-/// A normal crowd of `count` points with this sum of squares about their mean.
+/// Returns a normal crowd of `count` points with this sum of squares about their mean.
 fn crowd(count: f64, square_m2: f64, deviation_m: f64) -> f64 {
     let variance_m2 = deviation_m * deviation_m;
     -(count - 1.0) * libm::log(2.0 * PI * variance_m2) - libm::log(count) - 0.5 * square_m2 / variance_m2

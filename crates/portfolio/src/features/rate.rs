@@ -28,7 +28,7 @@ impl Classifier for Rate {
     }
 }
 
-/// The rate of a saturating cost; for others the rate of the saturating cost that reaches its half at the same age as they
+/// Returns the rate of a saturating cost; for others the rate of the saturating cost that reaches its half at the same age as they
 /// reach half of what they cost at the horizon.
 fn rate_per_s(cost: &CostFunction, horizon_s: f64) -> f64 {
     if let CostFunction::Saturating { rate_per_s, .. } = cost {

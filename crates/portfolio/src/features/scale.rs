@@ -31,7 +31,7 @@ impl Classifier for Scale {
     }
 }
 
-/// Time of the shortest tour found over the time available.
+/// Returns the time of the shortest tour found over the time available.
 fn kappa(given: &ClassifierInput<'_>) -> f64 {
     let (scenario, problem) = (&given.scenario, given.problem());
     let mut budget = WorkBudget::new(TOUR_UNITS);

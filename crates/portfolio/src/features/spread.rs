@@ -55,7 +55,7 @@ fn neighbour_index(points: &[Point]) -> f64 {
     mean / (0.5 * libm::sqrt(area_m2 / count as f64))
 }
 
-/// Mean silhouette of the division in two, -1..1; 0 where there are no two sides.
+/// Returns the mean silhouette of the division in two, -1..1; 0 where there are no two sides.
 fn silhouette(points: &[Point]) -> f64 {
     let sides = pattern::divided(points);
     let scores = points.iter().zip(&sides).enumerate().map(|(at, (point, side))| {

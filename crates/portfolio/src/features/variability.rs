@@ -27,13 +27,13 @@ pub(super) fn read(numbers: &[f64]) -> Classification {
     Classification { numbers, distances: distances.to_vec() }
 }
 
-/// Standard deviation over mean; 0 where the mean is.
+/// Returns the standard deviation over mean; 0 where the mean is.
 fn variation(numbers: &[f64]) -> f64 {
     let (mean, variance) = moments(numbers);
     if mean > 0.0 { libm::sqrt(variance) / mean } else { 0.0 }
 }
 
-/// The share of the variance that is between the two groups of the best division in two; 0 where all are equal.
+/// Returns the share of the variance that is between the two groups of the best division in two; 0 where all are equal.
 fn bimodality(numbers: &[f64]) -> f64 {
     let mut sorted = numbers.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -49,7 +49,7 @@ fn bimodality(numbers: &[f64]) -> f64 {
     (1.0 - least / whole).max(0.0)
 }
 
-/// Mean and variance.
+/// Returns the mean and variance.
 fn moments(numbers: &[f64]) -> (f64, f64) {
     let count = numbers.len().max(1) as f64;
     let mean = numbers.iter().sum::<f64>() / count;

@@ -25,7 +25,7 @@ pub(super) enum Metric {
 }
 
 impl Metric {
-    /// The metric that TSPLIB calls `name`.
+    /// Returns the metric that TSPLIB calls `name`.
     pub(super) fn of(name: &str) -> Option<Metric> {
         Some(match name {
             "EUC_2D" => Metric::Euclidean,
@@ -38,7 +38,7 @@ impl Metric {
         })
     }
 
-    /// The distance of two points.
+    /// Returns the distance of two points.
     pub(super) fn between(self, (x0, y0): (f64, f64), (x1, y1): (f64, f64)) -> f64 {
         let (dx, dy) = ((x1 - x0).abs(), (y1 - y0).abs());
         let straight = || libm::sqrt(dx * dx + dy * dy);

@@ -40,7 +40,7 @@ pub enum Day {
     Long,
 }
 
-/// The 76 instances like those on which planners of orienteering with windows are compared: name and text.
+/// Returns the 76 instances like those on which planners of orienteering with windows are compared: name and text.
 pub fn windows_suite() -> Vec<(String, String)> {
     let solomon = [
         ("c1", Places::Clustered, Day::Short, 9),
@@ -117,7 +117,7 @@ fn solomon(places: Places, day: Day, number: u64) -> String {
     text
 }
 
-/// A hundred places on whole numbers in 0..100.
+/// Returns a hundred places on whole numbers in 0..100.
 fn drawn(places: Places, chance: &mut Generator) -> Vec<(f64, f64)> {
     let centres: Vec<(f64, f64)> =
         (0..10).map(|_| (10.0 + 80.0 * chance.unit(), 10.0 + 80.0 * chance.unit())).collect();
@@ -182,7 +182,7 @@ pub fn oplib(nodes: usize, share: f64, number: u64) -> String {
     text
 }
 
-/// An asymmetric tour of `nodes` nodes, as a full matrix.
+/// Returns an asymmetric tour of `nodes` nodes, as a full matrix.
 pub fn atsp(nodes: usize, number: u64) -> String {
     let mut chance = Generator::new(66_000 + number);
     let places: Vec<(f64, f64)> = (0..nodes).map(|_| (100.0 * chance.unit(), 100.0 * chance.unit())).collect();
@@ -204,7 +204,7 @@ pub fn atsp(nodes: usize, number: u64) -> String {
     text
 }
 
-/// A standard normal number, near enough: the sum of twelve.
+/// Returns a standard normal number, near enough: the sum of twelve.
 fn normal(chance: &mut Generator) -> f64 {
     (0..12).map(|_| chance.unit()).sum::<f64>() - 6.0
 }

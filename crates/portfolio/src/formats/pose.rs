@@ -35,7 +35,7 @@ pub(super) struct Frame {
     pub(super) windows: bool,
 }
 
-/// The problem: the first vertex is the depot, all others are targets; `time(from, to)` is the way between two of them.
+/// Returns the problem: the first vertex is the depot, all others are targets; `time(from, to)` is the way between two of them.
 ///
 /// A time may be reached when it is over by less than half of the resolution: sums of decimals are not exact.
 pub(super) fn problem(vertices: &[Vertex], frame: Frame, time: &dyn Fn(usize, usize) -> f64) -> SingleVisitProblem {

@@ -91,9 +91,12 @@ fn mistakes_are_told_with_their_place_and_what_to_do() {
         (SMALL.replace("5 7 1 1 1 0 90", "5 7 1"), "6:13: the line has 6 numbers"),
         (SMALL.replace("5 20", "-5 20"), "-5 is negative (d, the service time is 0 or more)"),
         (String::new(), "the file is empty"),
-        ("TYPE: CVRP\n".into(), "1:7: problems of type CVRP are not planned for (read are TSP, ATSP and OP)"),
+        (
+            "TYPE: CVRP\n".into(),
+            "1:7: problems of type CVRP are not planned for (supported types are TSP, ATSP and OP)",
+        ),
         ("NAME: a\nFIXED_EDGES_SECTION\n1 2\n-1".into(), "FIXED_EDGES_SECTION comes before DIMENSION"),
-        ("TYPE: TSP\nDIMENSION: 3\nEDGE_WEIGHT_TYPE: XRAY1\n".into(), "3:19: the distance XRAY1 is not known"),
+        ("TYPE: TSP\nDIMENSION: 3\nEDGE_WEIGHT_TYPE: XRAY1\n".into(), "3:19: unknown edge weight type XRAY1"),
         ("TYPE: TSP\nDIMENSION: 3\nEDGE_WEIGHT_TYPE: EUC_2D\n".into(), "NODE_COORD_SECTION is missing"),
         ("TYPE: TSP\nDIMENSION: 3\nNODE_COORD_SECTION\n1 0 0\n1 2 2\n".into(), "5:1: node 1 comes twice"),
     ];

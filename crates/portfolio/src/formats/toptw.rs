@@ -80,7 +80,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<Instance, FormatError> {
 
 const HELP: &str = "docs/reference/planning-problems.md shows the format";
 
-/// The way from one vertex to another.
+/// Returns the way from one vertex to another.
 pub(super) fn way(vertices: &[Vertex], metric: Metric, from: usize, to: usize) -> f64 {
     match (vertices.get(from), vertices.get(to)) {
         (Some(from), Some(to)) => metric.between((from.x, from.y), (to.x, to.y)),
@@ -88,12 +88,12 @@ pub(super) fn way(vertices: &[Vertex], metric: Metric, from: usize, to: usize) -
     }
 }
 
-/// The unit of the last of so many decimals.
+/// Returns the unit of the last of so many decimals.
 pub(super) fn resolution(decimals: usize) -> f64 {
     (0..decimals).fold(1.0, |unit, _| unit / 10.0)
 }
 
-/// A vertex, with the decimals of its coordinates and of its times.
+/// Returns a vertex, with the decimals of its coordinates and of its times.
 fn vertex(line: &[TextToken<'_>], number: usize) -> Result<(Vertex, (usize, usize)), FormatError> {
     let short = |last: &TextToken<'_>| {
         let form = "a vertex is `i x y d S f a list O C` with `a` numbers in the list";

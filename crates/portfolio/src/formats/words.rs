@@ -19,7 +19,7 @@ pub(super) struct TextToken<'a> {
 }
 
 impl<'a> TextToken<'a> {
-    /// A mistake at this word.
+    /// Returns a mistake at this word.
     pub(super) fn trouble(
         &self,
         message: impl Into<String>,
@@ -36,7 +36,7 @@ impl<'a> TextToken<'a> {
         }
     }
 
-    /// The number that it is; `what` says which, for the message.
+    /// Returns the number that it is; `what` says which, for the message.
     pub(super) fn number(&self, what: &str) -> Result<f64, FormatError> {
         let number: Option<f64> = self.text.parse().ok();
         match number.filter(|number| number.is_finite()) {
@@ -54,7 +54,7 @@ impl<'a> TextToken<'a> {
         }
     }
 
-    /// The number, where it must not be negative.
+    /// Returns the number, where it must not be negative.
     pub(super) fn amount(&self, what: &str) -> Result<f64, FormatError> {
         let number = self.number(what)?;
         if number < 0.0 {
@@ -67,7 +67,7 @@ impl<'a> TextToken<'a> {
         Ok(number)
     }
 
-    /// The whole number from 0 to `most`; 12.0 is one.
+    /// Returns the whole number from 0 to `most`; 12.0 is one.
     pub(super) fn count(&self, what: &str, most: usize) -> Result<usize, FormatError> {
         let number = self.amount(what)?;
         if number != libm::floor(number) || number > most as f64 {
@@ -87,12 +87,12 @@ impl<'a> TextToken<'a> {
     }
 }
 
-/// The words of every line; empty lines have none.
+/// Returns the words of every line; empty lines have none.
 pub(super) fn lines(text: &str) -> impl Iterator<Item = Vec<TextToken<'_>>> {
     text.trim_start_matches('\u{feff}').lines().enumerate().map(|(number, line)| words(line, number + 1))
 }
 
-/// The words of one line.
+/// Returns the words of one line.
 pub(super) fn words(line: &str, number: usize) -> Vec<TextToken<'_>> {
     let mut found = Vec::new();
     let mut rest = line;
@@ -127,7 +127,7 @@ pub(super) fn ends_early(text: &str, message: impl Into<String>, reason: impl In
     }
 }
 
-/// A text as messages show it.
+/// Returns a text as messages show it.
 pub(super) fn cut(text: &str) -> String {
     let mut shown: String = text.chars().filter(|c| !c.is_control()).take(SHOWN_MAX).collect();
     if text.chars().count() > SHOWN_MAX {

@@ -82,7 +82,7 @@ pub fn written(profile: &Profile) -> String {
     text
 }
 
-/// The word of a verdict in tables.
+/// Returns the word of a verdict in tables.
 pub fn word(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::First | Verdict::Second => "better",

@@ -92,7 +92,7 @@ impl FromStr for Profile {
     }
 }
 
-/// The costs of one cell.
+/// Returns the costs of one cell.
 fn row(lines: &mut Lines<'_>, head: &ProfileLine<'_>, profile: &Profile) -> Result<Row, FormatError> {
     let words = head.words();
     let [_, cell, hash] = words.as_slice() else {
@@ -141,7 +141,7 @@ impl<'a> Lines<'a> {
         Some(ProfileLine { number: index + 1, text })
     }
 
-    /// The next line if it begins with `word`.
+    /// Returns the next line if it begins with `word`.
     fn next_of(&mut self, word: &str) -> Option<ProfileLine<'a>> {
         while self.rest.next_if(|(_, line)| line.starts_with('#') || line.trim().is_empty()).is_some() {}
         let begins = |line: &str| line.split_whitespace().next() == Some(word);

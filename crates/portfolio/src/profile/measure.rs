@@ -32,7 +32,7 @@ pub fn mission(cell: &Cell, number: u64, solver: &dyn Solver, budgets: &[u64]) -
     Ok(measured)
 }
 
-/// The expected cost of the plan of `solver`, and the work it took.
+/// Returns the expected cost of the plan of `solver`, and the work it took.
 pub(super) fn cost(problem: &Problem, seed: u64, solver: &dyn Solver, units: u64) -> Result<(f64, u64), String> {
     let mut budget = WorkBudget::new(units);
     let plan =

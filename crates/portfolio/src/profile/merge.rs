@@ -4,7 +4,7 @@
 use super::{Planner, Profile, Row};
 use crate::cell::Cell;
 
-/// The whole of `parts`, each with its name for operators.
+/// Returns the whole of `parts`, each with its name for operators.
 ///
 /// Cells come in the order of [`Cell::all`], others after them in the order of the parts, as do planners. Contents of
 /// two parts must be equal in both.

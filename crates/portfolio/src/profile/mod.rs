@@ -73,7 +73,7 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// A profile in which nothing has been measured yet.
+    /// Returns a profile in which nothing has been measured yet.
     pub fn empty(cells: &[Cell], missions: u64, budgets: &[u64]) -> Profile {
         let row = |cell: &Cell| Row { cell: *cell, hash: cell.hash(missions), costs: Vec::new() };
         Profile {
@@ -85,7 +85,7 @@ impl Profile {
         }
     }
 
-    /// Index of the planner called `name`.
+    /// Returns the index of the planner called `name`.
     pub fn planner(&self, name: &str) -> Option<usize> {
         self.planners.iter().position(|planner| planner.name == name)
     }
@@ -131,7 +131,7 @@ impl Profile {
     }
 }
 
-/// A budget as text: `10 ms`.
+/// Returns a budget as text: `10 ms`.
 pub fn budget_words(units: u64) -> String {
     let milliseconds = 1e3 * time_of(units).seconds();
     if milliseconds >= 1000.0 { format!("{} s", milliseconds / 1000.0) } else { format!("{milliseconds} ms") }

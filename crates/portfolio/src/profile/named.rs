@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// Budgets of one profile at most.
 const BUDGETS_MAX: usize = 32;
 
-/// The cells of these names, each once; `all` and `subset` are known too.
+/// Returns the cells of these names, each once; `all` and `subset` are known too.
 ///
 /// # Errors
 /// A name is unknown, or one occurs twice.
@@ -40,7 +40,7 @@ fn cell(name: &str, help: &str) -> Result<Cell, ProfileError> {
     name.parse().map_err(|why: String| ProfileError::new(format!("there is no cell {name}"), help).because(why))
 }
 
-/// The measurements of the cell called `name`.
+/// Returns the measurements of the cell called `name`.
 ///
 /// # Errors
 /// There is no such cell, or it was not measured.
@@ -64,7 +64,7 @@ pub fn rising(budgets: Vec<u64>, texts: &[String]) -> Result<Vec<u64>, ProfileEr
     Ok(budgets)
 }
 
-/// The index of a budget of `units` in a profile; `text` is what the user wrote.
+/// Returns the index of a budget of `units` in a profile; `text` is what the user wrote.
 ///
 /// # Errors
 /// It was not measured.
@@ -101,7 +101,7 @@ pub fn counts(counts: &[usize]) -> Result<(), ProfileError> {
     }
 }
 
-/// The planners of surveillance of these names, each once.
+/// Returns the planners of surveillance of these names, each once.
 ///
 /// # Errors
 /// A name is unknown, or one occurs twice.

@@ -9,7 +9,7 @@ use std::fmt::Write;
 
 /// Width and height of a square, in pixels.
 const SQUARE: (usize, usize) = (26, 17);
-/// Corner of the squares, below titles and next to the words of rows.
+/// Upper left corner of the squares, below titles and right of the labels of rows, in pixels.
 const ORIGIN: (usize, usize) = (205, 72);
 /// Space between two maps.
 const GAP: usize = 18;
@@ -20,7 +20,7 @@ const COLOURS: [&str; 6] = ["#bbbbbb", "#4477aa", "#ee6677", "#228833", "#ccbb44
 /// Colour of cells without a verdict.
 const PALE: &str = "#f4f4f4";
 
-/// One square: its colour, how strong, the text in it, and what the pointer tells.
+/// One square: its colour, the strength of the colour, its text, and its tooltip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Square {
     fill: &'static str,
@@ -37,7 +37,7 @@ pub struct Map {
     legend: Vec<(&'static str, String)>,
 }
 
-/// The map of the best planner of each cell at `budget` (an index): strong where it is better than all others, weaker where
+/// Returns the map of the best planner of each cell at `budget` (an index): strong where it is better than all others, weaker where
 /// others do not differ from it, weakest and with a question mark where that is undecided.
 pub fn best(profile: &Profile, budget: usize) -> Map {
     let name = |planner: usize| profile.planners.get(planner).map_or("", |known| known.name.as_str());
@@ -64,7 +64,7 @@ pub fn best(profile: &Profile, budget: usize) -> Map {
     }
 }
 
-/// Figure 4 as published, and the same question answered by `profile` at `budget` (an index): 2-Opt or WAM.
+/// Returns Figure 4 as published, and the same map (2-Opt or WAM) from `profile` at `budget` (an index).
 pub fn beside_figure_4(profile: &Profile, budget: usize) -> Result<[Map; 2], ProfileError> {
     let [first, second] = published::PLANNERS.map(|name| profile.planner(name).ok_or_else(not_answered));
     let (first, second) = (first?, second?);
@@ -105,7 +105,7 @@ fn colour(planner: usize) -> &'static str {
     COLOURS.get(planner % COLOURS.len()).copied().unwrap_or(PALE)
 }
 
-/// Maps side by side; the legend is the first one's.
+/// Returns an SVG drawing of maps side by side, with the legend of the first one.
 pub fn svg(maps: &[Map]) -> String {
     let width = ORIGIN.0 + maps.len() * (SHAPE.0 * SQUARE.0 + GAP);
     let height = ORIGIN.1 + SHAPE.1 * SQUARE.1 + 40;
@@ -125,7 +125,7 @@ pub fn svg(maps: &[Map]) -> String {
     out
 }
 
-/// The words of rows, each where it changes.
+/// Writes the labels of rows, each where it changes.
 fn rows(out: &mut String) -> std::fmt::Result {
     for row in 0..SHAPE.1 {
         let Some(cell) = Cell::all().get(row * SHAPE.0).copied() else { continue };
@@ -142,7 +142,7 @@ fn rows(out: &mut String) -> std::fmt::Result {
     })
 }
 
-/// Title, counts and spaces of one map.
+/// Writes title, counts and spaces of one map.
 fn columns(out: &mut String, left: usize, title: &str) -> std::fmt::Result {
     writeln!(out, "<text x=\"{left}\" y=\"18\" font-weight=\"bold\">{}</text>", escaped(title))?;
     for column in 0..SHAPE.0 {
@@ -159,7 +159,7 @@ fn columns(out: &mut String, left: usize, title: &str) -> std::fmt::Result {
 }
 
 fn draw(out: &mut String, left: usize, cell: Cell, square: &Square) -> std::fmt::Result {
-    // Cells off the grid (another count) have no place in the map.
+    // Cells with a count that the grid lacks have no place in the map.
     let Some(place) = Cell::all().iter().position(|known| *known == cell) else { return Ok(()) };
     let (x, y) = (left + place % SHAPE.0 * SQUARE.0, ORIGIN.1 + place / SHAPE.0 * SQUARE.1);
     let Square { fill, strength, text, hint } = square;

@@ -17,7 +17,7 @@ pub const LEGEND: [&str; 4] = ["Human", "2-Opt", "WAM", "no difference"];
 /// Our planners that correspond to the codes 1 and 2.
 pub const PLANNERS: [&str; 2] = ["two-opt", "wam"];
 
-/// The code of every cell, as printed.
+/// Returns the code of every cell, as printed.
 pub fn codes() -> Vec<(Cell, usize)> {
     let lines = FIGURE_4.lines().filter(|line| !line.starts_with('#')).skip(1);
     lines
@@ -63,7 +63,7 @@ pub struct Agreement {
 }
 
 impl Agreement {
-    /// The agreement of `profile` at a budget (index).
+    /// Returns the agreement of `profile` at a budget (index).
     ///
     /// # Errors
     /// One of the figure's planners was not measured.
@@ -137,7 +137,7 @@ impl Agreement {
     }
 }
 
-/// A profile without the figure's planners.
+/// Returns a profile without the figure's planners.
 pub(super) fn not_answered() -> ProfileError {
     ProfileError::new(
         "this profile does not answer the question of Figure 4",

@@ -49,7 +49,7 @@ pub fn mission(
     Ok(MissionRegret { chosen, excess, regret })
 }
 
-/// All missions with `count` targets: every space, scale and spread.
+/// Returns all missions with `count` targets: every space, scale and spread.
 pub fn cells(count: usize) -> Vec<Cell> {
     let mut cells: Vec<Cell> = Cell::all().into_iter().map(|cell| Cell { count, ..cell }).collect();
     cells.sort();

@@ -7,7 +7,7 @@
 /// Pairs up to which the distribution of the rank sum is counted out; beyond it is taken for normal.
 pub const EXACT_PAIRS_MAX: usize = 100;
 
-/// Mean of `numbers` and half the width of its 95 % interval by Student's distribution; an interval without bounds where
+/// Returns the mean of `numbers` and half the width of its 95 % interval by Student's distribution; an interval without bounds where
 /// there are fewer than two numbers.
 pub fn mean_interval(numbers: &[f64]) -> (f64, f64) {
     let count = numbers.len() as f64;
@@ -19,7 +19,7 @@ pub fn mean_interval(numbers: &[f64]) -> (f64, f64) {
     (mean, student_975(numbers.len() - 1) * libm::sqrt(variance / count))
 }
 
-/// The 97.5 % quantile of Student's distribution; wrong by less than 0.001 from ten degrees of freedom on, and tabulated
+/// Returns the 97.5 % quantile of Student's distribution; wrong by less than 0.001 from ten degrees of freedom on, and tabulated
 /// below.
 fn student_975(freedom: usize) -> f64 {
     const FEW: [f64; 9] = [12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262];
@@ -34,7 +34,7 @@ fn student_975(freedom: usize) -> f64 {
     z + g1 / n + g2 / (n * n) + g3 / (n * n * n)
 }
 
-/// The two-sided probability of differences at least as one-sided as these, were their signs a matter of chance.
+/// Returns the two-sided probability of differences at least as one-sided as these, were their signs a matter of chance.
 ///
 /// Zeros are left out and equal sizes share their mean rank, as Wilcoxon has it. Exact up to [`EXACT_PAIRS_MAX`] pairs, ties
 /// included; normal with correction for ties and continuity beyond.

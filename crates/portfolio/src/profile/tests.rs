@@ -8,7 +8,7 @@ fn planner(name: &str) -> Planner {
     Planner { name: name.into(), version: "1.0".into() }
 }
 
-/// Two cells, three missions, two budgets; the second planner costs a tenth more.
+/// Returns two cells, three missions, two budgets; the second planner costs a tenth more.
 fn small() -> Profile {
     let cells = [Cell::all()[0], Cell::all()[242]];
     let mut profile = Profile::empty(&cells, 3, &[1_000, 10_000]);

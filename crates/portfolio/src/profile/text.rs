@@ -5,7 +5,7 @@ use super::{Profile, Row, budget_words, conclusion};
 use crate::cell::Cell;
 use std::fmt::Write;
 
-/// The profile at these budgets (indices): a map of the best planners at each, or every planner in one cell.
+/// Returns the profile at these budgets (indices): a map of the best planners at each, or every planner in one cell.
 pub fn shown(profile: &Profile, budgets: &[usize], row: Option<&Row>) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
@@ -17,7 +17,7 @@ pub fn shown(profile: &Profile, budgets: &[usize], row: Option<&Row>) -> String 
     text
 }
 
-/// Every conclusion at these budgets (indices) as a line of JSON.
+/// Returns every conclusion at these budgets (indices) as a line of JSON.
 pub fn json_lines(profile: &Profile, budgets: &[usize]) -> String {
     let units: Vec<u64> = budgets.iter().filter_map(|budget| profile.budgets.get(*budget).copied()).collect();
     let mut text = String::new();
@@ -49,7 +49,7 @@ fn head(out: &mut String, profile: &Profile) -> std::fmt::Result {
     writeln!(out, "planners: {}", planners.join(", "))
 }
 
-/// Every planner in one cell, each against the best.
+/// Returns every planner in one cell, each against the best.
 fn one_cell(out: &mut String, profile: &Profile, row: &Row, budget: usize) -> std::fmt::Result {
     let bests = verdict::best(profile, budget);
     let place = profile.rows.iter().position(|other| other.cell == row.cell);

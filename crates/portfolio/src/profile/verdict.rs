@@ -64,7 +64,7 @@ pub fn pair(profile: &Profile, budget: usize, first: usize, second: usize) -> Ve
     each.iter().zip(adjusted).map(|((ratios, _), probability)| judged(ratios, probability)).collect()
 }
 
-/// The best planner of every cell at `budget` (an index); the family is every cell with every other planner.
+/// Returns the best planner of every cell at `budget` (an index); the family is every cell with every other planner.
 pub fn best(profile: &Profile, budget: usize) -> Vec<Best> {
     let count = profile.planners.len();
     let leaders: Vec<usize> = profile

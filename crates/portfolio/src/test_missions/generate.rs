@@ -31,7 +31,7 @@ pub const CENTRE: Position = Position { latitude_deg: 37.4, longitude_deg: -122.
 struct Chance(ChaCha20Rng);
 
 impl Chance {
-    /// A real number in 0..1.
+    /// Returns a real number in 0..1.
     fn unit(&mut self) -> f64 {
         (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
     }
@@ -40,7 +40,7 @@ impl Chance {
         low + (high - low) * self.unit()
     }
 
-    /// A standard normal number, by the polar form of Box and Muller without its second number.
+    /// Returns a standard normal number, by the polar form of Box and Muller without its second number.
     fn normal(&mut self) -> f64 {
         loop {
             let (x, y) = (self.between(-1.0, 1.0), self.between(-1.0, 1.0));
@@ -57,12 +57,12 @@ impl Chance {
 }
 
 impl Cell {
-    /// The seed of its mission `number`.
+    /// Returns the seed of its mission `number`.
     pub fn seed(&self, number: u64) -> [u8; 32] {
         Sha256::digest(format!("apex test mission {GENERATOR_VERSION} {self} {number}")).into()
     }
 
-    /// Its mission `number`: targets `T1`, `T2`, .., from a start in the centre of the map, fresh, without a return.
+    /// Returns its mission `number`: targets `T1`, `T2`, .., from a start in the centre of the map, fresh, without a return.
     pub fn mission(&self, number: u64) -> SurveillanceProblem {
         let mut chance = Chance(ChaCha20Rng::from_seed(self.seed(number)));
         let places = self.places(&mut chance);
@@ -115,7 +115,7 @@ impl Cell {
         places
     }
 
-    /// A place of the target with this index, as shares of the side; may lie outside.
+    /// Returns a place of the target with this index, as shares of the side; may lie outside.
     fn place(&self, index: usize, chance: &mut Chance) -> (f64, f64) {
         match self.space {
             Space::TwoClusters => {

@@ -9,14 +9,14 @@ use std::fmt::Write;
 const BYTES: usize = 16;
 
 impl Cell {
-    /// The hash over its missions from number 0 to before `missions`, to the last bit of every number.
+    /// Returns the hash over its missions from number 0 to before `missions`, to the last bit of every number.
     pub fn hash(&self, missions: u64) -> String {
         let all = (0..missions).fold(Sha256::new(), |all, number| all.chain_update(hash(&self.mission(number))));
         hexadecimal(all.finalize().iter().take(BYTES))
     }
 }
 
-/// The hash of every number of a mission.
+/// Returns the hash of every number of a mission.
 fn hash(problem: &SurveillanceProblem) -> String {
     let mut hash = Sha256::new();
     let mut number = |number: f64| hash.update(number.to_bits().to_le_bytes());

@@ -13,7 +13,7 @@ pub fn energy(left: f64, reserve: f64, per_s: f64, distance_m: f64, ground_speed
     left - reserve - per_s * distance_m / ground_speed_mps
 }
 
-/// As [`energy`], in seconds of flight that consumes `per_s`.
+/// Like [`energy`], in seconds of flight that consumes `per_s`.
 pub fn energy_s(left: f64, reserve: f64, per_s: f64, distance_m: f64, ground_speed_mps: f64) -> f64 {
     energy(left / per_s, reserve / per_s, 1.0, distance_m, ground_speed_mps)
 }

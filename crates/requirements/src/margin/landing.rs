@@ -1,6 +1,6 @@
 //! Distance to a place to land: within a fixed distance, by gliding, or under power.
 
-/// Margin in metres: the nearest landing place is within `distance_m_max`.
+/// Returns the margin in metres: the nearest landing place is within `distance_m_max`.
 pub fn disc_m(distance_m: f64, distance_m_max: f64) -> f64 {
     distance_m_max - distance_m
 }
@@ -14,7 +14,7 @@ pub struct Glide {
     pub airspeed_mps: f64,
 }
 
-/// Distance over ground that a glide over `height_m` gives with `tail_wind_mps` (negative: head wind): with the sink
+/// Returns the distance over ground that a glide over `height_m` gives with `tail_wind_mps` (negative: head wind): with the sink
 /// `V / sqrt(1 + ratio^2)` it lasts `height / sink`, at the speed `V ratio / sqrt(1 + ratio^2) + wind`. 0 if the wind is stronger.
 pub fn glide_reach_m(glide: Glide, height_m: f64, tail_wind_mps: f64) -> f64 {
     let Glide { ratio, airspeed_mps } = glide;
@@ -26,12 +26,12 @@ pub fn glide_reach_m(glide: Glide, height_m: f64, tail_wind_mps: f64) -> f64 {
     (lasts_s * (airspeed_mps * ratio / slope + tail_wind_mps)).max(0.0)
 }
 
-/// Margin in metres: a glide from `height_m` above the landing place arrives `pattern_m` above it, `distance_m` away.
+/// Returns the margin in metres: a glide from `height_m` above the landing place arrives `pattern_m` above it, `distance_m` away.
 pub fn glide_m(glide: Glide, height_m: f64, pattern_m: f64, tail_wind_mps: f64, distance_m: f64) -> f64 {
     glide_reach_m(glide, height_m - pattern_m, tail_wind_mps) - distance_m
 }
 
-/// Margin in metres: under power the landing place is reached within `allowed_s`.
+/// Returns the margin in metres: under power the landing place is reached within `allowed_s`.
 pub fn powered_m(ground_speed_mps: f64, allowed_s: f64, distance_m: f64) -> f64 {
     ground_speed_mps.max(0.0) * allowed_s.max(0.0) - distance_m
 }

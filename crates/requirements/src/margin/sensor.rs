@@ -12,7 +12,7 @@ pub struct ViewDirection {
     pub elevation_deg: f64,
 }
 
-/// Angle between two directions, in degrees, from 0 to 180.
+/// Returns the angle between two directions, in degrees, from 0 to 180.
 pub fn angle_deg(a: ViewDirection, b: ViewDirection) -> f64 {
     let (low, high) = (a.elevation_deg.to_radians(), b.elevation_deg.to_radians());
     let turn_rad = (a.azimuth_deg - b.azimuth_deg).to_radians();
@@ -25,8 +25,8 @@ pub fn angle_deg(a: ViewDirection, b: ViewDirection) -> f64 {
     (2.0 * libm::asin(libm::sqrt(share.clamp(0.0, 1.0)))).to_degrees()
 }
 
-/// Margin in degrees between the boresight and the sun: half of the field of view and `margin_deg` must stay free. Infinite while the
-/// sun is below [`SUN_INACTIVE_BELOW_DEG`].
+/// Returns the margin in degrees between the boresight and the sun: half of the field of view and `margin_deg` must stay free. Infinite
+/// while the sun is below [`SUN_INACTIVE_BELOW_DEG`].
 pub fn sun_deg(boresight: ViewDirection, sun: ViewDirection, field_of_view_deg: f64, margin_deg: f64) -> f64 {
     if sun.elevation_deg < SUN_INACTIVE_BELOW_DEG {
         return f64::INFINITY;
@@ -48,12 +48,12 @@ pub struct Detector {
 }
 
 impl Detector {
-    /// Margin in kelvin.
+    /// Returns the margin in kelvin.
     pub fn temperature_k(&self, temperature_c: f64) -> f64 {
         self.limit_c - temperature_c
     }
 
-    /// Seconds until the limit is reached in air of `air_c`, by `C dT/dt = P - G (T - air)`: 0 if it is reached, `None` if the
+    /// Returns seconds until the limit is reached in air of `air_c`, by `C dT/dt = P - G (T - air)`: 0 if it is reached, `None` if the
     /// balance lies at or below the limit.
     pub fn time_to_limit_s(&self, temperature_c: f64, air_c: f64) -> Option<f64> {
         if temperature_c >= self.limit_c {

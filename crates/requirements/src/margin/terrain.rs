@@ -5,7 +5,7 @@ use crate::response::climb_s;
 use crate::route::Route;
 use apex_geo::plane::Point;
 
-/// Margin in metres: height above the highest ground near, beyond the clearance.
+/// Returns the margin in metres: height above the highest ground near, beyond the clearance.
 pub fn terrain_m(altitude_m: f64, ground_m_max: f64, clearance_m: f64) -> f64 {
     altitude_m - ground_m_max - clearance_m
 }
@@ -23,7 +23,7 @@ pub struct ClimbOver {
     pub latest_start_s: f64,
 }
 
-/// The climb that keeps `clearance_m` over ground of `ground_m` that lies `distance_m` ahead.
+/// Returns the climb that keeps `clearance_m` over ground of `ground_m` that lies `distance_m` ahead.
 pub fn climb_over(
     (altitude_m, ground_speed_mps, climb_mps): (f64, f64, f64),
     ground_m: f64,
@@ -36,8 +36,8 @@ pub fn climb_over(
     ClimbOver { height_m, climb_s: duration_s, climb_m, latest_start_s: (distance_m - climb_m) / ground_speed_mps }
 }
 
-/// The climb along `route` that must begin first, so that `clearance_m` is kept over all ground within the look-ahead; none if no ground
-/// along it is too high. Sampled each second.
+/// Returns the climb along `route` that must begin first, so that `clearance_m` is kept over all ground within the look-ahead; `None` if no
+/// ground along it is too high. Sampled each second.
 pub fn latest_climb(
     route: &Route,
     look_ahead_s: f64,
@@ -60,7 +60,7 @@ pub fn latest_climb(
     climbs.min_by(|a, b| a.latest_start_s.total_cmp(&b.latest_start_s))
 }
 
-/// The first instant along `route` at which the clearance is lost; `ground_m` gives the highest ground near a point. Sampled each
+/// Returns the first instant along `route` at which the clearance is lost; `ground_m` gives the highest ground near a point. Sampled each
 /// second: the ground may rise at any rate.
 pub fn first_loss(
     route: &Route,

@@ -37,7 +37,7 @@ fn lower_face_m(zone: &AirspaceZone) -> f64 {
 }
 
 impl LocalZone {
-    /// The zone on `plane`; `None` if a corner is too far from the plane's centre to be projected.
+    /// Returns the zone on `plane`; `None` if a corner is too far from the plane's centre to be projected.
     pub fn new(number: usize, zone: &AirspaceZone, plane: &Plane) -> Option<LocalZone> {
         let corners: Option<Vec<Point>> = zone.corners.iter().map(|corner| plane.project(*corner)).collect();
         Some(LocalZone {
@@ -49,35 +49,35 @@ impl LocalZone {
         })
     }
 
-    /// True if the zone is one to keep out of.
+    /// Returns true if the zone is one to keep out of.
     pub fn is_restricted(&self) -> bool {
         self.kind == ZoneKind::Restricted
     }
 
-    /// Lower and upper face above mean sea level.
+    /// Returns the lower and upper face above mean sea level.
     pub fn altitude_m(&self) -> (f64, f64) {
         self.altitude_m
     }
 
-    /// True if the zone is active at `at_s` of mission time.
+    /// Returns true if the zone is active at `at_s` of mission time.
     pub fn is_active(&self, at_s: f64) -> bool {
         self.active_s.0 <= at_s && at_s < self.active_s.1
     }
 
-    /// Distance from the edge, negative inside.
+    /// Returns the distance from the edge, negative inside.
     fn edge_m(&self, point: Point) -> f64 {
         let least_m =
             edges(&self.corners).fold(f64::INFINITY, |least, (a, b)| least.min(point_to_segment(point, a, b)));
         if inside(point, &self.corners) { -least_m } else { least_m }
     }
 
-    /// Distance from the nearer face, negative between them.
+    /// Returns the distance from the nearer face, negative between them.
     fn gap_m(&self, altitude_m: f64) -> f64 {
         (self.altitude_m.0 - altitude_m).max(altitude_m - self.altitude_m.1)
     }
 
-    /// Margin in metres of a zone to keep out of: the horizontal or the vertical distance beyond the buffer, whichever is larger.
-    /// Either keeps the vehicle out. 1-Lipschitz in the position.
+    /// Returns the margin in metres of a zone to keep out of: the horizontal or the vertical distance beyond the buffer, whichever is
+    /// larger. Either keeps the vehicle out. 1-Lipschitz in the position.
     pub fn keep_out_m(&self, point: Point, altitude_m: f64, buffer: &ZoneBuffer) -> f64 {
         let vertical_m = self.gap_m(altitude_m) - buffer.vertical_m;
         if vertical_m > 0.0 {
@@ -87,7 +87,7 @@ impl LocalZone {
         (self.edge_m(point) - buffer.horizontal_m).max(vertical_m)
     }
 
-    /// The nearest point of the edge.
+    /// Returns the nearest point of the edge.
     pub fn nearest_edge(&self, point: Point) -> Point {
         let on = |a: Point, b: Point| {
             let along = b.minus(a);
@@ -101,8 +101,8 @@ impl LocalZone {
         nearest.unwrap_or(point)
     }
 
-    /// First entry into the zone, grown by the buffer, along `route`; `now_s` is mission time now, `speed_error` the share by which the
-    /// speed may be wrong. `None` if there is none within `look_ahead_s`.
+    /// Returns the first entry into the zone, grown by the buffer, along `route`; `now_s` is mission time now, `speed_error` the share by
+    /// which the speed may be wrong. `None` if there is none within `look_ahead_s`.
     pub fn first_entry(
         &self,
         route: &Route,
@@ -130,7 +130,7 @@ pub struct KeepIn {
 const OUTSIDE_M: f64 = 1.0;
 
 impl KeepIn {
-    /// The union of the permitted zones among `zones` that are active at `at_s` and hold `altitude_m`; `None` if no zone is a
+    /// Returns the union of the permitted zones among `zones` that are active at `at_s` and hold `altitude_m`; `None` if no zone is a
     /// permitted one: everything is permitted then.
     pub fn new(zones: &[LocalZone], altitude_m: f64, at_s: f64) -> Option<KeepIn> {
         let permitted = || zones.iter().filter(|zone| !zone.is_restricted());
@@ -141,7 +141,7 @@ impl KeepIn {
         Some(KeepIn { polygons, edge })
     }
 
-    /// Margin in metres: the distance inside the union beyond the buffer; negative outside. 1-Lipschitz in the position.
+    /// Returns the margin in metres: the distance inside the union beyond the buffer; negative outside. 1-Lipschitz in the position.
     pub fn keep_in_m(&self, point: Point, altitude_m: f64, buffer: &ZoneBuffer) -> f64 {
         let holding = self.polygons.iter().filter(|(corners, _)| inside(point, corners));
         let gaps_m = holding.map(|(_, (low_m, high_m))| (altitude_m - low_m).min(high_m - altitude_m));
@@ -153,14 +153,14 @@ impl KeepIn {
         }
     }
 
-    /// The nearest point of the edge, with the distance to it; `None` if the union is empty.
+    /// Returns the nearest point of the edge, with the distance to it; `None` if the union is empty.
     pub fn nearest_edge(&self, point: Point) -> Option<(Point, Point)> {
         let distance_m = |edge: &(Point, Point)| point_to_segment(point, edge.0, edge.1);
         self.edge.iter().copied().min_by(|a, b| distance_m(a).total_cmp(&distance_m(b)))
     }
 }
 
-/// The parts of the polygons' edges that no other polygon continues.
+/// Returns the parts of the polygons' edges that no other polygon continues.
 fn union_edge(polygons: &[(Vec<Point>, (f64, f64))]) -> Vec<(Point, Point)> {
     let mut found = Vec::new();
     for (number, (corners, _)) in polygons.iter().enumerate() {

@@ -25,7 +25,7 @@ pub(super) struct ProgramStep {
 }
 
 impl ProgramStep {
-    /// The step itself.
+    /// Returns the step itself.
     pub(super) fn get(&self) -> Option<&Step> {
         self.procedure.steps.get(self.step.step as usize)
     }
@@ -37,7 +37,7 @@ impl ProgramStep {
         own.into_iter().chain(handler)
     }
 
-    /// The step and its file and line.
+    /// Returns the step and its file and line.
     pub(super) fn text(&self, agent: &Agent) -> String {
         let place = self.get().map(|step| (step.tag.to_string(), place_text(agent, step.place)));
         place.map(|(tag, place)| format!("step `{tag}` at {place}")).unwrap_or_default()
@@ -52,7 +52,7 @@ pub(super) struct Absence {
     pub(super) task: Option<TaskId>,
 }
 
-/// All steps of the program and of plans that serve now.
+/// Returns all steps of the program and of plans that serve now.
 pub(super) fn program_steps(agent: &Agent) -> Vec<ProgramStep> {
     let stored = agent.library.procedures.iter().zip(0..).map(|(each, number)| (ProcedureRef::Stored(number), each));
     let current = agent.generated.iter().filter(|(_, plan)| plan.current || plan.users > 0);
@@ -95,7 +95,7 @@ fn by_step(agent: &Agent) -> BTreeMap<StepRef, Vec<&Task>> {
     map
 }
 
-/// The shortest way up from one of `wanted` to a task that exists.
+/// Returns the shortest way up from one of `wanted` to a task that exists.
 pub(super) fn absence(agent: &Agent, log: &Log<'_>, all: &[ProgramStep], wanted: &[ProgramStep]) -> Absence {
     let tasks = by_step(agent);
     let mut known: BTreeSet<StepRef> = wanted.iter().map(|site| site.step).collect();
@@ -132,12 +132,12 @@ pub(super) fn absence(agent: &Agent, log: &Log<'_>, all: &[ProgramStep], wanted:
     Absence { missing, task: None }
 }
 
-/// The living one, else the last.
+/// Returns the living one, else the last.
 fn best<'a>(tasks: &[&'a Task]) -> Option<&'a Task> {
     tasks.iter().find(|task| !task.is_terminated()).or(tasks.last()).copied()
 }
 
-/// A task that has chosen the step's procedure and has not begun it.
+/// Returns a task that has chosen the step's procedure and has not begun it.
 fn beginning<'a>(agent: &'a Agent, site: &ProgramStep) -> Option<&'a Task> {
     let chose = |task: &&Task| {
         let way = task.selection.as_ref().map(|selection| &selection.way);
@@ -164,7 +164,7 @@ fn serves_initial(agent: &Agent, procedure: &Procedure) -> bool {
     Phrase::read(&agent.initial_task.to_string()).fits(&Phrase::of_pattern(&procedure.index))
 }
 
-/// The way from what was asked about to `index`, each with what is missing.
+/// Returns the chain of steps from the subject of the question to `index`, each with what is missing.
 fn told(
     agent: &Agent,
     log: &Log<'_>,

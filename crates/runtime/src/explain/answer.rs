@@ -40,7 +40,7 @@ pub enum Answer {
 }
 
 impl Answer {
-    /// Names tasks with their agents, if several agents ran.
+    /// Adds the names of agents to tasks if several agents ran.
     pub(super) fn of_crew(mut self) -> Answer {
         if let Answer::Task(why) = &mut self {
             why.task = format!("{}/{}", why.about.agent, why.task);

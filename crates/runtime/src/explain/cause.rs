@@ -180,7 +180,7 @@ pub enum Observation {
 }
 
 impl CauseDetail {
-    /// The detail of a decision's cause.
+    /// Returns the detail of a decision's cause.
     pub(super) fn of(because: &Because) -> CauseDetail {
         CauseDetail {
             kind: because.cause.kind().to_string(),

@@ -5,7 +5,7 @@ use apex_model::because::ConflictRule;
 use apex_model::cause::Cause;
 use apex_model::probing::ProbingEnd;
 
-/// The parts of `cause`; none for causes that are their kind alone.
+/// Returns the parts of `cause`; none for causes that are their kind alone.
 pub(super) fn parts(cause: &Cause) -> Vec<CausePart> {
     of_task_tree(cause).or_else(|| of_resources(cause)).or_else(|| of_outside(cause)).unwrap_or_default()
 }

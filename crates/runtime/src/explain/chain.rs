@@ -25,12 +25,12 @@ pub(super) struct Chain<'a> {
 type RowsResult = Result<Vec<Row>, RecordError>;
 
 impl<'a> Chain<'a> {
-    /// A chain through the decisions of `log`; `goals` names tasks.
+    /// Returns a chain through the decisions of `log`; `goals` names tasks.
     pub(super) fn new(log: &'a Log<'a>, goals: &'a dyn Fn(TaskId) -> String) -> Chain<'a> {
         Chain { log, seen: BTreeSet::new(), goals }
     }
 
-    /// The link of `row` with at most `depth` links below one another.
+    /// Returns the link of `row` with at most `depth` links below one another.
     pub(super) fn link(&mut self, row: &Row, depth: usize) -> Result<Link, RecordError> {
         self.seen.insert(row.id);
         let because = because_of(row);
@@ -152,7 +152,7 @@ impl<'a> Chain<'a> {
         Ok(rows)
     }
 
-    /// The decisions that a cause names, or that stand behind it without being named.
+    /// Returns the decisions that a cause names, or that stand behind it without being named.
     fn behind(&self, row: &Row, cause: &Cause) -> RowsResult {
         let (log, here, own) = (self.log.decisions, (row.id, row.at), row.task.unwrap_or(TaskId(u64::MAX)));
         let found = match cause {
@@ -235,13 +235,13 @@ impl<'a> Chain<'a> {
         }
     }
 
-    /// The change of state, or the clause that came true without one.
+    /// Returns the change of state, or the clause that came true without one.
     fn either(&self, task: TaskId, state: &str, here: (i64, Time)) -> Result<Option<Row>, RecordError> {
         let changed = self.log.decisions.transition(task, state, here)?.filter(|row| row.at == here.1);
         if changed.is_some() { Ok(changed) } else { self.log.decisions.beside(task, "satisfied", here) }
     }
 
-    /// A result is in the context of the parent.
+    /// Describes a result in the context of the parent.
     fn result(&self, own: TaskId, variable: &str, row: &Row) -> RowsResult {
         let Some(created) = self.log.decisions.before(own, "created", row.id)? else { return Ok(Vec::new()) };
         let parent = match created.effect {

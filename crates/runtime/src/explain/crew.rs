@@ -21,7 +21,7 @@ pub(super) fn addressed(
     Ok(Some((reader.of_agent(agent)?, Question { what: what.to_owned(), ..question.clone() })))
 }
 
-/// The agent that `name` begins with, else the only one with such a task; and the name without the agent.
+/// Returns the agent that `name` begins with, else the only one with such a task; and the name without the agent.
 fn agent_and_name<'n>(reader: &RecordReader, name: &'n str, at: Time) -> Result<(usize, &'n str), RecordError> {
     let named = name.trim().split_once('/');
     if let Some((agent, rest)) = named.and_then(|(agent, rest)| Some((reader.agent_called(agent).ok()?, rest))) {

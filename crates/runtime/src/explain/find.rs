@@ -9,7 +9,7 @@ use apex_model::time::Time;
 /// Names less alike than this are not suggested; 1 is the same.
 const LIKENESS_MIN: f64 = 0.5;
 
-/// The task called `name` among `tasks`: `T12`, `12`, its tag, its goal, or a part of its goal that no other has. Of several
+/// Returns the task called `name` among `tasks`: `T12`, `12`, its tag, its goal, or a part of its goal that no other has. Of several
 /// called so, the one that lives.
 ///
 /// # Errors
@@ -39,7 +39,7 @@ pub fn find_task<'a>(tasks: &'a [TaskRow], name: &str, at: Time) -> Result<&'a T
     }
 }
 
-/// The name without its agent: `pilot/T12` is T12 of the agent `pilot`, whose record this must be.
+/// Returns the name without its agent: `pilot/T12` is T12 of the agent `pilot`, whose record this must be.
 ///
 /// # Errors
 /// [`RecordError::Question`] when the record belongs to another agent.
@@ -55,7 +55,7 @@ fn no_agent(name: &str, agent: &str) -> String {
     format!("No agent is called {name}; the record has {agent}.")
 }
 
-/// `error`, which is about `name`, with a remark if the name begins with an agent that this record does not have.
+/// Returns `error`, which is about `name`, with a remark if the name begins with an agent that this record does not have.
 pub(super) fn of_no_agent(error: RecordError, name: &str, agent: &str) -> RecordError {
     match (error, agent_meant(name)) {
         (RecordError::Question(text), Some(first)) => {
@@ -65,7 +65,7 @@ pub(super) fn of_no_agent(error: RecordError, name: &str, agent: &str) -> Record
     }
 }
 
-/// The agent that `pilot/take-off` seems to name; none for what only contains a `/`, as files and goals do.
+/// Returns the agent that `pilot/take-off` seems to name; `None` for what only contains a `/`, as files and goals do.
 pub(super) fn agent_meant(name: &str) -> Option<&str> {
     let (first, rest) = name.trim().split_once('/')?;
     let is_word =
@@ -78,7 +78,7 @@ pub(super) fn is_number(name: &str) -> bool {
     name.trim_start_matches(['T', 't']).parse::<u64>().is_ok()
 }
 
-/// Nothing is called `name`: what looks like it among `known`.
+/// Returns the message that nothing is called `name`, with similar names among `known`.
 pub(super) fn unknown(name: &str, at: Time, known: &[String]) -> String {
     let folded = name.trim().to_lowercase();
     let bare = |text: &str| text.trim_start_matches('(').trim_end_matches(')').to_lowercase();

@@ -39,7 +39,7 @@ impl History {
         Ok(history)
     }
 
-    /// True for states in which a task waits for something that the agent can name.
+    /// Returns true for states in which a task waits for something that the agent can name.
     pub(super) fn waits(&self) -> bool {
         self.state != TaskState::Terminated.word()
     }
@@ -95,7 +95,7 @@ impl History {
         });
     }
 
-    /// The conflict that a cause reports; repeated, it began earlier.
+    /// Returns the conflict that a cause reports; repeated, it began earlier.
     fn conflict(&self, because: Option<&Because>, at: Time) -> Option<Conflict> {
         let Cause::Outranked { by, resource, winner, loser, .. } = &because?.cause else { return None };
         let (by, resource) = (*by, resource.to_string());
@@ -105,7 +105,7 @@ impl History {
     }
 }
 
-/// The cause that a decision states.
+/// Returns the cause that a decision states.
 pub(super) fn because_of(row: &DecisionRow) -> Option<&Because> {
     match row.effect.as_ref()? {
         Effect::Decided(decision) => Some(&decision.because),
@@ -114,7 +114,7 @@ pub(super) fn because_of(row: &DecisionRow) -> Option<&Because> {
     }
 }
 
-/// The selected method, for the kind `selected`.
+/// Returns the selected method, for the kind `selected`.
 fn selected_method(row: &DecisionRow) -> Option<&Method> {
     match row.effect.as_ref()? {
         Effect::Decided(Decision { kind: DecisionKind::Selected { method, .. }, .. }) => Some(method),
@@ -122,7 +122,7 @@ fn selected_method(row: &DecisionRow) -> Option<&Method> {
     }
 }
 
-/// The selected method as text, `procedure file.pdl:3:1`: the row's text without the cause, which follows it.
+/// Returns the selected method as text, `procedure file.pdl:3:1`: the row's text without the cause, which follows it.
 pub(super) fn selected_text(row: &DecisionRow) -> String {
     let cause = because_of(row).map(|because| format!(" because {}", cause_text(because)));
     cause.and_then(|cause| row.text.strip_suffix(&cause)).unwrap_or(&row.text).to_owned()

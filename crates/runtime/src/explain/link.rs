@@ -35,7 +35,7 @@ pub struct Link {
 const SOURCE_CHARACTERS_MAX: usize = 90;
 
 impl Link {
-    /// Something seen: a sample, a message, an instant.
+    /// Returns a link of the chain for an observed fact: a sample, a message or an instant.
     pub(super) fn seen(at: Time, what: String) -> Link {
         Link {
             t: at.seconds(),
@@ -51,7 +51,7 @@ impl Link {
         }
     }
 
-    /// True when something is left out anywhere below.
+    /// Returns true when something is left out anywhere below.
     pub fn is_cut(&self) -> bool {
         self.more || self.causes.iter().any(Link::is_cut)
     }

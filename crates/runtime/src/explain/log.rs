@@ -14,8 +14,8 @@ pub(super) struct Log<'a> {
 }
 
 impl Log<'_> {
-    /// The largest time between two of the `samples` of a run, as they were recorded by the instant at which it was known; none for one sample, and where
-    /// other instants than the run's own are in the record: some came too late, or were no numbers.
+    /// Returns the largest time between two of the `samples` of a run, as they were recorded by the instant at which it was known; `None`
+    /// for one sample, and where other instants than the run's own are in the record: some came too late, or were no numbers.
     pub(super) fn largest_gap(
         &self,
         variable: &StateVariable,
@@ -32,7 +32,7 @@ impl Log<'_> {
         Ok(spacings.max().filter(|_| all))
     }
 
-    /// The line of the program at `file:line:column`.
+    /// Returns the line of the program at `file:line:column`.
     pub(super) fn source_line(&self, place: &str) -> Option<String> {
         let (rest, _) = place.rsplit_once(':')?;
         let (file, line) = rest.rsplit_once(':')?;

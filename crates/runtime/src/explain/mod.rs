@@ -52,12 +52,12 @@ pub struct Explainer<'a> {
 }
 
 impl<'a> Explainer<'a> {
-    /// An explainer that restores the agent at the instant of each question; `load` checks the recorded sources again.
+    /// Returns an explainer that restores the agent at the instant of each question; `load` checks the recorded sources again.
     pub fn new(reader: &'a RecordReader, load: LoadProgram<'a>) -> Explainer<'a> {
         Explainer { reader, load: Some(load) }
     }
 
-    /// An explainer that reads the record's decisions and restores nothing: it answers at once, and its answers lack
+    /// Returns an explainer that reads the record's decisions and restores nothing: it answers at once, and its answers lack
     /// what only the agent knows (conditions that are waited for, priorities, choices) and chains of causes.
     pub fn of_decisions(reader: &'a RecordReader) -> Explainer<'a> {
         Explainer { reader, load: None }
@@ -90,7 +90,7 @@ impl<'a> Explainer<'a> {
     /// Explains task `id` as it was at `at`, or at the end of the record if that comes first.
     ///
     /// # Errors
-    /// As [`Explainer::why`].
+    /// Like [`Explainer::why`].
     pub fn task(&self, id: TaskId, at: Time) -> Result<Why, RecordError> {
         let question = Question::new(&id.to_string(), at);
         let snapshot = self.snapshot(&question)?;
@@ -98,7 +98,7 @@ impl<'a> Explainer<'a> {
         why::of_task(snapshot, id, "why", &question.what)
     }
 
-    /// The same explainer on another reader.
+    /// Returns the same explainer on another reader.
     fn on<'b>(&self, reader: &'b RecordReader) -> Explainer<'b>
     where
         'a: 'b,

@@ -49,7 +49,7 @@ pub struct MethodDetail {
 }
 
 impl MethodDetail {
-    /// The detail of `method`, whose text in the record is `text`: `procedure file.pdl:3:1`.
+    /// Returns the detail of `method`, whose text in the record is `text`: `procedure file.pdl:3:1`.
     pub(super) fn of(method: &Method, text: &str) -> MethodDetail {
         let place = |kind: &'static str| {
             let place = text.strip_prefix(kind).map(|place| place.trim_start().to_owned());

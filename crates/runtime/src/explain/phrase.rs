@@ -56,7 +56,7 @@ impl Phrase {
         }
     }
 
-    /// An activity as it is written.
+    /// Returns an activity as it is written.
     pub(super) fn of_activity(activity: &Activity) -> Phrase {
         match activity {
             Activity::Goal(template) => Phrase::of_template(template),
@@ -73,7 +73,7 @@ impl Phrase {
         }
     }
 
-    /// The index of a procedure.
+    /// Returns the index of a procedure.
     pub(super) fn of_pattern(pattern: &Pattern) -> Phrase {
         match pattern {
             Pattern::Literal(value) => Phrase::read(&value.to_string()),

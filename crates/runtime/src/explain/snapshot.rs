@@ -29,7 +29,7 @@ pub struct Question {
 }
 
 impl Question {
-    /// A question about `what` at `at`, answered to the default depth.
+    /// Returns a question about `what` at `at`, answered to the default depth.
     pub fn new(what: &str, at: Time) -> Question {
         Question { what: what.into(), at, depth: crate::limits::EXPLANATION_DEPTH_DEFAULT }
     }
@@ -47,7 +47,7 @@ pub(super) struct RecordSnapshot<'a> {
 }
 
 impl<'a> RecordSnapshot<'a> {
-    /// The snapshot that `question` asks about; without `load` the agent is not restored.
+    /// Returns the snapshot that `question` asks about; without `load` the agent is not restored.
     pub(super) fn set(
         reader: &'a RecordReader,
         question: &Question,
@@ -73,7 +73,7 @@ impl<'a> RecordSnapshot<'a> {
         Ok(RecordSnapshot { reader, at, depth: question.depth.max(1), tasks: reader.tasks()?, name, agent })
     }
 
-    /// The agent as it was; none if it was not asked for.
+    /// Returns the agent as it was; `None` if it was not asked for.
     ///
     /// # Errors
     /// Why it cannot be restored.
@@ -81,12 +81,12 @@ impl<'a> RecordSnapshot<'a> {
         self.agent.transpose()
     }
 
-    /// The agent as it was; none if it was not asked for, or this Apex cannot restore it.
+    /// Returns the agent as it was; `None` if it was not asked for, or this Apex cannot restore it.
     pub(super) fn agent(&self) -> Option<&Agent> {
         self.agent.as_ref()?.as_deref().ok()
     }
 
-    /// True if the agent was asked for: chains of causes are only followed then.
+    /// Returns true if the agent was asked for: chains of causes are only followed then.
     pub(super) fn restores(&self) -> bool {
         self.agent.is_some()
     }
@@ -97,7 +97,7 @@ impl<'a> RecordSnapshot<'a> {
         About { version: EXPLANATION_VERSION, question, kind, asked: asked.trim().into(), agent: self.name.clone(), t }
     }
 
-    /// The record's decisions up to the instant.
+    /// Returns the record's decisions up to the instant.
     pub(super) fn decisions(&self) -> Decisions<'a> {
         Decisions { reader: self.reader, until: self.at }
     }
@@ -110,7 +110,7 @@ impl<'a> RecordSnapshot<'a> {
         Ok(Log { decisions: self.decisions(), sources })
     }
 
-    /// The goal of a task as known at the instant; of one that is gone, as known last. Long ones are cut.
+    /// Returns the goal of a task as known at the instant; of one that is gone, as known last. Long ones are cut.
     pub(super) fn goal(&self, task: TaskId) -> String {
         let goal = self.whole_goal(task);
         // The omitted part must be longer than the sign in its place.
@@ -121,21 +121,21 @@ impl<'a> RecordSnapshot<'a> {
         }
     }
 
-    /// The same, never cut.
+    /// Returns the same, never cut.
     pub(super) fn whole_goal(&self, task: TaskId) -> String {
         let living =
             self.agent().and_then(|agent| explanation::describe_task(agent, task)).map(|view| view.goal.to_string());
         living.or_else(|| self.row(task).map(|row| row.goal.clone())).unwrap_or_default()
     }
 
-    /// The task's row.
+    /// Returns the task's row.
     pub(super) fn row(&self, task: TaskId) -> Option<&TaskRow> {
         let found = self.tasks.binary_search_by_key(&task, |row| row.id);
         found.ok().and_then(|index| self.tasks.get(index))
     }
 }
 
-/// `file.pdl:14:3`, also for places inside of plans: their files are numbered after those of the library.
+/// Returns a place as text, `file.pdl:14:3`, also for places inside of plans: their files are numbered after those of the library.
 pub(super) fn place_text(agent: &Agent, place: Place) -> String {
     agent.describe_place(place)
 }

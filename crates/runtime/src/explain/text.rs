@@ -57,7 +57,7 @@ fn write_chain(f: &mut fmt::Formatter<'_>, because: Option<&Link>) -> fmt::Resul
     Ok(())
 }
 
-/// The choice is printed if there was one.
+/// Writes the choice of a method, if there was one.
 fn write_choices(why: &Why, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     if why.choices.len() < 2 && why.choices.iter().all(|choice| choice.matches) {
         return Ok(());

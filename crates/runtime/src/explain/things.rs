@@ -15,7 +15,7 @@ use apex_model::quantity::Dimension;
 use apex_model::task::TaskId;
 use apex_model::value::Value;
 
-/// The resource called `name`, if the agent knows it.
+/// Returns the resource called `name`, if the agent knows it.
 pub(super) fn resource<'a>(agent: &'a Agent, name: &str) -> Option<&'a Resource> {
     let same = |resource: &&Resource| resource.name.to_string().eq_ignore_ascii_case(name.trim());
     agent.resources.iter().map(|(_, resource)| resource).find(same)

@@ -61,7 +61,7 @@ fn draft(snapshot: &RecordSnapshot<'_>, kind: &'static str, asked: &str, answer:
     WhyNot { about, answer, missing, task: None, target, others }
 }
 
-/// The task that is meant: by number, tag or goal, variables standing for anything; a living one before others, a later
+/// Returns the task that is meant: by number, tag or goal, variables standing for anything; a living one before others, a later
 /// one before earlier ones.
 fn instance(snapshot: &RecordSnapshot<'_>, name: &str) -> Option<TaskId> {
     let number = name.trim().trim_start_matches(['T', 't']).parse::<u64>().ok();
@@ -103,7 +103,7 @@ fn sentence(task: &Why) -> String {
     }
 }
 
-/// A step or goal of the program without a task.
+/// Returns a step or goal of the program without a task.
 fn of_step(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Result<Option<Draft>, RecordError> {
     let Some(agent) = snapshot.agent() else { return Ok(None) };
     let all = absence::program_steps(agent);
@@ -146,7 +146,7 @@ fn follow(
     Ok(found.task)
 }
 
-/// A procedure or primitive has this goal, and no step asks for it.
+/// Returns the answer that a procedure or primitive has this goal and no step pursues it.
 fn unasked(snapshot: &RecordSnapshot<'_>, asked: &str, phrase: &Phrase) -> Option<Draft> {
     let agent = snapshot.agent()?;
     let telling = matches!(phrase, Phrase::List(_)) && phrase.is_telling();
@@ -159,7 +159,7 @@ fn unasked(snapshot: &RecordSnapshot<'_>, asked: &str, phrase: &Phrase) -> Optio
     Some(Draft { answer: draft(snapshot, "procedure", asked, text), task: None })
 }
 
-/// A procedure or primitive by its place: who could pursue it, and what is chosen instead.
+/// Returns a procedure or primitive by its place: who could pursue it, and what is chosen instead.
 fn of_procedure(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Result<Option<Draft>, RecordError> {
     let Some((file, line)) = name.trim().rsplit_once(':') else { return Ok(None) };
     let (Ok(line), Some(agent)) = (line.parse::<u32>(), snapshot.agent()) else { return Ok(None) };
@@ -195,7 +195,7 @@ fn of_procedure(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Resul
     Ok(Some(Draft { answer: draft(snapshot, "procedure", asked, text), task }))
 }
 
-/// A resource with its holders.
+/// Returns a resource with its holders.
 fn of_resource(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Result<Option<Draft>, RecordError> {
     let Some(found) = things::of_resource(snapshot, name, "why-not")? else { return Ok(None) };
     let names = |list: &[super::Holder]| {
@@ -222,7 +222,7 @@ fn of_resource(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Result
     Ok(Some(Draft { answer: draft(snapshot, "resource", asked, text), task }))
 }
 
-/// A target: its history, and the step of the plan that is to visit it.
+/// Returns a target: its history, and the step of the plan that is to visit it.
 fn of_target(snapshot: RecordSnapshot<'_>, asked: &str, id: &str) -> Result<WhyNot, RecordError> {
     let moments = target::moments(&snapshot, id)?;
     let mut answer = draft(&snapshot, "target", asked, target_sentence(id, snapshot.at, moments.last()));
@@ -258,7 +258,7 @@ fn target_sentence(id: &str, at: Time, last: Option<&TargetMoment>) -> String {
     }
 }
 
-/// The error with names that look like what was asked.
+/// Returns the error with names that look like what was asked.
 fn near(snapshot: &RecordSnapshot<'_>, name: &str, error: RecordError) -> Result<RecordError, RecordError> {
     let RecordError::Question(text) = &error else { return Ok(error) };
     if text.contains("may be one of") || find::is_number(name) {
@@ -280,7 +280,7 @@ fn near(snapshot: &RecordSnapshot<'_>, name: &str, error: RecordError) -> Result
 }
 
 impl Missing {
-    /// The step with its procedure, for operators.
+    /// Returns the step with its procedure, for operators.
     pub fn text(&self) -> String {
         format!("step `{}` of {} at {}", self.step, self.procedure, self.place)
     }

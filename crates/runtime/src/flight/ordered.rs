@@ -58,7 +58,7 @@ impl Flight<'_, '_> {
         Ok(None)
     }
 
-    /// The step has arrived to something visible: mission time stands still again.
+    /// Pauses mission time again after a single step with a visible effect.
     pub(super) fn pause_after_step(&mut self, now: Time) -> Result<(), RunError> {
         self.stepping = false;
         self.pacer.set(Some(0.0), now).map_err(RunError::Options)

@@ -130,7 +130,7 @@ impl Flight<'_, '_> {
                     Ok(None)
                 }
                 Wait::Paused => {
-                    Err(RunError::Options("The run is paused and no operator is connected to resume it.".into()))
+                    Err(RunError::Options("the run is paused and no operator is connected to resume it".into()))
                 }
             };
         };

@@ -21,7 +21,7 @@ impl SourceClass {
     pub const ALL: [SourceClass; 4] =
         [SourceClass::Operator, SourceClass::Safing, SourceClass::Vehicle, SourceClass::Feed];
 
-    /// The class as written in an introduction.
+    /// Returns the class as written in an introduction.
     pub fn word(self) -> &'static str {
         match self {
             SourceClass::Operator => "operator",
@@ -31,7 +31,7 @@ impl SourceClass {
         }
     }
 
-    /// The class called `word`.
+    /// Returns the class called `word`.
     pub fn of_word(word: &str) -> Option<SourceClass> {
         SourceClass::ALL.into_iter().find(|class| class.word() == word)
     }
@@ -63,7 +63,7 @@ impl SourceClass {
         }
     }
 
-    /// True if a limit on the number of connections does not apply: a flood of feeds must not keep operators out.
+    /// Returns true if a limit on the number of connections does not apply: a flood of feeds must not keep operators out.
     pub(super) fn is_always_admitted(self) -> bool {
         self.rank() == 0
     }

@@ -23,7 +23,7 @@ impl FaultMessages {
         FaultMessages { note, limit, began: Instant::now(), hidden: 0 }
     }
 
-    /// True if a message may be printed; otherwise it is counted.
+    /// Returns true if a message may be printed; otherwise it is counted.
     pub(super) fn admits(&mut self) -> bool {
         let admitted = self.limit.admits(self.began.elapsed());
         self.hidden += u64::from(!admitted);

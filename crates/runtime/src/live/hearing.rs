@@ -111,7 +111,7 @@ fn first_line(lines: &mut impl BufRead) -> Option<String> {
     }
 }
 
-/// The next line without its end; none when there are no more.
+/// Returns the next line without its end; `None` if there are no more.
 fn next_line(lines: &mut impl BufRead) -> Option<String> {
     let mut bytes = Vec::new();
     let read = lines.by_ref().take(INPUT_LINE_BYTES_MAX as u64 + 1).read_until(b'\n', &mut bytes);

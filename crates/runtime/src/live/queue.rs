@@ -56,12 +56,12 @@ pub(super) enum Pushed {
 }
 
 impl SourceQueue {
-    /// True if nothing waits.
+    /// Returns true if nothing waits.
     pub(super) fn is_empty(&self) -> bool {
         self.commands == 0 && self.values.is_empty()
     }
 
-    /// True if an input that is not telemetry finds space.
+    /// Returns true if an input that is not telemetry finds space.
     pub(super) fn has_space(&self) -> bool {
         self.commands < COMMANDS_MAX
     }
@@ -139,7 +139,7 @@ impl SourceQueue {
         None
     }
 
-    /// True if values were lost since the last report.
+    /// Returns true if values were lost since the last report.
     pub(super) fn has_lost(&self) -> bool {
         self.lost.count > 0
     }
@@ -209,8 +209,8 @@ mod tests {
         assert_eq!(all(&mut queue).len(), VALUES_MAX);
     }
 
-    /// Twin: the run takes what was said without the values that a later one of the same variable follows before the next
-    /// command and before the run takes anything, in the places of the first of them.
+    /// Computes the inputs that the run takes (naive twin): what was said without the values that a later one of the same variable follows
+    /// before the next command and before the run takes anything, in the places of the first of them.
     fn naive(said: &[Option<LiveInput>]) -> (Vec<LiveInput>, u64) {
         let (mut waits, mut taken, mut lost): (Vec<LiveInput>, Vec<LiveInput>, u64) = (Vec::new(), Vec::new(), 0);
         for step in said {

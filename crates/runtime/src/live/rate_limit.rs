@@ -19,12 +19,12 @@ pub struct RateLimit {
 }
 
 impl RateLimit {
-    /// A full bucket for `per_second` items, with a burst of what arrives in a tenth of a second.
+    /// Returns a full bucket for `per_second` items, with a burst of what arrives in a tenth of a second.
     pub fn new(per_second: u32) -> RateLimit {
         RateLimit::with_burst(f64::from(per_second), (f64::from(per_second) * BURST_S).max(1.0))
     }
 
-    /// A full bucket that holds `burst` items.
+    /// Returns a full bucket that holds `burst` items.
     pub fn with_burst(per_second: f64, burst: f64) -> RateLimit {
         RateLimit { per_second, burst, tokens: burst, at: Duration::ZERO, closed: false }
     }
@@ -59,7 +59,7 @@ impl RateLimit {
         admitted
     }
 
-    /// The time from the last look until items may pass; zero if they may.
+    /// Returns the time from the last look until items may pass; zero if they may.
     pub fn ready_in(&self) -> Duration {
         if !self.closed && self.tokens >= 1.0 {
             return Duration::ZERO;

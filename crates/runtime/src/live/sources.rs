@@ -61,7 +61,7 @@ pub struct LiveSource {
 }
 
 impl LiveSources {
-    /// No sources; `wake` is called, from threads of readers, when the flight must look again.
+    /// Returns a registry without sources; threads of readers call `wake` when the flight must look for inputs.
     pub fn new(wake: impl Fn() + Send + Sync + 'static) -> LiveSources {
         let rank = |class: SourceClass| RateLimit::new(class.rank_rate());
         let state = SourcesState {
@@ -101,7 +101,7 @@ impl LiveSources {
         Ok(LiveSource { sources: self.clone(), id })
     }
 
-    /// True if anything waits, ready or not.
+    /// Returns true if anything waits, ready or not.
     pub(crate) fn has_waiting(&self) -> bool {
         let state = self.state();
         !state.reports.is_empty() || state.sources.values().any(|source| !source.queue.is_empty())
@@ -247,7 +247,7 @@ impl QueuedSource {
         self.queue.has_lost() || self.not_understood > 0
     }
 
-    /// The time until something may be said of it.
+    /// Returns the time until something may be said of it.
     fn report_in(&self, now: Duration) -> Duration {
         self.reported_at.map_or(Duration::ZERO, |at| (at + LIVE_REPORT_INTERVAL).saturating_sub(now))
     }
@@ -270,7 +270,7 @@ impl QueuedSource {
         }
     }
 
-    /// The event that names the author of an input that is not telemetry, if it has introduced itself.
+    /// Returns the event that names the author of an input that is not telemetry, if it has introduced itself.
     fn attribution(&self, input: &LiveInput) -> Option<LiveInput> {
         let name = self.name.as_deref()?;
         match input {
@@ -344,7 +344,7 @@ impl LiveSource {
         self.sources.wake(state);
     }
 
-    /// The name under which the source is known.
+    /// Returns the name under which the source is known.
     pub fn name(&self) -> Option<String> {
         self.sources.state().sources.get(&self.id)?.name.clone()
     }

@@ -56,9 +56,9 @@ impl std::fmt::Display for Damage {
 
 /// Sees the rows and seals of intact groups.
 pub(super) trait Visitor {
-    /// A row of the table with this place, of a group whose seal has not been compared yet.
+    /// Visits a row of the table with this index, of a group whose seal has not been compared yet.
     fn row(&mut self, table: usize, row: &Row<'_>) -> rusqlite::Result<()>;
-    /// The seal of the rows since the last one fits.
+    /// Visits a seal after it was compared: it fits the rows since the seal before.
     fn sealed(&mut self, seal: &Seal) -> rusqlite::Result<()>;
 }
 
@@ -78,7 +78,7 @@ impl Visitor for NoVisitor {
 /// The tables of a version of the format, in the order in which seals refer to them: names and keys.
 pub(super) type Layout = Vec<(&'static str, &'static str)>;
 
-/// The tables of this version.
+/// Returns the tables of this version.
 pub(super) fn layout() -> Layout {
     ALL.iter().map(|table| (table.name(), table.column(0))).collect()
 }
@@ -124,7 +124,7 @@ pub(super) fn check_groups(
     check_groups_of(connection, &layout(), position, visitor)
 }
 
-/// As [`check_groups`], of a version of the format with these tables.
+/// Like [`check_groups`], for a version of the format with these tables.
 pub(super) fn check_groups_of(
     connection: &Connection,
     layout: &Layout,

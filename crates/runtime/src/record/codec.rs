@@ -62,7 +62,7 @@ impl Variables {
         self.list.len()
     }
 
-    /// The number of `variable`, which was measured after the variable `before` (0: as the first of a batch).
+    /// Returns the number of `variable`, which was measured after the variable `before` (0: as the first of a batch).
     fn number_after(&mut self, before: u64, variable: &StateVariable) -> Option<u64> {
         let slot = usize::try_from(before).ok()?;
         let guess = self.successors.get(slot).copied().unwrap_or(0);
@@ -80,7 +80,7 @@ impl Variables {
     }
 }
 
-/// A key that keeps the case of letters and the type of numbers.
+/// Returns a key that keeps the case of letters and the type of numbers.
 fn spelling(variable: &StateVariable) -> Vec<u8> {
     postcard::to_stdvec(variable).unwrap_or_else(|_| variable.to_string().into_bytes())
 }

@@ -36,7 +36,7 @@ const INDEXES: [(&str, &str, &str); 2] = [
     ("index", "effect_task", "CREATE INDEX effect_task ON effect (task, id)"),
 ];
 
-/// The schema of version 6: that of this version with other tables for effects.
+/// Returns the schema of version 6: that of this version with other tables for effects.
 fn old_schema() -> Vec<(&'static str, &'static str, &'static str)> {
     let mut schema = Vec::new();
     for entry in SCHEMA {
@@ -51,7 +51,7 @@ fn old_schema() -> Vec<(&'static str, &'static str, &'static str)> {
     schema
 }
 
-/// The tables of version 6, and what they are now.
+/// Returns the tables of version 6, and the present table of each.
 fn old_tables() -> (Layout, Vec<Option<Table>>) {
     let mut layout = Layout::new();
     let mut now = Vec::new();
@@ -72,7 +72,7 @@ fn old_tables() -> (Layout, Vec<Option<Table>>) {
 pub fn convert(from: &Path, to: &Path) -> Result<i64, RecordError> {
     let (source, _, _copy) = connect_to(from, CONVERTIBLE_VERSION).map_err(|error| match error {
         RecordError::Newer { path, found: SCHEMA_VERSION, .. } => RecordError::Question(format!(
-            "{} is written in version {SCHEMA_VERSION} of the record format already: there is nothing to convert.",
+            "{} is written in version {SCHEMA_VERSION} of the record format already: there is nothing to convert",
             path.display()
         )),
         other => other,
@@ -238,7 +238,7 @@ mod tests {
     use crate::record::tests::{place_for_record, record_samples};
     use crate::record::{RecordReader, RecordedStep};
 
-    /// A record of version 6 with what the record at `from` holds.
+    /// Writes a record of version 6 with the content of the record at `from`.
     fn old_record(from: &Path, to: &Path) {
         let reader = RecordReader::open(from).unwrap();
         let old = Connection::open(to).unwrap();

@@ -55,7 +55,7 @@ pub(crate) struct ScannedEffect {
 }
 
 impl RecordReader {
-    /// The effects of the agent, up to date with the record.
+    /// Returns the effects of the agent, up to date with the record.
     pub(crate) fn effects(&self) -> Result<Effects<'_>, RecordError> {
         let newest = newest_step(&self.connection).map_err(|error| self.damaged("the effects", error))?;
         let is_current = self.table.read().unwrap_or_else(PoisonError::into_inner).read_to >= newest;
@@ -85,7 +85,7 @@ impl RecordReader {
         Ok(())
     }
 
-    /// The source of the plan that the step `batch` adopted.
+    /// Returns the source of the plan that the step `batch` adopted.
     fn plan_source(&self, batch: i64, request: SolveRequestId) -> Result<Option<SourceFile>, RecordError> {
         let sql = "SELECT t_ns, events FROM main.batch WHERE id = ?1";
         let row = self.connection.query_row(sql, [batch], |row| Ok((row.get(0)?, row.get::<_, Vec<u8>>(1)?)));
@@ -100,7 +100,7 @@ impl RecordReader {
     }
 }
 
-/// The number of the last step of any agent that has effects; 0 before the first.
+/// Returns the number of the last step of any agent that has effects; 0 before the first.
 fn newest_step(connection: &Connection) -> rusqlite::Result<i64> {
     let mut statement = connection.prepare_cached("SELECT ifnull(max(batch), 0) FROM main.effects")?;
     statement.query_row([], |row| row.get(0))
@@ -143,7 +143,7 @@ impl Effects<'_> {
         Ok(())
     }
 
-    /// The bytes of a step's effects.
+    /// Returns the bytes of a step's effects.
     fn bytes_of(&self, step: &StepRow) -> Result<Vec<u8>, RecordError> {
         let broken = |error| self.reader.damaged("the effects", error);
         let sql = "SELECT body FROM main.effects WHERE batch = ?1";
@@ -151,12 +151,12 @@ impl Effects<'_> {
         statement.query_row([step.batch], |row| row.get(0)).map_err(broken)
     }
 
-    /// The instant of the effect at a place.
+    /// Returns the instant of the effect at a place.
     pub(crate) fn at(&self, place: usize) -> Time {
         self.table.step_of(place).map_or(Time::ZERO, |(step, _)| step.at)
     }
 
-    /// The effect at a place.
+    /// Returns the effect at a place.
     pub(crate) fn effect(&self, place: usize) -> Result<Effect, RecordError> {
         if let Some(body) = self.kept(place) {
             return self.effect_of(&body, place);
@@ -199,13 +199,13 @@ impl Effects<'_> {
         Ok(ReadBlock { place: step.place + block * BLOCK_EFFECTS, bodies })
     }
 
-    /// The effect at a place with its texts.
+    /// Returns the effect at a place with its texts.
     pub(crate) fn told(&self, place: usize) -> Result<Told, RecordError> {
         let effect = self.effect(place)?;
         self.tell(place, effect)
     }
 
-    /// The texts of the effect at a place.
+    /// Returns the texts of the effect at a place.
     pub(crate) fn tell(&self, place: usize, effect: Effect) -> Result<Told, RecordError> {
         let told_goal = told_goal(&effect);
         if !told_goal && let Some(task) = self.table.task(place) {
@@ -219,7 +219,7 @@ impl Effects<'_> {
         Ok(Told { id: self.table.id(place), at: self.at(place), row, effect })
     }
 
-    /// The place of a decision, `file:line:column`: of a task's creation that of its step.
+    /// Returns the place of a decision, `file:line:column`: of a task's creation that of its step.
     pub(crate) fn place(&self, decision: &Decision) -> Option<String> {
         let step = match &decision.kind {
             DecisionKind::Created { place, .. } => *place,
@@ -233,7 +233,7 @@ impl Effects<'_> {
         self.describer.borrow().method(method)
     }
 
-    /// The goal of the task of the effect at a place, as known then.
+    /// Returns the goal of the task of the effect at a place, as known then.
     fn goal_before(&self, place: usize) -> Result<Arc<str>, RecordError> {
         let mut earlier = std::iter::successors(self.table.before(place), |place| self.table.before(*place));
         let teller = earlier.find(|place| self.table.kind(*place).is_some_and(|kind| kind.tells_goal()));

@@ -50,7 +50,7 @@ pub(super) fn check(file: &mut File) -> io::Result<FileSeal> {
     Ok(if intact { FileSeal::Intact } else { FileSeal::Broken })
 }
 
-/// The seal at the end of the file, if there is one.
+/// Returns the seal at the end of the file, if there is one.
 pub(super) fn bytes(file: &mut File) -> io::Result<Option<Vec<u8>>> {
     if seal_at_end(file)?.is_none() {
         return Ok(None);
@@ -62,7 +62,7 @@ pub(super) fn bytes(file: &mut File) -> io::Result<Option<Vec<u8>>> {
     Ok(Some(seal))
 }
 
-/// Length and digest that the seal at the end of the file states.
+/// Returns the length and digest that the seal at the end of the file states.
 fn seal_at_end(file: &mut File) -> io::Result<Option<(u64, [u8; 32])>> {
     let length = file.metadata()?.len();
     let Some(start) = length.checked_sub(SEAL_BYTES) else { return Ok(None) };

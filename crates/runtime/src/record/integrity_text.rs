@@ -23,7 +23,7 @@ impl fmt::Display for Integrity {
 }
 
 impl Integrity {
-    /// The members that `apex verify --json` prints: `intact`, `file` (`intact`, `unsealed`, `changed`), `groups`, `steps`,
+    /// Returns the members that `apex verify --json` prints: `intact`, `file` (`intact`, `unsealed`, `changed`), `groups`, `steps`,
     /// `until_s` (seconds of mission time), `damage` and `fault` (null in a record without fault).
     pub fn json(&self) -> Value {
         let damage = self.damage.as_ref().map(|damage| {

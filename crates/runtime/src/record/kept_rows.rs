@@ -75,7 +75,7 @@ impl KeptRows {
         }
     }
 
-    /// A step has ended. With `apart` it can be dropped alone.
+    /// Records the end of a step. With `apart` it can be dropped alone.
     pub(super) fn end_step(&mut self, apart: bool) {
         if std::mem::take(&mut self.is_too_large) {
             return;
@@ -137,13 +137,13 @@ impl KeptRows {
         self.chunks.iter().map(|chunk| chunk.steps).sum::<u64>() + self.open.steps
     }
 
-    /// The steps that were dropped.
+    /// Returns the steps that were dropped.
     pub(super) fn gap(&self) -> Option<Gap> {
         self.gap
     }
 }
 
-/// True for rows without which later steps cannot be read.
+/// Returns true for rows without which later steps cannot be read.
 fn lasts(table: Table) -> bool {
     match table {
         Table::Meta
@@ -209,7 +209,7 @@ fn get<'b>(mut bytes: &'b [u8], cells: &mut Vec<Cell<'b>>) {
     }
 }
 
-/// The rows in `bytes`, each with its table.
+/// Returns the rows in `bytes`, each with its table.
 fn rows(mut bytes: &[u8]) -> impl Iterator<Item = (Table, &[u8])> {
     std::iter::from_fn(move || {
         let [table, count, rest @ ..] = bytes else { return None };

@@ -51,7 +51,7 @@ impl<'a> Input<'a> {
         Ok(f64::from_le_bytes(*first))
     }
 
-    /// The next `length` bytes.
+    /// Returns the next `length` bytes.
     pub(super) fn take(&mut self, length: u64) -> Result<&'a [u8], String> {
         let length = usize::try_from(length).unwrap_or(usize::MAX);
         let (first, rest) = self.bytes.split_at_checked(length).ok_or("it is cut off")?;

@@ -90,7 +90,7 @@ pub(super) fn connect(path: &Path) -> Result<Connected, RecordError> {
 /// A connection, the seal of its file, and the copy that is read in place of the record.
 type Connected = (Connection, FileSeal, Option<Arc<Copied>>);
 
-/// As [`connect`], to a record of this version of the format.
+/// Like [`connect`], to a record of this version of the format.
 pub(super) fn connect_to(path: &Path, version: i64) -> Result<Connected, RecordError> {
     match schema::look(path)? {
         FileState::Nothing => return Err(RecordError::Missing { path: path.to_path_buf() }),
@@ -133,13 +133,13 @@ fn check_version(connection: &Connection, path: &Path, known: i64) -> Result<(),
     }
 }
 
-/// A connection that shares the file with a program that writes it. `path` is for messages.
+/// Returns a connection that shares the file with a program that writes it. `path` is for messages.
 fn plain(place: &Path, path: &Path) -> Result<Connection, RecordError> {
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
     defended(Connection::open_with_flags(place, flags), path)
 }
 
-/// A connection to a file that nothing changes: it needs no locks and no files next to it.
+/// Returns a connection to a file that nothing changes: it needs no locks and no files next to it.
 fn immutable(path: &Path) -> Result<Connection, RecordError> {
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX | OpenFlags::SQLITE_OPEN_URI;
     let mut name = String::from("file:");
@@ -153,7 +153,7 @@ fn immutable(path: &Path) -> Result<Connection, RecordError> {
     defended(Connection::open_with_flags(name, flags), path)
 }
 
-/// A connection to a copy in the folder for temporary files, where SQLite can finish what was cut off.
+/// Returns a connection to a copy in the folder for temporary files, where SQLite can finish what was cut off.
 fn copied(path: &Path, copy: &mut Option<Arc<Copied>>) -> Result<Connection, RecordError> {
     let made = Copied::make(path).map_err(|error| RecordError::Damaged {
         path: path.to_path_buf(),
@@ -244,7 +244,7 @@ pub struct Integrity {
 }
 
 impl Integrity {
-    /// True if all rows are as they were written.
+    /// Returns true if all rows are as they were written.
     pub fn is_intact(&self) -> bool {
         self.damage.is_none() && self.fault.is_none()
     }

@@ -38,7 +38,7 @@ pub struct SituationRow {
 }
 
 impl RecordReader {
-    /// All planning problems in the order in which they were posed.
+    /// Returns all planning problems in the order in which they were posed.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
@@ -70,7 +70,7 @@ impl RecordReader {
         Ok(problems)
     }
 
-    /// All answers of solvers in the order in which they arrived: request, when it takes effect, answer.
+    /// Returns all answers of solvers in the order in which they arrived: request, when it takes effect, answer.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
@@ -90,7 +90,7 @@ impl RecordReader {
         Ok(answers)
     }
 
-    /// The last stored situation of the mission that is not later than `to`.
+    /// Returns the last stored situation of the mission that is not later than `to`.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
@@ -100,7 +100,7 @@ impl RecordReader {
         row.optional().map_err(|error| self.damaged("the situations", error))
     }
 
-    /// All stored situations of the mission, in order.
+    /// Returns all stored situations of the mission, in order.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].

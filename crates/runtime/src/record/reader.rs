@@ -83,11 +83,11 @@ impl RecordReader {
         RecordReader::open_at(path, 0)
     }
 
-    /// The same record, looking at agent `agent` (from 0, in the order of [`RecordReader::agents`]): its steps, tasks
+    /// Returns the same record, looking at agent `agent` (from 0, in the order of [`RecordReader::agents`]): its steps, tasks
     /// and snapshots are then all that there are.
     ///
     /// # Errors
-    /// As [`RecordReader::open`].
+    /// Like [`RecordReader::open`].
     pub fn of_agent(&self, agent: usize) -> Result<RecordReader, RecordError> {
         let opened = open::open_again(&self.path, (&self.trust.borrow(), self.copy.as_ref()))?;
         let mut reader = RecordReader::of_opened(&self.path, opened, agent)?;
@@ -134,17 +134,17 @@ impl RecordReader {
         }
     }
 
-    /// The names of the agents that ran, in the order of their declarations.
+    /// Returns the names of the agents that ran, in the order of their declarations.
     pub fn agents(&self) -> &[String] {
         &self.agents
     }
 
-    /// True when several agents ran: a task's number alone does not name it then.
+    /// Returns true when several agents ran: a task's number alone does not name it then.
     pub fn has_several_agents(&self) -> bool {
         self.agents.len() > 1
     }
 
-    /// The number of the agent called `name`, in any case.
+    /// Returns the number of the agent called `name`, in any case.
     ///
     /// # Errors
     /// [`RecordError::Question`] with the names that there are.
@@ -160,12 +160,12 @@ impl RecordReader {
         if self.has_several_agents() { self.agents.iter().map(of).collect() } else { Vec::new() }
     }
 
-    /// The record's file.
+    /// Returns the record's file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// A fact about the flight; see the `meta` table.
+    /// Returns a fact about the flight; see the `meta` table.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
@@ -176,7 +176,7 @@ impl RecordReader {
             .map_err(|error| self.damaged("the facts", error))
     }
 
-    /// True when the record was closed properly.
+    /// Returns true if the record was closed properly.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
@@ -238,7 +238,7 @@ impl RecordReader {
         Ok(RecordGap { first_batch, last_batch, after: after.unwrap_or(Time::ZERO), before })
     }
 
-    /// First and last recorded instant; none when no step is recorded.
+    /// Returns the first and last recorded instant; `None` if no step is recorded.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
@@ -251,7 +251,7 @@ impl RecordReader {
         Ok(both.0.zip(both.1).map(|(first, last)| (Time(first), Time(last))))
     }
 
-    /// All files that the mission was made from, in order.
+    /// Returns all files that the mission was made from, in order.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
@@ -261,7 +261,7 @@ impl RecordReader {
         })
     }
 
-    /// The PDL sources in load order: what replay loads again.
+    /// Returns the PDL sources in load order: what replay loads again.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
@@ -283,7 +283,7 @@ impl RecordReader {
         self.rows("the notes", sql, |row| Ok((Time(row.get(0)?), row.get(1)?)))
     }
 
-    /// The sections of the final report, as name and JSON text, in order; none before the flight has ended.
+    /// Returns the sections of the final report, as name and JSON text, in order; none before the flight has ended.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
@@ -292,7 +292,7 @@ impl RecordReader {
         self.rows("the report", sql, |row| Ok((row.get(0)?, row.get(1)?)))
     }
 
-    /// The state variables that were measured, in order of first appearance.
+    /// Returns the state variables that were measured, in order of first appearance.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
@@ -301,7 +301,7 @@ impl RecordReader {
         Ok((1..).map_while(|number| variables.get(number)).map(|known| known.variable.clone()).collect())
     }
 
-    /// All samples of `variable` with `from <= at <= to`, in order of arrival.
+    /// Returns all samples of `variable` with `from <= at <= to`, in order of arrival.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
@@ -309,7 +309,7 @@ impl RecordReader {
         self.samples_arrived(variable, (from, to), Time::END)
     }
 
-    /// As [`RecordReader::samples`], of those that had arrived by `arrived`.
+    /// Like [`RecordReader::samples`], for samples that had arrived by `arrived`.
     pub(crate) fn samples_arrived(
         &self,
         variable: &StateVariable,
@@ -330,7 +330,7 @@ impl RecordReader {
         Ok(samples)
     }
 
-    /// All steps in order.
+    /// Returns all steps in order.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
@@ -338,7 +338,7 @@ impl RecordReader {
         self.steps_between(Time::BEGINNING, Time::END)
     }
 
-    /// The steps with `from <= now <= to`, in order.
+    /// Returns the steps with `from <= now <= to`, in order.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
@@ -351,7 +351,7 @@ impl RecordReader {
         Steps::new(self, first, to)
     }
 
-    /// The steps of all agents up to `to`, in the order in which they were executed.
+    /// Returns the steps of all agents up to `to`, in the order in which they were executed.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
@@ -372,7 +372,7 @@ impl RecordReader {
         Ok(variables)
     }
 
-    /// The latest snapshot of a batch not after `to`: batch number and bytes.
+    /// Returns the latest snapshot of a batch not after `to`: batch number and bytes.
     pub(super) fn snapshot_before(&self, to: Time) -> Result<Option<(i64, Vec<u8>)>, RecordError> {
         let sql = "SELECT batch, body FROM snapshot WHERE t_ns <= ?1 AND batch <= (SELECT max(id) FROM batch WHERE t_ns <= ?1) ORDER BY batch DESC LIMIT 1";
         self.connection

@@ -36,7 +36,7 @@ pub fn recover(from: &Path, to: &Path) -> Result<Recovered, RecordError> {
     let same =
         std::fs::canonicalize(from).ok().zip(std::fs::canonicalize(to).ok()).is_some_and(|(from, to)| from == to);
     if same {
-        return Err(RecordError::Question(format!("{} cannot be recovered into itself.", from.display())));
+        return Err(RecordError::Question(format!("{} cannot be recovered into itself", from.display())));
     }
     let (source, _, _copy) = connect(from)?;
     let damaged = |what| RecordError::Damaged { path: from.to_path_buf(), what };

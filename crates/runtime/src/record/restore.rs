@@ -25,7 +25,7 @@ impl RecordReader {
         load(&self.pdl_sources()?).map_err(|message| RecordError::Load { path: self.path.clone(), message })
     }
 
-    /// The agent after the last step not later than `at`. No solver and no vehicle is asked: their answers are in the
+    /// Returns the agent after the last step not later than `at`. No solver and no vehicle is asked: their answers are in the
     /// record.
     ///
     /// # Errors
@@ -35,7 +35,7 @@ impl RecordReader {
         self.restore_with(at, &program)
     }
 
-    /// As [`RecordReader::restore`], with a program that is loaded already.
+    /// Like [`RecordReader::restore`], with a program that is loaded already.
     ///
     /// # Errors
     /// [`RecordError`] when the record cannot be read or its mission not loaded.
@@ -65,12 +65,12 @@ impl RecordReader {
         Ok(agent)
     }
 
-    /// The agent before its first step.
+    /// Returns the agent before its first step.
     pub(crate) fn fresh_agent(&self, program: &RestoredProgram) -> Result<Agent, RecordError> {
         self.fresh_agent_number(program, self.agent)
     }
 
-    /// Agent `agent` before its first step.
+    /// Returns agent `agent` before its first step.
     pub(crate) fn fresh_agent_number(&self, program: &RestoredProgram, agent: usize) -> Result<Agent, RecordError> {
         let (library, declaration, host) = program;
         let declaration = if self.has_several_agents() { library.agents.get(agent) } else { Some(declaration) };

@@ -63,14 +63,14 @@ fn make_room(path: &Path) -> Result<(), RecordError> {
     Ok(())
 }
 
-/// The name of a file that SQLite keeps next to the record.
+/// Returns the name of a file that SQLite keeps next to the record.
 pub(super) fn sibling(path: &Path, suffix: &str) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(suffix);
     PathBuf::from(name)
 }
 
-/// A running flight holds the write lock most of the time.
+/// Refuses a record of a running flight, which holds the write lock most of the time.
 fn refuse_when_written(path: &Path) -> Result<(), RecordError> {
     let Ok(connection) = Connection::open(path) else { return Ok(()) };
     let locked =
@@ -117,7 +117,7 @@ pub(super) fn look(path: &Path) -> Result<FileState, RecordError> {
     })
 }
 
-/// The names of the agents in the record, in the order of their numbers.
+/// Returns the names of the agents in the record, in the order of their numbers.
 ///
 /// # Errors
 /// SQLite's own.

@@ -59,12 +59,12 @@ impl Sealer {
         *self = Sealer { bytes: std::mem::take(&mut self.bytes), ..Sealer::default() };
     }
 
-    /// True if it has no row.
+    /// Returns true if it has no row.
     pub(super) fn is_empty(&self) -> bool {
         self.counts.iter().all(|count| *count == 0)
     }
 
-    /// The seal of the rows, after the seal `before`; the sealer is empty again.
+    /// Returns the seal of the rows, after the seal `before`; the sealer is empty again.
     pub(super) fn seal(&mut self, before: ChainPosition, t_ns: i64, batch: i64) -> Seal {
         let id = before.id + 1;
         let mut chain = Sha256::new();
@@ -116,7 +116,7 @@ impl Seal {
         ChainPosition { id: self.id, chain: self.chain }
     }
 
-    /// The counts as they are stored: index of the table and number of rows, for each table that has any.
+    /// Returns the counts as they are stored: index of the table and number of rows, for each table that has any.
     pub(super) fn count_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         for (index, count) in self.counts.iter().enumerate().filter(|(_, count)| **count > 0) {

@@ -39,7 +39,7 @@ impl SigningKey {
         Ok(SigningKey(KeyPair::from_seed(Seed::new(bytes))))
     }
 
-    /// The public key, as hexadecimal digits.
+    /// Returns the public key, as hexadecimal digits.
     pub fn public(&self) -> String {
         to_hex(&*self.0.pk)
     }
@@ -56,7 +56,7 @@ pub enum SignatureState {
     Broken(String),
 }
 
-/// The file of the signature of the record at `path`.
+/// Returns the file of the signature of the record at `path`.
 pub fn signature_path(path: &Path) -> PathBuf {
     sibling(path, ".sig")
 }

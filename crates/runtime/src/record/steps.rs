@@ -36,7 +36,7 @@ pub struct RecordedEffect {
 }
 
 impl RecordedEffect {
-    /// The effect itself.
+    /// Returns the effect itself.
     ///
     /// # Errors
     /// What is wrong with the bytes, as a fragment of a message.
@@ -46,7 +46,7 @@ impl RecordedEffect {
 }
 
 impl RecordedStep {
-    /// The effects themselves.
+    /// Returns the effects themselves.
     ///
     /// # Errors
     /// What is wrong with the bytes, as a fragment of a message.
@@ -89,14 +89,14 @@ impl<'a> Steps<'a> {
         })
     }
 
-    /// The same steps without their effects: faster where only inputs count.
+    /// Returns the same steps without their effects: faster where only inputs count.
     #[must_use]
     pub fn without_effects(mut self) -> Steps<'a> {
         self.with_effects = false;
         self
     }
 
-    /// The steps of all agents.
+    /// Returns the steps of all agents.
     #[must_use]
     pub(super) fn of_all(mut self) -> Steps<'a> {
         self.of_all = true;
@@ -150,7 +150,7 @@ impl<'a> Steps<'a> {
         Ok(())
     }
 
-    /// The effects of steps by number, up to the first step whose effects are damaged, and that step with the reason.
+    /// Returns the effects of steps by number, up to the first step whose effects are damaged, and that step with the reason.
     fn effects(&mut self, first: i64, last: i64) -> Result<(EffectsOfSteps, Option<(i64, RecordError)>), RecordError> {
         let reader = self.reader;
         let broken = |error| reader.damaged("the effects", error);
@@ -179,7 +179,7 @@ impl<'a> Steps<'a> {
 /// Effects by the number of their step.
 type EffectsOfSteps = BTreeMap<i64, Vec<RecordedEffect>>;
 
-/// The effects of one step, numbered from `first` on.
+/// Returns the effects of one step, numbered from `first` on.
 fn effects_of(dictionary: &Dictionary, now: Time, first: i64, bytes: &[u8]) -> Result<Vec<RecordedEffect>, String> {
     let mut effects: Vec<RecordedEffect> = Vec::new();
     let mut items = EffectReader::new(dictionary, now, bytes);

@@ -24,12 +24,12 @@ const PAGE_BYTES: u64 = 4096;
 /// A cell of a row, as SQLite stores it.
 pub(super) type SqlValue<'c> = ValueRef<'c>;
 
-/// A text, or nothing.
+/// Returns a text, or nothing.
 pub(super) fn text(text: Option<&str>) -> SqlValue<'_> {
     text.map_or(ValueRef::Null, |text| ValueRef::Text(text.as_bytes()))
 }
 
-/// A real number, or nothing.
+/// Returns a real number, or nothing.
 pub(super) fn real<'c>(number: Option<f64>) -> SqlValue<'c> {
     number.map_or(ValueRef::Null, ValueRef::Real)
 }
@@ -39,7 +39,7 @@ pub(super) trait RowStore: Send {
     /// Appends a row. Tables whose rows are numbered get their first column here. `doing` is for the message if it fails.
     fn insert(&mut self, doing: &str, table: Table, cells: &[SqlValue<'_>]) -> Result<(), RecordError>;
 
-    /// The instant that is being stored, for messages and seals.
+    /// Sets the instant that is being stored, for messages and seals.
     fn set_now(&mut self, now: Time);
 
     /// Counts a whole step; commits if the group is large or old enough.
@@ -51,10 +51,10 @@ pub(super) trait RowStore: Send {
     /// Closes the file: one file without companions, sealed as a whole.
     fn close(&mut self) -> Result<(), RecordError>;
 
-    /// Something that cannot be turned into bytes; nothing is stored after it.
+    /// Returns the error of a value that cannot be converted to bytes; nothing is stored after it.
     fn unstorable(&mut self, what: &str, reason: String) -> RecordError;
 
-    /// The file.
+    /// Returns the file.
     fn path(&self) -> &Path;
 
     /// Changes the largest size of the file.
@@ -65,7 +65,7 @@ pub(super) trait RowStore: Send {
     /// Signs the file when it is closed.
     fn sign_with(&mut self, _: SigningKey) {}
 
-    /// From now on a failed write is a message ([`RowStore::take_news`]) instead of an error.
+    /// Turns failed writes into messages ([`RowStore::take_news`]) instead of errors from now on.
     fn outlive_the_disk(&mut self) {}
 
     /// Takes the next message about the disk.
@@ -73,7 +73,7 @@ pub(super) trait RowStore: Send {
         None
     }
 
-    /// The first row that differs from the stored one; for stores that compare.
+    /// Returns the first row that differs from the stored one; for stores that compare.
     fn difference(&self) -> Option<&RowDifference> {
         None
     }
@@ -219,7 +219,7 @@ impl Store {
         connection.prepare_cached("COMMIT")?.execute([]).map(|_| ())
     }
 
-    /// A write failed. In a flight its steps stay in memory; before, nothing more is written: half a step in the record would be
+    /// Handles a failed write. In a flight its steps stay in memory; before, nothing more is written: half a step in the record would be
     /// worse than its end.
     fn failed(&mut self, doing: &str, error: rusqlite::Error) -> Result<(), RecordError> {
         let error = write_error(&self.path, &format!("{doing} at {}", self.now), error);
@@ -384,7 +384,7 @@ fn limit_bytes(connection: &Connection, path: &Path, bytes: u64) -> Result<(), R
         .map_err(|error| write_error(path, "setting its largest size", error))
 }
 
-/// The reason in a few words.
+/// Returns the reason in a few words.
 fn reason_of(error: &RecordError) -> String {
     match error {
         RecordError::DiskFull { .. } => "the disk is full".into(),

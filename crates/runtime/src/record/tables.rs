@@ -96,17 +96,17 @@ pub(super) const SCHEMA: [(&str, &str, &str); TABLES + 2] = [
 ];
 
 impl Table {
-    /// Its place in [`ALL`].
+    /// Returns its place in [`ALL`].
     pub(super) fn index(self) -> usize {
         self as usize
     }
 
-    /// Its name in SQL.
+    /// Returns its name in SQL.
     pub(super) fn name(self) -> &'static str {
         SCHEMA.get(self.index()).map_or("", |(_, name, _)| name)
     }
 
-    /// True if the first column is the row's position, from 1, which the store fills in.
+    /// Returns true if the first column is the row's position, from 1, which the store fills in.
     pub(super) fn is_numbered(self) -> bool {
         match self {
             Table::Agent
@@ -129,7 +129,7 @@ impl Table {
         }
     }
 
-    /// The name of a row in messages: `batch 12`.
+    /// Returns the name of a row in messages: `batch 12`.
     pub(super) fn row_word(self) -> &'static str {
         match self {
             Table::Meta => "fact",
@@ -142,7 +142,7 @@ impl Table {
         SCHEMA.get(self.index()).map_or(0, |(_, _, sql)| sql.matches(", ").count() + 1)
     }
 
-    /// The name of a column.
+    /// Returns the name of a column.
     pub(super) fn column(self, index: usize) -> &'static str {
         let (_, _, sql) = SCHEMA.get(self.index()).copied().unwrap_or_default();
         let inside = sql.split_once('(').map_or("", |(_, inside)| inside);
@@ -156,7 +156,7 @@ impl Table {
     }
 }
 
-/// The rows of a table with keys above `?1`, in order. `main` cannot be covered by a temporary view.
+/// Returns the rows of a table with keys above `?1`, in order. `main` cannot be covered by a temporary view.
 pub(super) fn rows_after(name: &str, key: &str) -> String {
     format!("SELECT * FROM main.{name} NOT INDEXED WHERE {key} > ?1 ORDER BY {key}")
 }

@@ -33,7 +33,7 @@ pub struct TaskRow {
 }
 
 impl TaskRow {
-    /// A task as it was created; none for another decision.
+    /// Returns a task as it was created; `None` for another decision.
     fn created(id: u64, at: Time, decision: &Decision, effects: &Effects<'_>) -> Option<TaskRow> {
         let DecisionKind::Created { parent, tag, goal, .. } = &decision.kind else { return None };
         Some(TaskRow {
@@ -51,7 +51,7 @@ impl TaskRow {
 }
 
 impl RecordReader {
-    /// All tasks, oldest first.
+    /// Returns all tasks, oldest first.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].

@@ -69,7 +69,7 @@ impl TrackWatcher {
         due.then(|| *self.written.insert(self.latest))
     }
 
-    /// True for a new location.
+    /// Returns true for a new location.
     fn sample(&mut self, variable: &StateVariable, value: &Value) -> bool {
         let number = value.as_number().map(|(si, _)| si).filter(|si| si.is_finite());
         match variable.attribute.folded() {

@@ -42,7 +42,7 @@ impl Derivable {
     }
 }
 
-/// A recorder that stores nothing and compares everything with the rows of `reader`.
+/// Returns a recorder that stores nothing and compares everything with the rows of `reader`.
 pub(crate) fn recorder(
     reader: &RecordReader,
     library: &Library,
@@ -77,7 +77,7 @@ struct Page {
 }
 
 impl Twin {
-    /// The next stored row of a table.
+    /// Returns the next stored row of a table.
     fn next(&mut self, table: Table) -> Result<Option<Vec<Value>>, RecordError> {
         let Some(page) = self.pages.get_mut(table.index()) else { return Ok(None) };
         if page.rows.is_empty() {
@@ -171,7 +171,7 @@ impl RowStore for Twin {
     }
 }
 
-/// A cell as SQLite gives it back.
+/// Returns a cell as SQLite gives it back.
 fn as_stored(cell: SqlValue<'_>) -> Value {
     match Value::try_from(cell) {
         Ok(Value::Real(real)) if real.is_nan() => Value::Null,
@@ -181,7 +181,7 @@ fn as_stored(cell: SqlValue<'_>) -> Value {
     }
 }
 
-/// A cell as text of one line.
+/// Returns a cell as text of one line.
 fn shown(cell: &Value) -> String {
     let text = match cell {
         Value::Null => return "nothing".into(),

@@ -107,7 +107,7 @@ impl Recorder {
         Ok(recorder)
     }
 
-    /// A recorder whose rows go into `store`, with the agents of `library` in it.
+    /// Returns a recorder whose rows go into `store`, with the agents of `library` in it.
     pub(super) fn with_store(
         store: Box<dyn RowStore>,
         library: &Library,
@@ -151,7 +151,7 @@ impl Recorder {
         library.sources.iter().try_for_each(|source| self.source(&source.name, "pdl", source.text.as_bytes()))
     }
 
-    /// The first row that a replay makes otherwise than it is stored; for recorders of a replay.
+    /// Returns the first row that a replay makes otherwise than it is stored; for recorders of a replay.
     pub(crate) fn difference(&self) -> Option<&RowDifference> {
         self.store.difference()
     }
@@ -174,7 +174,7 @@ impl Recorder {
         Ok(())
     }
 
-    /// The record's file.
+    /// Returns the record's file.
     pub fn path(&self) -> &Path {
         self.store.path()
     }

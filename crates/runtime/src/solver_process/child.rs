@@ -109,7 +109,7 @@ impl Running {
         Ok(())
     }
 
-    /// Other systems cannot limit another process.
+    /// Does nothing: other systems cannot limit another process.
     #[cfg(not(target_os = "linux"))]
     fn limit(&self) -> Result<(), std::io::Error> {
         Ok(())
@@ -126,7 +126,7 @@ impl Running {
         self.say(STOP_LINE.to_string());
     }
 
-    /// The next line, if one comes within `patience`.
+    /// Returns the next line, if one comes within `patience`.
     pub(super) fn hear(&self, patience: Duration) -> Heard {
         match self.lines.recv_timeout(patience) {
             Ok(Ok(line)) => Heard::Line(line),
@@ -217,7 +217,7 @@ impl Drop for Running {
     }
 }
 
-/// Bytes of memory that a process holds now; none where the system does not tell.
+/// Returns bytes of memory that a process holds now; `None` if the system does not tell.
 fn resident_bytes(process: u32) -> Option<u64> {
     let told = std::fs::read_to_string(format!("/proc/{process}/status")).ok()?;
     let line = told.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;

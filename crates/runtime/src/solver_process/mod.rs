@@ -32,12 +32,12 @@ pub struct SolverProgram {
 }
 
 impl SolverProgram {
-    /// The planner `name`, which is the program `command` with its arguments. It is asked about problems of all kinds.
+    /// Returns the planner `name`, which is the program `command` with its arguments. It is asked about problems of all kinds.
     pub fn new(name: &str, command: Vec<OsString>) -> SolverProgram {
         SolverProgram { name: name.to_string(), command, serves: None }
     }
 
-    /// `solver` in a separate process: `command` must run [`serve`] with it.
+    /// Returns a program that runs `solver` in a separate process; `command` must run [`serve`] with it.
     pub fn of_solver(solver: Arc<dyn Solver>, command: Vec<OsString>) -> SolverProgram {
         SolverProgram { name: solver.name().to_string(), command, serves: Some(solver) }
     }

@@ -42,7 +42,7 @@ pub(super) enum ProgramLine {
 }
 
 impl ProgramLine {
-    /// The line, without its end.
+    /// Returns the line, without its end.
     pub(super) fn line(&self) -> Result<String, String> {
         let json = match self {
             ProgramLine::Charge(units) => serde_json::to_string(&serde_json::json!({ "charge": units })),
@@ -78,7 +78,7 @@ impl ProgramLine {
     }
 }
 
-/// A plan as the program writes it: whole, or of surveillance the names of the targets in the order of visits.
+/// Returns a plan as the program writes it: whole, or of surveillance the names of the targets in the order of visits.
 fn plan(value: Json, name: &str, problem: &Problem) -> Result<Plan, String> {
     match (problem, value) {
         (Problem::Surveillance(problem), Json::Array(order)) => surveillance(order, name, problem),
@@ -97,7 +97,7 @@ fn surveillance(order: Vec<Json>, name: &str, problem: &SurveillanceProblem) -> 
     Ok(Plan::Surveillance(scenario.plan(name, word)))
 }
 
-/// The beginning of a text, for a message of one line.
+/// Returns the beginning of a text, for a message of one line.
 pub(super) fn excerpt(text: &str) -> String {
     let mut shown: String = text.trim().chars().take(80).flat_map(char::escape_debug).collect();
     if text.trim().chars().nth(80).is_some() {

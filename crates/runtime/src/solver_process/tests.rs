@@ -18,7 +18,7 @@ fn usual() -> SolverLimits {
     SolverLimits { units: 1_000, timeout: Duration::from_secs(60), memory_bytes: 256 << 20 }
 }
 
-/// A plan without visits, as JSON.
+/// Returns a plan without visits, as JSON.
 fn empty_plan() -> String {
     serde_json::to_string(&Plan::Surveillance(SurveillancePlan {
         solver: "mine".into(),

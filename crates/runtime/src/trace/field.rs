@@ -36,7 +36,7 @@ impl From<Time> for FieldValue {
 }
 
 impl From<&Value> for FieldValue {
-    /// A number for a plain number, PDL text for everything else.
+    /// Returns a number for a plain number, PDL text for everything else.
     fn from(value: &Value) -> FieldValue {
         match value {
             Value::Integer(integer) => FieldValue::Integer(*integer),
@@ -75,7 +75,7 @@ impl Formatter for LineFormatter {
         write!(writer, "{value:?}")
     }
 
-    /// JSON lets DEL and the second set of control characters stand as they are; a terminal obeys them.
+    /// Escapes control characters that JSON permits and a terminal would obey: DEL and the second set.
     fn write_string_fragment<W: ?Sized + Write>(&mut self, writer: &mut W, fragment: &str) -> io::Result<()> {
         let is_unsafe = |each: char| matches!(each, '\u{7f}'..='\u{9f}');
         for part in fragment.split_inclusive(is_unsafe) {
@@ -91,7 +91,7 @@ impl Formatter for LineFormatter {
     }
 }
 
-/// Seconds as the shortest exact decimal: `1.5`, `0.3`, `-2`, never `0.30000000000000004`.
+/// Returns seconds as the shortest exact decimal: `1.5`, `0.3`, `-2`, never `0.30000000000000004`.
 pub fn seconds_text(time: Time) -> String {
     let total = time.0.unsigned_abs();
     let second = NANOSECONDS_PER_SECOND.unsigned_abs();

@@ -61,7 +61,7 @@ impl TraceFilter {
         match self.kinds.iter().find(|kind| !KINDS.contains(&kind.as_str())) {
             None => Ok(()),
             Some(unknown) => {
-                Err(format!("There are no trace lines of type `{unknown}`; known are {}.", KINDS.join(", ")))
+                Err(format!("there are no trace lines of type `{unknown}`; known are {}", KINDS.join(", ")))
             }
         }
     }

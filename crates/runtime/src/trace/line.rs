@@ -51,7 +51,7 @@ impl TraceLine {
         self
     }
 
-    /// The line of an input.
+    /// Returns the line of an input.
     pub(super) fn of_event(event: &Event) -> TraceLine {
         let at = event.at;
         let line = |kind, subject: String, words: String| TraceLine::new(at, kind, subject, words);
@@ -132,14 +132,14 @@ impl TraceLine {
         line
     }
 
-    /// The line of a decision of the runtime.
+    /// Returns the line of a decision of the runtime.
     pub(super) fn of_note(at: Time, text: &str) -> TraceLine {
         let mut line = TraceLine::new(at, "note", String::new(), format!("note: {text}"));
         line.text_field("text", text);
         line
     }
 
-    /// The line of an effect of the step at `now`.
+    /// Returns the line of an effect of the step at `now`.
     pub(super) fn of_effect(now: Time, effect: &Effect, told: &EffectRow, describer: &EffectDescriber) -> TraceLine {
         let mut line = TraceLine::new(now, told.kind, told.subject.clone(), String::new());
         line.task = told.task;
@@ -274,7 +274,7 @@ impl TraceLine {
         }
     }
 
-    /// `{"t":1.5,"kind":"transition","task":"T3","goal":"..",..,"cause":"..","place":".."}`
+    /// Writes `{"t":1.5,"kind":"transition","task":"T3","goal":"..",..,"cause":"..","place":".."}`
     ///
     /// # Errors
     /// The output's own.
@@ -283,7 +283,7 @@ impl TraceLine {
         self.serialize(&mut serializer).map_err(io::Error::from)
     }
 
-    /// `       12.5s  T3 (power-up camera-1): enabled -> ongoing because it was granted camera-1; from file.pdl:14:3`
+    /// Returns `       12.5s  T3 (power-up camera-1): enabled -> ongoing because it was granted camera-1; from file.pdl:14:3`
     pub(super) fn text(&self) -> String {
         let mut text = format!("{:>TIME_COLUMNS$}  ", self.at.to_string());
         match (&self.agent, self.task) {

@@ -58,7 +58,7 @@ struct Ancestry {
 }
 
 impl<W: Write> Tracer<W> {
-    /// A tracer for a run of `library` with all of its agents, from the run's first step on.
+    /// Returns a tracer for a run of `library` with all of its agents, from the run's first step on.
     pub fn new(out: W, format: TraceFormat, filter: TraceFilter, library: &Library) -> Tracer<W> {
         let several = library.has_several_agents();
         let agent = |agent: &AgentDeclaration| AgentTrace {
@@ -114,7 +114,8 @@ impl<W: Write> Tracer<W> {
         self.out.write_all(b"\n")
     }
 
-    /// The place filter admits what the procedure's own lines caused, its tasks, and the tasks of its steps.
+    /// Returns true if the filter of places admits the effect: what the procedure's own lines caused, its tasks, and the tasks of its
+    /// steps.
     fn is_of_procedure(&self, line: &TraceLine) -> bool {
         let Some(place) = &self.filter.place else { return true };
         let Some(agent) = self.agents.get(self.turn) else { return true };
@@ -161,7 +162,7 @@ impl<W: Write> Observer for Tracer<W> {
 }
 
 fn unwritable(error: &io::Error) -> String {
-    format!("The trace cannot be written: {error}. Check where it goes, and the space there.")
+    format!("the trace cannot be written: {error}; check where it goes, and the space there")
 }
 
 /// Writes the trace of a recorded flight to `out`.

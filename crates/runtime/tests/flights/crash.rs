@@ -224,7 +224,7 @@ impl Logged {
     }
 }
 
-/// Number of crashes, from the environment.
+/// Returns the number of crashes, from the environment.
 fn count(variable: &str, usual: usize) -> usize {
     std::env::var(variable).ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
 }

@@ -6,7 +6,7 @@ use apex_runtime::record::RecordReader;
 use apex_runtime::replay::replay;
 use apex_runtime::trace::{TraceFilter, TraceFormat, trace_record};
 
-/// The trace of a program as text; its record is replayed.
+/// Returns the trace of a program as text; its record is replayed.
 fn traced(pdl: &str) -> String {
     let flight = record(pdl, Vec::new(), &mut NoDeliberator, &mut []);
     let reader: RecordReader = flight.reader();

@@ -71,7 +71,7 @@ struct Flown {
     closed: Result<(), String>,
 }
 
-/// A flight of 60 s with 10 samples a second.
+/// Returns a flight of 60 s with 10 samples a second.
 fn fly_with_a_full_disk(full: (f64, f64), kept_bytes_max: usize) -> Flown {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("flight.apex");

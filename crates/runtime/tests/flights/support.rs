@@ -108,7 +108,7 @@ pub(crate) fn camera() -> Recorded {
 }
 
 impl Recorded {
-    /// The reader with the folder that keeps its file alive.
+    /// Returns the reader with the folder that keeps its file alive.
     pub(crate) fn reader_kept(self) -> (RecordReader, Recorded) {
         (self.reader(), self)
     }

@@ -35,7 +35,7 @@ struct SessionState {
     tokens: bool,
 }
 
-/// The routes.
+/// Returns the routes.
 pub(crate) fn routes() -> Router<Arc<AppState>> {
     Router::new().route("/api/session", get(session).post(begin).delete(end))
 }

@@ -44,19 +44,19 @@ impl Sessions {
         Sessions { tokens, required, cookie, open: Mutex::default(), stations: Stations::default() }
     }
 
-    /// The name of the cookie that holds a session's secret.
+    /// Returns the name of the cookie that holds a session's secret.
     pub(crate) fn cookie_name(&self) -> &str {
         &self.cookie
     }
 
-    /// The secret in the session's cookie.
+    /// Returns the secret in the session's cookie.
     fn secret<'a>(&self, headers: &'a HeaderMap) -> Option<&'a str> {
         let all = headers.get_all(COOKIE).into_iter().filter_map(|value| value.to_str().ok());
         all.flat_map(|value| value.split(';'))
             .find_map(|pair| pair.trim().strip_prefix(&self.cookie)?.strip_prefix('='))
     }
 
-    /// True if callers need a session or a token.
+    /// Returns true if callers need a session or a token.
     pub(crate) fn are_required(&self) -> bool {
         self.required
     }

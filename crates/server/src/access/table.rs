@@ -60,14 +60,14 @@ pub(crate) fn rows() -> Vec<RouteRow> {
     ]
 }
 
-/// The least role of a route: `Some(None)` needs no session; none if the table does not have it.
+/// Returns the least role of a route: `Some(None)` needs no session; `None` if the table does not have it.
 pub(crate) fn least_role(method: &Method, path: &str) -> Option<Option<ActorRole>> {
     // HEAD is GET without a body.
     let method = if method == Method::HEAD { &Method::GET } else { method };
     rows().into_iter().find(|(each, route, _)| each == method && *route == path).map(|(_, _, role)| role)
 }
 
-/// True if the table has the path with any method.
+/// Returns true if the table has the path with any method.
 pub(crate) fn has_path(path: &str) -> bool {
     rows().iter().any(|(_, route, _)| *route == path)
 }

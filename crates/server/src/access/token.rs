@@ -29,7 +29,7 @@ pub struct TokenError {
 }
 
 impl AccessToken {
-    /// The token with this secret.
+    /// Returns the token with this secret.
     ///
     /// # Errors
     /// The secret is too short, or the name is not a name.
@@ -77,7 +77,7 @@ impl AccessToken {
         AccessToken::new(Actor { name: (*name).into(), role }, secret)
     }
 
-    /// A new token for `actor`, and its secret.
+    /// Returns a new token for `actor`, and its secret.
     ///
     /// # Errors
     /// The system gives no random bytes.
@@ -109,12 +109,12 @@ pub(crate) fn check_name(name: &str) -> Result<(), String> {
     Err(format!("the name `{}` is not 1 to {NAME_MAX} letters, digits, `-`, `_` and `.`", name.escape_debug()))
 }
 
-/// The digest of a secret.
+/// Returns the digest of a secret.
 pub(crate) fn digest(secret: &str) -> [u8; 32] {
     Sha256::digest(secret.as_bytes()).into()
 }
 
-/// A secret from the random numbers of the system.
+/// Returns a secret from the random numbers of the system.
 pub(crate) fn new_secret() -> Result<String, String> {
     let mut bytes = [0; SECRET_BYTES];
     getrandom::fill(&mut bytes).map_err(|error| format!("the system gives no random numbers: {error}"))?;

@@ -77,7 +77,7 @@ pub(crate) fn missions(folder: &Path) -> ApiResult<Vec<MissionEntry>> {
     Ok(names(folder)?.into_iter().take(LISTED_MAX).map(entry).collect())
 }
 
-/// The folder of the mission called `name`.
+/// Returns the folder of the mission called `name`.
 ///
 /// # Errors
 /// The name is not one of a sub-folder, or there is no such mission.
@@ -116,7 +116,7 @@ fn names(folder: &Path) -> ApiResult<Vec<String>> {
     Ok(names)
 }
 
-/// True if `name` can only be that of an entry of the folder itself.
+/// Returns true if `name` can only be that of an entry of the folder itself.
 fn is_name(name: &str) -> bool {
     let plain = |character: char| !character.is_control() && !matches!(character, '/' | '\\' | ':');
     !name.is_empty() && name.len() <= NAME_MAX && !name.starts_with('.') && name.chars().all(plain)

@@ -1,4 +1,4 @@
-//! One flight: its thread, its progress, and how it ended.
+//! One flight that the server runs: its thread, its progress and its end.
 
 use crate::flights::catalogue::Failure;
 use crate::operation::FlightDoor;
@@ -64,12 +64,12 @@ pub(crate) struct FlightState {
 }
 
 impl Flight {
-    /// A flight that has not begun. `door` leads to its run.
+    /// Returns a flight that has not begun. `door` leads to its run.
     pub(crate) fn new(id: u64, mission: String, record: PathBuf, seed: u64, door: FlightDoor) -> Flight {
         Flight { id, mission, record, seed, now_ns: AtomicI64::new(0), door, end: OnceLock::new() }
     }
 
-    /// Flies; returns when the flight has ended and its record is closed. Then drops `place`, and only then tells the end.
+    /// Flies, and returns when the flight has ended and its record is closed. `place` is dropped before the end becomes visible.
     pub(crate) fn fly(&self, preparation: Preparation, place: impl Drop) {
         let end = match catch_unwind(AssertUnwindSafe(|| self.flown(preparation))) {
             Ok(Ok(end)) => end,
@@ -111,17 +111,17 @@ impl Flight {
         self.door.stop();
     }
 
-    /// The way to its run.
+    /// Returns the door through which commands reach the run.
     pub(crate) fn door(&self) -> &FlightDoor {
         &self.door
     }
 
-    /// True until the flight has ended or failed.
+    /// Returns true until the flight has ended or failed.
     pub(crate) fn is_flying(&self) -> bool {
         self.end.get().is_none()
     }
 
-    /// The report, if the flight has ended with one.
+    /// Returns the report, if the flight has ended with one.
     pub(crate) fn report(&self) -> Option<&Report> {
         match self.end.get() {
             Some(End::Ended { report, .. }) => Some(report),
@@ -129,7 +129,7 @@ impl Flight {
         }
     }
 
-    /// The flight's state now.
+    /// Returns the flight's state now.
     pub(crate) fn state(&self) -> FlightState {
         let end = self.end.get();
         let (state, end_reason, sections, failure) = match end {
@@ -152,7 +152,7 @@ impl Flight {
 }
 
 impl FlightState {
-    /// The flight's number.
+    /// Returns the flight's number.
     pub(crate) fn id(&self) -> u64 {
         self.id
     }

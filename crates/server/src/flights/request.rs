@@ -34,7 +34,7 @@ pub(crate) struct PlanParams {
 }
 
 impl FlightRequest {
-    /// The latest end of the flight.
+    /// Returns the latest end of the flight.
     ///
     /// # Errors
     /// It is not a time after the start.
@@ -44,7 +44,7 @@ impl FlightRequest {
         Ok(seconds.map(Time::from_seconds))
     }
 
-    /// The pace of the flight.
+    /// Returns the pace of the flight.
     ///
     /// # Errors
     /// Mission time would not advance.
@@ -54,7 +54,7 @@ impl FlightRequest {
 }
 
 impl PlanParams {
-    /// The time to plan in.
+    /// Returns the time to plan in.
     ///
     /// # Errors
     /// It is not a time, or too long.

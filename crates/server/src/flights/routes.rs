@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// Bytes of the largest body: a request is a few words.
 const BODY_MAX_BYTES: usize = 4096;
 
-/// The routes.
+/// Returns the routes.
 pub(crate) fn routes() -> Router<Arc<AppState>> {
     Router::new()
         .route("/api/missions", get(missions))

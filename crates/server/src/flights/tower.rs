@@ -44,7 +44,7 @@ struct KnownFlight {
 }
 
 impl Tower {
-    /// A tower without flights.
+    /// Returns a tower without flights.
     pub(crate) fn new(options: FlightOptions) -> Tower {
         let (flying, planning) = (Arc::new(Semaphore::new(FLIGHTS_MAX)), Arc::new(Semaphore::new(PLANS_MAX)));
         Tower { options, flying, planning, known: Mutex::default() }
@@ -144,12 +144,12 @@ impl Tower {
         Ok(())
     }
 
-    /// All flights that are remembered, in the order of their start.
+    /// Returns all flights that are remembered, in the order of their start.
     pub(crate) fn flights(&self) -> Vec<FlightState> {
         self.known().flights.iter().map(|flight| flight.state()).collect()
     }
 
-    /// The flight with this number.
+    /// Returns the flight with this number.
     ///
     /// # Errors
     /// There is none, or it is forgotten.
@@ -184,7 +184,7 @@ impl Tower {
     }
 }
 
-/// A place among those at a time.
+/// Returns a place among those at a time.
 fn place(places: &Arc<Semaphore>, full: impl FnOnce() -> String) -> ApiResult<OwnedSemaphorePermit> {
     Arc::clone(places).try_acquire_owned().map_err(|refused| match refused {
         TryAcquireError::NoPermits => ApiError {

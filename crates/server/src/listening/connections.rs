@@ -53,7 +53,7 @@ struct ConnectionPlace {
 }
 
 impl Census {
-    /// A place for a connection of `peer`; none beyond the caps.
+    /// Returns a place for a connection of `peer`; `None` beyond the caps.
     fn admit(self: &Arc<Census>, peer: IpAddr) -> Option<ConnectionPlace> {
         let mut open = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let own = open.get(&peer).copied().unwrap_or(0);

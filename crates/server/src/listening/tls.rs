@@ -61,13 +61,13 @@ impl TlsIdentity {
         Ok(TlsIdentity { chain: vec![certificate.der().clone()], key })
     }
 
-    /// The SHA-256 digest of the certificate, as browsers show it.
+    /// Returns the SHA-256 digest of the certificate, as browsers show it.
     pub fn fingerprint(&self) -> String {
         let pairs: Vec<String> = Sha256::digest(self.certificate()).iter().map(|byte| format!("{byte:02X}")).collect();
         pairs.join(":")
     }
 
-    /// The certificate of the server, in DER.
+    /// Returns the certificate of the server, in DER.
     pub fn certificate(&self) -> &[u8] {
         self.chain.first().map_or(&[], |certificate| certificate)
     }

@@ -96,7 +96,7 @@ pub(crate) struct TargetNews {
 }
 
 impl FlightDoor {
-    /// A door to a run of `mission` that begins at `pace`, and the other end of it, for the run.
+    /// Returns a door to a run of `mission` that begins at `pace`, and the other end of it, for the run.
     pub fn new(mission: &Mission, pace: Option<f64>, read: ReadDatum) -> (FlightDoor, Receiver<Control>) {
         let (controls, receiver) = mpsc::channel();
         let targets = mission
@@ -112,7 +112,7 @@ impl FlightDoor {
         (FlightDoor { shared: Arc::new(shared) }, receiver)
     }
 
-    /// The authority over the run, for the terms of the run.
+    /// Returns the authority over the run, for the terms of the run.
     pub fn authority(&self) -> AuthorityBoard {
         self.shared.authority.clone()
     }
@@ -122,7 +122,7 @@ impl FlightDoor {
         self.shared.authority.hear(name);
     }
 
-    /// The name of the holder of authority, if that is another actor than this one.
+    /// Returns the name of the holder of authority, if that is another actor than this one.
     pub(crate) fn other_holder(&self, actor: &Actor) -> Option<String> {
         let authority = self.shared.authority.authority();
         authority.holder.as_ref().filter(|holder| holder.name != actor.name).map(|holder| holder.name.clone())
@@ -133,7 +133,7 @@ impl FlightDoor {
         self.sent().running = pace;
     }
 
-    /// An observer that keeps for the door what happens in the run.
+    /// Returns an observer that keeps for the door what happens in the run.
     pub fn watch(&self) -> FlightWatch {
         FlightWatch::new(self.shared.seen.clone())
     }
@@ -208,7 +208,7 @@ impl FlightDoor {
         self.sent().entries.iter().find(|entry| entry.number == number).map(SourceEntry::state)
     }
 
-    /// The run now, for an actor, who can offer authority to `stations`.
+    /// Returns the run now, for an actor, who can offer authority to `stations`.
     pub(crate) fn operation(&self, actor: &Actor, stations: Vec<Actor>) -> Operation {
         let seen = self.shared.seen.state();
         let sent = self.sent();
@@ -231,7 +231,7 @@ impl FlightDoor {
 }
 
 impl Sent {
-    /// The pace after all commands that were accepted. Commands are executed in the order of their numbers.
+    /// Returns the pace after all commands that were accepted. Commands are executed in the order of their numbers.
     fn pace_now(&self) -> Option<f64> {
         self.entries.iter().fold(self.pace, SourceEntry::pace_after)
     }

@@ -98,7 +98,7 @@ impl Wish {
         Ok((serde_json::from_value(body).map_err(|error| error.to_string())?, epoch))
     }
 
-    /// The command as text, as recorded.
+    /// Returns the command as text, as recorded.
     pub(crate) fn words(&self) -> String {
         match self {
             Wish::Pause => "pause".into(),

@@ -22,7 +22,7 @@ const BODY_MAX_BYTES: usize = 16 << 10;
 /// Time between two checks of whether a command has an end.
 const LOOK: Duration = Duration::from_millis(10);
 
-/// The routes.
+/// Returns the routes.
 pub(crate) fn routes() -> Router<Arc<AppState>> {
     Router::new()
         .route("/api/operation", get(operation))
@@ -35,7 +35,7 @@ pub(crate) fn routes() -> Router<Arc<AppState>> {
 type Who = Extension<Caller>;
 type CommandBody = Result<Json<Value>, JsonRejection>;
 
-/// The run behind the served record; `null` if it is not flown by this program.
+/// Returns the run behind the served record; `null` if it is not flown by this program.
 async fn operation(State(state): Shared, Extension(Caller(actor)): Who) -> ApiResult<Response> {
     Ok(Json(state.door.as_ref().map(|door| door.operation(&actor, stations(&state, &actor)))).into_response())
 }
@@ -69,7 +69,7 @@ async fn flight_command(
     send(door_of(&state, id)?, caller, body).await
 }
 
-/// The other callers that can receive authority from `actor`.
+/// Returns the other callers that can receive authority from `actor`.
 fn stations(state: &AppState, actor: &Actor) -> Vec<Actor> {
     state.sessions.stations.others(actor, Instant::now())
 }

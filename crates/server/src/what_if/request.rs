@@ -37,7 +37,7 @@ struct InputRequest {
 }
 
 impl ForkRequest {
-    /// The changes of the mission's inputs and plan.
+    /// Returns the changes of the mission's inputs and plan.
     ///
     /// # Errors
     /// A message that is not a form, or a factor out of range.
@@ -58,7 +58,7 @@ impl ForkRequest {
         Ok(Changes { inputs, plan: self.plan.clone() })
     }
 
-    /// The changes as text; none if there are none.
+    /// Returns the changes as text; `None` if there are none.
     pub(crate) fn words(&self) -> Option<String> {
         let messages: Vec<&str> = self.inputs.iter().map(|input| input.event.as_str()).collect();
         let parts = [

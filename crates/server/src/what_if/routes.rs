@@ -10,7 +10,7 @@ use std::sync::Arc;
 /// Bytes of the largest body: an order of a thousand visits.
 const BODY_MAX_BYTES: usize = 64 << 10;
 
-/// The routes.
+/// Returns the routes.
 pub(crate) fn routes() -> Router<Arc<AppState>> {
     Router::new()
         .route("/api/forks", get(forks::list).post(forks::begin))

@@ -29,7 +29,7 @@ pub struct Writer {
 }
 
 impl Writer {
-    /// A new record at `path` with the mission's files and targets, and nothing flown.
+    /// Returns a new record at `path` with the mission's files and targets, and nothing flown.
     pub fn new(path: &Path, story: &Story) -> Writer {
         // The tables are the recorder's; the rows are invented.
         drop(Recorder::create(path, &Library::default(), RecordOptions::default()).unwrap());

@@ -136,7 +136,7 @@ impl Story {
         story
     }
 
-    /// Mission time of the last sample.
+    /// Returns mission time of the last sample.
     pub fn end_ns(&self) -> i64 {
         self.samples.last().map_or(0, |sample| sample.t_ns)
     }

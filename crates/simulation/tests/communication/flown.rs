@@ -52,7 +52,7 @@ impl World {
         }
     }
 
-    /// A site so far east and north of home.
+    /// Returns a site so far east and north of home.
     pub(crate) fn site(mut self, id: &str, east_m: f64, north_m: f64) -> World {
         self.sites.push((id.to_string(), east_m, north_m));
         self
@@ -70,7 +70,7 @@ impl World {
         self
     }
 
-    /// The mission's duration, when home is not called before.
+    /// Returns the mission's duration, when home is not called before.
     pub(crate) fn lasting(mut self, duration: &str) -> World {
         self.duration = duration.to_string();
         self
@@ -148,7 +148,7 @@ pub(crate) fn at(east_m: f64, north_m: f64) -> (f64, f64) {
     (HOME.0 + north_m / DEGREE_M, HOME.1 + east_m / (DEGREE_M * HOME.0.to_radians().cos()))
 }
 
-/// Metres between two places.
+/// Returns metres between two places.
 pub(crate) fn apart_m(a: (f64, f64), b: (f64, f64)) -> f64 {
     ((a.0 - b.0) * DEGREE_M).hypot((a.1 - b.1) * DEGREE_M * a.0.to_radians().cos())
 }
@@ -183,7 +183,7 @@ impl Flown {
         all.iter().map(|(at_s, text)| format!("{at_s:8.1} {text}\n")).collect()
     }
 
-    /// Time and place of each report.
+    /// Returns the time and place of each report.
     pub(crate) fn track(&self) -> Vec<(f64, (f64, f64), f64)> {
         let location = |(at_s, kind): &(f64, EventKind)| match kind {
             EventKind::Measurement(variable, Value::List(items)) if variable.attribute.is("location") => {
@@ -195,7 +195,7 @@ impl Flown {
         self.events.iter().filter_map(location).collect()
     }
 
-    /// Time and level of each sample.
+    /// Returns the time and level of each sample.
     pub(crate) fn levels(&self) -> Vec<(f64, f64)> {
         let level = |(at_s, kind): &(f64, EventKind)| match kind {
             EventKind::Measurement(variable, value) if variable.attribute.is("signal-level") => {
@@ -206,7 +206,7 @@ impl Flown {
         self.events.iter().filter_map(level).collect()
     }
 
-    /// The last place before `until_s` at which no sample of ten seconds before and five seconds after was below 0.3: not the edge.
+    /// Returns the last place before `until_s` at which no sample of ten seconds before and five seconds after was below 0.3: not the edge.
     pub(crate) fn last_good_place(&self, until_s: f64) -> (f64, f64) {
         let levels: Vec<(f64, f64)> = self.levels().into_iter().filter(|(at_s, _)| *at_s < until_s).collect();
         let is_good = |from_s: f64, to_s: f64| {
@@ -223,7 +223,7 @@ impl Flown {
         self.track().into_iter().rfind(|(at_s, ..)| *at_s <= good_s).unwrap().1
     }
 
-    /// Least distance from a place between two instants.
+    /// Returns the least distance from a place between two instants.
     pub(crate) fn nearest_m(&self, place: (f64, f64), (from_s, until_s): (f64, f64)) -> f64 {
         let within = |(at_s, ..): &(f64, (f64, f64), f64)| (from_s..=until_s).contains(at_s);
         self.track().into_iter().filter(within).map(|(_, here, _)| apart_m(place, here)).fold(f64::INFINITY, f64::min)
@@ -242,7 +242,7 @@ impl Flown {
         (numbers[0], numbers[1])
     }
 
-    /// Mean of the samples within five seconds of the last pass of a place before an instant.
+    /// Returns the mean of the samples within five seconds of the last pass of a place before an instant.
     pub(crate) fn mean_level_near(&self, place: (f64, f64), before_s: f64) -> f64 {
         let track = self.track();
         let before = track.iter().filter(|(at_s, ..)| *at_s < before_s);
@@ -256,7 +256,7 @@ impl Flown {
         near.iter().sum::<f64>() / near.len() as f64
     }
 
-    /// Greatest distance from a place between two instants.
+    /// Returns the greatest distance from a place between two instants.
     pub(crate) fn farthest_m(&self, place: (f64, f64), (from_s, until_s): (f64, f64)) -> f64 {
         let within = |(at_s, ..): &(f64, (f64, f64), f64)| (from_s..=until_s).contains(at_s);
         self.track().into_iter().filter(within).map(|(_, here, _)| apart_m(place, here)).fold(0.0, f64::max)
@@ -274,7 +274,7 @@ impl Flown {
         passes
     }
 
-    /// True if the vehicle reported that it is on the ground at the end.
+    /// Returns true if the vehicle reported that it is on the ground at the end.
     pub(crate) fn landed(&self) -> bool {
         let on_ground = |(_, kind): &(f64, EventKind)| match kind {
             EventKind::Measurement(variable, value) if variable.attribute.is("on-ground") => Some(value.is_true()),

@@ -140,33 +140,33 @@ impl Flown {
         self.said.iter().filter(|(_, said)| said.starts_with(text)).count()
     }
 
-    /// The numbers of a variable with their instants.
+    /// Returns the numbers of a variable with their instants.
     pub(crate) fn numbers(&self, variable: &str) -> Vec<(f64, f64)> {
         let of = self.measured.iter().filter(|(_, name, _)| name == variable);
         of.filter_map(|(at_s, _, value)| Some((*at_s, value.as_number()?.0))).collect()
     }
 
-    /// The last number of a variable at an instant.
+    /// Returns the last number of a variable at an instant.
     pub(crate) fn number_at(&self, variable: &str, at_s: f64) -> f64 {
         let numbers = self.numbers(variable);
         let found = numbers.iter().rev().find(|(known_s, _)| *known_s <= at_s);
         found.unwrap_or_else(|| panic!("no {variable} until {at_s} s")).1
     }
 
-    /// The words of a variable with their instants.
+    /// Returns the words of a variable with their instants.
     pub(crate) fn words(&self, variable: &str) -> Vec<(f64, String)> {
         let of = self.measured.iter().filter(|(_, name, _)| name == variable);
         of.map(|(at_s, _, value)| (*at_s, value.to_string())).collect()
     }
 
-    /// The last word of a variable at an instant.
+    /// Returns the last word of a variable at an instant.
     pub(crate) fn word_at(&self, variable: &str, at_s: f64) -> String {
         let words = self.words(variable);
         let found = words.iter().rev().find(|(known_s, _)| *known_s <= at_s);
         found.unwrap_or_else(|| panic!("no {variable} until {at_s} s")).1.clone()
     }
 
-    /// The last place that the aircraft reported: degrees north and east, metres.
+    /// Returns the last place that the aircraft reported: degrees north and east, metres.
     pub(crate) fn last_place(&self) -> (f64, f64, f64) {
         let of = self.measured.iter().rev().find(|(_, name, _)| name == "(location uav-1)").unwrap();
         let items = of.2.as_list().unwrap();
@@ -174,7 +174,7 @@ impl Flown {
         (number(0), number(1), number(2))
     }
 
-    /// Metres from the last place to one.
+    /// Returns metres from the last place to one.
     pub(crate) fn last_distance_m(&self, latitude_deg: f64, longitude_deg: f64) -> f64 {
         const DEGREE_M: f64 = 111_195.0;
         let (latitude, longitude, _) = self.last_place();

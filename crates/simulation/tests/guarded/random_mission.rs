@@ -59,7 +59,7 @@ fn ring(corners: &[(f64, f64)]) -> String {
 }
 
 impl RandomMission {
-    /// The mission of a seed.
+    /// Returns the mission of a seed.
     pub(crate) fn new(seed: u64) -> RandomMission {
         let mut draws = Draws(seed.wrapping_mul(0x2545_F491_4F6C_DD1D));
         let zones = zones(&mut draws);

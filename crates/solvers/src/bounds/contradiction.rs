@@ -20,7 +20,7 @@ pub struct Contradiction {
 }
 
 impl Contradiction {
-    /// The error for a plan of this value if it betters `bound`; none where the two agree. `less_is_better` of costs and lengths.
+    /// Returns the error for a plan of this value if it betters `bound`; `None` if the two agree. `less_is_better` of costs and lengths.
     pub fn found(
         problem: &Problem,
         plan: &Plan,

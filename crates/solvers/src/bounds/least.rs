@@ -2,7 +2,7 @@
 
 use apex_model::problem::{SurveillanceProblem, SurveillanceTarget, UNREACHABLE_S};
 
-/// Least events per second at any time.
+/// Returns the least events per second at any time.
 pub(super) fn events_per_s(target: &SurveillanceTarget) -> f64 {
     target.rate.steps.iter().map(|(_, events_per_s)| *events_per_s).reduce(f64::min).unwrap_or(0.0)
 }

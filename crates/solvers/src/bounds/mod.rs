@@ -55,7 +55,7 @@ pub fn state(problem: &Problem, plan: &mut Plan) -> Result<(), Contradiction> {
 /// States `bound` in a plan of surveillance, unless the plan claims a greater one.
 ///
 /// # Errors
-/// As [`state`].
+/// Like [`state`].
 pub(crate) fn state_at_least(
     problem: &Problem,
     plan: &mut Plan,
@@ -68,12 +68,12 @@ pub(crate) fn state_at_least(
     contradiction::check(problem, plan)
 }
 
-/// The best bound found of plans that never wait. `problem` makes sense (`validate::surveillance`).
+/// Returns the best bound found of plans that never wait. `problem` makes sense (`validate::surveillance`).
 pub fn expected_cost_without_waiting(problem: &SurveillanceProblem) -> Bound {
     expected_cost_without_waiting_within(problem, &mut Meter::new(&mut WorkBudget::new(u64::MAX)))
 }
 
-/// As [`expected_cost_without_waiting`], with what the budget is enough for.
+/// Like [`expected_cost_without_waiting`], with what the budget is enough for.
 pub fn expected_cost_without_waiting_within(problem: &SurveillanceProblem, meter: &mut Meter<'_>) -> Bound {
     let of_all = expected_cost_within(problem, meter);
     match age_grid::horizon::expected_cost(&rates::held(problem), meter) {
@@ -84,12 +84,12 @@ pub fn expected_cost_without_waiting_within(problem: &SurveillanceProblem, meter
     }
 }
 
-/// The best bound found of all plans. `problem` makes sense (`validate::surveillance`).
+/// Returns the best bound found of all plans. `problem` makes sense (`validate::surveillance`).
 pub fn expected_cost(problem: &SurveillanceProblem) -> Bound {
     expected_cost_within(problem, &mut Meter::new(&mut WorkBudget::new(u64::MAX)))
 }
 
-/// As [`expected_cost`], with what the budget is enough for. The meter says that something was left undone where rates change before
+/// Like [`expected_cost`], with what the budget is enough for. The meter says that something was left undone where rates change before
 /// the horizon: each counts at its least.
 pub fn expected_cost_within(problem: &SurveillanceProblem, meter: &mut Meter<'_>) -> Bound {
     let problem = &*simplified(problem);
@@ -108,7 +108,7 @@ pub fn expected_cost_within(problem: &SurveillanceProblem, meter: &mut Meter<'_>
     }
 }
 
-/// The problem with the least time of each leg over all departures, and with the rates that hold until the horizon. Its plans are
+/// Returns the problem with the least time of each leg over all departures, and with the rates that hold until the horizon. Its plans are
 /// more than those of the problem: a slow leg is a fast one and a wait, which no bound here forbids.
 fn simplified(problem: &SurveillanceProblem) -> Cow<'_, SurveillanceProblem> {
     let held = rates::held(problem);

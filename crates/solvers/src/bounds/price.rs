@@ -29,7 +29,7 @@ pub struct PriceBound {
     pub price_per_s: f64,
 }
 
-/// The best bound found. `problem` makes sense (`validate::surveillance`).
+/// Returns the best bound found. `problem` makes sense (`validate::surveillance`).
 pub fn expected_cost(problem: &SurveillanceProblem) -> PriceBound {
     let targets = prepared(problem);
     let value = |price: f64| PriceBound { expected_cost: of_targets(problem, &targets, price), price_per_s: price };
@@ -63,7 +63,7 @@ pub fn expected_cost(problem: &SurveillanceProblem) -> PriceBound {
     best
 }
 
-/// The bound that one price proves: the certificate's own evaluation.
+/// Returns the bound that one price proves: the certificate's own evaluation.
 pub fn at_price(problem: &SurveillanceProblem, price_per_s: f64) -> f64 {
     of_targets(problem, &prepared(problem), price_per_s.max(0.0))
 }
@@ -121,12 +121,12 @@ fn prepare<'a>(problem: &SurveillanceProblem, index: usize, target: &'a Surveill
 }
 
 impl PricedTarget<'_> {
-    /// Cost gathered per second after `span_s` without observation.
+    /// Returns the cost gathered per second after `span_s` without observation.
     fn cost_at(&self, span_s: f64) -> f64 {
         self.events_per_s * eci::cost_at(&self.target.cost, span_s)
     }
 
-    /// Least cost of the target when a second of flight costs `price`.
+    /// Returns the least cost of the target when a second of flight costs `price`.
     fn cheapest(&self, price: f64) -> f64 {
         let worth_s = self.span_worth(price);
         let mut least = f64::INFINITY;
@@ -153,7 +153,7 @@ impl PricedTarget<'_> {
         parts * gathered + price * (longer_s + stays * self.stay_s)
     }
 
-    /// The span at whose end a second costs as much as the price: longer ones are worth cutting short. Rounded down or up
+    /// Returns the span at whose end a second costs as much as the price: longer ones are worth cutting short. Rounded down or up
     /// by a last bit it is as good, for the cost is flat there.
     fn span_worth(&self, price: f64) -> f64 {
         if self.cost_at(self.span_s) <= price {

@@ -1,9 +1,9 @@
-//! Event rates as bounds see them: those that hold between the last observation before the flight and the horizon.
+//! Restriction of event rates to the time that matters for bounds: from the last observation before the flight to the horizon.
 
 use apex_model::problem::{EventRate, SurveillanceProblem, SurveillanceTarget};
 use std::borrow::Cow;
 
-/// The problem without steps of rates that hold at no time that counts.
+/// Returns the problem without the steps of rates that lie wholly outside that time.
 pub(super) fn held(problem: &SurveillanceProblem) -> Cow<'_, SurveillanceProblem> {
     let steps = |target: &SurveillanceTarget| steps(target, problem.horizon_s);
     if problem.targets.iter().all(|target| steps(target).len() == target.rate.steps.len()) {
@@ -16,7 +16,7 @@ pub(super) fn held(problem: &SurveillanceProblem) -> Cow<'_, SurveillanceProblem
     Cow::Owned(held)
 }
 
-/// Returns true if a rate changes while it counts.
+/// Returns true if a rate changes within that time.
 pub(super) fn change(problem: &SurveillanceProblem) -> bool {
     let differ = |steps: &[(f64, f64)]| steps.iter().zip(steps.iter().skip(1)).any(|((_, a), (_, b))| a != b);
     problem.targets.iter().any(|target| differ(&steps(target, problem.horizon_s)))
@@ -24,7 +24,7 @@ pub(super) fn change(problem: &SurveillanceProblem) -> bool {
 
 fn steps(target: &SurveillanceTarget, horizon_s: f64) -> Vec<(f64, f64)> {
     let all = &target.rate.steps;
-    // A target that is fresh at the start has no time before it.
+    // For a target observed just before the start (age 0), no time before the start matters.
     let holds = |(index, (from_s, _)): &(usize, &(f64, f64))| {
         let until_s = all.get(index + 1).map_or(f64::INFINITY, |(next_s, _)| *next_s);
         until_s > -target.initial_age_s && (*index == 0 || *from_s < horizon_s)

@@ -69,7 +69,7 @@ pub fn shortest(travel: &TravelTimes, reached: f64, meter: &mut Meter<'_>) -> f6
     if whole { libm::ceil(proven - 1e-6) } else { proven }
 }
 
-/// The shortest tree with one circle through the depot under prices, less the prices given back, and each node's degree.
+/// Returns the shortest tree with one circle through the depot under prices, less the prices given back, and each node's degree.
 fn tree(legs: &[Vec<f64>], prices: &[f64]) -> (f64, Vec<f64>) {
     let count = legs.len();
     let price = |node: usize| prices.get(node).copied().unwrap_or(0.0);

@@ -59,7 +59,7 @@ pub(crate) struct Network {
 }
 
 impl Network {
-    /// The network of a problem; none where ways, order, timing or costs need the general search, or the ways of a flight
+    /// Returns the network of a problem; `None` if ways, order, timing or costs need the general search, or the ways of a flight
     /// would take more than half of the budget to find.
     pub(crate) fn new(schedule: &mut Schedule<'_>, usable: &[usize], budget: &mut dyn Budget) -> Option<Network> {
         let problem = schedule.problem;
@@ -144,8 +144,8 @@ impl Network {
         network
     }
 
-    /// A network with the same nodes in which every route of the problem fits, for bounds: where times are not whole ticks, those
-    /// here are rounded against the vehicle, and a route may be missed by a part of a tick. None where all times are whole.
+    /// Returns a network with the same nodes in which every route of the problem fits, for bounds: where times are not whole ticks, those
+    /// here are rounded against the vehicle, and a route may be missed by a part of a tick. `None` if all times are whole.
     pub(crate) fn lowered(&self, problem: &SingleVisitProblem, limit_s: f64) -> Option<Network> {
         if is_whole(problem, limit_s, self.tick_s) {
             return None;
@@ -161,7 +161,7 @@ impl Network {
         Some(Network::tightened(nodes, legs, self.targets, (self.tick_s, self.cost_per_tick)))
     }
 
-    /// A network of given nodes and legs.
+    /// Returns a network of given nodes and legs.
     #[cfg(test)]
     pub(crate) fn given(nodes: Vec<Node>, legs: Vec<i32>, targets: usize) -> Network {
         Network::tightened(nodes, legs, targets, (1.0, 0.0))
@@ -179,12 +179,12 @@ impl Network {
         self.nodes.get(node as usize).copied().unwrap_or(NOWHERE)
     }
 
-    /// Last tick at which a route may end.
+    /// Returns the last tick at which a route may end.
     pub(crate) fn limit(&self) -> i32 {
         self.node(END).close
     }
 
-    /// All nodes that are visits.
+    /// Returns all nodes that are visits.
     pub(crate) fn visits(&self) -> std::ops::Range<u32> {
         FIRST..self.nodes.len() as u32
     }
@@ -345,7 +345,7 @@ fn terminal_nodes(limit: i32) -> Vec<Node> {
     vec![terminal(0), terminal(limit)]
 }
 
-/// The finest power of ten of a second in which the flight has not too many ticks.
+/// Returns the finest power of ten of a second in which the flight has not too many ticks.
 fn tick_s(span_s: f64) -> Option<f64> {
     let mut tick_s = 1e-6;
     while span_s / tick_s > TICKS_MAX {
@@ -378,7 +378,7 @@ pub(crate) fn floor_ticks(time_s: f64, tick_s: f64) -> i32 {
     libm::floor((time_s / tick_s).min(f64::from(NO_WAY))) as i32
 }
 
-/// The table of legs, each with the visit that it begins with.
+/// Returns the table of legs, each with the visit that it begins with.
 fn legs(problem: &SingleVisitProblem, travel: &TravelTimes, nodes: &[Node], tick_s: f64) -> Vec<i32> {
     let duration_s = |node: &Node| {
         let target = problem.targets.get(node.target as usize);

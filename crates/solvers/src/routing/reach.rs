@@ -75,7 +75,7 @@ fn earliest_ends_s(schedule: &Schedule<'_>, nodes: &[ReachNode]) -> Vec<f64> {
     ends_s
 }
 
-/// The least time from the end of each node's observation to the end of the flight.
+/// Returns the least time from the end of each node's observation to the end of the flight.
 fn quickest_home_s(schedule: &Schedule<'_>, nodes: &[ReachNode]) -> Vec<f64> {
     let direct_s = |node: &ReachNode| match schedule.problem.base {
         Some(_) => schedule.travel.time_s_min(PointKey::Exit(node.target, node.manoeuvre), PointKey::Base),

@@ -94,13 +94,13 @@ impl<'a> Schedule<'a> {
         let mut travel = Travel::new(problem)?;
         let (limit_s, limit_name) = limit(problem);
         if limit_s <= problem.start_s {
-            return Err(format!("There is no time to fly: {limit_name} is used up when the plan begins."));
+            return Err(format!("there is no time to fly: {limit_name} is used up when the plan begins"));
         }
         let ends = [(Some(problem.start), "start"), (problem.base, "base")];
         for (position, name) in ends.into_iter().filter_map(|(position, name)| Some((position?, name))) {
             let trouble = if problem.travel.is_none() { travel.place_trouble(position)? } else { None };
             if let Some(trouble) = trouble {
-                return Err(format!("The {name} cannot be used: {trouble}."));
+                return Err(format!("the {name} cannot be used: {trouble}"));
             }
         }
         let index = |name: &String| problem.targets.iter().position(|target| target.name == *name);
@@ -123,7 +123,7 @@ impl<'a> Schedule<'a> {
         self.judge_after(&[], order, budget)
     }
 
-    /// As [`Schedule::judge`], where the first visits of `order` are known to happen as in `known`.
+    /// Like [`Schedule::judge`], where the first visits of `order` are known to happen as in `known`.
     ///
     /// # Errors
     /// Why it cannot be flown.
@@ -136,7 +136,7 @@ impl<'a> Schedule<'a> {
         self.judge_visits((known, order), false, budget)
     }
 
-    /// As [`Schedule::judge_after`], for the first visits of a plan: where a zone closes the way to the base at the end of the last
+    /// Like [`Schedule::judge_after`], for the first visits of a plan: where a zone closes the way to the base at the end of the last
     /// one, the flight ends there, since later visits may have a way.
     ///
     /// # Errors
@@ -184,7 +184,7 @@ impl<'a> Schedule<'a> {
         Ok(Judged { visits, end_s, score })
     }
 
-    /// A flight without visits: home, if the vehicle is elsewhere. Between given places, and from the base, it does not begin.
+    /// Returns a flight without visits: home, if the vehicle is elsewhere. Between given places, and from the base, it does not begin.
     ///
     /// # Errors
     /// No way leads home, or the flight would end too late.
@@ -205,15 +205,15 @@ impl<'a> Schedule<'a> {
     pub(crate) fn no_plan(&self, idle: &Infeasibility) -> String {
         match idle {
             Infeasibility::TooLate { over_s } => format!(
-                "There is no plan: the flight back to the base alone, without a visit, ends {over_s:.0} s after what {} allows.",
+                "there is no plan: the flight back to the base alone, without a visit, ends {over_s:.0} s after what {} allows",
                 self.limit_name
             ),
-            Infeasibility::Impossible(why) => format!("There is no plan: {why}."),
-            Infeasibility::Order => "There is no plan: the order of the targets cannot be kept.".to_string(),
+            Infeasibility::Impossible(why) => format!("there is no plan: {why}"),
+            Infeasibility::Order => "there is no plan: the order of the targets cannot be kept".to_string(),
         }
     }
 
-    /// The visit of `choice` of the vehicle that is ready to leave `node` at `ready_s`.
+    /// Returns the visit of `choice` of the vehicle that is ready to leave `node` at `ready_s`.
     pub(crate) fn visit(&mut self, node: PointKey, ready_s: f64, choice: Choice) -> Result<Timed, Infeasibility> {
         let entry = PointKey::Entry(choice.target, choice.manoeuvre);
         let Ok(Times { depart_s, arrive_s }) = self.travel.times(node, entry, ready_s) else {
@@ -234,7 +234,7 @@ impl<'a> Schedule<'a> {
         Ok(Timed { depart_s, arrive_s, begin_s, end_s, worth })
     }
 
-    /// The first time from `ready_s` on at which the observation may begin.
+    /// Returns the first time from `ready_s` on at which the observation may begin.
     fn begin_s(&self, choice: Choice, ready_s: f64) -> Result<f64, Infeasibility> {
         let windows = self.windows.get(choice.target).and_then(|windows| windows.get(choice.manoeuvre));
         let open = windows.into_iter().flatten().find(|window| ready_s <= window.until_s + SAME_S);
@@ -284,13 +284,13 @@ impl<'a> Schedule<'a> {
         self.costs.of_flight(later_s - start_s) - self.costs.of_flight(end_s - start_s)
     }
 
-    /// The spans in which the observation of a target by a manoeuvre may begin.
+    /// Returns the spans in which the observation of a target by a manoeuvre may begin.
     pub(crate) fn windows(&self, target: usize, manoeuvre: usize) -> &[TimeWindow] {
         let windows = self.windows.get(target).and_then(|windows| windows.get(manoeuvre));
         windows.map_or(&[], Vec::as_slice)
     }
 
-    /// The targets that must come before `target`.
+    /// Returns the targets that must come before `target`.
     pub(crate) fn earlier(&self, target: usize) -> &[usize] {
         self.earlier.get(target).map_or(&[], Vec::as_slice)
     }
@@ -321,7 +321,7 @@ impl Costs {
     }
 }
 
-/// Latest end of the flight and what sets it.
+/// Returns the latest end of the flight and what sets it.
 fn limit(problem: &SingleVisitProblem) -> (f64, &'static str) {
     let vehicle = &problem.vehicle;
     let mut limits = vec![(problem.start_s + vehicle.endurance_s - vehicle.endurance_reserve_s, "endurance")];
@@ -333,7 +333,7 @@ fn limit(problem: &SingleVisitProblem) -> (f64, &'static str) {
     limits.into_iter().min_by(|(a, _), (b, _)| a.total_cmp(b)).unwrap_or((problem.start_s, "endurance"))
 }
 
-/// The spans in which each observation may begin, both ends included: the target's windows, cut to the light that must last
+/// Returns the spans in which each observation may begin, both ends included: the target's windows, cut to the light that must last
 /// to its end.
 fn begin_windows(problem: &SingleVisitProblem, limit_s: f64) -> Vec<Vec<Vec<TimeWindow>>> {
     let of_target = |target: &apex_model::problem::SingleVisitTarget| {

@@ -175,7 +175,7 @@ impl<'a> Travel<'a> {
         self.find(from, to, ready_s).map(|(_, times, _)| times)
     }
 
-    /// Time from being ready to leave `from` at `ready_s` to being at `to`, holding included; none where there is no way.
+    /// Returns the time from being ready to leave `from` at `ready_s` to being at `to`, holding included; `None` if there is no way.
     pub(crate) fn time_s(&mut self, from: PointKey, to: PointKey, ready_s: f64) -> Option<f64> {
         self.times(from, to, ready_s).ok().map(|times| times.arrive_s - ready_s)
     }
@@ -197,7 +197,7 @@ impl<'a> Travel<'a> {
         start.direction.distance_m_min(end.direction) / self.air.ground_speed_mps_max()
     }
 
-    /// The way from `from` to `to` of the vehicle that is ready to leave at `ready_s`.
+    /// Returns the way from `from` to `to` of the vehicle that is ready to leave at `ready_s`.
     ///
     /// # Errors
     /// A phrase that names the obstacle, for example "inside restricted area R-2515".
@@ -217,7 +217,7 @@ impl<'a> Travel<'a> {
         Ok(TimedPath { route, path, depart_s: times.depart_s, arrive_s: times.arrive_s })
     }
 
-    /// The layer, the times and the trip; climbs and descents take their time.
+    /// Returns the layer, the times and the trip; climbs and descents take their time.
     fn find(&mut self, from: PointKey, to: PointKey, ready_s: f64) -> Result<(usize, Times, Trip), String> {
         let (from, to) = (self.number(from), self.number(to));
         let (Some(start), Some(end)) = (self.spots.get(from).copied(), self.spots.get(to).copied()) else {
@@ -234,7 +234,7 @@ impl<'a> Travel<'a> {
         Ok((number, times, trip))
     }
 
-    /// The zones that count at this altitude.
+    /// Returns the zones that count at this altitude.
     fn zones_at(&self, altitude_m: f64) -> ZoneSet {
         self.zones_where(|zone, _| holds(zone, altitude_m))
     }
@@ -258,7 +258,7 @@ impl<'a> Travel<'a> {
         told_apart.fold(0, |set, (number, zone)| if counts(zone, number) { set | 1 << number } else { set })
     }
 
-    /// The number of the layer for legs on which these zones count.
+    /// Returns the number of the layer for legs on which these zones count.
     fn layer(&mut self, zones: ZoneSet) -> Result<usize, String> {
         if let Some(known) = self.layers.iter().position(|layer| layer.zones == zones) {
             return Ok(known);
@@ -301,7 +301,7 @@ impl<'a> Travel<'a> {
     /// Returns the reason for which the vehicle must not be at `position` at cruise altitude when the plan begins.
     ///
     /// # Errors
-    /// As [`Travel::new`].
+    /// Like [`Travel::new`].
     pub(crate) fn place_trouble(&mut self, position: Position) -> Result<Option<TravelError>, String> {
         let number = self.layer(self.zones_at(self.problem.vehicle.cruise_altitude_m))?;
         let now_s = self.problem.start_s;
@@ -349,7 +349,7 @@ impl<'a> Travel<'a> {
         trouble
     }
 
-    /// Time to climb or descend from one altitude to the other: a leg takes no less.
+    /// Returns the time to climb or descend from one altitude to the other: a leg takes no less.
     fn climb_s(&self, from_m: f64, to_m: f64) -> f64 {
         let vehicle = &self.problem.vehicle;
         let rate_mps = if to_m > from_m { vehicle.climb_rate_mps } else { vehicle.descent_rate_mps };
@@ -358,7 +358,7 @@ impl<'a> Travel<'a> {
 }
 
 impl Layer {
-    /// The place of a node, added when it is first needed.
+    /// Returns the place of a node, added when it is first needed.
     fn place(&mut self, node: usize, position: Position, track_rad: Option<f64>) -> Result<EndpointId, TravelError> {
         if let Some(Some(known)) = self.places.get(node) {
             return known.clone();
@@ -374,12 +374,12 @@ impl Layer {
     }
 }
 
-/// The time in which the flight lies.
+/// Returns the time in which the flight lies.
 fn time_s(problem: &SingleVisitProblem) -> (f64, f64) {
     (problem.start_s, problem.start_s + 2.0 * problem.vehicle.endurance_s)
 }
 
-/// A travel time given as a number; none where there is no way.
+/// Returns a travel time given as a number; `None` if there is no way.
 fn given_s(travel: &TravelTimes, from: PointKey, to: PointKey, depart_s: f64) -> Option<f64> {
     let time_s = match (from, to) {
         (PointKey::Start, PointKey::Entry(to, _)) => travel.start_to_at(to, depart_s),
@@ -390,7 +390,7 @@ fn given_s(travel: &TravelTimes, from: PointKey, to: PointKey, depart_s: f64) ->
     (time_s < UNREACHABLE_S).then_some(time_s)
 }
 
-/// The least of them over all departures; infinite where there is no way.
+/// Returns the least of them over all departures; infinite where there is no way.
 fn given_s_min(travel: &TravelTimes, from: PointKey, to: PointKey) -> f64 {
     let time_s = match (from, to) {
         (PointKey::Start, PointKey::Entry(to, _)) => travel.start_to_s_min(to),
@@ -415,7 +415,7 @@ fn track_rad(problem: &SingleVisitProblem, node: PointKey) -> Option<f64> {
     })
 }
 
-/// The direction of the line that a manoeuvre begins or ends with; none where it has none.
+/// Returns the direction of the line that a manoeuvre begins or ends with; `None` if it has none.
 fn line_track_rad(problem: &SingleVisitProblem, node: PointKey) -> Option<f64> {
     let lines = |target: usize, manoeuvre: usize| {
         problem.targets.get(target)?.manoeuvres.get(manoeuvre).map(|manoeuvre| &manoeuvre.lines)

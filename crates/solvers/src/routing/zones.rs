@@ -8,7 +8,7 @@ pub(super) fn holds(zone: &AirspaceZone, altitude_m: f64) -> bool {
     zone.altitude_m_min <= altitude_m && altitude_m < zone.altitude_m_max
 }
 
-/// Distance from an outline, 0 inside; 0 too where the outline is too large for a map.
+/// Returns the distance from an outline, 0 inside; 0 too where the outline is too large for a map.
 pub(super) fn distance_m(position: Position, corners: &[Position]) -> f64 {
     let plane = Plane::new(position);
     let flat: Option<Vec<Point>> = corners.iter().map(|corner| plane.project(*corner)).collect();

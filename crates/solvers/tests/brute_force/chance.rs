@@ -15,12 +15,12 @@ impl Chance {
         mixed ^ (mixed >> 31)
     }
 
-    /// A number of `0..below`; 0 if `below` is 0.
+    /// Returns a number of `0..below`; 0 if `below` is 0.
     pub(crate) fn below(&mut self, below: usize) -> usize {
         (self.bits() % (below.max(1) as u64)) as usize
     }
 
-    /// A number of `0.0..1.0`.
+    /// Returns a number of `0.0..1.0`.
     pub(crate) fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
@@ -35,7 +35,7 @@ impl Chance {
         all[self.below(all.len())]
     }
 
-    /// A time up to `most_s` in whole eighths of a second: sums of them are exact.
+    /// Returns a time up to `most_s` in whole eighths of a second: sums of them are exact.
     pub(crate) fn eighths(&mut self, most_s: f64) -> f64 {
         (self.unit() * most_s * 8.0).round() / 8.0
     }

@@ -5,7 +5,7 @@
 
 use apex_model::problem::{SingleVisitProblem, TravelTimes, UNREACHABLE_S};
 
-/// The greatest sum of worths of any plan. Times have to be kept with `margin_s` to spare; a negative margin allows
+/// Returns the greatest sum of worths of any plan. Times have to be kept with `margin_s` to spare; a negative margin allows
 /// them to be missed by its size.
 pub(crate) fn greatest_benefits(problem: &SingleVisitProblem, margin_s: f64) -> f64 {
     let worth_max = problem
@@ -23,7 +23,7 @@ pub(crate) fn greatest_benefits(problem: &SingleVisitProblem, margin_s: f64) -> 
     orders.best
 }
 
-/// The sum of worths of the visits that a plan names, at the times when it begins them.
+/// Returns the sum of worths of the visits that a plan names, at the times when it begins them.
 pub(crate) fn worth_of(problem: &SingleVisitProblem, visits: &[(String, usize, f64)]) -> f64 {
     let worth = |(name, manoeuvre, begin_s): &(String, usize, f64)| {
         let target = problem.targets.iter().find(|target| target.name == *name).expect("a target of the problem");
@@ -32,7 +32,7 @@ pub(crate) fn worth_of(problem: &SingleVisitProblem, visits: &[(String, usize, f
     visits.iter().map(worth).sum()
 }
 
-/// Time from one target (none: the start) to another one (none: the base) for a departure at `depart_s`.
+/// Returns the time from one target (none: the start) to another one (none: the base) for a departure at `depart_s`.
 pub(crate) fn leg_s(travel: &TravelTimes, from: Option<usize>, to: Option<usize>, depart_s: f64) -> f64 {
     let of = |start: &[f64], between: &[Vec<f64>], base: &[f64]| match (from, to) {
         (Some(from), Some(to)) => between[from][to],

@@ -6,7 +6,7 @@ use apex_model::problem::{
     SingleVisitVehicle, TimeWindow, TravelTimes, UNREACHABLE_S,
 };
 
-/// A problem whose times are whole eighths of a second, and up to 8 targets.
+/// Returns a problem whose times are whole eighths of a second, and up to 8 targets.
 pub(crate) fn problem(chance: &mut Chance) -> SingleVisitProblem {
     let count = 1 + chance.below(8);
     let travel = travel(chance, count);

@@ -6,7 +6,7 @@ use apex_model::problem::{
     CostFunction, EventRate, Position, SurveillanceProblem, SurveillanceTarget, TravelTimes, UNREACHABLE_S,
 };
 
-/// A problem in which few visits fit.
+/// Returns a problem in which few visits fit.
 pub(crate) fn problem(chance: &mut Chance) -> SurveillanceProblem {
     let count = 1 + chance.below(4);
     let travel = visit_problems::travel(chance, count);

@@ -5,8 +5,8 @@
 use crate::visit_orders::leg_s;
 use apex_model::problem::{CostFunction, EventRate, SurveillanceProblem, SurveillanceTarget, UNREACHABLE_S};
 
-/// The least expected cost of a flight that never waits, and of one that may also wait before a visit for each of `waits_s`.
-/// Times have to be kept with `margin_s` to spare. None where there are too many words to try.
+/// Returns the least expected cost of a flight that never waits, and of one that may also wait before a visit for each of `waits_s`.
+/// Times have to be kept with `margin_s` to spare. `None` if there are too many words to try.
 pub(crate) fn least_costs(problem: &SurveillanceProblem, waits_s: &[f64], margin_s: f64) -> Option<(f64, f64)> {
     let limit_s = problem.endurance_s.unwrap_or(f64::INFINITY).min(problem.horizon_s) - margin_s;
     let mut words = Words { problem, limit_s, waits_s: &[0.0], best: f64::INFINITY, left: 60_000 };
@@ -19,7 +19,7 @@ pub(crate) fn least_costs(problem: &SurveillanceProblem, waits_s: &[f64], margin
     Some((without, words.best))
 }
 
-/// Expected cost of a plan's visits, given as targets with the ends of their observations.
+/// Returns the expected cost of a plan's visits, given as targets with the ends of their observations.
 pub(crate) fn cost_of(problem: &SurveillanceProblem, visits: &[(String, f64)]) -> f64 {
     let of = |target: &SurveillanceTarget| {
         let ends = visits.iter().filter(|(name, _)| *name == target.name).map(|(_, end_s)| *end_s);
@@ -72,14 +72,14 @@ impl Words<'_> {
     }
 }
 
-/// Cost of not looking from `from_s` to `until_s`: the rate times the cost of each event's age at the end.
+/// Returns the cost of not looking from `from_s` to `until_s`: the rate times the cost of each event's age at the end.
 fn gap_cost(target: &SurveillanceTarget, from_s: f64, until_s: f64) -> f64 {
     let of = |from_s: f64, until_age_s: f64| integral(&target.cost, from_s) - integral(&target.cost, until_age_s);
     let pieces = pieces(&target.rate, from_s, until_s);
     pieces.into_iter().map(|(begin_s, end_s, rate)| rate * of(until_s - begin_s, until_s - end_s)).sum()
 }
 
-/// The spans of constant rate between two times.
+/// Returns the spans of constant rate between two times.
 fn pieces(rate: &EventRate, from_s: f64, until_s: f64) -> Vec<(f64, f64, f64)> {
     let Some(first) = rate.steps.first() else { return Vec::new() };
     let mut pieces = Vec::new();
@@ -94,7 +94,7 @@ fn pieces(rate: &EventRate, from_s: f64, until_s: f64) -> Vec<(f64, f64, f64)> {
     pieces
 }
 
-/// The integral of the cost over ages from 0 to `age_s`.
+/// Returns the integral of the cost over ages from 0 to `age_s`.
 fn integral(cost: &CostFunction, age_s: f64) -> f64 {
     match cost {
         CostFunction::Linear { cost_per_s } => 0.5 * cost_per_s * age_s * age_s,

@@ -1,11 +1,11 @@
-/** The ground under the flight: outlines from local files; no tiles, no glyphs, no network. */
+/** Base map below the flight: outlines of land and borders from local files; no tiles, no glyphs, no network. */
 
 import * as maplibre from 'maplibre-gl';
 import 'maplibre-gl/dist/maplibre-gl.css';
 import workerUrl from 'maplibre-gl/dist/maplibre-gl-worker.mjs?worker&url';
 import { COLOURS } from '../../theme/colours';
 
-// Vite moves the worker: without its new address the map stays blank.
+// Vite moves the worker file of MapLibre; without the new URL the map stays blank.
 maplibre.setWorkerUrl(workerUrl);
 
 /** The style in the colours of the theme in use. */
@@ -18,7 +18,7 @@ const style = (): maplibre.StyleSpecification => ({
   layers: [
     { id: 'sea', type: 'background', paint: { 'background-color': COLOURS.sea } },
     { id: 'land', type: 'fill', source: 'land', paint: { 'fill-color': COLOURS.land } },
-    // Two atlases meet at the border of the US: a line in the land's colour closes the slits between them.
+    // The outlines of the US and of other countries come from two atlases: a line in the land's colour closes gaps between them.
     { id: 'seam', type: 'line', source: 'land', paint: { 'line-color': COLOURS.land, 'line-width': 3 } },
     { id: 'coast', type: 'line', source: 'land', paint: { 'line-color': COLOURS.coast, 'line-width': 0.8 } },
     {

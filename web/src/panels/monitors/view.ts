@@ -1,4 +1,4 @@
-/** Monitors as a tree of conditions with value, limit and since when; pure. */
+/** View model of the monitors: a tree of conditions with value, limit and the instant of the last change. Pure. */
 
 import type { TreeNode } from '../../parts/rows';
 import type { MonitoredCondition, Monitors, TaskMonitor } from '../../record/types';
@@ -21,12 +21,12 @@ const COMBINED: Record<string, string> = {
   absent: 'absent',
 };
 
-/** ● holds, ○ does not hold, ◌ the data do not say. */
+/** Returns ● if a condition holds, ○ if it does not, ◌ if it is unknown. */
 export function glyphOf(holds: boolean | null): string {
   return holds === null ? '◌' : holds ? '●' : '○';
 }
 
-/** One branch for each watched clause; those that watch measured values first. */
+/** Returns one branch for each watched clause; clauses that watch measured values come first. */
 export function monitorTree(
   monitors: Monitors | null,
   names: Names,
@@ -89,7 +89,7 @@ function conditionWords(one: MonitoredCondition, names: Names): string {
   return withDurations(brief(one.text, names));
 }
 
-/** `limit > 15deg for 5 s`. */
+/** Returns the limit of a condition as text: `limit > 15deg for 5 s`. */
 export function limitWords(one: MonitoredCondition): string {
   if (one.limits.length === 0) return '';
   return `limit ${one.limits.map(limit => withDurations(shortValue(limit))).join(' ')}`;

@@ -53,7 +53,7 @@ fn measure(profile: &mut Profile, planner: &dyn Solver, work: &ProfileWorkOption
     let missions = usize::try_from(profile.missions).unwrap_or(usize::MAX);
     let before_s = cpu_s();
     let measured = measuring::each(work, planner.name(), profile.rows.len() * missions, |task| {
-        let row = profile.rows.get(task / missions).ok_or("there is no such cell")?;
+        let row = profile.rows.get(task / missions).ok_or("the index of the cell is out of range")?;
         measure::mission(&row.cell, (task % missions) as u64, planner, &profile.budgets)
     })?;
     let used: u64 = measured.iter().map(|one| one.used).sum();
@@ -70,7 +70,7 @@ fn measure(profile: &mut Profile, planner: &dyn Solver, work: &ProfileWorkOption
     Ok(())
 }
 
-/// The text of an older profile that may be written over; anything else is left alone, before anything is measured.
+/// Returns the text of an older profile that may be written over; anything else is left alone, before anything is measured.
 pub(super) fn refuse_other(path: &Path) -> CliResult<Option<String>> {
     if !path.exists() {
         return Ok(None);

@@ -35,7 +35,7 @@ pub fn run(command: &ProfileCommand, registry: &Registry) -> CliResult {
     }
 }
 
-/// The profile in `path`, or the one that ships.
+/// Returns the profile in `path`, or the one that ships.
 fn read(path: Option<&Path>) -> CliResult<Profile> {
     let (name, text) = match path {
         Some(path) => (path.display().to_string(), read_text(path)?),
@@ -51,7 +51,7 @@ fn not_understood(name: &str, error: FormatError) -> CliError {
         .help(error.help)
 }
 
-/// The table of solver selection in a file.
+/// Returns the table of solver selection in a file.
 ///
 /// # Errors
 /// It cannot be read, or a place in it is not understood.
@@ -61,7 +61,7 @@ pub fn table(path: &Path) -> CliResult<Arc<ProfileTable>> {
     Ok(Arc::new(table))
 }
 
-/// A budget in work units.
+/// Returns a budget in work units.
 fn units(text: &str, option: &str) -> CliResult<u64> {
     let time = parse_time(text, option)? - Time::ZERO;
     if time <= Duration::ZERO || time > BUDGET_MAX {
@@ -73,7 +73,7 @@ fn units(text: &str, option: &str) -> CliResult<u64> {
     Ok(units_in(time))
 }
 
-/// The indices of the wanted budgets in a profile; all where none is wanted.
+/// Returns the indices of the wanted budgets in a profile; all where none is wanted.
 fn budgets(profile: &Profile, wanted: &[&str], option: &str) -> CliResult<Vec<usize>> {
     if wanted.is_empty() {
         return Ok((0..profile.budgets.len()).collect());

@@ -26,7 +26,7 @@ pub(super) fn run(options: &ProfileCompareOptions, registry: &Registry) -> CliRe
             let cells = regret::cells(*count);
             let title = format!("{count} targets at {}", budget_words(budget));
             let outcomes = measuring::each(&options.work, &title, cells.len() * missions, |task| {
-                let cell = cells.get(task / missions).ok_or("there is no such cell")?;
+                let cell = cells.get(task / missions).ok_or("the index of the cell is out of range")?;
                 regret::mission(cell, (task % missions) as u64, &solvers, (registry, budget))
             })?;
             let summary = Summary::of(*count, budget, &names, &outcomes);

@@ -40,14 +40,14 @@ pub(crate) fn claim_of(cycle: &Cycle<'_>, id: TaskId, needs: &[Need]) -> Claim {
     Claim::Queued { place, varies, expected, amount, others, by_rank }
 }
 
-/// The places of the task among those below each ranked task above it, where ranks alone count.
+/// Returns the places of the task among those below each ranked task above it, where ranks alone count.
 fn places_by_rank(agent: &Agent, id: TaskId) -> Vec<QueueKey> {
     let (begun, order) = (has_begun(agent, id), order_of(agent, id));
     let ranks = fixed_ranks(agent, id);
     ranks.map(|rank| QueueKey { priority: 0.0, rank: Some(rank), begun, order }).collect()
 }
 
-/// The ranks of the task and its ancestors that never change, the lowest first.
+/// Returns the ranks of the task and its ancestors that never change, the lowest first.
 pub(crate) fn fixed_ranks(agent: &Agent, id: TaskId) -> impl Iterator<Item = RankAmong> + '_ {
     let family = successors(agent.task(id), |task| agent.task(task.parent?));
     family.filter(|task| task.clauses.has(StepClauses::RANK)).filter_map(|task| {
@@ -58,7 +58,8 @@ pub(crate) fn fixed_ranks(agent: &Agent, id: TaskId) -> impl Iterator<Item = Ran
     })
 }
 
-/// The place, and whether variables may change it; none where the claimant must be compared with each of the others.
+/// Returns the place of the claimant in the queue, and whether variables may change it; `None` if the claimant must be compared with all
+/// others.
 fn place_of(cycle: &Cycle<'_>, id: TaskId, needs: &[Need]) -> Option<(QueuePlace, bool)> {
     let agent = &*cycle.agent;
     let brings = Brings::of(agent, id)?;
@@ -101,8 +102,8 @@ struct Brings<'a> {
 }
 
 impl<'a> Brings<'a> {
-    /// None if something moves in another way, if several ranks count, or if steps of one ranked procedure can have
-    /// separate priorities.
+    /// Returns what the task contributes to a conflict; `None` if its priority changes in an unknown way, if several ranks count, or if
+    /// steps of one ranked procedure can have different priorities.
     fn of(agent: &'a Agent, id: TaskId) -> Option<Brings<'a>> {
         let mut brings = Brings::default();
         for task in successors(agent.task(id), |task| agent.task(task.parent?)) {
@@ -158,7 +159,7 @@ impl<'a> Brings<'a> {
     }
 }
 
-/// The step that the task was made from, and the kind of its procedure.
+/// Returns the step that the task was made from, and the kind of its procedure.
 fn template<'a>(agent: &'a Agent, task: &Task) -> Option<(&'a Step, ProcedureKind)> {
     let Origin::Step(step) = task.origin else { return None };
     let procedure = agent.procedure(step.procedure)?;

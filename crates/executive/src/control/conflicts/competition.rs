@@ -66,7 +66,7 @@ pub(crate) fn rank_order(agent: &Agent, a: TaskId, b: TaskId, now: Time) -> Opti
     Some((order, first, second))
 }
 
-/// May the task work at all? Not under a suspended ancestor; and no step of a task that does not work begins.
+/// Returns true if the task may work at all: no ancestor is suspended, and its parent is ongoing.
 pub(crate) fn is_eligible(agent: &Agent, id: TaskId) -> bool {
     let Some(task) = agent.task(id) else { return false };
     let starts = match task.state {
@@ -83,7 +83,7 @@ pub(crate) fn is_eligible(agent: &Agent, id: TaskId) -> bool {
     !family.any(|task| task.suspended)
 }
 
-/// All claimants, best first, and what makes their order where ranks are stated.
+/// Returns all claimants, best first, and what makes their order where ranks are stated.
 pub(crate) fn in_order(
     agent: &Agent,
     now: Time,
@@ -116,7 +116,7 @@ struct Competitors {
     holders: BTreeSet<TaskId>,
 }
 
-/// All tasks that compete for the resources in `dirty` and for all that claimants need in addition, and holders too if
+/// Returns all tasks that compete for the resources in `dirty` and for all that claimants need in addition, and holders too if
 /// `through_holders`; without `orphans`.
 fn competitors(
     agent: &Agent,
@@ -154,7 +154,7 @@ pub(crate) fn as_claimant(cycle: &Cycle<'_>, id: TaskId) -> Claimant {
     claimant_in(cycle.agent, id, cycle.now)
 }
 
-/// The same outside of a cycle.
+/// Returns the same outside of a cycle.
 fn claimant_in(agent: &Agent, id: TaskId, now: Time) -> Claimant {
     let priority = priority::priority(agent, id, now);
     let begun = has_begun(agent, id);
@@ -167,12 +167,14 @@ pub(crate) fn has_begun(agent: &Agent, id: TaskId) -> bool {
     agent.task(id).is_some_and(|task| matches!(task.state, TaskState::Ongoing | TaskState::Interrupted))
 }
 
-/// Since when the task has been at work without a break; of one instant, the task made last is the last.
+/// Returns the instant from which the task has been ongoing without a break, with its number: of tasks of one instant, the one created last
+/// counts as the latest.
 pub(crate) fn at_work_since(agent: &Agent, id: TaskId) -> (Option<Time>, TaskId) {
     (agent.task(id).map(|task| task.since), id)
 }
 
-/// Written order among siblings, creation order among others; behind them who has had a turn already and is repeated.
+/// Returns the order of equals: written order among siblings, creation order among others; tasks that have had a turn and are repeated come
+/// last.
 pub(crate) fn order_of(agent: &Agent, id: TaskId) -> FamilyOrder {
     let Some(task) = agent.task(id) else { return (Time::BEGINNING, id, 0, id) };
     let step = match task.origin {

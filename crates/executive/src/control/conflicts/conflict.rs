@@ -132,22 +132,22 @@ enum Notes {
 }
 
 impl<'a, 'c> Field<'a, 'c> {
-    /// Nothing has been arbitrated.
+    /// Returns a field on which nothing has been arbitrated.
     pub(crate) fn empty(cycle: &'a Cycle<'c>) -> Field<'a, 'c> {
         Field { cycle, uses: BTreeMap::new(), displaced: BTreeSet::new(), precedence: None, notes: Notes::Each }
     }
 
-    /// The same, for the first claimants in queues.
+    /// Returns the same, for the first claimants in queues.
     pub(crate) fn brief(cycle: &'a Cycle<'c>) -> Field<'a, 'c> {
         Field { notes: Notes::Enough, ..Field::empty(cycle) }
     }
 
-    /// The same, for claimants in queues, who have no relatives among them.
+    /// Returns the same, for claimants in queues, who have no relatives among them.
     pub(crate) fn grouped(cycle: &'a Cycle<'c>) -> Field<'a, 'c> {
         Field { notes: Notes::ByInstant, ..Field::empty(cycle) }
     }
 
-    /// A task that claims, in its turn and with the priority that counts for it.
+    /// Returns a task that claims, in its turn and with the priority that counts for it.
     fn as_claimant(&self, id: TaskId) -> Claimant {
         let mut claimant = as_claimant(self.cycle, id);
         if let Some(precedence) = &self.precedence {
@@ -170,7 +170,7 @@ impl<'a, 'c> Field<'a, 'c> {
         self.precedence.as_ref().map_or_else(|| Rc::from([id]), |precedence| precedence.stands_for(id))
     }
 
-    /// The rule by which the greater priority of `winner` decides.
+    /// Returns the rule by which the greater priority of `winner` decides.
     fn by_priority(&self, winner: TaskId) -> ConflictRule {
         let whom = self.precedence.as_ref().and_then(|precedence| precedence.instead_of_own(winner));
         whom.map_or(ConflictRule::Priority, |whom| ConflictRule::GoesBefore { whom })
@@ -249,12 +249,12 @@ impl<'a, 'c> Field<'a, 'c> {
         }
     }
 
-    /// All uses of a resource that was inspected.
+    /// Returns all uses of a resource that was inspected.
     pub(crate) fn uses_of(&self, id: ResourceId) -> &[Use] {
         self.uses.get(&id).map(Vec::as_slice).unwrap_or_default()
     }
 
-    /// All who have the resource, or get it.
+    /// Returns all who have the resource, or get it.
     pub(crate) fn users(&self, id: ResourceId, resource: &Resource) -> Vec<Use> {
         match self.uses.get(&id) {
             Some(uses) => uses.iter().filter(|each| !matches!(each.kind, UseKind::Awaited(_))).cloned().collect(),
@@ -271,7 +271,7 @@ impl<'a, 'c> Field<'a, 'c> {
         self.cycle.agent.resources.get(id).map_or(0.0, |resource| resource.total)
     }
 
-    /// The uses that count against the claimant when those in `losses` are gone.
+    /// Returns the uses that count against the claimant when those in `losses` are gone.
     fn present(&self, claimant: &Claimant, id: ResourceId, losses: &[Defeat]) -> Vec<&Use> {
         let agent = &*self.cycle.agent;
         let uses = self.uses.get(&id).map(Vec::as_slice).unwrap_or_default();
@@ -286,7 +286,7 @@ impl<'a, 'c> Field<'a, 'c> {
         uses.iter().filter(counts).collect()
     }
 
-    /// The first need of the claimant for which there is no space.
+    /// Returns the first need of the claimant for which there is no space.
     fn lacking(&self, claimant: &Claimant, losses: &[Defeat]) -> Option<Need> {
         let room = |need: &Need| {
             let present = self.present(claimant, need.resource, losses);
@@ -295,7 +295,7 @@ impl<'a, 'c> Field<'a, 'c> {
         claimant.needs.iter().find(|need| !room(need)).copied()
     }
 
-    /// All holders that the claimant beats, the weakest first: the one that beats none of the others by rank, then by
+    /// Returns all holders that the claimant beats, the weakest first: the one that beats none of the others by rank, then by
     /// what it defends with, then who has been at work for the shortest time.
     fn beaten(&self, claimant: &Claimant) -> Vec<Defeat> {
         let agent = &*self.cycle.agent;
@@ -331,7 +331,7 @@ impl<'a, 'c> Field<'a, 'c> {
         ordered
     }
 
-    /// The conflict that the claimant loses over `need`, and all tasks that block it. It claims on.
+    /// Returns the conflict that the claimant loses over `need`, and all tasks that block it. It claims on.
     fn refuse(&mut self, claimant: &Claimant, need: Need, losses: &[Defeat]) -> Refusal {
         let agent = &*self.cycle.agent;
         let present = self.present(claimant, need.resource, losses);
@@ -385,7 +385,7 @@ impl<'a, 'c> Field<'a, 'c> {
         Some(self.cycle.now + (expected - worked))
     }
 
-    /// A refused claimant that provably cannot begin before the present one is expected to be done leaves a gap.
+    /// Returns true if a refused claimant leaves a gap: it provably cannot begin before the expected end of the present one.
     fn leaves_a_gap(&self, claimant: &Claimant, other: &Use) -> bool {
         let expected = self.cycle.task(claimant.id).and_then(|task| task.selection.as_ref()?.expected);
         match (&other.kind, expected) {
@@ -394,7 +394,7 @@ impl<'a, 'c> Field<'a, 'c> {
         }
     }
 
-    /// The outcome between the claimant and one use: the user's loss, or the claimant's.
+    /// Returns the outcome between the claimant and one use: the user's loss, or the claimant's.
     pub(crate) fn confront(&self, claimant: &Claimant, resource: ResourceId, rival: &Use) -> Result<Defeat, Defeat> {
         let (agent, now) = (&*self.cycle.agent, self.cycle.now);
         let holds = rival.kind == UseKind::Held;

@@ -82,7 +82,7 @@ pub(crate) fn next_look(
     [found, search.given_up.get()].into_iter().flatten().min()
 }
 
-/// False when time alone brings no crossing.
+/// Returns false when time alone brings no crossing.
 fn may_cross((own, other): &Contest<'_, '_>, now: Time) -> bool {
     let moving = own.moves() || other.curve.moves() || other.cost_moves;
     // Who is ahead and lost, lost because of others: to look again at once, and again, would be to stand still.
@@ -99,7 +99,7 @@ struct CrossingSearch<'a> {
 }
 
 impl CrossingSearch<'_> {
-    /// Nothing is known of what comes after `at`.
+    /// Records that nothing is known after `at`: priorities are compared again then, at the earliest after [`PRIORITY_LOOK_AGAIN_MS`].
     fn give_up(&self, at: Time) {
         let at = at.max(self.now + Duration(PRIORITY_LOOK_AGAIN_MS.saturating_mul(1_000_000)));
         self.given_up.set(Some(self.given_up.get().map_or(at, |before| before.min(at))));
@@ -119,7 +119,7 @@ impl CrossingSearch<'_> {
         priority(self.agent, own.id, at) > priority(self.agent, other.curve.id, at) + cost
     }
 
-    /// Could the challenger be ahead at some instant of this span? None when nothing is known about that.
+    /// Returns true if the challenger could be ahead at some instant of the span; `None` if that is not known.
     fn may_be_ahead(&self, contest: &Contest<'_, '_>, from: Time, to: Time) -> Option<bool> {
         let (own, other) = (contest.0.bounds(from, to), contest.1.bounds(self.agent, from, to));
         if own.high == f64::INFINITY || other.low == f64::NEG_INFINITY {
@@ -129,7 +129,7 @@ impl CrossingSearch<'_> {
         Some(own.high > other.low && (!fixed || self.ahead(contest, from)))
     }
 
-    /// The first instant after `from` and not after `to` at which a challenger is ahead.
+    /// Returns the first instant after `from` and not after `to` at which a challenger is ahead.
     fn first_in(&self, from: Time, to: Time, contests: &[Contest<'_, '_>]) -> Option<Time> {
         if self.is_over(from) {
             return None;
@@ -158,7 +158,7 @@ impl CrossingSearch<'_> {
         self.first_in(from, middle, &open).or_else(|| self.first_in(middle, to, &open))
     }
 
-    /// The least instant in `(low, high]` at which the challenger is ahead, which it is at `high`.
+    /// Returns the least instant in `(low, high]` at which the challenger is ahead, which it is at `high`.
     fn first(&self, contest: &Contest<'_, '_>, mut low: Time, mut high: Time) -> Time {
         while (high - low).0 > 1 {
             let middle = low + Duration((high - low).0 / 2);

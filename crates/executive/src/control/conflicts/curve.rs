@@ -38,7 +38,7 @@ pub(crate) struct RisingTerm {
 }
 
 impl<'a> Curve<'a> {
-    /// The curve of `id` as seen now.
+    /// Returns the curve of `id` as seen now.
     pub(crate) fn new(agent: &'a Agent, id: TaskId, now: Time) -> Curve<'a> {
         let value_now = priority::priority(agent, id, now);
         let (steady, rises, others) = (None, Vec::new(), Vec::new());
@@ -69,7 +69,7 @@ impl<'a> Curve<'a> {
         self.others.is_empty() && self.rises.iter().all(|rise| rise.due <= at)
     }
 
-    /// Between which values it stays from `from` to `to`.
+    /// Returns bounds of the value between `from` and `to`.
     pub(crate) fn bounds(&self, from: Time, to: Time) -> Bounds {
         if let Some((.., bounds)) = self.last.get().filter(|last| (last.0, last.1) == (from, to)) {
             return bounds;
@@ -85,7 +85,7 @@ impl<'a> Curve<'a> {
         bounds
     }
 
-    /// True when this one can never be above `other` from `now` on: each of its parts stays below what of the other stays
+    /// Returns true when this one can never be above `other` from `now` on: each of its parts stays below what of the other stays
     /// or rises. Two steps of one kind, of which one came later, are never distinguished by bounds; so they are here.
     pub(crate) fn never_exceeds(&self, other: &Curve<'_>, now: Time) -> bool {
         let kept = other.rises.iter().map(|rise| priority::risen(self.agent, *rise, now)).chain(other.steady);

@@ -67,7 +67,7 @@ fn has_holding_ancestor(agent: &Agent, id: TaskId) -> bool {
     false
 }
 
-/// All claims that `start` waits for, directly or by way of others, without those that can be freed: where what others
+/// Returns all claims that `start` waits for, directly or by way of others, without those that can be freed: where what others
 /// hold leaves enough, or the holder has no such claim below it.
 fn waits_from(agent: &Agent, start: TaskId) -> Waits {
     let mut waits = Waits::default();
@@ -106,7 +106,7 @@ fn waits_from(agent: &Agent, start: TaskId) -> Waits {
     }
 }
 
-/// The resources that a claim is refused, with those who hold them outside of its family.
+/// Returns the resources that a claim is refused, with those who hold them outside of its family.
 fn lacks(agent: &Agent, id: TaskId) -> Lacks {
     let waiting = |need: &Need| {
         let resource = agent.resources.get(need.resource)?;
@@ -139,7 +139,7 @@ fn is_short(agent: &Agent, id: TaskId, resource: ResourceId, holders: &[Holding]
     needs.iter().any(|need| need.resource == resource && need.amount > total - kept + sharing::TOLERANCE)
 }
 
-/// The shortest circle of waits that begins and ends with the claim of `start`.
+/// Returns the shortest circle of waits that begins and ends with the claim of `start`.
 fn circle_through(waits: &Waits, agent: &Agent, start: TaskId) -> Option<Vec<CircleLink>> {
     let mut came_from: BTreeMap<TaskId, (TaskId, CircleLink)> = BTreeMap::new();
     let mut open = VecDeque::from([start]);
@@ -163,7 +163,7 @@ fn circle_through(waits: &Waits, agent: &Agent, start: TaskId) -> Option<Vec<Cir
     None
 }
 
-/// The links from `start` on up to the last one.
+/// Returns the links from `start` on up to the last one.
 fn links_back(came_from: &BTreeMap<TaskId, (TaskId, CircleLink)>, start: TaskId, last: CircleLink) -> Vec<CircleLink> {
     let mut at = last.task;
     let mut links = vec![last];
@@ -176,7 +176,7 @@ fn links_back(came_from: &BTreeMap<TaskId, (TaskId, CircleLink)>, start: TaskId,
     links
 }
 
-/// The circle of waits that the task is in: by its own claim, or by one below it. None where it is in no circle.
+/// Returns the circle of waits that the task is in: by its own claim, or by one below it. `None` if it is in no circle.
 pub(crate) fn circle_at(agent: &Agent, id: TaskId) -> Option<Vec<CircleLink>> {
     std::iter::once(id)
         .filter(|id| is_waiting(agent, *id))
@@ -188,7 +188,7 @@ fn circle(agent: &Agent, id: TaskId) -> Option<Vec<CircleLink>> {
     circle_through(&waits_from(agent, id), agent, id)
 }
 
-/// The circle as one sentence, with the goals of the tasks.
+/// Returns the circle as one sentence, with the goals of the tasks.
 pub(crate) fn circle_text(agent: &Agent, links: &[CircleLink]) -> String {
     let named = |task: TaskId| format!("{task} {}", goal::goal_in(agent, task, agent.now));
     let sentence = |link: &CircleLink| {

@@ -115,7 +115,8 @@ impl<'a, 'c> Front<'a, 'c> {
         Some(())
     }
 
-    /// None where the ranks of two queues are below separate tasks: then a claimant has a place in each.
+    /// Checks that all queues in the order of ranks are below one task; `None` if they are below several, so that a claimant has a place in
+    /// each.
     fn meet_ranks(&mut self, resource: &Resource) -> Option<()> {
         let Some(parent) = resource.waiting.ordered_below() else { return Some(()) };
         (*self.by_rank.get_or_insert(parent) == parent).then_some(())
@@ -158,7 +159,7 @@ impl<'a, 'c> Front<'a, 'c> {
         has_order.then_some(result)
     }
 
-    /// True if all that were placed need one and the same resource. Ranks put only those in order that share something:
+    /// Returns true if all that were placed need one and the same resource. Ranks put only those in order that share something:
     /// who of the others takes a turn first matters where holders are displaced.
     fn all_need_one(&self) -> bool {
         let needs = |task: &TaskId| as_claimant(self.cycle, *task).needs.into_iter().map(|need| need.resource);
@@ -196,7 +197,7 @@ impl<'a, 'c> Front<'a, 'c> {
         Some(())
     }
 
-    /// The first claimants that do not fit, whose priorities may rise above those of tasks in their way.
+    /// Returns the first claimants that do not fit, whose priorities may rise above those of tasks in their way.
     fn watched(&mut self, result: &Arbitration) -> Vec<PriorityWatch> {
         // Where no claimant was placed, nothing has been inspected.
         self.outside.iter().for_each(|(_, id)| self.field.load(*id));
@@ -225,7 +226,7 @@ impl<'a, 'c> Front<'a, 'c> {
         watched
     }
 
-    /// True if a task could end before one in front of it can begin. This requires free capacity that another task
+    /// Returns true if a task could end before one in front of it can begin. This requires free capacity that another task
     /// awaits, and a task with a known duration.
     fn may_leave_a_gap(&self, dirty: &BTreeSet<ResourceId>, result: &Arbitration) -> bool {
         let agent = &*self.cycle.agent;
@@ -270,7 +271,8 @@ fn amount_of(claimant: &Claimant, id: ResourceId) -> f64 {
     claimant.needs.iter().find(|need| need.resource == id).map_or(0.0, |need| need.amount)
 }
 
-/// None where a claimant that has begun has the rank of its neighbour: which comes first depends on more than the two.
+/// Checks neighbours of equal rank; `None` if a claimant that has begun has the rank of its neighbour: their order then depends on further
+/// tasks.
 fn same_rank_is_unbegun(last: &mut Option<QueueKey>, key: QueueKey) -> Option<()> {
     let before = last.replace(key);
     let tied = before.is_some_and(|before| key.rank.is_some() && before.rank == key.rank);

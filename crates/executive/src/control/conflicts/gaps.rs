@@ -74,7 +74,7 @@ struct ClaimOrder<'a, 'c> {
 }
 
 impl<'a, 'c> ClaimOrder<'a, 'c> {
-    /// None where a claimant or a holder has a rank, or a priority that time or an input changes.
+    /// Returns the order of the claimants; `None` if a claimant or a holder has a rank, or a priority that changes with time or an input.
     fn of(cycle: &'a Cycle<'c>, dirty: &BTreeSet<ResourceId>) -> Option<ClaimOrder<'a, 'c>> {
         let agent = &*cycle.agent;
         let mut open: Vec<ResourceId> = dirty.iter().copied().collect();
@@ -111,7 +111,7 @@ impl<'a, 'c> ClaimOrder<'a, 'c> {
         Some(next)
     }
 
-    /// True if neither `next` nor a later claimant can get anything: they beat no holder, and each needs something that is taken,
+    /// Returns true if neither `next` nor a later claimant can get anything: they beat no holder, and each needs something that is taken,
     /// or that is awaited for longer than a gap allows.
     fn is_over(&self, next: QueueKey) -> bool {
         if !self.losers.is_empty() {

@@ -40,7 +40,7 @@ struct OrderKey {
 }
 
 impl Precedence {
-    /// The order of `claimants`, holders among them.
+    /// Returns the order of `claimants`, holders among them.
     pub(crate) fn of(agent: &Agent, now: Time, claimants: Vec<Claimant>) -> Precedence {
         let with_path = |claimant: Claimant| {
             let path = rank_path(agent, claimant.id, now);
@@ -60,7 +60,7 @@ impl Precedence {
         precedence
     }
 
-    /// The best by priority comes first, but before each one comes who goes before it by rank, and before that one likewise.
+    /// Places all competitors by priority, but each one after those that precede it by rank, recursively.
     fn place_all(&mut self) {
         let count = self.competitors.len();
         // How far each one has looked for others that go before it.
@@ -88,7 +88,7 @@ impl Precedence {
         }
     }
 
-    /// The first from `from` on that goes before `competitor` and has no place yet.
+    /// Returns the first from `from` on that goes before `competitor` and has no place yet.
     fn next_before(&self, competitor: &Competitor, from: usize) -> Option<usize> {
         let open = |other: &Competitor| !self.places.contains_key(&other.claimant.id) && other.goes_before(competitor);
         self.competitors.iter().skip(from).position(open).map(|index| index + from)
@@ -102,7 +102,7 @@ impl Precedence {
         }
     }
 
-    /// The priority that counts for a task whose own one is `own`.
+    /// Returns the priority that counts for a task whose own one is `own`.
     pub(crate) fn lifted(&self, id: TaskId, own: f64) -> f64 {
         self.places.get(&id).map_or(own, |place| own.max(place.priority))
     }
@@ -113,7 +113,7 @@ impl Precedence {
         self.places.get(&id).filter(|place| place.priority > own).map(|place| place.whom)
     }
 
-    /// All whose priorities may count for the task: itself, those that it goes before, those that they go before.
+    /// Returns all whose priorities may count for the task: itself, those that it goes before, those that they go before.
     pub(crate) fn stands_for(&self, id: TaskId) -> Rc<[TaskId]> {
         if !self.varies {
             return Rc::new([id]);
@@ -140,7 +140,7 @@ impl Precedence {
 }
 
 impl Competitor {
-    /// By rank, where both want the same. Tasks of one line do not compete.
+    /// Returns true if `a` precedes by rank a task that needs the same resource. A task does not compete with its ancestors.
     fn goes_before(&self, other: &Competitor) -> bool {
         let pair = self.path.iter().zip(&other.path).find(|(own, others)| own.0 != others.0);
         let Some(((_, Some(own)), (_, Some(others)))) = pair else { return false };
@@ -149,8 +149,9 @@ impl Competitor {
     }
 }
 
-/// For each competitor: true if it precedes equals because it has begun. Not true for those that a task precedes which has not begun: that
-/// task would precede its own equals with them, and a task that fills a gap would displace the one that had to leave it.
+/// Returns for each competitor true if it precedes equals because it has begun. A competitor is excluded if a task that has not begun
+/// precedes it by rank: that task would precede its own equals with them, and a task that fills a gap would displace the one that had to
+/// leave it.
 fn begun_first(competitors: &[Competitor]) -> Vec<bool> {
     let mut counts: Vec<bool> = competitors.iter().map(|each| each.claimant.begun).collect();
     let mut changed = true;
@@ -166,7 +167,7 @@ fn begun_first(competitors: &[Competitor]) -> Vec<bool> {
     counts
 }
 
-/// The task and its ancestors from the root down, with their ranks.
+/// Returns the task and its ancestors from the root down, with their ranks.
 fn rank_path(agent: &Agent, id: TaskId, now: Time) -> Vec<(TaskId, Option<f64>)> {
     let family = std::iter::successors(agent.task(id), |task| agent.task(task.parent?));
     let mut path: Vec<_> = family.map(|task| (task.id, priority::rank(agent, task.id, now))).collect();

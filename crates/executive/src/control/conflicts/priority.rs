@@ -25,7 +25,7 @@ use apex_model::value::Value;
 /// Added to the priority of an ongoing task when it defends a resource, if nothing else is stated.
 pub(crate) const INTERRUPT_COST_DEFAULT: f64 = 0.1;
 
-/// The priority of `id` at `at`: the greatest of its clauses and of its ancestors that are not interrupted.
+/// Returns the priority of `id` at `at`: the greatest of its clauses and of its ancestors that are not interrupted.
 pub(crate) fn priority(agent: &Agent, id: TaskId, at: Time) -> f64 {
     let mut greatest: Option<f64> = None;
     let mut next = Some(id);
@@ -93,7 +93,7 @@ pub(crate) fn troubles(cycle: &Cycle<'_>, id: TaskId, step: &Step) -> Vec<(Strin
     priorities.chain(step.rank.iter().map(|expr| ("rank", &**expr))).filter_map(trouble).collect()
 }
 
-/// A clause that cannot be evaluated counts as absent; [`troubles`] has reported it.
+/// Returns the priority that a clause states; `None` if it cannot be evaluated, which [`troubles`] has reported.
 fn clause_priority(clause: &PriorityClause, task: &Task, view: &View<'_>, at: Time) -> Option<f64> {
     match clause {
         PriorityClause::Number(expr) => number(expr, view),
@@ -113,17 +113,17 @@ fn number(expr: &Expr, view: &View<'_>) -> Option<f64> {
     value.as_number().map(|(number, _)| number).filter(|number| number.is_finite())
 }
 
-/// Returns the creation of the task; starting over creates no new task.
+/// Returns the instant of the task's creation, which a restart does not change.
 fn created(task: &Task) -> Time {
     task.extras.as_ref().and_then(|extras| extras.first_created).unwrap_or(task.created_at)
 }
 
-/// The instant at which a task of this urgency at creation must be done.
+/// Returns the instant at which a task of this urgency at creation must be done.
 fn deadline(urgency: f64, created_at: Time) -> Time {
     created_at + Duration::from_seconds(libm::exp2(9.0 - urgency.clamp(0.0, 10.0)))
 }
 
-/// Urgency rises as the deadline nears, and is 10 from half a second before it on.
+/// Returns the urgency at `at`: it rises towards the deadline, and is 10 from half a second before it.
 fn urgency_at(urgency: f64, created_at: Time, at: Time) -> f64 {
     urgency_before(deadline(urgency, created_at), at)
 }
@@ -133,14 +133,14 @@ fn urgency_before(due: Time, at: Time) -> f64 {
     if left <= 0.5 { 10.0 } else { (9.0 - libm::log2(left)).clamp(0.0, 10.0) }
 }
 
-/// The more workload, 1 to 9, the more counts importance against urgency.
+/// Combines urgency and importance to a priority; the higher the workload (1 to 9), the greater is the weight of importance.
 fn combined(urgency: f64, importance: f64, workload: f64) -> f64 {
     (importance * workload * (1.0 - 1.0 / (1.0 + urgency))
         + urgency * (10.0 - workload) * (1.0 - 1.0 / (1.0 + importance)))
         / 9.0
 }
 
-/// The recovered fraction of a repeated task's priority.
+/// Returns the recovered fraction of a repeated task's priority.
 fn recovery(agent: &Agent, task: &Task, at: Time) -> f64 {
     match recovery_span(agent, task) {
         Some((ended, span)) if span > Duration::ZERO => ((at - ended).seconds() / span.seconds()).clamp(0.0, 1.0),
@@ -160,7 +160,7 @@ fn recovery_span(agent: &Agent, task: &Task) -> Option<(Time, Duration)> {
     }
 }
 
-/// Does arithmetic read a variable? None if the value of the expression depends on anything else than variables.
+/// Returns true if an arithmetic expression reads a variable; `None` if its value depends on anything but variables and constants.
 pub(crate) fn reads_variable(expr: &Expr) -> Option<bool> {
     const ARITHMETIC: [&str; 7] = ["+", "-", "*", "/", "min", "max", "abs"];
     match &expr.kind {
@@ -173,7 +173,7 @@ pub(crate) fn reads_variable(expr: &Expr) -> Option<bool> {
     }
 }
 
-/// True when what the task brings to a conflict may depend on what is measured, or on the states of tasks.
+/// Returns true when what the task brings to a conflict may depend on what is measured, or on the states of tasks.
 pub(crate) fn reads_inputs(agent: &Agent, id: TaskId) -> bool {
     let computed = |expr: &Expr| reads_variable(expr).is_none();
     cost_clause(agent, id).is_some_and(|(expr, _)| computed(expr))
@@ -183,7 +183,7 @@ pub(crate) fn reads_inputs(agent: &Agent, id: TaskId) -> bool {
         })
 }
 
-/// True when what the task brings to a conflict changes by the passing of time.
+/// Returns true when what the task brings to a conflict changes by the passing of time.
 pub(crate) fn moves(agent: &Agent, id: TaskId) -> bool {
     cost_moves(agent, id)
         || clauses_above(agent, id).any(|(task, clause)| match clause {
@@ -193,12 +193,12 @@ pub(crate) fn moves(agent: &Agent, id: TaskId) -> bool {
         })
 }
 
-/// True when what it costs to interrupt the task changes by the passing of time.
+/// Returns true when what it costs to interrupt the task changes by the passing of time.
 pub(crate) fn cost_moves(agent: &Agent, id: TaskId) -> bool {
     cost_clause(agent, id).is_some_and(|(expr, _)| value_intervals::moves(expr, &agent.library))
 }
 
-/// The priority clauses of the task and of its ancestors.
+/// Returns the priority clauses of the task and of its ancestors.
 fn clauses_above(agent: &Agent, id: TaskId) -> impl Iterator<Item = (&Task, &PriorityClause)> {
     let family = std::iter::successors(agent.task(id), |task| agent.task(task.parent?));
     family.flat_map(|task| {
@@ -208,7 +208,7 @@ fn clauses_above(agent: &Agent, id: TaskId) -> impl Iterator<Item = (&Task, &Pri
     })
 }
 
-/// The clauses of the task, and those of its ancestors that are not interrupted.
+/// Returns the clauses of the task, and those of its ancestors that are not interrupted.
 pub(crate) fn clauses_that_count(agent: &Agent, id: TaskId) -> impl Iterator<Item = (&Task, &PriorityClause)> {
     clauses_above(agent, id).filter(move |(task, _)| task.id == id || task.state != TaskState::Interrupted)
 }
@@ -252,7 +252,7 @@ pub(crate) fn risen(agent: &Agent, rise: RisingTerm, at: Time) -> f64 {
     combined(urgency_before(rise.due, at), rise.importance, agent.workload)
 }
 
-/// Between which values stays what it costs to interrupt the task.
+/// Returns bounds of the interrupt cost of the task between two instants.
 pub(crate) fn cost_bounds(agent: &Agent, id: TaskId, from: Time, to: Time) -> Bounds {
     let cost = match cost_clause(agent, id) {
         Some((expr, level)) if value_intervals::moves(expr, &agent.library) => {
@@ -266,7 +266,8 @@ pub(crate) fn cost_bounds(agent: &Agent, id: TaskId, from: Time, to: Time) -> Bo
     cost.map_or(Bounds::ANY, |cost| cost.greater(Bounds { low: 0.0, high: 0.0 }))
 }
 
-/// Urgency, recovery and what is made of them only rise, so their ends are their bounds.
+/// Returns bounds of the priority that a clause states between two instants. Urgency and recovery only rise, so their values at
+/// both instants are their bounds.
 pub(crate) fn clause_bounds(
     agent: &Agent,
     task: &Task,
@@ -294,7 +295,7 @@ pub(crate) fn clause_bounds(
     Some(Bounds::of(&[first * value.low, first * value.high, last * value.low, last * value.high]))
 }
 
-/// The `interrupt-cost` clause that counts for the task: its step's, else its procedure's.
+/// Returns the `interrupt-cost` clause that counts for the task: its step's, else its procedure's.
 pub(crate) fn cost_clause(agent: &Agent, id: TaskId) -> Option<(&Expr, Level)> {
     let task = agent.task(id)?;
     let stated = task.selection.is_some() && task.clauses.has(StepClauses::CONTENTION);
@@ -315,7 +316,7 @@ pub(crate) fn cost_clause(agent: &Agent, id: TaskId) -> Option<(&Expr, Level)> {
     }
 }
 
-/// The rank of a task among its siblings, if it has one.
+/// Returns the rank of a task among its siblings, if it has one.
 pub(crate) fn rank(agent: &Agent, id: TaskId, now: Time) -> Option<f64> {
     let task = agent.task(id).filter(|task| task.clauses.has(StepClauses::RANK))?;
     let crate::state::task::Origin::Step(step) = task.origin else { return None };
@@ -339,7 +340,7 @@ pub(crate) fn is_ranked(agent: &Agent, id: TaskId) -> bool {
     family.any(|task| rank(agent, task.id, agent.now).is_some())
 }
 
-/// The value of an `interrupt-cost` clause.
+/// Returns the value of an `interrupt-cost` clause.
 ///
 /// # Errors
 /// A message if it is not a number.

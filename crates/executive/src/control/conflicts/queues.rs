@@ -38,13 +38,13 @@ pub(crate) fn is_queued(cycle: &Cycle<'_>, id: ResourceId) -> bool {
     holders.all(|holding| !may_stand_for_others(cycle, holding.task, resource, ranked))
 }
 
-/// True if ranks alone put claimants and holders of the resource in order.
+/// Returns true if ranks alone put claimants and holders of the resource in order.
 pub(crate) fn is_by_rank(cycle: &Cycle<'_>, id: ResourceId) -> bool {
     let resource = cycle.agent.resources.get(id);
     resource.is_some_and(|resource| !resource.waiting.all_in_queues()) && is_queued(cycle, id)
 }
 
-/// True if the holder holds nothing for its steps, and no task above it waits for the resource or holds it.
+/// Returns true if the holder holds nothing for its steps, and no task above it waits for the resource or holds it.
 fn is_alone(agent: &Agent, resource: &Resource, holder: TaskId) -> bool {
     let holder = agent.task(holder);
     // What it holds for its steps it may have begun to hold when they claimed already.
@@ -54,7 +54,7 @@ fn is_alone(agent: &Agent, resource: &Resource, holder: TaskId) -> bool {
     !shares && !above.any(|task| resource.waiting.contains(task.id) || holds(task.id))
 }
 
-/// True if the rank below `parent` decides between each holder and each claimant.
+/// Returns true if the rank below `parent` decides between each holder and each claimant.
 fn are_below(agent: &Agent, resource: &Resource, parent: TaskId) -> bool {
     resource.holders.iter().all(|holding| {
         let rank = claim_queue::fixed_ranks(agent, holding.task).find(|rank| rank.parent == parent);
@@ -62,8 +62,8 @@ fn are_below(agent: &Agent, resource: &Resource, parent: TaskId) -> bool {
     })
 }
 
-/// Can the priority of claimants behind a holder with a rank count for it, or that of the holder for them? Not where it
-/// holds nothing else, and all with ranks are equally important.
+/// Returns true if the priority of claimants behind a holder with a rank may count for the holder, or that of the holder for them. This is
+/// false if the holder holds nothing else and all ranked tasks are equally important.
 fn may_stand_for_others(cycle: &Cycle<'_>, holder: TaskId, resource: &Resource, ranked: Option<f64>) -> bool {
     let agent = &*cycle.agent;
     if !priority::is_ranked(agent, holder) {
@@ -75,7 +75,7 @@ fn may_stand_for_others(cycle: &Cycle<'_>, holder: TaskId, resource: &Resource, 
     needs_in(agent, holder).len() > 1 || priorities.any(|priority| priority != own)
 }
 
-/// The resource, if its queues can decide alone.
+/// Returns the resource, if its queues can decide alone.
 pub(crate) fn usable<'a>(cycle: &'a Cycle<'_>, id: ResourceId) -> Option<&'a Resource> {
     cycle.agent.resources.get(id).filter(|_| is_queued(cycle, id))
 }
@@ -113,7 +113,7 @@ pub(crate) fn key_of_loser(cycle: &Cycle<'_>, loss: &Defeat) -> Option<QueueKey>
     }
 }
 
-/// True if the rank decides between the claimant and all who wait for one of its resources.
+/// Returns true if the rank decides between the claimant and all who wait for one of its resources.
 fn ranks_among_all(cycle: &Cycle<'_>, claimant: &Claimant, key: &QueueKey) -> bool {
     let Some(rank) = key.rank else { return false };
     let mut needed = claimant.needs.iter().filter_map(|need| cycle.agent.resources.get(need.resource));
@@ -122,7 +122,7 @@ fn ranks_among_all(cycle: &Cycle<'_>, claimant: &Claimant, key: &QueueKey) -> bo
     })
 }
 
-/// The place of a task that claims, if it is in a queue.
+/// Returns the place of a task that claims, if it is in a queue.
 pub(crate) fn key_of(cycle: &Cycle<'_>, task: TaskId) -> Option<QueueKey> {
     let agent = &*cycle.agent;
     let need = agent.task(task)?.selection.as_ref()?.needs.first().copied();

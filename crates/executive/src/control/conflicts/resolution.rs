@@ -32,7 +32,8 @@ pub(crate) fn arbitrate(
     result
 }
 
-/// The same grants, losses and failures; the order of grants does not count, as tasks begin in the order in which they were written.
+/// Returns true if both results have the same grants, losses and failures. The order of grants does not count, because tasks begin in
+/// written order.
 fn says_the_same(one: &Arbitration, other: &Arbitration) -> bool {
     let losses = |result: &Arbitration| -> BTreeSet<_> {
         result.displaced.iter().map(|loss| (loss.loser, loss.winner, loss.resource)).collect()
@@ -70,7 +71,7 @@ fn decide(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, fresh: &BTreeMap<Reso
     if orphans(cycle, &result).next().is_some() { arbitrate_all(cycle, dirty) } else { result }
 }
 
-/// Two lists of claimants as one, the better one first; each keeps its order.
+/// Returns two lists of claimants as one, the better one first; each keeps its order.
 fn in_turns<T>(cycle: &Cycle<'_>, (one, other): (Vec<T>, Vec<T>), task: impl Fn(&T) -> TaskId) -> Vec<T> {
     let claimant = |each: &T| as_claimant(cycle, task(each));
     let (mut one, mut other) = (one.into_iter().peekable(), other.into_iter().peekable());

@@ -21,7 +21,7 @@ use apex_model::task::TaskId;
 use apex_model::value::Value;
 use std::collections::BTreeSet;
 
-/// The needs that `profile` states.
+/// Returns the needs that `profile` states.
 ///
 /// # Errors
 /// Message and place when a name or an amount cannot be evaluated, or an amount is invalid for its resource.
@@ -40,7 +40,7 @@ pub(crate) fn needs(
     Ok(())
 }
 
-/// Name and amount of one entry of a profile, as `context` see them.
+/// Returns name and amount of one entry of a profile, as `context` see them.
 ///
 /// # Errors
 /// Message and place when one of them cannot be evaluated.
@@ -56,7 +56,7 @@ pub(crate) fn evaluate_need(
     Ok((name, amount))
 }
 
-/// The number of the resource called `name`; one without declaration is virtual and unitary.
+/// Returns the number of the resource called `name`; one without declaration is virtual and unitary.
 pub(crate) fn intern(cycle: &mut Cycle<'_>, name: &Value) -> ResourceId {
     if let Some(id) = cycle.agent.resources.find(name) {
         return id;
@@ -92,7 +92,7 @@ pub(crate) fn add_parts(cycle: &mut Cycle<'_>, list: &mut Vec<Need>) {
     }
 }
 
-/// `(replenish RESOURCE [AMOUNT])`: what is lacking comes back, the amount at most.
+/// Executes `(replenish RESOURCE [AMOUNT])`: restores what was consumed, at most the amount.
 ///
 /// # Errors
 /// The cause when the resource cannot be replenished, or the amount is none of it.
@@ -282,7 +282,7 @@ pub(crate) fn needs_of(cycle: &Cycle<'_>, id: TaskId) -> Vec<Need> {
     needs_in(cycle.agent, id)
 }
 
-/// The same outside of a cycle.
+/// Returns the same outside of a cycle.
 pub(crate) fn needs_in(agent: &Agent, id: TaskId) -> Vec<Need> {
     let Some(task) = agent.task(id) else { return Vec::new() };
     let mut needs = task.selection.as_ref().map(|selection| selection.needs.clone()).unwrap_or_default();

@@ -34,8 +34,8 @@ pub(crate) enum UseKind {
     Awaited(Option<Time>),
 }
 
-/// Is there room for `task` to use `amount` of a resource of which there is `total`? Inside of what its ancestors have there
-/// is, also where others claim more than there is.
+/// Returns true if `task` can use `amount` of a resource with capacity `total`. Within what its ancestors hold it always can, even if
+/// others claim more than there is.
 pub(crate) fn has_room(agent: &Agent, total: f64, present: &[&Use], task: TaskId, amount: f64) -> bool {
     if present.is_empty() {
         return amount <= total + TOLERANCE;

@@ -30,18 +30,18 @@ impl Bounds {
     /// Nothing is known.
     pub(crate) const ANY: Bounds = Bounds { low: f64::NEG_INFINITY, high: f64::INFINITY };
 
-    /// From one corner to the other.
+    /// Returns the tightest bounds of all corner values.
     pub(crate) fn of(corners: &[f64]) -> Bounds {
         let fold = |start, pick: fn(f64, f64) -> f64| corners.iter().copied().fold(start, pick);
         Bounds { low: fold(f64::INFINITY, f64::min), high: fold(f64::NEG_INFINITY, f64::max) }
     }
 
-    /// The bounds of the greater of two values.
+    /// Returns the bounds of the greater of two values.
     pub(crate) fn greater(self, other: Bounds) -> Bounds {
         Bounds { low: self.low.max(other.low), high: self.high.max(other.high) }
     }
 
-    /// The bounds of the sum of two values.
+    /// Returns the bounds of the sum of two values.
     pub(crate) fn plus(self, other: Bounds) -> Bounds {
         Bounds { low: self.low + other.low, high: self.high + other.high }
     }
@@ -98,7 +98,7 @@ fn looks_back(function: &Symbol) -> bool {
         .any(|name| function.is(name))
 }
 
-/// The bounds of `expr` from `view.now` to `until`; [`Bounds::ANY`] where that is beyond what is known of its form. None when
+/// Returns the bounds of `expr` from `view.now` to `until`; [`Bounds::ANY`] where that is beyond what is known of its form. `None` if
 /// it has no number as its value now.
 pub(crate) fn bounds(expr: &Expr, view: &View<'_>, until: Time) -> Option<Bounds> {
     if !moves(expr, &view.agent.library) {
@@ -145,7 +145,7 @@ fn magnitude(value: &Value) -> Option<f64> {
     }
 }
 
-/// The bounds of a call from those of its arguments; none for functions that are not known here.
+/// Returns the bounds of a call from those of its arguments; `None` for functions that are not known here.
 fn call(function: &Symbol, values: &[Bounds]) -> Option<Bounds> {
     let first = *values.first()?;
     let fold = |combine: fn(Bounds, Bounds) -> Bounds| {
@@ -211,7 +211,7 @@ fn decided(yes: bool, no: bool) -> Option<bool> {
     (yes || no).then_some(yes)
 }
 
-/// All parts are `value`, or one of them is not; else nothing is known.
+/// Returns true if all parts are `value`, false if one is not, and `None` if that is not known.
 fn all(mut parts: impl Iterator<Item = Option<bool>>, value: bool) -> Option<bool> {
     parts
         .try_fold(Some(value), |so_far, part| match part {

@@ -54,7 +54,7 @@ fn decide(
     cycle.decide(Some(id), DecisionKind::Bound { variable: name.clone(), value }, because);
 }
 
-/// The `select` clauses that are the task's to evaluate. A handler sees what its step has selected. Of a `forall`, the
+/// Returns the `select` clauses that are the task's to evaluate. A handler sees what its step has selected. Of a `forall`, the
 /// step evaluates what does not depend on the item, and each item the rest.
 fn own_selects(origin: Option<Origin>, step: &Step) -> Vec<&(Symbol, Expr)> {
     let item = step.forall.as_ref().map(|forall| &forall.0);
@@ -154,7 +154,7 @@ fn set_in_context(cycle: &mut Cycle<'_>, parent: TaskId, name: &Symbol, value: V
     }
 }
 
-/// Current tasks of steps that wait for one of the variables.
+/// Returns the current tasks of steps that wait for one of the variables.
 fn waiting_for(cycle: &Cycle<'_>, parent: TaskId, bindings: &Bindings) -> Vec<TaskId> {
     let Some(Controller::Procedure(controller)) = cycle.task(parent).and_then(|task| task.controller.as_deref()) else {
         return Vec::new();
@@ -165,7 +165,7 @@ fn waiting_for(cycle: &Cycle<'_>, parent: TaskId, bindings: &Bindings) -> Vec<Ta
     steps.filter_map(|(_, task)| *task).collect()
 }
 
-/// `(setq ?x value)`: changes the variable where it lives; a new one becomes the task's own.
+/// Executes `(setq ?x value)`: changes the variable in the context that has it, or creates it in that of the task.
 pub(crate) fn assign(cycle: &mut Cycle<'_>, id: TaskId, level: Level, name: &Symbol, value: Value, place: Place) {
     let Some(task) = cycle.task(id) else { return };
     let own = matches!(task.controller.as_deref(), Some(Controller::Procedure(_) | Controller::Primitive(_)));
@@ -187,7 +187,7 @@ pub(crate) fn assign(cycle: &mut Cycle<'_>, id: TaskId, level: Level, name: &Sym
     cycle.work.priorities_changed = true;
 }
 
-/// The nearest ancestor that runs a procedure.
+/// Returns the nearest ancestor that runs a procedure.
 fn procedure_above(cycle: &Cycle<'_>, id: TaskId) -> Option<TaskId> {
     let mut parent = cycle.task(id)?.parent;
     while let Some(above) = parent {
@@ -200,7 +200,7 @@ fn procedure_above(cycle: &Cycle<'_>, id: TaskId) -> Option<TaskId> {
     None
 }
 
-/// The task that the tag of a step names from now on.
+/// Sets the task that the tag of a step names from now on.
 pub(crate) fn set_current(cycle: &mut Cycle<'_>, parent: TaskId, step: StepRef, task: TaskId) {
     let controller = cycle.agent.task_mut(parent).and_then(|task| task.controller.as_deref_mut());
     if let Some(Controller::Procedure(controller)) = controller

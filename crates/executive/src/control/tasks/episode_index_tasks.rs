@@ -39,7 +39,7 @@ pub(crate) fn notice(cycle: &mut Cycle<'_>, stimulus: &Stimulus, found: &mut Mon
     refresh(cycle, variable);
 }
 
-/// Time has arrived for the first of the episodes that share a bank with `id`.
+/// Handles a wake of the index that holds an episode of `id`: one of its episodes is due.
 pub(crate) fn woken(cycle: &mut Cycle<'_>, id: MonitorId) {
     let watch = cycle.agent.watches.get(id.0);
     let Some(variable) = watch.and_then(|watch| threshold_episode::variable(&watch.monitor)).cloned() else { return };
@@ -104,7 +104,7 @@ fn refresh(cycle: &mut Cycle<'_>, variable: &StateVariable) {
     }
 }
 
-/// The monitor as if no bank stood between it and its samples.
+/// Returns the monitor as if no bank stood between it and its samples.
 pub(crate) fn as_told<'a>(agent: &Agent, id: MonitorId, watch: &'a ClauseMonitor) -> Cow<'a, Monitor> {
     let variable = threshold_episode::variable(&watch.monitor);
     let run = variable.and_then(|variable| agent.interests.episodes(variable)?.run_of(LeafId::whole(id)));

@@ -49,12 +49,13 @@ impl ExecutionClause {
     }
 }
 
-/// True if the preconditions hold, the step's and those of the procedure that was chosen; else the task has failed.
+/// Returns true if the preconditions hold, the step's and those of the procedure that was chosen; else the task has failed.
 pub(crate) fn allow(cycle: &mut Cycle<'_>, id: TaskId) -> bool {
     hold(cycle, id, ExecutionClause::Precondition)
 }
 
-/// The task begins: preconditions and invariants hold, and the invariants are judged from now on; else it has failed.
+/// Checks preconditions and invariants as the task begins, and watches the invariants from now on. Returns false if one does not hold; the
+/// task has failed then.
 pub(crate) fn begin(cycle: &mut Cycle<'_>, id: TaskId) -> bool {
     if !hold(cycle, id, ExecutionClause::Precondition) {
         return false;
@@ -68,7 +69,7 @@ pub(crate) fn begin(cycle: &mut Cycle<'_>, id: TaskId) -> bool {
     hold(cycle, id, ExecutionClause::Invariant)
 }
 
-/// The task continues after an interruption: its invariants hold, else it has failed.
+/// Checks the invariants as the task continues after an interruption. Returns false if one does not hold; the task has failed then.
 pub(crate) fn go_on(cycle: &mut Cycle<'_>, id: TaskId) -> bool {
     !cycle.agent.guards.contains(id) || hold(cycle, id, ExecutionClause::Invariant)
 }
@@ -83,7 +84,7 @@ pub(crate) fn notice(cycle: &mut Cycle<'_>) {
     cycle.work.doubtful.extend(concerned);
 }
 
-/// True if the stimuli concern an invariant: then the instant is not quiet.
+/// Returns true if the stimuli concern an invariant: then the instant is not quiet.
 pub(crate) fn concern(cycle: &Cycle<'_>) -> bool {
     concerned(cycle).next().is_some()
 }
@@ -131,7 +132,7 @@ fn hold(cycle: &mut Cycle<'_>, id: TaskId, wanted: ExecutionClause) -> bool {
     true
 }
 
-/// The clauses of this kind that the task has: its step's, then those of the procedure that was chosen for it.
+/// Returns the clauses of this kind that the task has: its step's, then those of the procedure that was chosen for it.
 fn conditions(cycle: &Cycle<'_>, id: TaskId, wanted: ExecutionClause) -> Vec<(Condition, Level)> {
     let mut all = Vec::new();
     let Some(task) = cycle.task(id) else { return all };

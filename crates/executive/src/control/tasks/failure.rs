@@ -75,7 +75,7 @@ pub(crate) fn handle(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) -> bo
     true
 }
 
-/// The task holds nothing, and its failed work needs nothing any longer; the handler claims for itself.
+/// Releases all holdings and needs of failed work; the handler claims for itself.
 fn claim_nothing(cycle: &mut Cycle<'_>, id: TaskId) {
     resources::release(cycle, id, resources::Release::Unused);
     let Some(task) = cycle.agent.task_mut(id) else { return };
@@ -87,7 +87,7 @@ fn claim_nothing(cycle: &mut Cycle<'_>, id: TaskId) {
     }
 }
 
-/// The handler ended: the step ends in the same way.
+/// Handles the end of the failure handler: the step ends in the same way.
 pub(crate) fn handled(cycle: &mut Cycle<'_>, id: TaskId, handler: TaskId, outcome: &Outcome) {
     let place = cycle.place_of(id);
     match outcome {

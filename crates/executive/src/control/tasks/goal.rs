@@ -19,7 +19,7 @@ use apex_model::task::TaskId;
 use apex_model::time::Time;
 use apex_model::value::Value;
 
-/// The activity that the task pursues: its step's, or the step's `on-failure`.
+/// Returns the activity that the task pursues: its step's, or the step's `on-failure`.
 pub(crate) fn activity_of(origin: Option<Origin>, step: &Step) -> &Activity {
     match (origin, &step.on_failure) {
         (Some(Origin::OnFailure(_)), Some(activity)) => activity,
@@ -27,12 +27,12 @@ pub(crate) fn activity_of(origin: Option<Origin>, step: &Step) -> &Activity {
     }
 }
 
-/// The task's goal with what is bound now; unbound variables stay as they are written.
+/// Returns the task's goal with the present bindings; unbound variables stay as they are written.
 pub(crate) fn goal_as_known(cycle: &Cycle<'_>, id: TaskId) -> Value {
     goal_in(cycle.agent, id, cycle.now)
 }
 
-/// The same, outside of a step.
+/// Returns the same, outside of a step.
 pub(crate) fn goal_in(agent: &Agent, id: TaskId, now: Time) -> Value {
     let Some(task) = agent.task(id) else { return Value::nil() };
     if let Some(selection) = &task.selection {
@@ -56,7 +56,7 @@ pub(crate) fn goal_in(agent: &Agent, id: TaskId, now: Time) -> Value {
     goal.unwrap_or_else(Value::nil)
 }
 
-/// An activity as its author would read it.
+/// Returns an activity as its author would read it.
 pub(crate) fn activity_as_value(activity: &Activity, context: &dyn EvalContext) -> Value {
     match activity {
         Activity::Goal(template) => instantiate_partially(template, context),

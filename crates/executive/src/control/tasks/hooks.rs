@@ -1,5 +1,5 @@
 //! Hooks (TC)
-//! What: runs the forms of `on-start`, `on-end` and the like, and does what they want done.
+//! What: evaluates the forms of `on-start`, `on-end` and the other hooks, and carries out the actions that they request.
 //! Runs: act phase, at ends, interruptions and resumptions.  Reads: forms, variables.  Writes: effects, variables.
 //! Bound: by the limits of evaluation.  PDL: `on-start`, `on-end`, `on-suspend`, `on-resume`, `update`, section 6.
 //! Paper: section III, code embedded in the `on-enablement` clause.
@@ -27,20 +27,20 @@ pub(crate) struct HookRequests {
     pub(crate) commands: Vec<CommandRequest>,
 }
 
-/// A command that a form wants sent.
+/// A command that a form requests.
 pub(crate) struct CommandRequest {
     /// The ground form.
     pub(crate) form: Value,
     /// Time limit for the answer; `None`: the default.
     pub(crate) timeout: Option<Duration>,
-    /// The clause and the place of the form.
+    /// Cause of the command: the clause and source position of the form.
     pub(crate) because: Because,
 }
 
-/// Runs a hook of a task that begins or completes: its commands are sent without waiting for answers.
+/// Runs a hook of a task that begins or completes. The task does not wait for the answers to the hook's commands.
 ///
 /// # Errors
-/// The cause when a form cannot be evaluated: the task has failed.
+/// The cause of the task's failure if a form cannot be evaluated.
 pub(crate) fn run_needed(
     cycle: &mut Cycle<'_>,
     id: TaskId,
@@ -55,7 +55,7 @@ pub(crate) fn run_needed(
     Ok(())
 }
 
-/// Runs a hook of a task that stops or ends: its outcome stands already, so that errors are only reported.
+/// Runs a hook of a task that stops or ends. Its outcome is decided already, so errors are only reported.
 pub(crate) fn run_hook(cycle: &mut Cycle<'_>, id: TaskId, level: Level, clause: &'static str, forms: &[Expr]) {
     if let Err(because) = run_needed(cycle, id, level, clause, forms) {
         let message = because.cause.text();
@@ -63,10 +63,10 @@ pub(crate) fn run_hook(cycle: &mut Cycle<'_>, id: TaskId, level: Level, clause: 
     }
 }
 
-/// Runs forms, does what concerns others at once, and hands back what concerns the primitive itself.
+/// Evaluates forms, carries out their messages and publications at once, and returns the requests for the primitive itself.
 ///
 /// # Errors
-/// The cause when a form cannot be evaluated; what the forms before it wanted is done.
+/// The cause if a form cannot be evaluated; actions of the forms before it are carried out.
 pub(crate) fn run_forms(
     cycle: &mut Cycle<'_>,
     id: TaskId,

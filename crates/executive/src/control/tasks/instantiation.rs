@@ -76,8 +76,8 @@ pub(crate) fn create(cycle: &mut Cycle<'_>, seed: Seed) -> Result<TaskId, Cause>
     Ok(id)
 }
 
-/// Is there space for one more task, at this depth? For what handles a failure there is always: it takes the place of the
-/// work that failed, and there is one for each task at most.
+/// Checks that the limits admit one more task at this depth. A failure handler is always admitted: it replaces the failed work, and each
+/// task has at most one.
 fn room(cycle: &mut Cycle<'_>, origin: Origin, depth: u32) -> Result<(), Cause> {
     let limits = &cycle.agent.limits;
     if matches!(origin, Origin::OnFailure(_)) {
@@ -92,7 +92,7 @@ fn room(cycle: &mut Cycle<'_>, origin: Origin, depth: u32) -> Result<(), Cause> 
     memory_budget::room_for_task(cycle)
 }
 
-/// The window of evidence that counts for the task's present instance.
+/// Returns the window of evidence that counts for the task's present instance.
 pub(crate) fn window(task: &Task) -> Window {
     Window { start: task.created_at, after_sequence: task.after_sequence }
 }
@@ -127,7 +127,7 @@ pub(crate) fn offer(cycle: &mut Cycle<'_>, id: TaskId) {
     }
 }
 
-/// The first result of another step that the task needs and that is not there yet.
+/// Returns the first result of another step that the task needs and that is not there yet.
 fn awaited(cycle: &Cycle<'_>, id: TaskId, which: impl Fn(&StepIndex) -> &Vec<Symbol>) -> Option<Symbol> {
     if !cycle.has(id, StepClauses::AWAITS) {
         return None;
@@ -178,7 +178,7 @@ fn watch_end(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), (String, Place)> {
     Ok(())
 }
 
-/// A result arrived in the context of `parent`: steps that waited for it get their monitors.
+/// Handles a result in the context of `parent`: steps that waited for it get their monitors.
 pub(crate) fn result_arrived(cycle: &mut Cycle<'_>, waiting: Vec<TaskId>, variable: &Symbol) {
     for id in waiting {
         let Some(task) = cycle.agent.task(id).filter(|task| task.state == TaskState::Pending) else { continue };

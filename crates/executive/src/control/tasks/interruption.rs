@@ -22,7 +22,7 @@ use apex_model::procedure::{Hooks, Transitions};
 use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;
 
-/// The task lost a resource: only it stops, and claims again.
+/// Stops a task that lost a resource; its subtasks are not stopped by that, and it claims the resource again.
 pub(crate) fn outrank(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
     stop(cycle, id, Trigger::Outranked, because);
     cycle.work.claims.push(id);
@@ -40,7 +40,7 @@ fn stop(cycle: &mut Cycle<'_>, id: TaskId, trigger: Trigger, because: Because) {
     inheritance_changed(cycle, id);
 }
 
-/// The task stopped or continues: what it brings to its descendants' priorities counts no longer, or again.
+/// Recomputes the priorities of the descendants of a task that stopped or continues.
 pub(crate) fn inheritance_changed(cycle: &mut Cycle<'_>, id: TaskId) {
     cycle.work.inheritance_changed |= cycle.task(id).is_some_and(Task::has_children);
 }
@@ -116,7 +116,7 @@ pub(crate) fn run_step_start(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), Be
     }
 }
 
-/// The task and all tasks below it, ancestors first.
+/// Returns the task and all tasks below it, ancestors first.
 pub(crate) fn subtree(cycle: &Cycle<'_>, id: TaskId) -> Vec<TaskId> {
     let mut list = Vec::new();
     let mut open = vec![id];
@@ -167,7 +167,7 @@ pub(crate) fn resume(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) {
     }
 }
 
-/// Everything of the subtree that could work claims again.
+/// Lets every task of the subtree that can work claim its resources again, and returns these tasks.
 fn reclaim(cycle: &mut Cycle<'_>, id: TaskId) -> Vec<TaskId> {
     let mut tasks = subtree(cycle, id);
     tasks.retain(|each| matches!(cycle.state(*each), TaskState::Interrupted | TaskState::Enabled));
@@ -263,7 +263,7 @@ pub(crate) fn may_start_over(cycle: &Cycle<'_>, id: TaskId) -> bool {
     watches.any(|watch| watch.clause == Clause::RestartWhen)
 }
 
-/// The clauses of the step that the task was made from, if it has any; items and handlers have none.
+/// Returns the clauses of the step that the task was made from, if it has any; items and handlers have none.
 fn step_clauses(cycle: &Cycle<'_>, id: TaskId) -> Option<Transitions> {
     let task = cycle.task(id).filter(|task| task.clauses.has(StepClauses::TRANSITIONS))?;
     let is_step = matches!(task.origin, Origin::Step(_));
@@ -304,7 +304,7 @@ fn watch(
         .map_err(|error| Because::new(Cause::ExpressionFailed { message: error.message }, Some(error.place)))
 }
 
-/// The clauses of the task at `level`; those of its procedure only once it has begun.
+/// Returns the clauses of the task at `level`; those of its procedure only once it has begun.
 fn clauses(cycle: &Cycle<'_>, id: TaskId, level: Level) -> Option<Transitions> {
     match level {
         Level::Step => step_clauses(cycle, id),
@@ -338,8 +338,8 @@ pub(crate) fn window_after(cycle: &Cycle<'_>, at: Time, answered: Option<u64>) -
     Window { start: at.min(cycle.now), after_sequence: answered.or(newest) }
 }
 
-/// The task's work is over before the task is: what its procedure watched is forgotten, with a suspension that the
-/// procedure brought about. What the step watches about ends, and about a suspension that continues, stays.
+/// Ends the clauses of the task's procedure, and a suspension that the procedure caused, because the work is over before the task is. What
+/// the step watches about ends, and about a suspension that continues, stays.
 pub(crate) fn forget_clauses(cycle: &mut Cycle<'_>, id: TaskId) {
     let by_procedure = cycle.task(id).is_some_and(|task| {
         let mut watches = task.monitors.iter().filter_map(|id| cycle.agent.watches.get(id.0));
@@ -356,7 +356,7 @@ pub(crate) fn forget_clauses(cycle: &mut Cycle<'_>, id: TaskId) {
     });
 }
 
-/// After a suspension by `suspend-when`: watches its `until`, and `resume-when` again.
+/// Watches `until`, and again `resume-when`, after a suspension by `suspend-when`.
 pub(crate) fn watch_resumption(cycle: &mut Cycle<'_>, id: TaskId, level: Level, window: Window) {
     let Some(clauses) = clauses(cycle, id, level) else { return };
     monitoring_clauses::unwatch(cycle, id, |clause, at| clause == Clause::ResumeWhen && at == level);
@@ -385,8 +385,8 @@ fn watch_again(
     }
 }
 
-/// After a resumption: the other clauses that ended it are no longer watched, `suspend-when` is watched again; that of a step
-/// whose task has yet to learn what it names is watched when the task is enabled, as at its creation.
+/// Watches `suspend-when` again after a resumption, and no longer the clauses that could end the suspension; that of a step whose task has
+/// yet to learn what it names is watched when the task is enabled, as at its creation.
 pub(crate) fn watch_suspension(cycle: &mut Cycle<'_>, id: TaskId, window: Window) {
     monitoring_clauses::unwatch(cycle, id, |clause, _| {
         matches!(clause, Clause::SuspendUntil | Clause::ResumeWhen | Clause::SuspendWhen)

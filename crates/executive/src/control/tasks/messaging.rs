@@ -20,7 +20,7 @@ use apex_model::symbol::Symbol;
 use apex_model::task::TaskId;
 use apex_model::value::Value;
 
-/// `(inform FORM)`: for all listeners outside, for this agent, and for the agents that hear it on this agent's routers.
+/// Executes `(inform FORM)`: sends the message to the outside, to this agent, and to the agents that receive it on this agent's routers.
 /// `(inform FORM router)`: for outside and that router alone; the author does not hear itself.
 ///
 /// # Errors
@@ -42,10 +42,11 @@ pub(crate) fn inform(
     Ok(())
 }
 
-/// `(publish (ATTRIBUTE OBJECT) value [router])`: as [`inform`], for samples. The trace has them, the outside does not.
+/// Executes `(publish (ATTRIBUTE OBJECT) value [router])`: like [`inform`], for samples. The trace contains them, the outside does not
+/// receive them.
 ///
 /// # Errors
-/// As [`inform`].
+/// Like [`inform`].
 pub(crate) fn publish(
     cycle: &mut Cycle<'_>,
     id: TaskId,
@@ -66,7 +67,7 @@ pub(crate) fn publish(
     Ok(())
 }
 
-/// A message of the agent to itself; `(ATTRIBUTE OBJECT = VALUE)` is a sample.
+/// Delivers a message of the agent to itself; `(ATTRIBUTE OBJECT = VALUE)` is a sample.
 fn say(cycle: &mut Cycle<'_>, form: Value) {
     match measured(&form) {
         Some((variable, value)) => cycle.say_sample(variable, value),
@@ -74,7 +75,7 @@ fn say(cycle: &mut Cycle<'_>, form: Value) {
     }
 }
 
-/// `(cogevent FORM [agent])`: for this agent, or for another one.
+/// Executes `(cogevent FORM [agent])`: sends a message to this agent or to another one.
 ///
 /// # Errors
 /// The cause when no agent of the application is called so.
@@ -118,7 +119,7 @@ fn tell(cycle: &mut Cycle<'_>, task: TaskId, to: Vec<Symbol>, message: Message) 
     }
 }
 
-/// The other agents that hear `message` on `router`, or on any router that this agent publishes it to.
+/// Returns the other agents that hear `message` on `router`, or on any router that this agent publishes it to.
 fn receivers(
     cycle: &Cycle<'_>,
     message: &Message,
@@ -178,7 +179,7 @@ fn hears(
     Ok(false)
 }
 
-/// A router that is named must exist, and this agent must use it.
+/// Checks that a named router exists and that this agent uses it.
 fn check_router<'r>(
     cycle: &Cycle<'_>,
     mut used: impl Iterator<Item = &'r Symbol>,

@@ -106,7 +106,7 @@ fn may_change(view: &View<'_>, name: &Symbol) -> bool {
     index.is_some_and(|index| index.changing.contains(name))
 }
 
-/// The second word of the only message that the monitor waits for, where it cannot change: a literal, or a variable
+/// Returns the second word of the only message that the monitor waits for, where it cannot change: a literal, or a variable
 /// that is bound already and stays as it is.
 fn second_word(monitor: &Monitor, view: &View<'_>) -> Option<Value> {
     let PartKind::Event(event) = &monitor.root.kind else { return None };
@@ -157,7 +157,7 @@ fn remove(cycle: &mut Cycle<'_>, id: MonitorId) {
     probing::not_awaited(cycle, id);
 }
 
-/// The notice phase: tells monitors what was recorded, then judges all that were touched.
+/// Executes the notice phase: passes everything recorded to monitors, then judges all monitors that were affected.
 pub(crate) fn notice(cycle: &mut Cycle<'_>) {
     // What was found as tasks were made at the end of the last round is asked again: a sample may have been replaced since.
     cycle.work.firings.clear();
@@ -210,7 +210,7 @@ fn tell(cycle: &mut Cycle<'_>, id: MonitorId, stimulus: &Stimulus) {
     cycle.work.touched.push(id);
 }
 
-/// A verdict may have found out which task is meant, or that it is another one now: the monitor receives the stimuli of that one.
+/// Files the monitor under the stimuli of the task that it now refers to, after a verdict that determined or changed that task.
 fn refile(interests: &mut Interests, watch: &mut ClauseMonitor, id: MonitorId) {
     let Some(filing) = &watch.filing else { return };
     if let Some(sole) = task_state::sole_interest(&watch.monitor) {
@@ -228,7 +228,7 @@ fn refile(interests: &mut Interests, watch: &mut ClauseMonitor, id: MonitorId) {
     }
 }
 
-/// The tag of a step names another task than `before` now: its monitors are evaluated again, before that one changes.
+/// Evaluates the monitors of a tag again that names another task than `before` now.
 pub(crate) fn tag_moved(cycle: &mut Cycle<'_>, before: TaskId) {
     let mut found = MonitorIds::new();
     cycle.agent.interests.of_task(before, &mut found);
@@ -273,7 +273,7 @@ pub(crate) fn judge(cycle: &mut Cycle<'_>, id: MonitorId) {
     }
 }
 
-/// Is what was noticed still so? What took effect before it in this phase may have ended what must not have ended.
+/// Returns true if a noticed verdict still holds: earlier effects of this phase may have changed it.
 pub(crate) fn still_holds(cycle: &Cycle<'_>, firing: &Firing) -> bool {
     let absence = |evidence: &Evidence| matches!(evidence, Evidence::Absence { .. });
     if cycle.work.stimuli.is_empty() || !firing.satisfaction.evidence.iter().any(absence) {
@@ -288,7 +288,7 @@ pub(crate) fn still_holds(cycle: &Cycle<'_>, firing: &Firing) -> bool {
     matches!(monitors::verdict(&mut monitor, &view), Verdict::Satisfied(_))
 }
 
-/// A monitor's wake has arrived: it is judged again.
+/// Judges a monitor whose wake is due.
 pub(crate) fn woken(cycle: &mut Cycle<'_>, id: MonitorId) {
     let own = cycle.agent.watches.get_mut(id.0).and_then(|watch| watch.wake.take());
     if own.is_some() {
@@ -298,7 +298,7 @@ pub(crate) fn woken(cycle: &mut Cycle<'_>, id: MonitorId) {
     }
 }
 
-/// The newest arrival among the evidence: what the next instance of a repeated task must not take for an answer.
+/// Returns the newest arrival among the evidence: what the next instance of a repeated task must not take for an answer.
 fn answered(cycle: &Cycle<'_>, satisfaction: &Satisfaction) -> Option<u64> {
     let newest = cycle.agent.next.arrival.checked_sub(1);
     let arrival = |evidence: &Evidence| match evidence {

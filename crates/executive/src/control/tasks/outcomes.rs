@@ -45,7 +45,7 @@ pub(crate) fn dependents(
     found
 }
 
-/// The task of a step of the procedure that `parent` runs.
+/// Returns the task of a step of the procedure that `parent` runs.
 fn current(cycle: &Cycle<'_>, parent: TaskId, step: u32) -> Option<TaskId> {
     match cycle.task(parent)?.controller.as_deref()? {
         Controller::Procedure(controller) => controller.current.get(step as usize).copied().flatten(),
@@ -53,7 +53,7 @@ fn current(cycle: &Cycle<'_>, parent: TaskId, step: u32) -> Option<TaskId> {
     }
 }
 
-/// The step's task with the cause, if its `waitfor` can no longer hold.
+/// Returns the step's task with the cause, if its `waitfor` can no longer hold.
 fn missed_outcome(
     cycle: &Cycle<'_>,
     index: &ProcedureIndex,
@@ -74,7 +74,7 @@ fn missed_outcome(
     Some((id, Because::new(Cause::OutcomeMissed { task, outcome }, Some(condition.place))))
 }
 
-/// The steps that use a result of `child`, with the cause, unless another step may still give it.
+/// Returns the steps that use a result of `child`, with the cause, unless another step may still give it.
 fn users(
     cycle: &Cycle<'_>,
     index: &ProcedureIndex,

@@ -54,7 +54,7 @@ pub(crate) fn start(cycle: &mut Cycle<'_>, id: TaskId, index: u32, context: Bind
     }
 }
 
-/// Is there nothing to do and nothing to wait for? Then it is complete before anything would use a controller.
+/// Returns true if the primitive has nothing to do and nothing to wait for, so that it is complete without a controller.
 fn is_bare(primitive: &Primitive) -> bool {
     let Primitive { locals, hooks, on_completion, duration, update, returns, .. } = primitive;
     let forms = [&hooks.on_start, &hooks.on_end, &hooks.on_suspend, &hooks.on_resume, on_completion];
@@ -191,7 +191,7 @@ fn tell_state(cycle: &mut Cycle<'_>, id: TaskId, command: CommandId, state: &str
     cycle.publish_own(id, (variable, Value::symbol(state)), because);
 }
 
-/// The vehicle said how far a command is.
+/// Handles a progress report of the vehicle about a command.
 pub(crate) fn progressed(cycle: &mut Cycle<'_>, command: CommandId, progress: CommandProgress) {
     match cycle.agent.commands.get(&command).map(|open| open.task) {
         Some(id) => tell_state(cycle, id, command, progress.word()),
@@ -222,7 +222,7 @@ pub(crate) fn complete(cycle: &mut Cycle<'_>, id: TaskId, cause: Cause, value: O
     termination::end(cycle, id, Outcome::Success(value), Because::new(cause, place));
 }
 
-/// The primitive's duration is over.
+/// Handles the end of the primitive's duration.
 pub(crate) fn duration_over(cycle: &mut Cycle<'_>, id: TaskId) {
     let Some(state) = controller(cycle, id) else { return };
     state.end = None;
@@ -230,7 +230,7 @@ pub(crate) fn duration_over(cycle: &mut Cycle<'_>, id: TaskId) {
     complete(cycle, id, Cause::DurationElapsed { duration }, None);
 }
 
-/// The update forms are due.
+/// Runs the update forms, which are due.
 pub(crate) fn update(cycle: &mut Cycle<'_>, id: TaskId) {
     let now = cycle.now;
     let Some(primitive) = template(cycle, id) else { return };
@@ -256,7 +256,7 @@ pub(crate) fn update(cycle: &mut Cycle<'_>, id: TaskId) {
     }
 }
 
-/// The vehicle answered a command.
+/// Handles the vehicle's answer to a command.
 pub(crate) fn answered(cycle: &mut Cycle<'_>, command: CommandId, answer: &Result<Value, String>) {
     if !cycle.agent.commands.contains_key(&command) {
         // A late answer to a withdrawn command says nothing new; one to a command never sent is strange.
@@ -269,7 +269,7 @@ pub(crate) fn answered(cycle: &mut Cycle<'_>, command: CommandId, answer: &Resul
     settle(cycle, command, answer.cloned());
 }
 
-/// A command has its answer, or has failed.
+/// Settles a command that has its answer, or has failed.
 fn settle(cycle: &mut Cycle<'_>, command: CommandId, answer: Result<Value, Cause>) {
     let Some(open) = cycle.agent.commands.remove(&command) else { return };
     cycle.agent.wakes.cancel(open.timeout);
@@ -302,7 +302,7 @@ fn settle(cycle: &mut Cycle<'_>, command: CommandId, answer: Result<Value, Cause
     }
 }
 
-/// The time for an answer is over: the command has failed, and the vehicle should stop doing it.
+/// Handles the timeout of a command: it has failed, and the vehicle is asked to stop it.
 pub(crate) fn timed_out(cycle: &mut Cycle<'_>, command: CommandId) {
     let Some(open) = cycle.agent.commands.get(&command) else { return };
     let patience = open.patience;

@@ -26,7 +26,7 @@ use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
-/// The probings that the condition asks for, in written order.
+/// Returns the probings that the condition asks for, in written order.
 ///
 /// # Errors
 /// When an interval or a limit cannot be evaluated, or is none.
@@ -109,7 +109,7 @@ fn count(expr: &Expr, view: &View<'_>) -> Result<u64, EvaluationError> {
     })
 }
 
-/// The clause of `monitor` is watched: the first probes begin as soon as nothing else is left to do.
+/// Begins the probes of a clause that is watched from now on: the first probes begin as soon as nothing else is left to do.
 pub(crate) fn begin(cycle: &mut Cycle<'_>, monitor: MonitorId, probings: Vec<Probing>) {
     for (part, probing) in (0..).zip(probings) {
         let id = ProbingId { monitor, part };
@@ -125,7 +125,7 @@ fn ids(cycle: &Cycle<'_>, monitor: MonitorId) -> Vec<ProbingId> {
     }
 }
 
-/// The condition was judged: what holds is probed for no more.
+/// Stops the probes of conditions that hold after a judgement.
 pub(crate) fn judged(cycle: &mut Cycle<'_>, monitor: MonitorId, watch: &ClauseMonitor, satisfied: bool) {
     for id in ids(cycle, monitor) {
         let Some(probing) = cycle.agent.probings.get(&id).filter(|probing| probing.end.is_none()) else { continue };
@@ -136,7 +136,7 @@ pub(crate) fn judged(cycle: &mut Cycle<'_>, monitor: MonitorId, watch: &ClauseMo
     }
 }
 
-/// The clause is watched no more.
+/// Ends the probes of a clause that is no longer watched.
 pub(crate) fn not_awaited(cycle: &mut Cycle<'_>, monitor: MonitorId) {
     for id in ids(cycle, monitor) {
         end(cycle, id, ProbingEnd::NotAwaited);
@@ -148,7 +148,7 @@ pub(crate) fn not_awaited(cycle: &mut Cycle<'_>, monitor: MonitorId) {
     }
 }
 
-/// The monitor's next probe is due, or the time for probing is over.
+/// Handles a probe that is due, or the end of the time for probing.
 pub(crate) fn woken(cycle: &mut Cycle<'_>, monitor: MonitorId) {
     for id in ids(cycle, monitor) {
         let now = cycle.now;
@@ -160,7 +160,7 @@ pub(crate) fn woken(cycle: &mut Cycle<'_>, monitor: MonitorId) {
     }
 }
 
-/// No other probe begins. One that lives is cut unless it ends before the instant is over.
+/// Ends probing: no further probe begins, and a running probe is cut unless it ends before the instant is over.
 fn end(cycle: &mut Cycle<'_>, id: ProbingId, reason: ProbingEnd) {
     let Some(probing) = cycle.agent.probings.get_mut(&id) else { return };
     probing.end.get_or_insert(reason);
@@ -170,7 +170,7 @@ fn end(cycle: &mut Cycle<'_>, id: ProbingId, reason: ProbingEnd) {
     cycle.work.probings.push(id);
 }
 
-/// A limit is reached: the waiting task continues to wait, and that is reported.
+/// Stops probing because a limit is reached, and reports that. The waiting task continues to wait.
 fn stop(cycle: &mut Cycle<'_>, id: ProbingId, reason: ProbingEnd) {
     end(cycle, id, reason);
     let Some(probing) = cycle.agent.probings.get(&id) else { return };
@@ -180,7 +180,7 @@ fn stop(cycle: &mut Cycle<'_>, id: ProbingId, reason: ProbingEnd) {
     cycle.decide(Some(waiting), DecisionKind::Trouble { message }, because);
 }
 
-/// A probe has ended, well or not: no clause can refer to it any longer, and the next one may come.
+/// Handles the end of a probe: no clause can refer to it any longer, and the next probe may begin.
 pub(crate) fn ended(cycle: &mut Cycle<'_>, id: ProbingId, host: TaskId, probe: TaskId) {
     procedure::disown(cycle, host, probe);
     cycle.agent.tasks.remove(probe.0);
@@ -244,7 +244,7 @@ fn cut(cycle: &mut Cycle<'_>, id: ProbingId, reason: ProbingEnd) {
     }
 }
 
-/// The task whose procedure the clause is part of: the probes are its children.
+/// Returns the task whose procedure the clause is part of: the probes are its children.
 fn host(cycle: &Cycle<'_>, probing: &Probing) -> Option<TaskId> {
     let host = match probing.level {
         Level::Step => cycle.task(probing.waiting)?.parent?,

@@ -86,7 +86,7 @@ fn open_logs(cycle: &mut Cycle<'_>, id: TaskId, procedure: &Procedure) {
     }
 }
 
-/// The first word of the messages that `(:events WORD)` means.
+/// Returns the first word of the messages that `(:events WORD)` means.
 fn first_word(value: &Value) -> Option<Symbol> {
     match value.as_list()? {
         [keyword, word] if keyword.as_symbol()?.is(":events") => word.as_symbol().cloned(),
@@ -141,7 +141,7 @@ pub(crate) fn adopt(cycle: &mut Cycle<'_>, parent: TaskId, child: TaskId, counts
     }
 }
 
-/// `child` has ended, and is a child no more.
+/// Removes `child`, which has ended, from the children of its parent.
 pub(crate) fn disown(cycle: &mut Cycle<'_>, parent: TaskId, child: TaskId) {
     if let Some(Controller::Procedure(controller)) = controller(cycle, parent) {
         controller.children.remove(child);
@@ -152,7 +152,7 @@ fn controller<'c>(cycle: &'c mut Cycle<'_>, id: TaskId) -> Option<&'c mut Contro
     cycle.agent.task_mut(id)?.controller.as_deref_mut()
 }
 
-/// A step has ended for good: the next one is freed, or the procedure is done.
+/// Handles the final end of a step: the next step is freed, or the procedure is complete.
 pub(crate) fn step_ended(cycle: &mut Cycle<'_>, id: TaskId, child: TaskId) {
     let Some(Origin::Step(step)) = cycle.task(child).map(|task| task.origin) else { return };
     let index = cycle.agent.procedure_index(step.procedure);
@@ -199,7 +199,8 @@ fn complete_when_done(cycle: &mut Cycle<'_>, id: TaskId, last: Option<TaskId>) {
     termination::end(cycle, id, Outcome::Success(Value::nil()), because);
 }
 
-/// A concurrent procedure with an `end-when` says itself when its goal is reached; that its steps have ended is not it.
+/// Returns true for a concurrent procedure with an `end-when`, which alone decides when the procedure is complete; the end of its steps
+/// does not.
 fn ends_by_condition(procedure: &Procedure) -> bool {
     procedure.kind == ProcedureKind::Concurrent && procedure.transitions.end_when.is_some()
 }
@@ -263,7 +264,7 @@ pub(crate) fn start_items(cycle: &mut Cycle<'_>, id: TaskId, items: &[Value]) {
     }
 }
 
-/// An item's task ended: no clause can refer to it, so it is forgotten; the last one ends the whole.
+/// Handles the end of an item's task: it is forgotten, because no clause can refer to it; the last one completes the `forall`.
 pub(crate) fn item_ended(cycle: &mut Cycle<'_>, id: TaskId, child: TaskId) {
     let Some(Controller::Items(controller)) = controller(cycle, id) else { return };
     controller.open = controller.open.saturating_sub(1);

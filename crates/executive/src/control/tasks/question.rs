@@ -14,7 +14,7 @@ use apex_model::source::Place;
 use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::value::Value;
 
-/// `(ask operator QUESTION ..)` with the values of question, options, by and, if there is one, default: the task waits.
+/// Executes `(ask operator QUESTION ..)` with the values of question, options, by and, if there is one, default; the task waits.
 ///
 /// # Errors
 /// The cause when `:by` is neither an instant nor a duration.
@@ -69,12 +69,12 @@ fn put(cycle: &mut Cycle<'_>, id: TaskId) {
     cycle.effects.push(Effect::Ask { question, task: id, text, options, by, default });
 }
 
-/// The task is interrupted: its question is withdrawn. The time that the operator had does not stand still.
+/// Withdraws the question of an interrupted task. The operator's time continues to run.
 pub(crate) fn pause(cycle: &mut Cycle<'_>, id: TaskId) {
     withdraw(cycle, id, "its task was interrupted");
 }
 
-/// The task continues: it asks again, under a new number, unless the operator's time is over.
+/// Asks the question of a resumed task again, under a new number, unless the operator's time is over.
 pub(crate) fn resume(cycle: &mut Cycle<'_>, id: TaskId) {
     let (now, ongoing) = (cycle.now, cycle.state(id) == TaskState::Ongoing);
     let Some(state) = controller(cycle, id).filter(|state| ongoing && !state.open) else { return };
@@ -98,7 +98,7 @@ pub(crate) fn withdraw(cycle: &mut Cycle<'_>, id: TaskId, reason: &str) {
     }
 }
 
-/// The operator answered. What is none of the options is refused, and the question stays open.
+/// Handles the operator's answer. An answer that is not among the options is refused, and the question stays open.
 pub(crate) fn answered(cycle: &mut Cycle<'_>, question: QuestionId, answer: &Value) {
     let Some(id) = cycle.agent.questions.get(&question).copied() else {
         let cause = if question.0 >= cycle.agent.next.question {
@@ -125,7 +125,7 @@ pub(crate) fn answered(cycle: &mut Cycle<'_>, question: QuestionId, answer: &Val
     termination::end(cycle, id, Outcome::Success(value), Because::new(cause, place));
 }
 
-/// The option that the answer means, or the answer itself where there are no options. Words that come from outside are
+/// Returns the option that the answer means, or the answer itself where there are no options. Words that come from outside are
 /// texts; options are mostly symbols.
 fn chosen(options: &[Value], answer: &Value) -> Option<Value> {
     if options.is_empty() {
@@ -138,7 +138,7 @@ fn chosen(options: &[Value], answer: &Value) -> Option<Value> {
     options.iter().find(same).cloned()
 }
 
-/// The operator's time is over.
+/// Handles the end of the operator's time.
 pub(crate) fn time_over(cycle: &mut Cycle<'_>, question: QuestionId) {
     if let Some(id) = cycle.agent.questions.get(&question).copied() {
         withdraw(cycle, id, "the operator's time is over");
@@ -146,7 +146,7 @@ pub(crate) fn time_over(cycle: &mut Cycle<'_>, question: QuestionId) {
     }
 }
 
-/// The default is taken; without one the task fails.
+/// Takes the default, or fails the task if there is none.
 fn go_without(cycle: &mut Cycle<'_>, id: TaskId, question: QuestionId) {
     let place = cycle.place_of(id);
     match controller(cycle, id).and_then(|state| state.default.clone()) {

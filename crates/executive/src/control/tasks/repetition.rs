@@ -60,7 +60,7 @@ pub(crate) fn count_instance(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), Ca
     Ok(())
 }
 
-/// The task is not to be repeated: its step, not only this instance, was ended.
+/// Prevents further repetitions of the task, because its step was ended, not only this instance.
 pub(crate) fn forbid(cycle: &mut Cycle<'_>, id: TaskId, level: Level) {
     if level == Level::Step
         && let Some(task) = cycle.agent.task_mut(id)
@@ -82,7 +82,7 @@ fn is_allowed(cycle: &Cycle<'_>, id: TaskId, clause: &Repetition) -> Result<bool
     Ok(condition(cycle, id, clause.while_true.as_ref(), true)? && !condition(cycle, id, clause.until.as_ref(), false)?)
 }
 
-/// A step that might have been repeated has ended: conditions that wait for its end notice it.
+/// Handles the final end of a step that might have been repeated: conditions that wait for its end notice it.
 pub(crate) fn ended_for_good(cycle: &mut Cycle<'_>, id: TaskId, outcome: &Outcome) {
     if matches!(outcome, Outcome::Success(_)) && cycle.may_repeat(id) && !cycle.agent.interests.ignore_task(id) {
         let before = MonitorId(cycle.agent.next.monitor);
@@ -127,7 +127,7 @@ struct Again {
     interval: Option<Duration>,
 }
 
-/// Whether and how the ended task begins again; none when it does not.
+/// Returns whether and how the ended task begins again; `None` if it does not.
 ///
 /// # Errors
 /// The cause when an option of the clause cannot be evaluated.
@@ -147,7 +147,7 @@ fn report(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
     cycle.decide(Some(id), apex_model::effect::DecisionKind::Trouble { message }, because);
 }
 
-/// A repetition whose condition cannot be evaluated, or a loop that takes no time, is an error of the procedure that holds it.
+/// Fails the procedure of a repetition whose condition cannot be evaluated, or of a loop that takes no time.
 fn fail_parent(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
     report(cycle, id, because.clone());
     if let Some(parent) = cycle.task(id).and_then(|task| task.parent) {
@@ -197,7 +197,7 @@ fn span(cycle: &Cycle<'_>, id: TaskId, expr: &Expr) -> Result<Duration, Because>
         .map_err(|_| failed(format!("{value} is not a span of time; write a duration such as 10s"), expr.place))
 }
 
-/// The least interval between two instances is over.
+/// Handles the end of the least interval between two instances.
 pub(crate) fn interval_over(cycle: &mut Cycle<'_>, id: TaskId) {
     if let Some(task) = cycle.agent.task_mut(id) {
         task.held_back.by_interval = false;
@@ -209,7 +209,7 @@ pub(crate) fn interval_over(cycle: &mut Cycle<'_>, id: TaskId) {
     instantiation::offer(cycle, id);
 }
 
-/// A repeating step becomes busy: messages for its `waitfor` are kept for its next repetitions from now on.
+/// Begins to keep messages for the `waitfor` of a repeating step that becomes busy; its next repetitions answer them.
 pub(crate) fn listen(cycle: &mut Cycle<'_>, id: TaskId, evidence: &EvidenceList) {
     if !cycle.may_repeat(id) {
         return;
@@ -256,7 +256,7 @@ pub(crate) fn answer(cycle: &mut Cycle<'_>, id: TaskId, evidence: &EvidenceList)
     }
 }
 
-/// The `waitfor` of a step that was busy is watched again: its monitor is given the messages that wait.
+/// Delivers the kept messages to the monitor of a `waitfor` that is watched again.
 pub(crate) fn give_waiting_messages(cycle: &mut Cycle<'_>, id: TaskId, monitor: MonitorId) {
     if !cycle.agent.listening.knows(id) {
         return;
@@ -270,7 +270,7 @@ pub(crate) fn give_waiting_messages(cycle: &mut Cycle<'_>, id: TaskId, monitor: 
     cycle.agent.watches.put(monitor.0, watch);
 }
 
-/// The values of the `:for-new` variables, when the step has any.
+/// Returns the values of the `:for-new` variables, when the step has any.
 fn combination(cycle: &Cycle<'_>, id: TaskId, bindings: &Bindings) -> Option<Vec<Value>> {
     if !cycle.has(id, StepClauses::REPETITION) {
         return None;
@@ -310,7 +310,7 @@ pub(crate) fn wait_for_new(cycle: &mut Cycle<'_>, id: TaskId, answered: Option<u
     }
 }
 
-/// The task of a responding step was enabled: a fresh instance waits next to it.
+/// Creates a fresh instance next to the task of a responding step that was enabled.
 pub(crate) fn respond(cycle: &mut Cycle<'_>, id: TaskId) {
     let Some(task) = cycle.task(id).filter(|task| task.clauses.has(StepClauses::REPETITION)) else { return };
     let (Origin::Step(step), Some(parent), answered) = (task.origin, task.parent, task.after_sequence) else { return };

@@ -128,12 +128,12 @@ fn forget_wakes(cycle: &mut Cycle<'_>, id: TaskId) {
     }
 }
 
-/// The task failed: its `on-failure` goal handles that, or it ends with failure.
+/// Handles the failure of a task: its `on-failure` goal handles it, or the task ends with failure.
 pub(crate) fn fail(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
     fail_as(cycle, id, Outcome::Failure, because);
 }
 
-/// The same with the kind of failure.
+/// Like [`fail`], with the kind of failure.
 pub(crate) fn fail_as(cycle: &mut Cycle<'_>, id: TaskId, outcome: Outcome, because: Because) {
     if cycle.state(id) != TaskState::Terminated && !failure::handle(cycle, id, &because) {
         end(cycle, id, outcome, because);
@@ -191,7 +191,7 @@ fn react(cycle: &mut Cycle<'_>, parent: TaskId, child: TaskId) {
     }
 }
 
-/// The root task ended: so does the application.
+/// Ends the application, because the root task ended.
 fn finish(cycle: &mut Cycle<'_>, root: TaskId) {
     let reason = match cycle.task(root).and_then(|task| task.outcome.as_ref()) {
         Some(Outcome::Success(value)) if value.is_true() => format!("the initial task is done: {value}"),
@@ -211,7 +211,7 @@ fn finish(cycle: &mut Cycle<'_>, root: TaskId) {
     }
 }
 
-/// `(end-application)`: the root task is cut with everything below it.
+/// Executes `(end-application)`: cuts the root task with all of its subtasks.
 pub(crate) fn end_application(cycle: &mut Cycle<'_>, by: TaskId, reason: Option<Value>) {
     let words = match reason {
         Some(Value::Text(text)) => text.to_string(),
@@ -224,7 +224,7 @@ pub(crate) fn end_application(cycle: &mut Cycle<'_>, by: TaskId, reason: Option<
     }
 }
 
-/// The application ends for a reason from outside this agent: everything is cut.
+/// Ends the application for a reason from outside this agent: cuts all tasks.
 pub(crate) fn stop(cycle: &mut Cycle<'_>, reason: &str) {
     let because = Because::new(Cause::Stopped { reason: reason.to_string() }, None);
     cut_all(cycle, reason, because);

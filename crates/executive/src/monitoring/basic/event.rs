@@ -35,7 +35,7 @@ pub(crate) fn backfill(
     }
 }
 
-/// A message has arrived.
+/// Processes a message.
 pub(crate) fn notice(
     part: &mut EventPart,
     site: PartContext,
@@ -81,7 +81,7 @@ fn holds(
         && all(&timing.duration, &Value::Duration(Duration::ZERO), RightSide::Span, bindings, context, site.place)?)
 }
 
-/// The patterns of messages that a condition combines; what forbids messages or relates them in time begins again.
+/// Collects the patterns of the messages that a condition combines, but not those that it forbids or relates in time.
 pub(crate) fn patterns<'a>(condition: &'a Condition, found: &mut Vec<&'a Pattern>) {
     match &condition.kind {
         ConditionKind::Event { pattern, .. } => found.push(pattern),
@@ -129,7 +129,7 @@ pub(crate) fn interest(pattern: &Pattern) -> Interest {
     head.and_then(head_of).map_or(Interest::AnyEvent, Interest::EventHead)
 }
 
-/// The symbol by which messages of this form are routed: its head, or the form itself.
+/// Returns the symbol by which messages of this form are routed: its head, or the form itself.
 pub(crate) fn head_of(form: &Value) -> Option<apex_model::symbol::Symbol> {
     let head = match form {
         Value::List(items) => items.first()?,

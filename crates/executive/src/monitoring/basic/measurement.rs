@@ -29,10 +29,10 @@ use apex_model::time::Time;
 use apex_model::value::Value;
 use std::sync::Arc;
 
-/// The part for `condition`, not yet looked back.
+/// Creates the monitor part for `condition`, before any remembered sample is examined.
 ///
 /// # Errors
-/// When a value that never changes cannot be evaluated.
+/// An [`EvaluationError`] if an operand of the condition that never changes cannot be evaluated.
 pub(crate) fn create(
     condition: &Arc<MeasurementCondition>,
     context: &dyn EvalContext,
@@ -47,7 +47,8 @@ pub(crate) fn create(
     })
 }
 
-/// The comparison that no sample can do without, if only the value decides and nothing else is remembered.
+/// Returns the comparison with a constant that every matching sample satisfies; `None` if object or timestamp are
+/// constrained too, or if the operand can change.
 pub(crate) fn threshold(part: &MeasurementPart) -> Option<Threshold> {
     let plain = part.variable.is_some() && part.condition.object.is_empty() && part.condition.timestamp.is_empty();
     match part.tests.first().filter(|_| plain)? {
@@ -56,7 +57,7 @@ pub(crate) fn threshold(part: &MeasurementPart) -> Option<Threshold> {
     }
 }
 
-/// A sample has arrived; `newest` when no sample of its variable is as new.
+/// Processes a sample that has arrived; `newest` is true if every earlier sample of its variable has an earlier time.
 pub(crate) fn notice(
     part: &mut MeasurementPart,
     site: PartContext,
@@ -79,7 +80,7 @@ pub(crate) fn notice(
     }
 }
 
-/// A sample that is older than another of its variable: it counts itself, and in the place of one of its instant.
+/// Processes a sample that is older than another of its variable. It replaces an earlier sample of the same instant.
 fn feed_late(
     part: &mut MeasurementPart,
     site: PartContext,
@@ -217,12 +218,12 @@ fn holds(
         && all(&condition.timestamp, &stamp, RightSide::Instant, bindings, context, site.place)?)
 }
 
-/// All results up to now, earliest first; those of one instant in the order in which their objects were first known.
+/// Returns all results up to now, earliest first; results of one instant in the order in which their objects first occurred.
 pub(crate) fn results(part: &MeasurementPart) -> Vec<Satisfaction> {
     ordered(part).into_iter().cloned().collect()
 }
 
-/// The same, not copied.
+/// Returns the results of [`results`] by reference.
 pub(crate) fn ordered(part: &MeasurementPart) -> Vec<&Satisfaction> {
     let Some(seen) = &part.seen else { return Vec::new() };
     let pending = seen.newest.samples().filter_map(|newest| newest.result.as_ref());
@@ -242,7 +243,7 @@ fn variable_of(result: &Satisfaction) -> Option<&StateVariable> {
     }
 }
 
-/// The first of [`results`].
+/// Returns the first of [`results`].
 pub(crate) fn first_result(part: &MeasurementPart) -> Option<Satisfaction> {
     let seen = part.seen.as_ref()?;
     match (&seen.newest, seen.settled.is_empty()) {
@@ -258,7 +259,8 @@ pub(crate) fn any(part: &MeasurementPart) -> bool {
     part.seen.as_deref().is_some_and(found)
 }
 
-/// The newest sample of `variable` that counts for the part, received or not.
+/// Returns the time of the newest sample of `variable` within the window; samples that arrived before the part was created
+/// count, too.
 fn newest_seen(
     part: &MeasurementPart,
     window: Window,
@@ -272,7 +274,7 @@ fn newest_seen(
     samples.find(|sample| window.contains(sample.at, sample.sequence)).map(|sample| sample.at)
 }
 
-/// Has any sample counted so far? For explanations.
+/// Returns true if any sample within the window was available so far; explanations distinguish "no data" by it.
 pub(crate) fn has_seen_any(part: &MeasurementPart, window: Window, context: &dyn EvalContext) -> bool {
     match &part.variable {
         Some(variable) => newest_seen(part, window, variable, context).is_some(),

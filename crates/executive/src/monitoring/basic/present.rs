@@ -65,7 +65,7 @@ fn error(condition: &Condition, message: String) -> EvaluationError {
     EvaluationError { message, place: condition.place }
 }
 
-/// All parts, or any of them where `deciding` is true: one part of this truth decides, else one unknown part.
+/// Returns all parts, or any of them where `deciding` is true: one part of this truth decides, else one unknown part.
 fn together(parts: &[Condition], deciding: bool, context: &dyn EvalContext) -> Result<Present, EvaluationError> {
     let mut truth = Some(!deciding);
     let mut evidence: Vec<Evidence> = Vec::new();
@@ -111,12 +111,12 @@ fn measured(
     Ok(Present { truth: Some(holds), evidence })
 }
 
-/// Nothing decides: what is named is missing.
+/// Returns an undecided verdict with the names of what is missing.
 fn unknown(what: String, context: &dyn EvalContext) -> Present {
     Present { truth: None, evidence: EvidenceList::one(Evidence::Absence { what, at: context.now() }) }
 }
 
-/// The step has no task: its procedure has not begun.
+/// Returns the verdict for a step without a task, because its procedure has not begun.
 fn no_task(tag: &Symbol, context: &dyn EvalContext) -> Present {
     unknown(format!("task of ?{tag}"), context)
 }

@@ -33,14 +33,14 @@ pub(crate) fn advance_ended(part: &mut TaskEndedPart, context: &dyn EvalContext)
     }
 }
 
-/// A task ended.
+/// Processes the end of a task.
 pub(crate) fn notice_ended(part: &mut TaskEndedPart, task: TaskId, at: Time) {
     if part.task == Some(task) && part.ended.is_none() {
         part.ended = Some(at);
     }
 }
 
-/// The result of a wait for a task's end.
+/// Returns the result of a wait for a task's end.
 pub(crate) fn ended_result(part: &TaskEndedPart) -> Option<Satisfaction> {
     let (task, at) = part.task.zip(part.ended)?;
     let evidence = EvidenceList::one(Evidence::TaskEnd { task, at });
@@ -72,12 +72,12 @@ pub(crate) fn advance_state(
     }
 }
 
-/// True if the condition names an outcome: only then outcomes count, since a variable in the place of the state is a state.
+/// Returns true if the condition names an outcome: only then outcomes count, since a variable in the place of the state is a state.
 fn names_outcome(part: &TaskStatePart) -> bool {
     matches!(&part.state, Pattern::Literal(Value::Symbol(name)) if OUTCOME_STATES.contains(&name.folded()))
 }
 
-/// A task ended for good: how is a fact, too.
+/// Processes the final end of a task with its outcome, which stays a fact.
 pub(crate) fn notice_outcome(
     part: &mut TaskStatePart,
     site: PartContext,
@@ -93,7 +93,7 @@ pub(crate) fn notice_outcome(
     }
 }
 
-/// A task changed state.
+/// Processes a change of a task's state.
 pub(crate) fn notice_state(
     part: &mut TaskStatePart,
     site: PartContext,
@@ -138,7 +138,7 @@ fn note(
     }
 }
 
-/// The only interest of a monitor that waits for one task's end or state, as it is now; none of all others.
+/// Returns the only interest of a monitor that waits for one task's end or state, as it is now; `None` of all others.
 pub(crate) fn sole_interest(monitor: &Monitor) -> Option<Interest> {
     match &monitor.root.kind {
         PartKind::TaskEnded(leaf) => Some(interest(leaf.task)),
@@ -152,7 +152,7 @@ pub(crate) fn interest(task: Option<TaskId>) -> Interest {
     task.map_or(Interest::AnyTask, Interest::Task)
 }
 
-/// The name by which a wait for a task's end is explained.
+/// Returns the name by which a wait for a task's end is explained.
 pub(crate) fn ended_words(variable: &Symbol) -> String {
     format!("(end ?{variable})")
 }

@@ -43,7 +43,7 @@ pub(crate) fn advance(part: &mut TimePart, kind: TimeForm, site: PartContext, co
     }
 }
 
-/// A part whose expressions cannot be evaluated, now or later. One that waits for a task or a value is none.
+/// Checks that the expressions of a part can be evaluated, now or later. A part that waits for a task or a value passes.
 ///
 /// # Errors
 /// Why an expression has no value.
@@ -77,7 +77,7 @@ fn is_settled(expr: &Expr, context: &dyn EvalContext) -> bool {
     settled
 }
 
-/// First and last instant that satisfy the part.
+/// Returns the first and last instant that satisfy the part.
 ///
 /// # Errors
 /// When an expression cannot be evaluated.
@@ -103,7 +103,7 @@ pub(crate) fn span(
     }
 }
 
-/// Least and greatest delay.
+/// Returns the least and greatest delay.
 ///
 /// # Errors
 /// When an expression cannot be evaluated.
@@ -120,7 +120,7 @@ pub(crate) fn delays(part: &TimePart, context: &dyn EvalContext) -> Result<(Dura
     Ok((length(&part.from)?, part.to.as_ref().map_or(Ok(Duration::MAX), length)?))
 }
 
-/// The result, once the instant was reached.
+/// Returns the result once the instant was reached.
 pub(crate) fn result(part: &TimePart, kind: TimeForm, start: Time) -> Option<Satisfaction> {
     let at = part.reached?;
     let since = matches!(kind, TimeForm::Delay).then_some(start);

@@ -22,7 +22,7 @@ use apex_model::evidence_list::EvidenceList;
 use apex_model::expression::Expr;
 use apex_model::time::{Duration, Time};
 
-/// The part, not yet looked back. The length is evaluated now.
+/// Returns the part, not yet looked back. The length is evaluated now.
 ///
 /// # Errors
 /// When it cannot be.
@@ -77,7 +77,7 @@ pub(crate) fn take_back(part: &mut AbsentPart, at: Option<Time>, known: Time) {
     part.since = part.since_final;
 }
 
-/// Nothing more is wanted of it.
+/// Returns true if the part can no longer change.
 pub(crate) fn is_done(part: &AbsentPart, site: PartContext) -> bool {
     site.keep == Keep::First && !part.found.is_empty()
 }
@@ -172,13 +172,13 @@ fn see(part: &mut AbsentPart, site: PartContext, found: Vec<(Time, Time)>, troub
     }
 }
 
-/// The interval of a result, and on to the instant at which the values in it persist no more: absence begins with it.
+/// Returns the interval of a result, and on to the instant at which the values in it persist no more: absence begins with it.
 fn lasting(result: &Satisfaction) -> (Time, Time) {
     let (start, end) = result.interval;
     (start, expires(result).filter(|over| *over > end + TICK).unwrap_or(end))
 }
 
-/// The first instant at which some persisted value of a result is not valid any longer.
+/// Returns the first instant at which some persisted value of a result is not valid any longer.
 fn expires(result: &Satisfaction) -> Option<Time> {
     let persisted = result.evidence.iter().filter_map(|evidence| match evidence {
         Evidence::Estimate(estimate) if estimate.estimator == Estimator::Persistence => Some(estimate.extent.1),
@@ -225,7 +225,7 @@ fn is_blind(part: &Part) -> bool {
     }
 }
 
-/// The window that began when the part was last there has passed without it.
+/// Records that the window since the last presence of the part has passed without it.
 fn note(part: &mut AbsentPart, site: PartContext, query: &mut VerdictQuery<'_>) {
     let (since, over) = (part.since, part.since + part.length);
     let again = part.taken_back.is_some_and(|first| first <= since)
@@ -242,7 +242,7 @@ fn result(part: &Part, interval: (Time, Time), now: Time) -> Satisfaction {
     Satisfaction { interval, recognised_at: now, bindings: Bindings::new(), evidence: EvidenceList::one(evidence) }
 }
 
-/// Satisfied; not known, when the data do not say whether the part holds; else not.
+/// Returns satisfied; unknown if the data do not decide whether the part holds; otherwise not satisfied.
 pub(crate) fn truth(part: &AbsentPart) -> Truth {
     Truth::of(!part.found.is_empty(), part.unknown)
 }

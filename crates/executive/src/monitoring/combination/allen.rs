@@ -40,12 +40,12 @@ pub(crate) fn forget(part: &mut AllenPart) {
     part.decides_at = None;
 }
 
-/// Nothing more is wanted of it.
+/// Returns true if the part can no longer change.
 pub(crate) fn is_done(part: &AllenPart, site: PartContext) -> bool {
     site.keep == Keep::First && !part.found.is_empty()
 }
 
-/// A sample took the place of another one of its instant: results of the other are none.
+/// Removes the results of a sample that another sample of the same instant replaced.
 pub(crate) fn replace(part: &mut AllenPart, variable: &StateVariable, at: Time) {
     let of_it = |evidence: &Evidence| matches!(evidence, Evidence::Sample { variable: own, at: own_at, .. } if own == variable && *own_at == at);
     let stands = |result: &Satisfaction| !result.evidence.iter().any(of_it);
@@ -152,7 +152,7 @@ struct Item<'a> {
     settled: bool,
 }
 
-/// A result as it is known at `now`.
+/// Returns a result as it is known at `now`.
 fn span(interval: (Time, Time), open: bool, now: Time) -> KnownInterval {
     if open { KnownInterval::growing(interval, now) } else { KnownInterval::of(interval) }
 }
@@ -191,7 +191,7 @@ impl<'a> RelationJoin<'a> {
         }
     }
 
-    /// Each new result is the first new one of a chain, in order of parts: so no chain is met twice.
+    /// Finds all chains with a new result, each once: every new result is taken as the first new one of a chain, in order of parts.
     fn run(&mut self) {
         let count = self.extents.len();
         let mut chain: Vec<Item<'a>> = Vec::with_capacity(count);
@@ -218,7 +218,7 @@ impl<'a> RelationJoin<'a> {
         side.iter().map(|result| Item { result, open: false, settled: true })
     }
 
-    /// `chain` holds the results of the parts from `leftmost` to `first_new`; those before are old.
+    /// Extends `chain`, which holds the results of the parts from `leftmost` to `first_new`, to the left by old results.
     fn extend_left(&mut self, leftmost: usize, first_new: usize, chain: &mut Vec<Item<'a>>) {
         let Some(next) = leftmost.checked_sub(1) else {
             self.extend_right(first_new + 1, chain);
@@ -234,7 +234,7 @@ impl<'a> RelationJoin<'a> {
         }
     }
 
-    /// `chain` holds the results of the parts before `index`.
+    /// Extends `chain`, which holds the results of the parts before `index`, to the right.
     fn extend_right(&mut self, index: usize, chain: &mut Vec<Item<'a>>) {
         if index >= self.extents.len() {
             self.meet(chain);
@@ -346,14 +346,14 @@ fn retain_useful(part: &mut AllenPart, site: PartContext, index: usize, looks: &
     side.settled.retain(|_| useful.next().unwrap_or(true));
 }
 
-/// All results up to now. Of those recognised at one instant, those go first whose parts, in written order, do.
+/// Returns all results up to now. Of those recognised at one instant, those go first whose parts, in written order, do.
 pub(crate) fn results(part: &AllenPart) -> Vec<Satisfaction> {
     let mut chains: Vec<&Chain> = part.found.iter().chain(&part.passing).collect();
     chains.sort_by(|a, b| (a.result.recognised_at, &a.intervals).cmp(&(b.result.recognised_at, &b.intervals)));
     chains.into_iter().map(|chain| chain.result.clone()).collect()
 }
 
-/// Satisfied; not known, when the data do not say whether a part holds that has found nothing; else not.
+/// Returns satisfied; unknown if the data do not decide whether a part without results holds; otherwise not satisfied.
 pub(crate) fn truth(part: &AllenPart, query: &mut VerdictQuery<'_>) -> Truth {
     if !part.found.is_empty() || !part.passing.is_empty() {
         return Truth::True;
@@ -363,7 +363,7 @@ pub(crate) fn truth(part: &AllenPart, query: &mut VerdictQuery<'_>) -> Truth {
     missing.into_iter().min().filter(|least| *least == Truth::Unknown).unwrap_or(Truth::False)
 }
 
-/// In what the newest results of two adjacent parts miss the relation: the place of the first part, and words.
+/// Returns the first pair of adjacent parts whose newest results violate the relation: the index of the first part, and the reason as text.
 pub(crate) fn mismatch(part: &AllenPart, now: Time) -> Option<(usize, String)> {
     let pairs = part.sides.iter().zip(part.sides.iter().skip(1)).enumerate();
     pairs.filter_map(|(index, (left, right))| Some((index, left.newest?, right.newest?))).find_map(

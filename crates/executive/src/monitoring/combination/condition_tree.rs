@@ -143,7 +143,7 @@ fn watched(part: &Part) -> Option<WatchedVariable<'_>> {
     })
 }
 
-/// The value tests as text: what is known beforehand resolved, the rest as written.
+/// Returns the value tests as text: what is known beforehand resolved, the rest as written.
 fn asked(tests: &[Test], written: &[Constraint]) -> Vec<String> {
     let text = |test: &Test| match test {
         Test::Fixed { relation, right } => Some(format!("{} {right}", sign(*relation))),
@@ -152,7 +152,7 @@ fn asked(tests: &[Test], written: &[Constraint]) -> Vec<String> {
     tests.iter().filter_map(text).collect()
 }
 
-/// The relation as PDL writes it.
+/// Returns the relation as PDL writes it.
 fn sign(relation: Relation) -> &'static str {
     match relation {
         Relation::Equal => "=",

@@ -43,7 +43,7 @@ struct Role {
     whole_runs: bool,
 }
 
-/// The tree for `condition`, not yet looked back. Ends and states of tasks that are there already count if `standing`.
+/// Returns the tree for `condition`, not yet looked back. Ends and states of tasks that are there already count if `standing`.
 ///
 /// # Errors
 /// When an expression that must be known now cannot be evaluated, or the construct is not supported.
@@ -229,7 +229,7 @@ fn alternatives(
     Ok(Composite { parts, constraints: constraints.to_vec(), combines, shared: Vec::new(), order: None })
 }
 
-/// The variables, not bound yet, that occur in more than one part.
+/// Returns the variables, not bound yet, that occur in more than one part.
 fn shared_variables(parts: &[Condition], context: &dyn EvalContext) -> Vec<Symbol> {
     let (mut seen, mut shared) = (BTreeSet::new(), BTreeSet::new());
     for part in parts {

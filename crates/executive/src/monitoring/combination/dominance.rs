@@ -20,8 +20,8 @@ pub(crate) fn bounds_only(relation: AllenRelation) -> bool {
     links(relation).iter().all(|(_, link, _)| *link == PointComparison::Earlier)
 }
 
-/// Of the results with equal bindings that one partner could be related to, the one that ends first is decided first,
-/// and the one that begins first is reported first: no other can be the first result.
+/// Marks, among results with equal bindings to which one partner could be related, the one that ends first and the one that begins first;
+/// no other can be the first result.
 pub(crate) fn keep_best(
     settled: &[Satisfaction],
     useful: &[bool],
@@ -61,9 +61,9 @@ pub(crate) fn keep_best(
     best
 }
 
-/// Of results that one to come could be related to, those that no other one represents: one that every such result would
-/// be related to as well, that binds the same and that would be reported before. Where the one to come begins is not known
-/// yet, so a result that ends first may fail where a later one holds.
+/// Marks, among results that could be related to a future one, those that are not represented by another. A result is represented by one
+/// that every such future result would be related to as well, that binds the same and that would be reported before. Where the one to come
+/// begins is not known yet, so a result that ends first may fail where a later one holds.
 pub(crate) fn keep_first_choices(
     settled: &[Satisfaction],
     best: &mut [bool],

@@ -22,7 +22,7 @@ pub(crate) fn interests(monitor: &Monitor) -> Vec<Interest> {
     interests
 }
 
-/// The only interest of a monitor that never has another one; none for all other monitors.
+/// Returns the only interest of a monitor that never has another one; `None` for all other monitors.
 pub(crate) fn lasting_interest(monitor: &Monitor) -> Option<Interest> {
     match &monitor.root.kind {
         PartKind::Measurement(_)
@@ -50,7 +50,7 @@ pub(crate) fn lasting_interest(monitor: &Monitor) -> Option<Interest> {
     }
 }
 
-/// The comparison without which no sample can change what the monitor says. Never changes.
+/// Returns the comparison without which no sample can change what the monitor says. Never changes.
 pub(crate) fn threshold(monitor: &Monitor) -> Option<Threshold> {
     match &monitor.root.kind {
         PartKind::Measurement(leaf) => measurement::threshold(leaf),

@@ -26,8 +26,8 @@ use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
-/// Is the part true now? A part that forgot results at a limit is not false for certain; of one that combines others,
-/// [`combined`] knows whether that matters.
+/// Returns the truth of the part now. A part that dropped results at a limit is not certainly false; [`combined`] decides whether that
+/// matters for a part that combines others.
 pub(crate) fn truth(part: &Part, query: &mut VerdictQuery<'_>) -> Truth {
     let combines = matches!(part.kind, PartKind::And(_) | PartKind::Or(_) | PartKind::InOrder(_) | PartKind::Not(_));
     match truth_of_kind(part, query) {
@@ -73,7 +73,7 @@ fn truth_of_kind(part: &Part, query: &mut VerdictQuery<'_>) -> Truth {
     }
 }
 
-/// Is a part of an `:and` true? What a shared variable must not be is known only in combination.
+/// Returns the truth of a part of an `:and`. Negated shared variables can be judged only in combination.
 fn truth_beside(part: &Part, composite: &Composite, query: &mut VerdictQuery<'_>) -> Truth {
     let inner = match &part.kind {
         PartKind::Not(inner) if composite.combines => inner,
@@ -102,7 +102,7 @@ fn combined(part: &Part, composite: &Composite, separately: Truth, query: &mut V
     }
 }
 
-/// All results of the part up to now, earliest recognised first, with the part's tag bound.
+/// Returns all results of the part up to now, earliest recognised first, with the part's tag bound.
 pub(crate) fn results(part: &Part, query: &mut VerdictQuery<'_>) -> Vec<Satisfaction> {
     let site = crate::monitoring::part::site(part);
     let mut results = match &part.kind {
@@ -147,7 +147,7 @@ pub(crate) fn results(part: &Part, query: &mut VerdictQuery<'_>) -> Vec<Satisfac
     results
 }
 
-/// The earliest recognised result of the part, as [`results`] would list it.
+/// Returns the earliest recognised result of the part, as [`results`] would list it.
 pub(crate) fn first_result(part: &Part, query: &mut VerdictQuery<'_>) -> Option<Satisfaction> {
     match (&part.kind, &part.tag) {
         (PartKind::Measurement(leaf), None) => measurement::first_result(leaf),
@@ -181,7 +181,7 @@ pub(crate) fn alternative_holds(
     constraints_hold(tag, constraints, result.interval, &result.bindings, query)
 }
 
-/// Are all `constraints` true of a result? They see its bindings and its own `tag`.
+/// Returns true if all `constraints` hold for a result. They see its bindings and its own `tag`.
 pub(crate) fn constraints_hold(
     tag: Option<&Symbol>,
     constraints: &[Expr],
@@ -385,7 +385,7 @@ impl<'a> Combination<'a> {
     }
 }
 
-/// The bindings of both, if they agree where both bind.
+/// Returns the bindings of both, if they agree where both bind.
 pub(crate) fn joined(left: &Bindings, right: &Bindings) -> Option<Bindings> {
     let mut all = left.clone();
     for (name, value) in right.iter() {

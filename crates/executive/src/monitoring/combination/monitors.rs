@@ -36,10 +36,10 @@ pub(crate) fn create(
     made(condition, window, (Keep::First, true), context)
 }
 
-/// As [`create`], for a monitor of which only changes of tasks' states count from now on, not those that stand.
+/// Like [`create`], for a monitor that considers only future changes of tasks' states, and no present states.
 ///
 /// # Errors
-/// As [`create`].
+/// Like [`create`].
 pub(crate) fn create_for_changes(
     condition: &Condition,
     window: Window,
@@ -48,10 +48,10 @@ pub(crate) fn create_for_changes(
     made(condition, window, (Keep::First, false), context)
 }
 
-/// As [`create`], for a monitor that remembers what `keep` says until it is harvested.
+/// Like [`create`], for a monitor that remembers what `keep` selects until it is harvested.
 ///
 /// # Errors
-/// As [`create`].
+/// Like [`create`].
 pub(crate) fn create_keeping(
     condition: &Condition,
     window: Window,
@@ -107,7 +107,7 @@ pub(crate) fn look_for_tasks(monitor: &mut Monitor, context: &dyn EvalContext) {
     troubles.tell(monitor);
 }
 
-/// Is the condition true at `context.now()`? Asked after all stimuli of the instant were noticed.
+/// Returns the verdict on the condition at `context.now()`, after all stimuli of the instant were processed.
 pub(crate) fn verdict(monitor: &mut Monitor, context: &dyn EvalContext) -> Verdict {
     let mut query = VerdictQuery::new(context);
     advance(&mut monitor.root, context, &mut query.troubles);
@@ -139,7 +139,7 @@ pub(crate) fn next_wake(monitor: &Monitor) -> Option<(Time, WakeReason)> {
     wake_of(&monitor.root, after).into_iter().chain(delay.map(|at| (at, WakeReason::Foreseen))).min()
 }
 
-/// The parts that do not hold, with what is known about each.
+/// Returns the parts that do not hold, with what is known about each.
 pub(crate) fn unmet(monitor: &Monitor, context: &dyn EvalContext) -> Vec<Unmet> {
     let mut query = VerdictQuery::new(context);
     let mut list = Vec::new();
@@ -147,7 +147,7 @@ pub(crate) fn unmet(monitor: &Monitor, context: &dyn EvalContext) -> Vec<Unmet> 
     list
 }
 
-/// The whole condition as a tree: which parts hold, with what is known about each.
+/// Returns the whole condition as a tree: which parts hold, with what is known about each.
 pub(crate) fn condition_tree(monitor: &Monitor, context: &dyn EvalContext) -> condition_tree::ConditionNode {
     condition_tree::tree(&monitor.root, &mut VerdictQuery::new(context))
 }

@@ -17,7 +17,7 @@ use crate::state::monitors::numbers::{PersistedPart, RegressionPart, Statistical
 use apex_model::estimate::computed;
 use apex_model::time::Time;
 
-/// A persisted value: whose, how long it is valid, how far it is off.
+/// Returns a persisted value: whose, how long it is valid, how far it is off.
 pub(crate) fn persisted(leaf: &PersistedPart, site: PartContext, query: &VerdictQuery<'_>) -> PartFacts {
     let attribute = &leaf.condition.variable.attribute;
     let Some((variable, sample)) = newest(leaf.variable.as_ref(), attribute, query) else {
@@ -43,7 +43,7 @@ pub(crate) fn persisted(leaf: &PersistedPart, site: PartContext, query: &Verdict
     PartFacts { now, since: Some(held.at), until, distance: distance(&leaf.tests, &held.value) }
 }
 
-/// A line: how it runs, or why there is none.
+/// Returns a line: how it runs, or why there is none.
 pub(crate) fn regression(leaf: &RegressionPart, site: PartContext, query: &mut VerdictQuery<'_>) -> PartFacts {
     let attribute = &leaf.condition.variable.attribute;
     let Some((variable, sample)) = newest(leaf.variable.as_ref(), attribute, query) else {
@@ -88,7 +88,7 @@ fn samples(count: u64) -> String {
     if count == 1 { "1 sample".to_owned() } else { format!("{count} samples") }
 }
 
-/// A statistic or trend: each criterion as it stands, and how long the run or window is.
+/// Returns a statistic or trend: each criterion as it stands, and how long the run or window is.
 pub(crate) fn statistical(leaf: &StatisticalPart, site: PartContext, query: &VerdictQuery<'_>) -> PartFacts {
     let attribute = &leaf.condition.variable.attribute;
     let Some((variable, sample)) = newest(leaf.variable.as_ref(), attribute, query) else {

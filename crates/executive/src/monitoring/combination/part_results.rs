@@ -133,7 +133,7 @@ fn passing_episodes(leaf: &EpisodePart, site: PartContext, query: &mut VerdictQu
     }
 }
 
-/// The instant from which on a run is over, when no sample comes before.
+/// Returns the instant from which on a run is over, when no sample comes before.
 fn silent_from(leaf: &EpisodePart, last: Time) -> Option<Time> {
     leaf.gap_max.map(|gap| last + gap + TICK)
 }
@@ -204,7 +204,7 @@ fn rests_on(evidence: &Evidence, open: &[PartRun]) -> bool {
     }
 }
 
-/// The first instant after `now` at which some part within is undecided because no sample has arrived for too long.
+/// Returns the first instant after `now` at which some part within is undecided because no sample has arrived for too long.
 pub(crate) fn silent_after(part: &Part, now: Time) -> Option<Time> {
     let after = |newest: Time, most: Duration| newest.0.checked_add(most.0).map(|last| Time(last) + TICK);
     let mut first = match &part.kind {
@@ -299,7 +299,7 @@ fn keeps_results(part: &Part) -> bool {
     keeps
 }
 
-/// The parts directly within `part`.
+/// Calls a function for each direct part of `part`.
 pub(crate) fn for_each_inner(part: &Part, act: &mut dyn FnMut(&Part)) {
     match &part.kind {
         PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {

@@ -36,8 +36,8 @@ use std::collections::BTreeSet;
 /// sweep is linear, and the next one comes at twice the results that it leaves.
 const SWEEP_AT_LEAST: usize = 8;
 
-/// Bookkeeping for `composite` if it is an order of points: measurements of named or bound objects without `:lateness` and
-/// messages, with delays between them, without constraints. `binds`: a pattern variable occurs in it.
+/// Returns bookkeeping for `composite` if it is an order of points: measurements of named or bound objects without `:lateness` and
+/// messages, with delays between them, without constraints. `binds` is true if a pattern variable occurs in it.
 pub(crate) fn create(composite: &Composite, binds: bool, context: &dyn EvalContext) -> Option<Box<PointOrder>> {
     let is_point = |part: &Part| match &part.kind {
         PartKind::Measurement(leaf) => {
@@ -77,7 +77,7 @@ struct OrderedPart<'a> {
     gap: Gap,
 }
 
-/// The parts except for the delays; none if a delay has no value.
+/// Returns the parts except for the delays; `None` if a delay has no value.
 fn steps<'a>(composite: &'a Composite, query: &mut VerdictQuery<'_>) -> Option<Vec<OrderedPart<'a>>> {
     let mut steps: Vec<OrderedPart<'a>> = Vec::with_capacity(composite.parts.len());
     let mut delay: Option<Gap> = None;
@@ -118,12 +118,12 @@ fn steps<'a>(composite: &'a Composite, query: &mut VerdictQuery<'_>) -> Option<V
     Some(steps)
 }
 
-/// First and last instant at which a point may follow one that ends at `end`.
+/// Returns the first and last instant at which a point may follow one that ends at `end`.
 fn following(end: Time, gap: Gap) -> (Time, Time) {
     (Time(end.0.saturating_add(gap.least.0)), Time(end.0.saturating_add(gap.most.0)))
 }
 
-/// First and last instant at which a point may precede one at `start`.
+/// Returns the first and last instant at which a point may precede one at `start`.
 fn preceding(start: Time, gap: Gap) -> (Time, Time) {
     (Time(start.0.saturating_sub(gap.most.0)), Time(start.0.saturating_sub(gap.least.0)))
 }
@@ -136,14 +136,14 @@ impl<'a> OrderedPart<'a> {
         first.iter().chain(rest.iter().copied()).take_while(move |each| each.interval.0 <= to)
     }
 
-    /// First and last instant of its results.
+    /// Returns the first and last instant of its results.
     fn extent(&self) -> Option<(Time, Time)> {
         let first = self.first.first().or(self.rest.first().copied())?;
         let last = self.rest.last().copied().or(self.first.last())?;
         Some((first.interval.0, last.interval.0))
     }
 
-    /// An instant before which no further result with these bindings comes; none if one may come at any time.
+    /// Returns an instant before which no further result with these bindings comes; `None` if one may come at any time.
     fn watermark(&self, bindings: &Bindings) -> Option<Time> {
         let PartKind::Measurement(leaf) = &self.part.kind else { return None };
         let newest = &leaf.seen.as_ref()?.newest;
@@ -155,7 +155,7 @@ impl<'a> OrderedPart<'a> {
     }
 }
 
-/// For each set of bindings the first chain; the first of all where no part binds anything.
+/// Returns the first chain for each set of bindings; the first of all if no part binds anything.
 pub(crate) fn results(
     part: &Part,
     composite: &Composite,
@@ -313,7 +313,7 @@ fn is_preceded(
     before.within(preceding(result.interval.0, step.gap)).any(precedes)
 }
 
-/// The places of results of part `index`, from place `from` on, that no earlier point precedes, or that were used.
+/// Returns the places of results of part `index`, from place `from` on, that no earlier point precedes, or that were used.
 fn gone_without_predecessor(
     composite: &Composite,
     (index, from): (usize, usize),
@@ -340,7 +340,7 @@ fn gone_without_predecessor(
     unchecked.filter(|(_, result)| useless(result)).map(|(place, _)| place).collect()
 }
 
-/// The places of results of part `index` that no point to come can follow, or for which an earlier one stands.
+/// Returns the places of results of part `index` that no point to come can follow, or for which an earlier one stands.
 fn gone_without_successor(
     composite: &Composite,
     index: usize,
@@ -389,7 +389,7 @@ fn remove(composite: &mut Composite, index: usize, gone: &[usize], order: &mut P
     }
 }
 
-/// All results were used up: nothing is checked.
+/// Resets the state after all results were used up: nothing is examined yet.
 pub(crate) fn begin_again(composite: &mut Composite) {
     if let Some(order) = &mut composite.order {
         order.sweep_at = SWEEP_AT_LEAST;

@@ -29,17 +29,17 @@ pub(crate) struct KnownInterval {
 }
 
 impl KnownInterval {
-    /// A result.
+    /// Returns a result.
     pub(crate) fn of((start, end): (Time, Time)) -> KnownInterval {
         KnownInterval { start: EndPoint::Known(start), end: EndPoint::Known(end) }
     }
 
-    /// An open run, continued by samples that come after `after`.
+    /// Returns an open run, continued by samples that come after `after`.
     pub(crate) fn growing((start, end): (Time, Time), after: Time) -> KnownInterval {
         KnownInterval { start: EndPoint::Known(start), end: EndPoint::Growing(end, after) }
     }
 
-    /// Any result that begins at `from` or later.
+    /// Returns any result that begins at `from` or later.
     pub(crate) fn coming(from: Time) -> KnownInterval {
         KnownInterval { start: EndPoint::Coming(from), end: EndPoint::Coming(from) }
     }
@@ -78,7 +78,7 @@ pub(crate) enum Edge {
     SecondEnd,
 }
 
-/// The comparisons that make a relation; all must hold. Points are legal, so that a point that meets an interval also
+/// Returns the comparisons that make a relation; all must hold. Points are legal, so that a point that meets an interval also
 /// starts it.
 pub(crate) fn links(relation: AllenRelation) -> &'static [(Edge, PointComparison, Edge)] {
     use Edge::{FirstEnd, FirstStart, SecondEnd, SecondStart};
@@ -134,7 +134,7 @@ pub(crate) fn decide_link(
     }
 }
 
-/// The least that a point can be, and the greatest, which has no bound unless it is known.
+/// Returns the least that a point can be, and the greatest, which has no bound unless it is known.
 fn bounds(point: EndPoint) -> (Time, Option<Time>) {
     match point {
         EndPoint::Known(at) => (at, Some(at)),
@@ -142,7 +142,7 @@ fn bounds(point: EndPoint) -> (Time, Option<Time>) {
     }
 }
 
-/// Earlier by more than the tolerance.
+/// Returns whether `a` is earlier than `b` by more than the tolerance.
 fn earlier(left: EndPoint, right: EndPoint, tolerance: Duration) -> Decision {
     let ((left_least, left_most), (right_least, right_most)) = (bounds(left), bounds(right));
     if left_most.is_some_and(|most| right_least - most > tolerance) {
@@ -154,7 +154,7 @@ fn earlier(left: EndPoint, right: EndPoint, tolerance: Duration) -> Decision {
     }
 }
 
-/// Not further apart than the tolerance.
+/// Returns whether both differ by at most the tolerance.
 fn same(left: EndPoint, right: EndPoint, tolerance: Duration) -> Decision {
     let near = |a: Time, b: Time| (a - b).0.saturating_abs() <= tolerance.0;
     let (known, other) = match (left, right) {

@@ -115,7 +115,7 @@ pub(crate) fn replay(part: &mut Part, newest: Option<u64>, context: &dyn EvalCon
     }
 }
 
-/// The arrival number of a sample that is not the newest of its variable, if `part` relates results in time: what came
+/// Returns the arrival number of a sample that is not the newest of its variable, if `part` relates results in time: what came
 /// before may have been related otherwise.
 pub(crate) fn changes_the_past(part: &Part, stimulus: &Stimulus, context: &dyn EvalContext) -> Option<u64> {
     let Stimulus::Sample { variable, sequence, newest, at, .. } = stimulus else { return None };
@@ -151,7 +151,7 @@ pub(crate) fn look_at(part: &mut Part, stimulus: &Stimulus, context: &dyn EvalCo
     }
 }
 
-/// Is the whole past of an absence judged again when a sample comes late? It is when a variable in it is declared with
+/// Returns true if the whole past of an absence is judged again when a sample arrives late: when a variable in it is declared with
 /// `:lateness`, for which everything is kept.
 fn is_judged_again(part: &Part, context: &dyn EvalContext) -> bool {
     let declared = &context.library().state_variables;
@@ -168,14 +168,15 @@ fn is_judged_again(part: &Part, context: &dyn EvalContext) -> bool {
     again
 }
 
-/// Is a function asked within? What it said at an earlier instant it said of what was known then: it cannot be asked again.
+/// Returns true if the condition calls a function. Its value at an earlier instant depends on what was known then, so it cannot be
+/// evaluated again.
 fn asks_functions(part: &Part) -> bool {
     let mut asks = matches!(part.kind, PartKind::Function(_));
     part_results::for_each_inner(part, &mut |inner| asks |= asks_functions(inner));
     asks
 }
 
-/// The instant of the newest sample that the part has received, up to this arrival: what came after it at the same instant is
+/// Returns the instant of the newest sample that the part has received, up to this arrival: what came after it at the same instant is
 /// still to be shown.
 pub(crate) fn newest_known(part: &Part, told: u64, context: &dyn EvalContext) -> Option<Time> {
     let histories = context.histories();
@@ -195,7 +196,7 @@ pub(crate) fn newest_known(part: &Part, told: u64, context: &dyn EvalContext) ->
     known
 }
 
-/// The instant before `now` that decides about an absence and was not evaluated: a sample that came late has made it.
+/// Returns the instant before `now` that decides about an absence and was not evaluated: a sample that came late has made it.
 pub(crate) fn overdue(part: &Part, now: Time) -> Option<Time> {
     match &part.kind {
         PartKind::Absent(leaf)
@@ -242,8 +243,8 @@ fn covers(part: &Part, context: &dyn EvalContext) -> bool {
     covers && carries(part, context)
 }
 
-/// Are the samples still there whose values persist into the windows of estimates in the part? They lie before what
-/// [`covers`] asks for.
+/// Returns true if the samples are still kept whose values persist into the windows of estimates in the part. They lie before the span of
+/// [`covers`].
 fn carries(part: &Part, context: &dyn EvalContext) -> bool {
     let mut all = true;
     if let PartKind::Persisted(leaf) = &part.kind {
@@ -307,7 +308,7 @@ fn remembered(part: &Part, newest: Option<u64>, context: &dyn EvalContext) -> Ve
     stimuli
 }
 
-/// The messages that the part has results of.
+/// Collects the messages for which the part has results.
 fn results_of_events(part: &Part, stimuli: &mut Vec<(Time, u64, Stimulus)>) {
     let mut add = |results: &[Satisfaction]| {
         for evidence in results.iter().flat_map(|result| result.evidence.iter()) {
@@ -328,7 +329,7 @@ fn results_of_events(part: &Part, stimuli: &mut Vec<(Time, u64, Stimulus)>) {
     part_results::for_each_inner(part, &mut |inner| results_of_events(inner, stimuli));
 }
 
-/// The earliest instant from which evidence counts in any part.
+/// Returns the earliest instant from which evidence counts in any part.
 fn first_window(part: &Part) -> Time {
     let mut start = part.window.start;
     part_results::for_each_inner(part, &mut |inner| start = start.min(first_window(inner)));

@@ -200,7 +200,7 @@ fn is_composite(part: &Part) -> bool {
     matches!(part.kind, PartKind::And(_) | PartKind::InOrder(_))
 }
 
-/// Of results that bind the same, tags aside, the first.
+/// Keeps, of results with equal bindings (except for tags), the first.
 fn one_for_each_binding(fresh: &mut Vec<Satisfaction>) {
     let mut seen = BTreeSet::new();
     let bound = |bindings: &Bindings| -> Vec<(Symbol, Value)> {
@@ -210,7 +210,7 @@ fn one_for_each_binding(fresh: &mut Vec<Satisfaction>) {
     fresh.retain(|result| seen.insert(bound(&result.bindings)));
 }
 
-/// The results of an open episode.
+/// Returns the results of an open episode.
 fn open_keys(part: &Part, query: &mut VerdictQuery<'_>) -> Vec<Key> {
     let open = match &part.kind {
         PartKind::Episode(leaf) => {

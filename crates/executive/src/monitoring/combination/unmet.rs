@@ -96,7 +96,7 @@ fn several(part: &Part, composite: &Composite, query: &mut VerdictQuery<'_>, lis
     }
 }
 
-/// The PDL text of a part.
+/// Returns the PDL text of a part.
 pub(crate) fn text(part: &Part) -> String {
     let several = |name: &str, composite: &Composite| {
         format!("({name} {})", composite.parts.iter().map(text).collect::<Vec<_>>().join(" "))
@@ -196,7 +196,7 @@ pub(crate) fn state(part: &Part, query: &mut VerdictQuery<'_>) -> PartFacts {
     }
 }
 
-/// No such message, and how the newest one that begins like it differs.
+/// Describes a missing message: no message matches, and how the newest one with the same first word differs.
 fn event_state(leaf: &EventPart, part: &Part, query: &VerdictQuery<'_>) -> PartFacts {
     let start = part.window.start;
     let since = (start != Time::BEGINNING).then_some(start);

@@ -32,7 +32,7 @@ use apex_model::value::Value;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The part for `condition`, not yet looked back. Gap and durations are evaluated now.
+/// Returns the part for `condition`, not yet looked back. Gap and durations are evaluated now.
 ///
 /// # Errors
 /// When they cannot be.
@@ -70,7 +70,7 @@ fn evaluate_duration(expr: &Expr, context: &dyn EvalContext) -> Result<Duration,
     duration(&value).map_err(|message| EvaluationError { message, place: expr.place })
 }
 
-/// The least duration that a lower bound allows.
+/// Returns the least duration that a lower bound allows.
 fn least_duration(constraint: &Constraint, context: &dyn EvalContext) -> Result<Option<Duration>, EvaluationError> {
     Ok(match constraint {
         Constraint::Compare { relation: Relation::Greater, right, tolerance: None } => {
@@ -93,7 +93,7 @@ pub(crate) fn backfill(
     backfill_with(threshold_backfill::backfill, part, site, context, troubles);
 }
 
-/// As [`backfill`], after `fast_pass` has consumed samples from the start; it returns their number.
+/// Like [`backfill`], after `fast_pass` has consumed samples from the start; it returns their number.
 pub(crate) fn backfill_with(
     fast_pass: impl FnOnce(
         &mut EpisodePart,
@@ -286,7 +286,7 @@ fn holds(
     constraints.hold(site, sample, bindings, context)
 }
 
-/// All results up to `now`, earliest recognised first.
+/// Returns all results up to `now`, earliest recognised first.
 pub(crate) fn results(
     part: &EpisodePart,
     site: PartContext,
@@ -313,7 +313,7 @@ pub(crate) fn results(
     results
 }
 
-/// The results of open runs: their intervals may still grow.
+/// Returns the results of open runs: their intervals may still grow.
 pub(crate) fn open_results(
     part: &EpisodePart,
     site: PartContext,
@@ -327,8 +327,8 @@ pub(crate) fn open_results(
     part.runs.iter().filter_map(judged).collect()
 }
 
-/// Satisfied, contradicted, or not known: no sample yet, everything seen so far holds but not for long enough, or a
-/// gap hides what happened.
+/// Returns satisfied, contradicted, or unknown: no sample yet, everything seen so far holds but not for long enough, or a gap hides the
+/// values.
 pub(crate) fn truth(
     part: &EpisodePart,
     site: PartContext,
@@ -355,7 +355,7 @@ pub(crate) fn truth(
     if open { Truth::Unknown } else { Truth::False }
 }
 
-/// The next instant at which time alone can decide, and why.
+/// Returns the next instant at which time alone can decide, and why.
 pub(crate) fn next_wake(part: &EpisodePart, site: PartContext, after: Time) -> Option<(Time, WakeReason)> {
     let gap = part.gap_max?;
     if part.any_pair || (site.keep == Keep::First && !part.settled.is_empty()) {

@@ -57,8 +57,8 @@ pub(crate) fn notice(part: &mut EpisodePart, site: PartContext, sample: SampleVi
     true
 }
 
-/// For a run that plainly has no result at `now`: returns true if its outcome is unknown, false if it is contradicted. Returns
-/// `None` if that needs the full evaluation.
+/// Returns, for a run without a result at `now`, true if its outcome is unknown and false if it is contradicted; `None` if that needs the
+/// full evaluation.
 pub(crate) fn undecided(part: &EpisodePart, state: &ObjectRun, now: Time) -> Option<bool> {
     if part.any_pair || part.at_close || state.found.is_some() {
         return None;

@@ -71,13 +71,13 @@ pub(crate) fn advance_run(
     }
 }
 
-/// Of pairs of samples: returns true if the first sample of the run is forgotten, because there are too many to begin with.
+/// Returns true if the first sample of the run is dropped, because there are too many pairs of samples.
 fn forgets_a_start(part: &EpisodePart, state: &ObjectRun, run: Option<&Run>) -> bool {
     let full = |old: &Run| part.any_pair && old.instants.len() >= MONITOR_RESULTS_MAX;
     state.run.as_ref().is_some_and(|old| full(old) && run.is_some_and(|new| new.samples > old.samples))
 }
 
-/// The run that the newest sample belongs to: the old one extended, a new one, or none.
+/// Returns the run that the newest sample belongs to: the old one extended, a new one, or none.
 pub(crate) fn with_newest(part: &EpisodePart, state: &ObjectRun) -> Option<Run> {
     let newest = &state.newest;
     let bindings = newest.holds.as_ref()?;
@@ -111,7 +111,7 @@ pub(crate) fn with_newest(part: &EpisodePart, state: &ObjectRun) -> Option<Run> 
     })
 }
 
-/// The gap between the run and the newest sample, if it is too long.
+/// Returns the gap between the run and the newest sample, if it is too long.
 pub(crate) fn gap_cut(part: &EpisodePart, state: &ObjectRun) -> Option<Duration> {
     let gap = state.newest.at - state.run.as_ref()?.last;
     part.gap_max.filter(|most| gap > *most).map(|_| gap)
@@ -169,8 +169,8 @@ impl Judge<'_> {
         Ok(judged)
     }
 
-    /// Lower bounds only: decided by the sample that reaches them, or at the instant at which the duration is reached
-    /// while the sampling quality says that the last value still holds.
+    /// Evaluates an open run against lower bounds only: they are decided by the sample that reaches them, or at the instant at which the
+    /// duration is reached while the sampling quality says that the last value still holds.
     fn while_open(&self, run: &Run, horizon: Time, found: &mut Option<Satisfaction>) -> Result<(), EvaluationError> {
         if let Some(result) = found {
             if self.site.keep == Keep::Every {
@@ -206,7 +206,7 @@ impl Judge<'_> {
             && (!with_duration || holds(&timing.duration, Value::Duration(end - start), RightSide::Span)?))
     }
 
-    /// Every earlier sample of the run together with the newest one.
+    /// Adds the pairs of an earlier sample of the run with the newest one that satisfy the condition.
     fn pairs(&self, run: &Run, over: &mut Vec<Satisfaction>) -> Result<(), EvaluationError> {
         for start in &run.instants {
             if run.last_holds
@@ -226,7 +226,7 @@ impl Judge<'_> {
     }
 }
 
-/// The run as a result.
+/// Returns the run as a result.
 pub(crate) fn result(part: &EpisodePart, object: &Value, run: &Run, recognised_at: Time) -> Satisfaction {
     let attribute = part.condition.variable.attribute.clone();
     let variable = StateVariable { attribute, object: object.clone() };

@@ -36,7 +36,7 @@ pub(crate) fn is_plain(part: &EpisodePart) -> bool {
         && [&condition.stats, &condition.trend].iter().all(|each| each.is_empty())
 }
 
-/// The variable of the monitor, when its condition is a plain episode: it may be in the bank of that variable.
+/// Returns the variable of the monitor, when its condition is a plain episode: it may be in the bank of that variable.
 pub(crate) fn variable(monitor: &Monitor) -> Option<&StateVariable> {
     match &monitor.root.kind {
         PartKind::Episode(leaf) if is_plain(leaf) => leaf.variable.as_ref(),
@@ -68,7 +68,7 @@ pub(crate) struct Bankable<'a> {
     pub(crate) over: Option<Satisfaction>,
 }
 
-/// The episode `part` as a bank can watch it; none when no bank can.
+/// Returns the episode `part` as a bank can watch it; `None` if no bank can.
 pub(crate) fn of_part<'a>(part: &'a Part, context: &dyn EvalContext) -> Option<Bankable<'a>> {
     let PartKind::Episode(leaf) = &part.kind else { return None };
     if !is_plain(leaf) || leaf.runs.len() > 1 {
@@ -99,7 +99,7 @@ pub(crate) fn of_part<'a>(part: &'a Part, context: &dyn EvalContext) -> Option<B
     Some(Bankable { wanted, run, over: over.into_iter().next() })
 }
 
-/// The values that satisfy all tests; none when they are not those between two numbers.
+/// Returns the values that satisfy all tests; `None` if they are not those between two numbers.
 pub(crate) fn band(leaf: &EpisodePart, context: &dyn EvalContext) -> Option<(ThresholdBounds, Dimension)> {
     let mut band = ThresholdBounds { least: f64::NEG_INFINITY, most: f64::INFINITY };
     let mut of = None;
@@ -126,7 +126,7 @@ pub(crate) fn band(leaf: &EpisodePart, context: &dyn EvalContext) -> Option<(Thr
     Some((band, of?))
 }
 
-/// The limits of a range that never change.
+/// Returns the limits of a range that never change.
 fn range(constraint: &Constraint, leaf: &EpisodePart, context: &dyn EvalContext) -> Option<Vec<(Relation, Value)>> {
     let Constraint::Range(least, most) = constraint else { return None };
     let unit = unit_of(&leaf.condition.variable.attribute, context.library());
@@ -196,7 +196,7 @@ pub(crate) fn told(monitor: &Monitor, open_at: Option<Time>) -> crate::monitorin
     crate::monitoring::reported_results::ReportedResults::by_bank(&monitor.root, before, open.as_ref())
 }
 
-/// A bank watches the monitor: what it has seen is there only.
+/// Moves the state of the monitor into an index that watches it.
 pub(crate) fn lie_down(monitor: &mut Monitor) {
     if let PartKind::Episode(leaf) = &mut monitor.root.kind {
         leaf.runs = BTreeMap::new();

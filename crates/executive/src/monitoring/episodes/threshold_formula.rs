@@ -102,7 +102,7 @@ fn for_each_leaf_mut(part: &mut Part, act: &mut dyn FnMut(&mut Part)) {
     }
 }
 
-/// Are the tags of `part` and the parts within it all different? Equal ones would have to mean equal intervals.
+/// Returns true if the tags of `part` and of its parts are all different. Equal tags would require equal intervals.
 fn tags_differ<'a>(part: &'a Part, seen: &mut Vec<&'a Symbol>) -> bool {
     if let Some(tag) = &part.tag {
         if seen.contains(&tag) {
@@ -119,7 +119,7 @@ fn tags_differ<'a>(part: &'a Part, seen: &mut Vec<&'a Symbol>) -> bool {
     }
 }
 
-/// The leaves as banks can watch them, in written order, when the monitor is a plain combination that was just harvested.
+/// Returns the leaves as banks can watch them, in written order, when the monitor is a plain combination that was just harvested.
 pub(crate) fn bankable<'a>(monitor: &'a Monitor, context: &dyn EvalContext) -> Option<(Leaves, Vec<Bankable<'a>>)> {
     if matches!(monitor.root.kind, PartKind::Episode(_)) || !tags_differ(&monitor.root, &mut Vec::new()) {
         return None;
@@ -177,7 +177,7 @@ pub(crate) fn stand_up(
     troubles.tell(monitor);
 }
 
-/// After a harvest in place: what counts from here on. All results are used up if the harvest reported any.
+/// Updates the monitor after a harvest in place. All results are used up if the harvest reported any.
 pub(crate) fn harvested(monitor: &Monitor, leaves: &mut Leaves, told: bool) {
     let alternatives = matches!(monitor.root.kind, PartKind::Or(_));
     let mut each = leaves.0.iter_mut();

@@ -15,7 +15,7 @@ use apex_model::symbol::Symbol;
 use std::collections::BTreeSet;
 
 impl Survey<'_> {
-    /// A sample that comes late is judged with what else was there at its instant.
+    /// Judges a late sample together with the values at its instant.
     pub(crate) fn beside_late(&mut self, part: &Condition, place: Place) {
         let mut watched = BTreeSet::new();
         attributes(part, &mut watched);
@@ -29,7 +29,7 @@ impl Survey<'_> {
     }
 }
 
-/// The attributes whose samples the condition watches.
+/// Collects the attributes whose samples the condition watches.
 fn attributes<'a>(condition: &'a Condition, found: &mut BTreeSet<&'a Symbol>) {
     match &condition.kind {
         ConditionKind::Measurement(measurement) => drop(found.insert(&measurement.variable.attribute)),

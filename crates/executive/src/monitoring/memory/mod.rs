@@ -1,4 +1,4 @@
-//! Depth of histories that conditions on the past require.
+//! Retention of histories: the samples and messages that conditions on the past require.
 
 pub(crate) mod absence_retention;
 pub(crate) mod demand;

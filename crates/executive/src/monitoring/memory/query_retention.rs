@@ -18,7 +18,7 @@ use apex_model::time::Duration;
 use apex_model::value::Value;
 
 impl Survey<'_> {
-    /// A query of messages looks back as far as its window.
+    /// Adds the demand of a query of messages: it looks back over its window.
     fn event_query(&mut self, arguments: &[Expr], whole: &Expr) {
         let (text, place) = (|| Brief.expression(whole), whole.place);
         let asked = match arguments {
@@ -39,7 +39,7 @@ impl Survey<'_> {
         }
     }
 
-    /// A query of a history looks back as far as its window; as far as possible when that is not written out.
+    /// Adds the demand of a query of a history: it looks back over its window, or without limit if the window is not written out.
     pub(crate) fn query(&mut self, function: &Symbol, arguments: &[Expr], whole: &Expr) {
         if function.is("events-over") {
             return self.event_query(arguments, whole);

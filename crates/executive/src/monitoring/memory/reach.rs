@@ -16,7 +16,7 @@ use apex_model::value::Value;
 /// Definitions that name one another are followed so far.
 const DEFINITIONS_MAX: u32 = 8;
 
-/// The span before now within which all of `constraints` on an instant can hold; none when there is no such span.
+/// Returns the span before now within which all of `constraints` on an instant can hold; `None` if there is no such span.
 pub(crate) fn of_constraints(constraints: &[Constraint], library: &Library) -> Option<Duration> {
     let earliest = constraints.iter().filter_map(|constraint| match constraint {
         Constraint::Compare {
@@ -42,7 +42,7 @@ pub(crate) fn before_now(expr: &Expr, library: &Library) -> Option<Duration> {
     }
 }
 
-/// The duration that `expr` is, where that is written out or defined as one.
+/// Returns the duration that `expr` is, where that is written out or defined as one.
 pub(crate) fn duration(expr: &Expr, library: &Library) -> Option<Duration> {
     let mut expr = expr;
     for _ in 0..DEFINITIONS_MAX {

@@ -74,7 +74,7 @@ pub(crate) struct Survey<'a> {
 }
 
 impl Survey<'_> {
-    /// Everything that the library defines, in order.
+    /// Adds the demands of everything that the library defines, in order.
     fn everything(&mut self) {
         let library = self.library;
         for (attribute, declaration) in &library.state_variables {
@@ -116,12 +116,12 @@ impl Survey<'_> {
         self.demands.push(Demand { subject, reach, why, text, place });
     }
 
-    /// All samples of the attribute.
+    /// Returns all samples of the attribute.
     fn whole(&mut self, variable: &VariablePattern, why: Why, text: impl Fn() -> String, place: Place) {
         self.demand(Subject::Attribute(variable.attribute.clone()), Reach::Unbounded, why, text, place);
     }
 
-    /// The reach of constraints on time, which without an earliest time written out has no bound.
+    /// Returns the reach of constraints on time, which without an earliest time written out has no bound.
     fn times(
         &mut self,
         subject: Subject,

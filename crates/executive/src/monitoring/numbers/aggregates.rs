@@ -23,7 +23,7 @@ use apex_model::source::Place;
 use apex_model::time::Time;
 use apex_model::value::Value;
 
-/// The criteria of an episode, statistics first.
+/// Returns the criteria of an episode, statistics first.
 ///
 /// # Errors
 /// When a right side that never changes cannot be evaluated.
@@ -70,7 +70,7 @@ fn measure(name: &str, constraints: &[Constraint]) -> Option<Measure> {
     })
 }
 
-/// The name of a measure, as PDL has it without the colon.
+/// Returns the name of a measure, as PDL has it without the colon.
 pub(crate) fn name(measure: &Measure) -> &'static str {
     match measure {
         Measure::Mean => "mean",
@@ -110,7 +110,7 @@ fn reading(bare: Option<(f64, Dimension)>) -> RightSide {
     bare.map_or(RightSide::Value(None), |(factor, dimension)| RightSide::Scaled(factor, dimension))
 }
 
-/// An SI number as a value that prints in `unit`.
+/// Returns an SI number as a value that prints in `unit`.
 pub(crate) fn in_unit(si: f64, dimension: Dimension, unit: Option<&'static Unit>) -> Value {
     match Value::measured(si, dimension) {
         Value::Quantity(quantity) => match unit.filter(|unit| unit.dimension == dimension) {
@@ -246,7 +246,7 @@ impl CriterionContext<'_> {
         })
     }
 
-    /// The values of the episode, oldest first.
+    /// Returns the values of the episode, oldest first.
     fn values(&self, (start, end): (Time, Time)) -> Result<Value, EvaluationError> {
         let history = self.context.histories().get(self.variable);
         let samples = history.into_iter().flat_map(|history| history.between(start, end));
@@ -259,7 +259,7 @@ impl CriterionContext<'_> {
         Ok(Value::list(values))
     }
 
-    /// The evidence for a criterion that holds.
+    /// Returns the evidence for a criterion that holds.
     pub(crate) fn aggregate(&self, criterion: &Criterion, value: Value, numbers: &RunStatistics) -> Aggregate {
         let value = if criterion.measure == Measure::Custom { Value::truth(true) } else { value };
         Aggregate {
@@ -272,7 +272,7 @@ impl CriterionContext<'_> {
     }
 }
 
-/// The number that a measure gives, in SI; or why there is none.
+/// Returns the number that a measure gives, in SI; or why there is none.
 fn computed(measure: &Measure, numbers: &RunStatistics) -> Result<f64, &'static str> {
     let RunStatistics { moments, held, median, .. } = numbers;
     let none = "no number yet";

@@ -35,7 +35,7 @@ use std::sync::Arc;
 /// Cycles that make a pattern when `:cycles` is not stated.
 const CYCLES_DEFAULT: u64 = 2;
 
-/// The part for a condition, not yet looked back. The hysteresis is evaluated now.
+/// Returns the part for a condition, not yet looked back. The hysteresis is evaluated now.
 ///
 /// # Errors
 /// When it cannot be, or is not a number of the variable's unit.
@@ -155,7 +155,7 @@ fn settle(
     }
 }
 
-/// All results up to now, earliest recognised first.
+/// Returns all results up to now, earliest recognised first.
 pub(crate) fn results(part: &CyclicPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Vec<Satisfaction> {
     let mut results = part.settled.clone();
     if site.keep == Keep::First && !results.is_empty() {
@@ -182,7 +182,7 @@ pub(crate) fn in_doubt(part: &CyclicPart, site: PartContext, query: &mut Verdict
     open
 }
 
-/// Satisfied; contradicted by a complete cycle; or not known: not enough cycles yet, all those seen satisfy.
+/// Returns satisfied; contradicted by a complete cycle; or unknown while too few cycles are complete.
 pub(crate) fn truth(part: &CyclicPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Truth {
     if !part.settled.is_empty() {
         return Truth::True;
@@ -333,7 +333,7 @@ impl Judge<'_> {
         Satisfaction { interval, recognised_at, bindings, evidence: EvidenceList::from(facts) }
     }
 
-    /// An amplitude in the declared unit.
+    /// Returns an amplitude in the declared unit.
     fn in_unit(&self, amplitude: f64, dimension: Dimension) -> Value {
         match unit_of(&self.part.condition.variable.attribute, self.context.library()) {
             Some(unit) if unit.dimension == dimension => {

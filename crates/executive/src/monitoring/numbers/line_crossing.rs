@@ -55,7 +55,7 @@ pub(crate) struct ValueScale {
     pub(crate) dimension: Dimension,
 }
 
-/// The SI number of an expression.
+/// Returns the SI number of an expression.
 ///
 /// # Errors
 /// When it cannot be evaluated, or is of another dimension.
@@ -70,7 +70,7 @@ pub(crate) fn number_of(expr: &Expr, scale: ValueScale, context: &dyn EvalContex
     }
 }
 
-/// The values that all `constraints` leave.
+/// Returns the values that all `constraints` leave.
 ///
 /// # Errors
 /// When a side cannot be evaluated, or a constraint is not a bound (the checker refuses those).
@@ -128,7 +128,7 @@ pub(crate) fn band(
     Ok(band)
 }
 
-/// The variable that the right side is, if nothing is bound to it yet.
+/// Returns the variable that the right side is, if nothing is bound to it yet.
 fn free(right: &Expr, seen: &dyn EvalContext) -> Option<Symbol> {
     match &right.kind {
         ExprKind::Variable { name, must_be_bound: false } => seen.variable(name).is_none().then(|| name.clone()),
@@ -141,8 +141,8 @@ fn unsolvable(place: Place) -> EvaluationError {
     EvaluationError { message, place }
 }
 
-/// The earliest instant from `from` to `to` at which the line through `moments` lies within the band, with its value
-/// there; none when it never does, or there is no line.
+/// Returns the earliest instant from `from` to `to` at which the line through `moments` lies within the band, with its value
+/// there; `None` if it never does, or there is no line.
 pub(crate) fn earliest(moments: &Moments, band: &ValueInterval, from: Time, to: Time) -> Option<(Time, f64)> {
     let (mut first, mut last) = (from, to);
     match moments.slope_per_s()? {
@@ -179,12 +179,12 @@ struct Crossing {
 }
 
 impl Crossing {
-    /// The first tick at or after the crossing; after it when the value itself does not count.
+    /// Returns the first tick at or after the crossing; after it when the value itself does not count.
     fn first(&self, closed: bool) -> Time {
         if self.exact && closed { self.tick } else { self.tick + Duration(1) }
     }
 
-    /// The last tick at or before the crossing; before it when the value itself does not count.
+    /// Returns the last tick at or before the crossing; before it when the value itself does not count.
     fn last(&self, closed: bool) -> Time {
         if self.exact && !closed { self.tick - Duration(1) } else { self.tick }
     }
@@ -200,7 +200,7 @@ fn crossing(moments: &Moments, value: f64) -> Option<Crossing> {
     Some(Crossing { tick: anchor + Duration(tick as i64), exact })
 }
 
-/// The variables that the value is bound to.
+/// Collects the variables to which the value is bound.
 pub(crate) fn bind(band: &ValueInterval, value: f64, scale: ValueScale, bindings: &mut Bindings) {
     for name in &band.binds {
         bindings.set(name.clone(), crate::monitoring::numbers::aggregates::in_unit(value, scale.dimension, scale.unit));

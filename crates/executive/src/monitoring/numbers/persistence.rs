@@ -30,7 +30,7 @@ use apex_model::value::Value;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The part for `condition`, not yet looked back.
+/// Returns the part for `condition`, not yet looked back.
 ///
 /// # Errors
 /// When the timeout or a value that never changes cannot be evaluated.
@@ -74,7 +74,7 @@ pub(crate) fn begin_again(
     }
 }
 
-/// A sample has arrived.
+/// Processes a sample.
 pub(crate) fn notice(
     part: &mut PersistedPart,
     site: PartContext,
@@ -185,20 +185,20 @@ fn holds(
     constraints.hold(site, sample, bindings, context)
 }
 
-/// The instants that count: from the window's start on, or as `:timestamp` says.
+/// Returns the instants that count: from the window's start on, or as `:timestamp` says.
 fn window(part: &PersistedPart, site: PartContext, context: &dyn EvalContext) -> Result<TimeBounds, EvaluationError> {
     let stated = bounds(&part.condition.timestamp, context, site.place)?;
     Ok(TimeBounds { from: Some(stated.from.unwrap_or(site.window.start).max(site.window.start)), to: stated.to })
 }
 
-/// The first instant of the window at which the sample holds, and the last; both may be to come.
+/// Returns the first instant of the window at which the sample holds, and the last; both may be to come.
 fn valid(part: &PersistedPart, within: TimeBounds, sample: &PersistedSample) -> Option<(Time, Time)> {
     let first = within.from.map_or(sample.at, |from| from.max(sample.at));
     let last = within.to.unwrap_or(Time::END).min(sample.at + part.timeout);
     (first <= last).then_some((first, last))
 }
 
-/// The result of a sample that is asked about at `horizon`, after which the next one comes if it is `over` then.
+/// Returns the result of a sample that is asked about at `horizon`, after which the next one comes if it is `over` then.
 fn judged(
     part: &PersistedPart,
     site: PartContext,
@@ -242,7 +242,7 @@ fn judged(
     })
 }
 
-/// All results up to now, earliest recognised first.
+/// Returns all results up to now, earliest recognised first.
 pub(crate) fn results(part: &PersistedPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Vec<Satisfaction> {
     let mut results = part.settled.clone();
     if site.keep == Keep::First && !results.is_empty() {
@@ -268,7 +268,7 @@ pub(crate) fn in_doubt(part: &PersistedPart, now: Time) -> bool {
     part.blind || !part.objects.values().any(|sample| now <= sample.at + part.timeout)
 }
 
-/// Satisfied; unknown without a sample that is valid now; else not satisfied. A window to come is waited for.
+/// Returns satisfied; unknown without a valid sample; otherwise not satisfied. The part waits for a future window.
 pub(crate) fn truth(part: &PersistedPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Truth {
     if !results(part, site, query).is_empty() {
         return Truth::True;

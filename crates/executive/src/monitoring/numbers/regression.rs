@@ -74,7 +74,7 @@ impl fmt::Display for FitFailure {
     }
 }
 
-/// The part for `condition`, not yet looked back. All options are evaluated now.
+/// Returns the part for `condition`, not yet looked back. All options are evaluated now.
 ///
 /// # Errors
 /// When they cannot be.
@@ -117,7 +117,7 @@ pub(crate) fn create(
     })
 }
 
-/// The unit and dimension that values of `attribute` are declared with.
+/// Returns the unit and dimension that values of `attribute` are declared with.
 pub(crate) fn declared_scale(
     attribute: &Symbol,
     context: &dyn EvalContext,
@@ -127,7 +127,7 @@ pub(crate) fn declared_scale(
     (unit, declared.filter(|declared| declared.unit.is_some()).map(|declared| declared.dimension))
 }
 
-/// From where samples are fitted: `:start`, else the window's start.
+/// Returns the window of the fit: from `:start`, or else from the start of the part's window.
 fn fit_window(part: &RegressionPart, site: PartContext) -> Window {
     match part.fit.0 {
         Some(start) => Window::from(start),
@@ -235,7 +235,7 @@ impl FittedLine {
     }
 }
 
-/// The line through the samples of one object.
+/// Returns the line through the samples of one object.
 ///
 /// # Errors
 /// With the reason for which there is none.
@@ -338,7 +338,7 @@ pub(crate) fn says(
     Ok(Saying::Met(Satisfaction { interval: (first_at, last_at), recognised_at, bindings, evidence: evidence.into() }))
 }
 
-/// The line does not meet the constraints, or this is unknown since samples stopped coming.
+/// Explains that the line does not meet the constraints, or that this is unknown since samples stopped.
 fn unmet(part: &RegressionPart, line: FittedLine, now: Time) -> Saying {
     let gap = now.min(part.fit.1.unwrap_or(Time::END)) - line.last.0;
     match part.gap_max.filter(|most| gap > *most) {
@@ -379,8 +379,8 @@ pub(crate) fn in_doubt(part: &RegressionPart, site: PartContext, query: &mut Ver
     silent || all(part, site, query).iter().any(|saying| matches!(saying, Saying::Unknown(_)))
 }
 
-/// Satisfied; unknown without a line to trust; else not satisfied. The instant at which a line will meet the
-/// constraint is waited for.
+/// Returns satisfied; unknown without a reliable line; otherwise not satisfied. The part wakes at the instant at which the line meets the
+/// constraint.
 pub(crate) fn truth(part: &RegressionPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Truth {
     let sayings = all(part, site, query);
     // An object that is not wanted was known, as for other conditions.

@@ -1,5 +1,5 @@
 //! Significance (M&I)
-//! What: how probable so steep a line is where there is no trend: Student's t test of the slope, two-sided.
+//! What: computes the probability of a slope at least this steep without a trend: two-sided Student's t test.
 //! Runs: from trends, where `:significance` is asked.
 //! Reads: nothing.
 //! Writes: nothing.
@@ -9,10 +9,10 @@
 
 use crate::state::monitors::moments::Moments;
 
-/// Enough for any degrees of freedom: the fraction converges in about their square root, or in a few terms far out.
+/// Maximum number of terms. The fraction converges in about the square root of the degrees of freedom, or faster in the tails.
 const FRACTION_TERMS_MAX: u32 = 10_000;
 
-/// Probability of a slope at least so far from zero at random; none with fewer than three samples or two
+/// Returns the probability of a slope at least so far from zero at random; `None` with fewer than three samples or two
 /// distinct instants.
 pub(crate) fn slope_by_chance(moments: &Moments) -> Option<f64> {
     let slope = moments.slope_per_s()? / 1e9;
@@ -28,7 +28,7 @@ pub(crate) fn slope_by_chance(moments: &Moments) -> Option<f64> {
     Some(beta_ratio(freedom / (freedom + squared), squared / (freedom + squared), freedom / 2.0, 0.5))
 }
 
-/// The regularised incomplete beta function at `x`, with `rest` = 1 - x.
+/// Returns the regularised incomplete beta function at `x`, with `rest` = 1 - x.
 fn beta_ratio(x: f64, rest: f64, a: f64, b: f64) -> f64 {
     if x <= 0.0 {
         return 0.0;
@@ -38,11 +38,11 @@ fn beta_ratio(x: f64, rest: f64, a: f64, b: f64) -> f64 {
     }
     let log_front = libm::lgamma(a + b) - libm::lgamma(a) - libm::lgamma(b) + a * libm::log(x) + b * libm::log(rest);
     let front = libm::exp(log_front);
-    // The fraction converges fast on one side of the mean only.
+    // The fraction converges fast only on one side of the mean; the other side uses the symmetry of the function.
     if x < (a + 1.0) / (a + b + 2.0) { front * fraction(x, a, b) / a } else { 1.0 - front * fraction(rest, b, a) / b }
 }
 
-/// The continued fraction of the incomplete beta function, evaluated forwards (Lentz).
+/// Returns the continued fraction of the incomplete beta function, evaluated forwards (Lentz).
 fn fraction(x: f64, a: f64, b: f64) -> f64 {
     let away_from_zero = |number: f64| if libm::fabs(number) < 1e-300 { 1e-300 } else { number };
     let mut c = 1.0;
@@ -71,7 +71,7 @@ mod tests {
     use super::*;
     use apex_model::time::Time;
 
-    /// Two-sided probability of Student's t.
+    /// Returns two-sided probability of Student's t.
     fn two_sided(t: f64, freedom: f64) -> f64 {
         beta_ratio(freedom / (freedom + t * t), t * t / (freedom + t * t), freedom / 2.0, 0.5)
     }

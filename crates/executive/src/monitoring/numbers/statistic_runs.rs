@@ -32,7 +32,7 @@ fn wants_held(part: &StatisticalPart) -> bool {
     wants(part, |measure| matches!(measure, Measure::HeldMean | Measure::HeldVariance | Measure::HeldStandardDeviation))
 }
 
-/// The gap that cuts the newest sample off from the run before it.
+/// Returns the gap that cuts the newest sample off from the run before it.
 fn gap_cut(part: &StatisticalPart, state: &NumberRun) -> Option<Duration> {
     let gap = state.newest.at - state.run.as_ref()?.last;
     part.gap_max.filter(|most| gap > *most).map(|_| gap)
@@ -365,7 +365,7 @@ impl Evaluation<'_> {
             && holds(&timing.duration, Value::Duration(lasted), RightSide::Span)?)
     }
 
-    /// The numbers of the run, or of the window that ends at `at`.
+    /// Returns the numbers of the run, or of the window that ends at `at`.
     fn gather(&self, state: &NumberRun, with_newest: bool, at: Time) -> RunStatistics {
         let newest = &state.newest;
         let run = state.run.as_deref().filter(|_| !with_newest || newest.joins);

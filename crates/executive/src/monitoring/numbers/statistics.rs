@@ -34,7 +34,7 @@ use apex_model::value::Value;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The part for `condition`, not yet looked back. Gap and durations are evaluated now.
+/// Returns the part for `condition`, not yet looked back. Gap and durations are evaluated now.
 ///
 /// # Errors
 /// When they cannot be.
@@ -71,7 +71,7 @@ pub(crate) fn create(
     })
 }
 
-/// The least duration that a constraint allows; of a window that slides the wanted one.
+/// Returns the least duration that a constraint allows; of a window that slides the wanted one.
 fn least_duration(constraint: &Constraint, context: &dyn EvalContext) -> Result<Duration, EvaluationError> {
     let tick = Duration(1);
     Ok(match constraint {
@@ -248,7 +248,7 @@ fn held_values(
     }
 }
 
-/// The sample's number in SI. What is not finite is missing; where only samples are counted anything is a number.
+/// Returns the sample's number in SI; `None` if it is missing or not finite. If only samples are counted, any value is a number.
 fn number(
     part: &mut StatisticalPart,
     site: PartContext,
@@ -273,7 +273,7 @@ fn number(
     }
 }
 
-/// All results up to now, earliest recognised first.
+/// Returns all results up to now, earliest recognised first.
 pub(crate) fn results(part: &StatisticalPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Vec<Satisfaction> {
     let mut results = part.settled.clone();
     if site.keep == Keep::First && !results.is_empty() {
@@ -322,7 +322,7 @@ fn open<'a>(
     open
 }
 
-/// The same, each with its variable.
+/// Returns the same, each with its variable.
 pub(crate) fn open_of_variables(
     part: &StatisticalPart,
     site: PartContext,
@@ -357,8 +357,8 @@ fn in_order(part: &StatisticalPart) -> Vec<(&Value, &NumberRun)> {
     objects
 }
 
-/// Satisfied; unknown while a statistic is not defined, a run not long enough, or samples are missing; else not. The
-/// next instant at which time alone decides is waited for.
+/// Returns satisfied; unknown while a statistic is undefined, a run too short, or samples are missing; otherwise not satisfied. Also finds
+/// the next instant at which time alone decides.
 pub(crate) fn truth(part: &StatisticalPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Truth {
     let mut met = !part.settled.is_empty();
     if met && site.keep == Keep::First {
@@ -387,7 +387,7 @@ pub(crate) fn standing(
     Evaluation { part, site, object, context: query.context }.standing(state, query.now)
 }
 
-/// One criterion as text: `mean = 3 does not satisfy (> 5)`.
+/// Returns one criterion as text: `mean = 3 does not satisfy (> 5)`.
 pub(crate) fn judgement_words(
     criterion: &crate::state::monitors::numbers::Criterion,
     judgement: &CriterionResult,

@@ -55,7 +55,7 @@ impl Wanted {
         runs
     }
 
-    /// Earliest result up to `now`: interval and recognition.
+    /// Returns the earliest result up to `now`: interval and recognition.
     fn result(self, samples: &[(i64, i64)], now: i64) -> Option<(i64, i64, i64)> {
         let least = match self.bound {
             Bound::None => 0,

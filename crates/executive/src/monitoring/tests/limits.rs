@@ -13,7 +13,7 @@ fn results_limit() -> Vec<String> {
     vec![format!("the limit MONITOR_RESULTS_MAX = {MONITOR_RESULTS_MAX} of a condition was reached")]
 }
 
-/// An episode of the values from 5 on that lasts at least this duration; with `any`, between any two samples.
+/// Returns an episode of the values from 5 on that lasts at least this duration; with `any`, between any two samples.
 fn warm(attribute: &str, least: i64, any: bool) -> Condition {
     let value = vec![compare(Relation::GreaterOrEqual, int(5))];
     let lasting = vec![compare(Relation::GreaterOrEqual, span(least))];

@@ -40,7 +40,7 @@ use apex_model::time::Time;
 use apex_model::value::Value;
 use std::sync::Arc;
 
-/// An expression of a value.
+/// Returns the expression of a constant.
 fn constant(value: Value) -> Expr {
     Expr { kind: ExprKind::Constant(value), place: Place::default() }
 }
@@ -117,8 +117,8 @@ fn free(name: &str) -> Pattern {
     Pattern::Variable(Symbol::new(name))
 }
 
-/// A monitor with its world: time, histories, arrival numbers. Wherever a bank can watch the monitor, one does; a twin is
-/// shown everything, and must be in the same state at every query.
+/// A monitor with its environment: time, histories, arrival numbers. If the monitor can be kept in an episode index, it is; the
+/// twin receives every sample directly, and both must be in the same state at every query.
 struct World {
     view: TestView,
     monitor: Monitor,
@@ -141,14 +141,15 @@ impl World {
         world
     }
 
-    /// Continues with another monitor.
+    /// Replaces the monitor by one for another condition.
     fn watch(&mut self, condition: &Condition, window: Window) {
         self.monitor = create(condition, window, &self.view).unwrap();
         (self.told, self.bank) = (self.monitor.clone(), None);
         self.lie_down();
     }
 
-    /// Lets a bank watch the monitor, if it can. Another monitor is there already, which has seen nothing.
+    /// Moves the monitor into an episode index, if its condition allows that. The index already holds another monitor, which
+    /// has received no samples.
     fn lie_down(&mut self) {
         let Some((wanted, run)) = threshold_episode::bankable(&self.monitor, &self.view) else { return };
         let mut bank = EpisodeIndex::new(wanted.dimension);
@@ -171,7 +172,7 @@ impl World {
         );
     }
 
-    /// Records a sample of `(attribute object)` and tells the monitor.
+    /// Records a sample of `(attribute object)` and passes it to the monitor and its twin.
     fn sample(&mut self, attribute: &str, object: &str, value: Value, at: i64) {
         self.view.now = self.view.now.max(Time(at));
         self.sequence += 1;
@@ -223,7 +224,7 @@ impl World {
         verdict
     }
 
-    /// Returns the instant at which time alone decides, as monitor or bank states it.
+    /// Returns the wake instant of the monitor or of the index: at that instant the condition may change without a sample.
     fn wake(&self) -> Option<Time> {
         match &self.bank {
             Some(bank) => bank.due().map(|(at, _)| at),
@@ -231,7 +232,7 @@ impl World {
         }
     }
 
-    /// Interval and instant of recognition, when satisfied at `now`.
+    /// Returns interval and instant of recognition if the monitor is satisfied at `now`.
     fn answer(&mut self, now: i64) -> Option<(i64, i64, i64)> {
         match self.ask(now) {
             Verdict::Satisfied(result) => Some((result.interval.0.0, result.interval.1.0, result.recognised_at.0)),
@@ -240,7 +241,7 @@ impl World {
     }
 }
 
-/// A world whose samples of `attribute` may come this late.
+/// Returns a view in which samples of `attribute` may arrive `lateness` nanoseconds late.
 fn late_view(attribute: &str, lateness: i64) -> TestView {
     let mut view = TestView::default();
     let declaration = apex_model::library::StateVariableDeclaration {

@@ -23,7 +23,7 @@ fn segment(name: &str, minimum: u8, maximum: Option<u8>) -> Pattern {
     Pattern::Segment { variable: Some(Symbol::new(name)), minimum, maximum }
 }
 
-/// All matches in order, by plain recursion over lists of bindings: the definition.
+/// Returns all matches in order, by plain recursion over lists of bindings: the definition.
 fn naive(pattern: &Pattern, value: &Value, bindings: &Bindings) -> Vec<Bindings> {
     match pattern {
         Pattern::Literal(literal) if literal.matches(value) => vec![bindings.clone()],

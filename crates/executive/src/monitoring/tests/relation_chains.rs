@@ -1,4 +1,4 @@
-//! Allen relations of three parts against all triples of their results.
+//! Allen relations of three parts, compared with a naive search over all triples of results.
 
 use super::relations::{RELATIONS, Side, decided, related, traces};
 use super::*;
@@ -7,7 +7,7 @@ use proptest::prelude::*;
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2_000))]
 
-    /// Three parts, whose results need not come in order, against all triples.
+    /// Results of the three parts arrive in any order; the naive search examines all triples.
     #[test]
     fn chains_relate_each_part_to_the_next(
         trace in traces(), more in traces(), which in 0..13_usize, least in 0..3_i64,

@@ -103,7 +103,7 @@ impl Side {
     }
 }
 
-/// All ends that a run could have.
+/// Returns all ends that a run could have.
 fn ends((interval, open): (Interval, bool), now: i64) -> Vec<Interval> {
     let later = [now + 1, now + 2, now + 3, now + 7, now + 1_000].map(|end| (interval.0, end));
     std::iter::once(interval).chain(later.into_iter().filter(|_| open)).collect()
@@ -387,7 +387,7 @@ fn kept(world: &World) -> usize {
     leaf.sides.iter().map(|side| side.settled.len()).sum()
 }
 
-/// A trace of 2,000 samples of each variable: `a` holds at every third, `b` all the time, but never for long enough.
+/// Returns a trace of 2,000 samples of each variable: `a` holds at every third, `b` all the time, but never for long enough.
 fn kept_over_a_long_trace(condition: &Condition) -> usize {
     let mut world = World::new(condition);
     let mut most = 0;

@@ -1,4 +1,4 @@
-//! Statistics and trends against the definition: at every tick, over every sample, in exact arithmetic.
+//! Statistics and trends against their definition, evaluated at every tick over all samples in exact arithmetic.
 
 use super::traces::{as_truth, instants, tell, traces, valid};
 use super::*;
@@ -46,17 +46,17 @@ struct Wanted {
     limit: i64,
 }
 
-/// A fraction, its denominator positive.
+/// Numerator and denominator of a fraction; the denominator is positive.
 type Fraction = (i128, i128);
 
 impl Wanted {
     fn limit(self) -> Fraction {
         let scale = match self.kind.0 {
-            // Per second, the trace being in nanoseconds.
+            // Scaled to seconds: the trace counts nanoseconds.
             Kind::Rate | Kind::Frequency => 100_000_000,
             _ => 1,
         };
-        // Never met exactly, so that rounding cannot decide.
+        // The limit has a fraction that no statistic reaches exactly, so that rounding cannot decide.
         (i128::from(self.limit * scale) * 1000 + 123, 1000)
     }
 
@@ -150,7 +150,7 @@ impl Wanted {
         !self.value && self.duration > 0
     }
 
-    /// The run up to the newest of `samples`, which are all up to some instant.
+    /// Returns the run up to the newest of `samples`, which are all up to some instant.
     fn run(self, samples: &[(i64, i64)]) -> &[(i64, i64)] {
         let ok = |value: i64| !self.value || value >= 5;
         let mut start = samples.len();
@@ -180,7 +180,7 @@ impl Wanted {
         Some(self.holds(&inside, before, from, end).map(|holds| (interval, holds)))
     }
 
-    /// Instants that count up to `now`, in order.
+    /// Returns the instants up to `now` at which the statistic is evaluated, in order.
     fn ends(self, samples: &[(i64, i64)], now: i64) -> Vec<i64> {
         let Some(first) = samples.first() else { return Vec::new() };
         (first.0..=now)
@@ -195,7 +195,7 @@ impl Wanted {
         if self.gap.is_none_or(|gap| end - newest > gap) {
             return false;
         }
-        // Weights over time change at every tick: they are evaluated only where samples come and leave.
+        // Averages over time change at every tick; they are evaluated only at instants at which samples enter or leave the window.
         let known: Vec<(i64, i64)> = samples.iter().copied().filter(|(at, _)| *at <= newest).collect();
         let run = self.run(&known);
         let Some(start) = run.first().map(|sample| sample.0) else { return false };

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 /// Arrivals: instants may repeat (a later value replaces), and a value may be missing.
 pub(super) type Trace = Vec<(i64, Option<i64>)>;
 
-/// The samples that count: the last valid arrival of each instant.
+/// Returns the samples that count: the last valid arrival of each instant.
 pub(super) fn valid(trace: &[(i64, Option<i64>)]) -> Vec<(i64, i64)> {
     let mut samples: Vec<(i64, i64)> = Vec::new();
     for (at, value) in trace {
@@ -42,7 +42,7 @@ pub(super) fn tell(world: &mut World, trace: &[(i64, Option<i64>)]) {
     }
 }
 
-/// The verdict without its result.
+/// Returns the verdict without its result.
 pub(super) fn as_truth(verdict: &Verdict) -> Truth {
     match verdict {
         Verdict::Satisfied(_) => Truth::True,

@@ -8,7 +8,7 @@ use proptest::prelude::*;
 
 const VARIABLES: [&str; 3] = ["x", "y", "slow"];
 
-/// An episode of one of the variables: its bound, duration and greatest gap in half seconds (0: none).
+/// Returns an episode of one of the variables: its bound, duration and greatest gap in half seconds (0: none).
 fn episode() -> impl Strategy<Value = String> {
     (0usize..16, 0i64..3, 0i64..5, 0i64..5).prop_map(|(which, bound, duration, gap)| {
         let variable = VARIABLES[if which == 15 { 2 } else { which % 2 }];

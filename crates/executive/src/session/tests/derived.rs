@@ -16,7 +16,7 @@ fn library_of(declarations: &str) -> Arc<Library> {
     Arc::new(checked.library)
 }
 
-/// The derived samples that a session makes; with `advances` it is advanced to every sample's instant.
+/// Returns the derived samples that a session makes; with `advances` it is advanced to every sample's instant.
 fn derived(declaration: &str, series: &Series, advances: bool) -> Vec<(i64, f64)> {
     let mut session = MonitorSession::new(library_of(declaration), HostFunctions::default()).unwrap().over_a_log();
     let mut samples: Vec<(i64, usize, i64)> = Vec::new();

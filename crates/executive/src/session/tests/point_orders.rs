@@ -79,7 +79,7 @@ const ORDERS: [&str; 9] = [
     "(:in-order (:measurement first (a uav) :value (> 4)) (:delay 3s) (b uav < 4) (:delay 1s 3s) (go)",
 ];
 
-/// The results of `condition` over `story`; with `late`, each variable's samples come after those of the one before.
+/// Returns the results of `condition` over `story`; with `late`, each variable's samples come after those of the one before.
 fn results_over(condition: &str, story: &[(i64, Told)], late: bool, log: bool) -> (Vec<String>, String) {
     let (plain, id) = session(condition, 0.0);
     let mut session = if log { plain.over_a_log() } else { plain };

@@ -49,7 +49,7 @@ pub(crate) struct EventLogs {
 }
 
 impl EventLogs {
-    /// A clause may need messages that begin with `head`, up to `lookback` before the newest of them.
+    /// Records that a clause may need messages that begin with `head`, up to `lookback` before the newest of them.
     pub(crate) fn require(&mut self, head: &Symbol, lookback: Duration) {
         let slot = self.asked.entry(head.clone()).or_default();
         *slot = (*slot).max(lookback);

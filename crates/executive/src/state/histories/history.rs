@@ -39,7 +39,7 @@ pub struct Occurrence {
 }
 
 impl Occurrence {
-    /// The symbol that the message begins with, or is.
+    /// Returns the symbol that the message begins with, or is.
     pub fn head(&self) -> Option<&Symbol> {
         let head = match &self.form {
             Value::List(items) => items.first()?,
@@ -139,7 +139,7 @@ impl Histories {
 }
 
 impl History {
-    /// All samples kept, oldest first.
+    /// Returns all samples kept, oldest first.
     pub fn samples(&self) -> impl DoubleEndedIterator<Item = &Sample> + ExactSizeIterator {
         self.samples.iter()
     }
@@ -149,12 +149,12 @@ impl History {
         self.late.iter()
     }
 
-    /// The newest sample.
+    /// Returns the newest sample.
     pub fn newest(&self) -> Option<&Sample> {
         self.samples.back()
     }
 
-    /// The latest sample at or before `instant`.
+    /// Returns the latest sample at or before `instant`.
     pub fn at(&self, instant: Time) -> Option<&Sample> {
         self.samples
             .partition_point(|sample| sample.at <= instant)
@@ -162,7 +162,7 @@ impl History {
             .and_then(|index| self.samples.get(index))
     }
 
-    /// The latest sample strictly before `instant`.
+    /// Returns the latest sample strictly before `instant`.
     pub fn before(&self, instant: Time) -> Option<&Sample> {
         self.samples
             .partition_point(|sample| sample.at < instant)
@@ -182,7 +182,7 @@ impl History {
         self.overflowed
     }
 
-    /// True when every sample at or after `instant` is still kept.
+    /// Returns true when every sample at or after `instant` is still kept.
     pub fn covers(&self, instant: Time) -> bool {
         self.forgotten_until.is_none_or(|forgotten| forgotten < instant)
     }
@@ -304,22 +304,22 @@ impl Histories {
         };
     }
 
-    /// The history of `variable`, if it was ever measured.
+    /// Returns the history of `variable`, if it was ever measured.
     pub fn get(&self, variable: &StateVariable) -> Option<&History> {
         self.variables.get(variable)
     }
 
-    /// The history of `variable`, to put many samples in.
+    /// Returns the history of `variable`, to put many samples in.
     pub fn get_mut(&mut self, variable: &StateVariable) -> Option<&mut History> {
         self.variables.get_mut(variable)
     }
 
-    /// All variables ever measured, in order, with their histories.
+    /// Returns all variables ever measured, in order, with their histories.
     pub fn iter(&self) -> impl Iterator<Item = (&StateVariable, &History)> {
         self.variables.iter()
     }
 
-    /// The variables of one attribute, in order of their objects.
+    /// Returns the variables of one attribute, in order of their objects.
     pub fn of_attribute(&self, attribute: &Symbol) -> impl Iterator<Item = (&StateVariable, &History)> {
         self.variables.of_attribute(attribute)
     }
@@ -352,7 +352,7 @@ impl Histories {
         })
     }
 
-    /// A clause may need samples of `attribute` up to `lookback` before the newest.
+    /// Records that a clause may need samples of `attribute` up to `lookback` before the newest.
     pub fn require_lookback(&mut self, attribute: &Symbol, lookback: Duration) {
         let slot = self.lookbacks.entry(attribute.clone()).or_default();
         *slot = (*slot).max(lookback);
@@ -361,7 +361,7 @@ impl Histories {
         self.variables.change(of_attribute, |history| history.retention.lookback = lookback);
     }
 
-    /// A clause may need samples of any attribute up to `lookback` before the newest.
+    /// Records that a clause may need samples of any attribute up to `lookback` before the newest.
     pub fn require_lookback_of_all(&mut self, lookback: Duration) {
         self.lookback_of_all = self.lookback_of_all.max(lookback);
         self.variables
@@ -394,7 +394,7 @@ impl Histories {
         }
     }
 
-    /// The least restrictive of all open policies, and what conditions ask.
+    /// Returns the least restrictive of all open policies, and what conditions ask.
     fn retention_of(&self, variable: &StateVariable) -> Retention {
         let mut retention = Retention {
             lookback: self.lookbacks.get(&variable.attribute).copied().unwrap_or_default().max(self.lookback_of_all),

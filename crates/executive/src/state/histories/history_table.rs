@@ -18,12 +18,12 @@ pub(crate) struct HistoryTable {
 }
 
 impl HistoryTable {
-    /// The history of `variable`.
+    /// Returns the history of `variable`.
     pub(crate) fn get(&self, variable: &StateVariable) -> Option<&History> {
         self.by_variable.get(variable).map(|history| &**history)
     }
 
-    /// The history of `variable`, to change it.
+    /// Returns the history of `variable`, to change it.
     pub(crate) fn get_mut(&mut self, variable: &StateVariable) -> Option<&mut History> {
         self.by_variable.get_mut(variable).map(|history| &mut **history)
     }
@@ -39,12 +39,12 @@ impl HistoryTable {
         self.by_variable.insert(variable, Box::new(history));
     }
 
-    /// All histories in order of their variables.
+    /// Returns all histories in order of their variables.
     pub(crate) fn iter(&self) -> impl Iterator<Item = (&StateVariable, &History)> {
         self.by_variable.sorted().into_iter().map(|(variable, history)| (variable, &**history))
     }
 
-    /// The histories of one attribute, in order of their objects.
+    /// Returns the histories of one attribute, in order of their objects.
     pub(crate) fn of_attribute(&self, attribute: &Symbol) -> impl Iterator<Item = (&StateVariable, &History)> {
         let mut objects: Vec<&Value> = self.objects.get(attribute).into_iter().flatten().collect();
         objects.sort_unstable();

@@ -16,28 +16,28 @@ impl<T> Default for VariableMap<T> {
 }
 
 impl<T> VariableMap<T> {
-    /// The entry of `variable`.
+    /// Returns the entry of `variable`.
     pub fn get(&self, variable: &StateVariable) -> Option<&T> {
         self.0.get(variable)
     }
 
-    /// The entry of `variable`, to change it.
+    /// Returns the entry of `variable`, to change it.
     pub fn get_mut(&mut self, variable: &StateVariable) -> Option<&mut T> {
         self.0.get_mut(variable)
     }
 
-    /// The entry of `variable` with the variable as it is kept.
+    /// Returns the entry of `variable` with the variable as it is kept.
     pub fn get_with_key(&self, variable: &StateVariable) -> Option<(&StateVariable, &T)> {
         self.0.get_key_value(variable)
     }
 
-    /// All entries, to change each separately: they come in any order, so nothing may depend on it.
+    /// Returns all entries, to change each separately: they come in any order, so nothing may depend on it.
     #[allow(clippy::iter_over_hash_type, reason = "separate changes of entries do not depend on their order")]
     pub fn each_mut(&mut self) -> impl Iterator<Item = (&StateVariable, &mut T)> {
         self.0.iter_mut()
     }
 
-    /// The entry of `variable`, made when it is missing.
+    /// Returns the entry of `variable`, made when it is missing.
     pub fn entry(&mut self, variable: &StateVariable) -> &mut T
     where
         T: Default,
@@ -60,12 +60,12 @@ impl<T> VariableMap<T> {
         self.0.len()
     }
 
-    /// True without entries.
+    /// Returns true if there are no entries.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// All entries in order of the variables; sorts them.
+    /// Returns all entries in order of the variables; sorts them.
     pub fn sorted(&self) -> Vec<(&StateVariable, &T)> {
         let mut entries: Vec<(&StateVariable, &T)> = self.0.iter().collect();
         entries.sort_by(|a, b| a.0.cmp(b.0));

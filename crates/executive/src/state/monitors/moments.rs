@@ -32,7 +32,7 @@ impl Sum {
         self.low += other.low;
     }
 
-    /// The sum as a number.
+    /// Returns the sum as a number.
     pub fn value(self) -> f64 {
         self.high + self.low
     }
@@ -57,7 +57,7 @@ pub struct Moments {
 }
 
 impl Moments {
-    /// Of one sample.
+    /// Returns the moments of one sample.
     pub fn of(at: Time, number: f64) -> Moments {
         Moments {
             count: 1,
@@ -128,37 +128,37 @@ impl Moments {
         self.count
     }
 
-    /// First and last instant; none without samples.
+    /// Returns the first and last instant; `None` without samples.
     pub fn span(&self) -> Option<(Time, Time)> {
         (self.count > 0).then_some((self.first_at, self.last_at))
     }
 
-    /// The sum of the values.
+    /// Returns the sum of the values.
     pub fn sum(&self) -> Option<f64> {
         (self.count > 0).then(|| self.sum.value())
     }
 
-    /// The mean; none without samples.
+    /// Returns the mean; `None` without samples.
     pub fn mean(&self) -> Option<f64> {
         self.sum().map(|sum| sum / self.count as f64)
     }
 
-    /// Population variance; none without samples.
+    /// Returns the population variance; `None` without samples.
     pub fn variance(&self) -> Option<f64> {
         (self.count > 0).then(|| (self.spread / self.count as f64).max(0.0))
     }
 
-    /// The least value.
+    /// Returns the least value.
     pub fn least(&self) -> Option<f64> {
         (self.count > 0).then_some(self.least)
     }
 
-    /// The greatest value.
+    /// Returns the greatest value.
     pub fn greatest(&self) -> Option<f64> {
         (self.count > 0).then_some(self.greatest)
     }
 
-    /// Slope of the line of least squares per second; none with fewer than two distinct instants.
+    /// Returns the slope of the least-squares line per second; `None` with fewer than two distinct instants.
     pub fn slope_per_s(&self) -> Option<f64> {
         self.slope_per_ns().map(|slope| slope * 1e9)
     }
@@ -167,7 +167,7 @@ impl Moments {
         (self.time_spread > 0.0).then(|| self.common_spread / self.time_spread)
     }
 
-    /// The value of the line of least squares at an instant; none with fewer than two distinct instants.
+    /// Returns the value of the line of least squares at an instant; `None` with fewer than two distinct instants.
     pub fn line_at(&self, at: Time) -> Option<f64> {
         let time = (at - self.anchor_at).0 as f64;
         Some(self.anchor + (self.mean + self.slope_per_ns()? * (time - self.mean_time_ns)))
@@ -180,7 +180,7 @@ impl Moments {
         Some((self.anchor_at, self.mean_time_ns + ((value - self.anchor) - self.mean) / slope))
     }
 
-    /// Sum of the squared residuals of the line; none with fewer than two distinct instants.
+    /// Returns the sum of the squared residuals of the line; `None` with fewer than two distinct instants.
     pub fn residual(&self) -> Option<f64> {
         let explained = self.slope_per_ns()? * self.common_spread;
         // Below this the difference is rounding, not residual.
@@ -188,12 +188,12 @@ impl Moments {
         Some(if rest <= 8.0 * f64::EPSILON * self.spread { 0.0 } else { rest })
     }
 
-    /// Root mean square of the residuals of the line.
+    /// Returns the root mean square of the residuals of the line.
     pub fn error(&self) -> Option<f64> {
         self.residual().map(|residual| libm::sqrt(residual / self.count as f64))
     }
 
-    /// Spread of the instants around their mean, in nanoseconds squared.
+    /// Returns the spread of the instants around their mean, in nanoseconds squared.
     pub fn time_spread(&self) -> f64 {
         self.time_spread
     }
@@ -238,12 +238,12 @@ impl HeldMoments {
         self.spread += other.spread + off * off * own * share;
     }
 
-    /// The mean over time; none when nothing held for any time.
+    /// Returns the mean over time; `None` if nothing held for any time.
     pub fn mean(&self) -> Option<f64> {
         (self.weight_ns > 0.0).then_some(self.anchor + self.mean)
     }
 
-    /// The variance over time; none when nothing held for any time.
+    /// Returns the variance over time; `None` if nothing held for any time.
     pub fn variance(&self) -> Option<f64> {
         (self.weight_ns > 0.0).then(|| (self.spread / self.weight_ns).max(0.0))
     }

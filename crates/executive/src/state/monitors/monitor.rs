@@ -35,7 +35,7 @@ pub struct Window {
 }
 
 impl Window {
-    /// Everything from `start` on.
+    /// Returns a window that contains everything from `start` on.
     pub fn from(start: Time) -> Window {
         Window { start, ..Window::default() }
     }
@@ -280,12 +280,12 @@ impl Newest {
         }
     }
 
-    /// True without any sample.
+    /// Returns true if there are no samples.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The newest sample of `object`.
+    /// Returns the newest sample of `object`.
     pub fn get(&self, object: &Value) -> Option<&NewestSample> {
         match self {
             Newest::None => None,
@@ -294,7 +294,7 @@ impl Newest {
         }
     }
 
-    /// The newest sample of `object`, to change it.
+    /// Returns the newest sample of `object`, to change it.
     pub fn get_mut(&mut self, object: &Value) -> Option<&mut NewestSample> {
         match self {
             Newest::None => None,
@@ -329,7 +329,7 @@ impl Newest {
         taken.into_iter().map(|(_, result)| result).collect()
     }
 
-    /// All newest samples, in order of their objects.
+    /// Returns all newest samples, in order of their objects.
     pub fn samples(&self) -> impl Iterator<Item = &NewestSample> {
         let (one, several) = match self {
             Newest::None => (None, None),

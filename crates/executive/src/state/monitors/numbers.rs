@@ -297,12 +297,12 @@ impl Fit {
         self.newest = self.newest.filter(|(newest_at, _)| *newest_at != at);
     }
 
-    /// The last sample; none while there is none.
+    /// Returns the last sample; none while there is none.
     pub fn last(&self) -> Option<(Time, f64)> {
         self.newest.or_else(|| self.moments.span().map(|(_, last_at)| (last_at, self.before)))
     }
 
-    /// All samples, and the greatest gap between them.
+    /// Returns all samples, and the greatest gap between them.
     pub fn with_newest(&self) -> (Moments, Duration) {
         let (mut moments, mut gap) = (self.moments, self.gap);
         if let Some((at, number)) = self.newest {

@@ -16,7 +16,7 @@ pub struct OrderedNumbers {
     high_count: u64,
 }
 
-/// A number as an integer that is ordered like it.
+/// Returns a number as an integer that is ordered like it.
 fn key(number: f64) -> i64 {
     // Both zeros are one number.
     let bits = (number + 0.0).to_bits() as i64;
@@ -83,7 +83,7 @@ impl OrderedNumbers {
         }
     }
 
-    /// The median with `extra` added and `without` (each among the numbers) left out; of an even number of numbers
+    /// Returns the median with `extra` added and `without` (each among the numbers) left out; of an even number of numbers
     /// the mean of the two in the middle.
     pub fn median(&self, extra: Option<f64>, without: &[f64]) -> Option<f64> {
         let changes = without.len() + usize::from(extra.is_some());

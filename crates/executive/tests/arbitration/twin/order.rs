@@ -1,4 +1,4 @@
-//! Order: which task goes before others and counts as much as those, and which holder yields first.
+//! Order of tasks in the naive twin: precedence by rank with inherited priority, and the order in which holders yield.
 
 use super::Twin;
 
@@ -8,7 +8,7 @@ impl Twin {
         !self.related(a, b) && self.share(a, b) && self.before_by_rank(a, b) == Some(true)
     }
 
-    /// The greatest priority of the task and of all that wait behind it.
+    /// Returns the greatest priority of the task and of all that wait behind it.
     pub(super) fn weight(&self, task: usize, all: &[usize]) -> f64 {
         let mut behind = vec![task];
         while let Some(more) = all
@@ -20,7 +20,7 @@ impl Twin {
         behind.into_iter().map(|each| self.priority(each)).fold(f64::MIN, f64::max)
     }
 
-    /// Again and again the best of those that are left, or else the best of those that go before it, and so on.
+    /// Returns the tasks in the order of arbitration: repeatedly the best remaining task, after all remaining tasks that precede it.
     pub(super) fn order(&self, mut left: Vec<usize>) -> Vec<usize> {
         let all = left.clone();
         let better = |a: usize, b: usize| if self.key(b, &all) < self.key(a, &all) { b } else { a };
@@ -35,8 +35,8 @@ impl Twin {
         order
     }
 
-    /// Orders holders by the order in which they yield: first a task that beats none of the others by rank; of these the least defence; of these the latest
-    /// at work.
+    /// Orders holders by the order in which they yield: first tasks that precede no other one by rank, then those with the lowest
+    /// defence, then the one that began last.
     pub(super) fn weakest_first(&self, mut holders: Vec<usize>, defence: &impl Fn(usize) -> f64) -> Vec<usize> {
         let mut ordered = Vec::new();
         while !holders.is_empty() {

@@ -3,7 +3,7 @@
 use super::*;
 use proptest::prelude::*;
 
-/// The smallest angle between two directions.
+/// Returns the smallest angle between two directions.
 fn apart_rad(a: f64, b: f64) -> f64 {
     let apart = (a - b) - TAU * libm::round((a - b) / TAU);
     apart.abs().min(PI)

@@ -97,7 +97,7 @@ fn solved(mission: &Mission, solver: Option<&str>) -> Deliberation {
     solve(problem, wish, &mut Invocations::new(), &CancelToken::new()).unwrap()
 }
 
-/// The visits among a plan's steps, as read back from goals.
+/// Returns the visits among a plan's steps, as read back from goals.
 fn forms(mission: &Mission, solved: &Deliberation) -> Vec<PlannedActivity> {
     let steps = translate(solved, &Value::symbol("go"), 1, mission).steps;
     steps.into_iter().filter_map(|step| visit(&Activity::Goal(Template::Constant(step.activity.goal())))).collect()
@@ -168,7 +168,7 @@ fn observations_are_read_back_with_their_manoeuvres() {
     assert!(read.visits.windows(2).all(|pair| (pair[0].end_s - pair[1].begin_s).abs() < 1e-6));
 }
 
-/// A copy of the mission that has the plan as a stored procedure, which was chosen for the goal at 100 s.
+/// Returns a copy of the mission that has the plan as a stored procedure, which was chosen for the goal at 100 s.
 fn with_stored(name: &str, solved: &Deliberation, goal: &Value) -> (Mission, Situation) {
     let folder = tempfile::TempDir::new().unwrap();
     let shipped = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions").join(name);

@@ -22,7 +22,7 @@ pub(super) struct Header {
     pub(super) limit: Option<f64>,
 }
 
-/// The key and the value of the line that `first` begins.
+/// Returns the key and the value of the line that `first` begins.
 pub(super) fn split(first: &TextToken<'_>) -> (String, String) {
     let line = first.whole_line.trim_start_matches('\u{feff}');
     let (key, value) = match line.split_once(':') {
@@ -53,8 +53,8 @@ impl Header {
             "EDGE_WEIGHT_TYPE" if upper == "EXPLICIT" => self.metric = Some(None),
             "EDGE_WEIGHT_TYPE" => {
                 let unknown = || {
-                    let reason = "read are EUC_2D, CEIL_2D, MAN_2D, MAX_2D, ATT, GEO and EXPLICIT";
-                    word.trouble(format!("the distance {} is not known", words::cut(&upper)), reason, HELP)
+                    let reason = "supported types are EUC_2D, CEIL_2D, MAN_2D, MAX_2D, ATT, GEO and EXPLICIT";
+                    word.trouble(format!("unknown edge weight type {}", words::cut(&upper)), reason, HELP)
                 };
                 self.metric = Some(Some(Metric::of(&upper).ok_or_else(unknown)?));
             }
@@ -73,7 +73,7 @@ fn question(value: &str, at: &TextToken<'_>) -> Result<ProblemKind, FormatError>
         "TSP" | "ATSP" => Ok(ProblemKind::Tour),
         "OP" => Ok(ProblemKind::Orienteering),
         _ => {
-            let reason = "read are TSP, ATSP and OP";
+            let reason = "supported types are TSP, ATSP and OP";
             Err(at.trouble(format!("problems of type {} are not planned for", words::cut(value)), reason, HELP))
         }
     }

@@ -133,7 +133,7 @@ fn numbered<const N: usize>(
     Ok(rows.into_iter().flatten().collect())
 }
 
-/// The index of the one depot; none where the section is empty.
+/// Returns the index of the one depot; `None` if the section is empty.
 fn depot(at: &TextToken<'_>, numbers: &[TextToken<'_>], count: usize) -> Result<Option<usize>, FormatError> {
     let mut listed = numbers.iter().take_while(|word| word.text != "-1");
     let Some(first) = listed.next() else { return Ok(None) };

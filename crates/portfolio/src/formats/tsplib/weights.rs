@@ -27,7 +27,7 @@ impl Weights {
         }
     }
 
-    /// The longest distance between two nodes.
+    /// Returns the longest distance between two nodes.
     pub(super) fn longest(&self, count: usize) -> f64 {
         let pairs = (0..count).flat_map(|from| (0..count).map(move |to| (from, to)));
         pairs.filter(|(from, to)| from != to).map(|(from, to)| self.between(from, to, count)).fold(0.0, f64::max)
@@ -47,7 +47,7 @@ impl Weights {
     }
 }
 
-/// The cells of a matrix in the order in which a layout writes them.
+/// Returns the cells of a matrix in the order in which a layout writes them.
 fn cells(layout: &str, count: usize) -> Option<Box<dyn Iterator<Item = (usize, usize)>>> {
     let rows = 0..count;
     Some(match layout {
@@ -63,7 +63,7 @@ fn cells(layout: &str, count: usize) -> Option<Box<dyn Iterator<Item = (usize, u
     })
 }
 
-/// The whole matrix.
+/// Returns the whole matrix.
 pub(super) fn read(
     at: &TextToken<'_>,
     numbers: &[TextToken<'_>],
@@ -72,7 +72,7 @@ pub(super) fn read(
 ) -> Result<Vec<f64>, FormatError> {
     let layout = header.layout.as_deref().unwrap_or("");
     let order = cells(layout, count).ok_or_else(|| {
-        let reason = "read are FULL_MATRIX, UPPER_ROW, LOWER_ROW, UPPER_DIAG_ROW, LOWER_DIAG_ROW and their _COL twins";
+        let reason = "supported formats are FULL_MATRIX, UPPER_ROW, LOWER_ROW, UPPER_DIAG_ROW, LOWER_DIAG_ROW and their _COL twins";
         at.trouble(format!("EDGE_WEIGHT_FORMAT {layout:?} is not known"), reason, HELP)
     })?;
     let mut matrix = vec![0.0; count * count];

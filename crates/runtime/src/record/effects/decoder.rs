@@ -105,7 +105,7 @@ enum Content<'r> {
 }
 
 impl Item<'_> {
-    /// The effect in postcard.
+    /// Returns the effect in postcard.
     pub(in crate::record) fn body(&self) -> Vec<u8> {
         match &self.content {
             Content::Shaped { shape, values, .. } => {
@@ -117,7 +117,7 @@ impl Item<'_> {
         }
     }
 
-    /// The effect.
+    /// Returns the effect.
     pub(in crate::record) fn effect(&self) -> Result<Effect, String> {
         let garbled = |error| format!("an effect is garbled ({error})");
         match &self.content {
@@ -126,7 +126,7 @@ impl Item<'_> {
         }
     }
 
-    /// Its kind and the task that it is about.
+    /// Returns its kind and the task that it is about.
     pub(super) fn kind(&self) -> Result<(EffectKind, Option<u64>), String> {
         match &self.content {
             Content::Shaped { shape, task, .. } => Ok((shape.kind, shape.kind.has_task.then_some(*task))),
@@ -158,12 +158,12 @@ pub(super) struct Memory {
 }
 
 impl<'d, 'b> EffectReader<'d, 'b> {
-    /// A reader of the row `bytes` of a step at `now`.
+    /// Returns a reader of the row `bytes` of a step at `now`.
     pub(in crate::record) fn new(dictionary: &'d Dictionary, now: Time, bytes: &'b [u8]) -> EffectReader<'d, 'b> {
         EffectReader::within(dictionary, now, bytes, 0)
     }
 
-    /// A reader that begins `offset` bytes after the row's begin, where a block begins.
+    /// Returns a reader that begins `offset` bytes after the row's begin, where a block begins.
     pub(in crate::record) fn within(
         dictionary: &'d Dictionary,
         now: Time,
@@ -174,7 +174,7 @@ impl<'d, 'b> EffectReader<'d, 'b> {
         EffectReader { dictionary, now, input, count: 0, task: 0, memory: Memory::default() }
     }
 
-    /// A reader of a row in the memory of another reader.
+    /// Returns a reader of a row in the memory of another reader.
     pub(super) fn in_memory(
         dictionary: &'d Dictionary,
         now: Time,
@@ -184,17 +184,17 @@ impl<'d, 'b> EffectReader<'d, 'b> {
         EffectReader { dictionary, now, input: Input { bytes }, count: 0, task: 0, memory }
     }
 
-    /// The memory of a reader that is not needed any longer.
+    /// Returns the memory of a reader that is not needed any longer.
     pub(super) fn memory(self) -> Memory {
         self.memory
     }
 
-    /// Bytes that are still to be read.
+    /// Returns bytes that are still to be read.
     pub(super) fn left(&self) -> usize {
         self.input.bytes.len()
     }
 
-    /// The next effect; none at the end of the row.
+    /// Returns the next effect; `None` at the end of the row.
     pub(in crate::record) fn read(&mut self) -> Result<Option<Item<'_>>, String> {
         if self.input.bytes.is_empty() {
             return Ok(None);

@@ -64,7 +64,7 @@ struct Words {
 struct Sightings(BTreeSet<u64>);
 
 impl Sightings {
-    /// True if the bytes have occurred before.
+    /// Returns true if the bytes have occurred before.
     fn is_second(&mut self, bytes: &[u8]) -> bool {
         // Fowler-Noll-Vo hash (FNV-1a): an equal hash of other bytes gives them a number too early, which does no harm.
         let hash = bytes
@@ -82,13 +82,13 @@ impl Sightings {
 }
 
 impl Words {
-    /// The word with this number, from 1.
+    /// Returns the word with this number, from 1.
     fn get(&self, number: u64) -> Option<&str> {
         let place = usize::try_from(number.checked_sub(1)?).ok()?;
         self.list.get(place).map(|word| &**word)
     }
 
-    /// The number of `text`; 0 if it has none.
+    /// Returns the number of `text`; 0 if it has none.
     fn number(&mut self, text: &str) -> u64 {
         if let Some(number) = self.numbers.get(text) {
             return *number;
@@ -171,7 +171,7 @@ impl EffectEncoder {
         Ok(())
     }
 
-    /// The place of the shape of the parts; none if it has no number.
+    /// Returns the place of the shape of the parts; `None` if it has no number.
     fn place(&mut self, before: Option<usize>) -> Option<usize> {
         let layout = &self.parts.shape;
         let guess = before.and_then(|before| self.shapes.get(before)).map(|shape| shape.successor);

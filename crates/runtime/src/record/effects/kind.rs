@@ -30,7 +30,7 @@ pub(crate) struct EffectKind {
 }
 
 impl EffectKind {
-    /// Part of an effect of this kind that a list of tasks needs.
+    /// Returns the part of an effect of this kind that a list of tasks needs.
     pub(crate) fn wanted_of_tasks(&self) -> EffectNeed {
         match self.word {
             "created" | "selected" => EffectNeed::Effect,
@@ -39,12 +39,12 @@ impl EffectKind {
         }
     }
 
-    /// True if the effect says what the task's goal is.
+    /// Returns true if the effect says what the task's goal is.
     pub(in crate::record) fn tells_goal(&self) -> bool {
         matches!(self.word, "created" | "selected")
     }
 
-    /// The kind of `effect`.
+    /// Returns the kind of `effect`.
     pub(in crate::record) fn of(effect: &Effect) -> EffectKind {
         let mut kind = EffectKind { word: word(effect), to: None, outcome: None, grants: false, has_task: false };
         kind.has_task = EffectKind::task_of(effect).is_some();
@@ -56,7 +56,7 @@ impl EffectKind {
         kind
     }
 
-    /// The task that an effect is about.
+    /// Returns the task that an effect is about.
     pub(in crate::record) fn task_of(effect: &Effect) -> Option<TaskId> {
         match effect {
             Effect::Decided(decision) => decision.task,
@@ -76,7 +76,7 @@ impl EffectKind {
     }
 }
 
-/// The word of an effect's kind, as the describer says it.
+/// Returns the word of an effect's kind, as the describer says it.
 fn word(effect: &Effect) -> &'static str {
     match effect {
         Effect::Decided(decision) => match decision.kind {

@@ -318,7 +318,7 @@ impl ser::SerializeMap for &mut Parts {
     }
 }
 
-/// The holes of a shape in order; `None` if it is garbled.
+/// Returns the holes of a shape in order; `None` if it is garbled.
 pub(super) fn holes_of(shape: &[u8]) -> Option<Vec<Hole>> {
     let mut holes = Vec::new();
     let mut rest = shape.iter();

@@ -136,24 +136,24 @@ impl EffectTable {
         Ok(memory)
     }
 
-    /// Number of effects.
+    /// Returns the number of effects.
     pub(crate) fn len(&self) -> usize {
         self.entries.len()
     }
 
-    /// The step of the effect at a place, and the effect's place in it.
+    /// Returns the step of the effect at a place, and the effect's place in it.
     pub(in crate::record) fn step_of(&self, place: usize) -> Option<(&StepRow, usize)> {
         let step = self.steps.partition_point(|step| step.place <= place).checked_sub(1)?;
         let step = self.steps.get(step)?;
         Some((step, place - step.place))
     }
 
-    /// The number of the effect at a place.
+    /// Returns the number of the effect at a place.
     pub(crate) fn id(&self, place: usize) -> i64 {
         self.step_of(place).map_or(0, |(step, number)| step.first.wrapping_add(number as i64))
     }
 
-    /// The first place with a number above `id`.
+    /// Returns the first place with a number above `id`.
     pub(crate) fn place_after(&self, id: i64) -> usize {
         let later = self.steps.partition_point(|step| step.first <= id);
         let end = self.steps.get(later).map_or(self.entries.len(), |step| step.place);
@@ -162,34 +162,34 @@ impl EffectTable {
         step.place.saturating_add(within).min(end)
     }
 
-    /// The first place with an instant above `at`.
+    /// Returns the first place with an instant above `at`.
     pub(crate) fn place_later(&self, at: Time) -> usize {
         let later = self.steps.partition_point(|step| step.at <= at);
         self.steps.get(later).map_or(self.entries.len(), |step| step.place)
     }
 
-    /// The number of the last effect; 0 before the first.
+    /// Returns the number of the last effect; 0 before the first.
     pub(crate) fn last_id(&self) -> i64 {
         self.entries.len().checked_sub(1).map_or(0, |last| self.id(last))
     }
 
-    /// The kind of the effect at a place.
+    /// Returns the kind of the effect at a place.
     pub(crate) fn kind(&self, place: usize) -> Option<&EffectKind> {
         self.entries.get(place).and_then(|entry| self.kinds.get(entry.kind as usize))
     }
 
-    /// The task of the effect at a place.
+    /// Returns the task of the effect at a place.
     pub(crate) fn task(&self, place: usize) -> Option<u64> {
         self.entries.get(place)?.task
     }
 
-    /// The places of the effects about a task, the newest first.
+    /// Returns the places of the effects about a task, the newest first.
     pub(crate) fn about(&self, task: u64) -> impl Iterator<Item = usize> + '_ {
         let newest = self.last.get(&task).map(|place| *place as usize);
         std::iter::successors(newest, |place| self.before(*place))
     }
 
-    /// The place of the effect before about the same task.
+    /// Returns the place of the effect before about the same task.
     pub(in crate::record) fn before(&self, place: usize) -> Option<usize> {
         self.entries.get(place)?.before.checked_sub(1).map(|before| before as usize)
     }

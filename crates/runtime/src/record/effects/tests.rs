@@ -82,7 +82,7 @@ fn kinds_are_called_as_the_describer_calls_them() {
     }
 }
 
-/// A life of a task: five decisions.
+/// Returns a life of a task: five decisions.
 fn life(task: u64, goal: Value) -> Vec<Effect> {
     let of = |kind: DecisionKind, cause: Cause| {
         Effect::Decided(Decision { task: Some(TaskId(task)), kind, because: Because::new(cause, samples::place(4)) })
@@ -122,7 +122,7 @@ fn goal_of(number: u64) -> Value {
     Value::list([Value::symbol("work"), Value::Integer(number as i64), Value::Real(number as f64 / 3.0)])
 }
 
-/// Values of all types, with words that repeat and texts that do not.
+/// Returns the values of all types, with words that repeat and texts that do not.
 fn value() -> impl Strategy<Value = Value> {
     let leaf = prop_oneof![
         any::<i64>().prop_map(Value::Integer),

@@ -69,7 +69,7 @@ impl Announcements {
         Ok(())
     }
 
-    /// Mission time in nanoseconds from which the target or wanted look `id` is known; none as long as it is not.
+    /// Returns mission time in nanoseconds from which the target or wanted look `id` is known; `None` as long as it is not.
     pub(super) fn known_ns(&self, id: &str) -> Option<i64> {
         let is_awaited = |id: &str| self.awaited.as_ref().is_some_and(|awaited| awaited.contains(id));
         let own = id.split(LOOK).next().unwrap_or(id);
@@ -81,7 +81,7 @@ impl Announcements {
     }
 }
 
-/// The identifiers of the targets in GeoJSON that are announced by event, and whether other files may have such.
+/// Returns the identifiers of the targets in GeoJSON that are announced by event, and whether other files may have such targets.
 fn late_targets(reader: &RecordReader) -> Result<(BTreeSet<String>, bool), RecordError> {
     let mut late = BTreeSet::new();
     let mut others = false;
@@ -102,12 +102,12 @@ fn late_targets(reader: &RecordReader) -> Result<(BTreeSet<String>, bool), Recor
     Ok((late, others))
 }
 
-/// True if the stored events can hold an announcement: symbols are stored as they are printed.
+/// Returns true if the stored events can hold an announcement: symbols are stored as they are printed.
 fn names_head(bytes: &[u8]) -> bool {
     bytes.windows(HEAD.len()).any(|window| window.eq_ignore_ascii_case(HEAD.as_bytes()))
 }
 
-/// The target that an event announces.
+/// Returns the target that an event announces.
 fn target_of(kind: &EventKind) -> Option<String> {
     let EventKind::Occurrence(form) = kind else { return None };
     let [head, target, ..] = form.as_list()? else { return None };

@@ -34,7 +34,7 @@ pub struct RecordedCommand {
 }
 
 impl RecordView {
-    /// The commands that were settled by mission time `at_ns` (nanoseconds; none means the record's end). A command that
+    /// Returns the commands that were settled by mission time `at_ns` (nanoseconds; none means the record's end). A command that
     /// several agents heard comes once.
     ///
     /// # Errors

@@ -73,7 +73,7 @@ impl DecisionEntry {
 }
 
 impl Decisions<'_> {
-    /// The entries of effects about a task up to the instant, the newest first.
+    /// Returns the entries of effects about a task up to the instant, the newest first.
     fn entries<'e>(&self, effects: &'e Effects<'_>, task: TaskId) -> impl Iterator<Item = DecisionEntry> + 'e {
         let until = self.until;
         let entry = |place| {
@@ -87,14 +87,14 @@ impl Decisions<'_> {
         effects.table.about(task.0).filter_map(entry).filter(move |entry| entry.at <= until)
     }
 
-    /// The newest effect about a task that `wanted` selects.
+    /// Returns the newest effect about a task that `wanted` selects.
     fn newest(&self, task: TaskId, wanted: impl Fn(&DecisionEntry) -> bool) -> DecisionResult {
         let effects = self.reader.effects()?;
         let found = self.entries(&effects, task).find(wanted);
         found.map(|entry| effects.told(entry.place).map(DecisionRow::of)).transpose()
     }
 
-    /// Of the effects about a task that `wanted` selects, the one with the least `distance`; of equals the oldest.
+    /// Returns, of the effects about a task that `wanted` selects, the one with the least `distance`; of equals the oldest.
     fn nearest<K: Ord>(
         &self,
         task: TaskId,
@@ -106,7 +106,7 @@ impl Decisions<'_> {
         found.map(|entry| effects.told(entry.place).map(DecisionRow::of)).transpose()
     }
 
-    /// The first effect of one kind at `places` that `wanted` selects.
+    /// Returns the first effect of one kind at `places` that `wanted` selects.
     fn first_of(
         &self,
         kind: &str,
@@ -126,33 +126,33 @@ impl Decisions<'_> {
         Ok(None)
     }
 
-    /// The transition to `state` that is nearest to the decision `id` at its instant `at`, else the last one before.
+    /// Returns the transition to `state` that is nearest to the decision `id` at its instant `at`, else the last one before.
     pub(crate) fn transition(&self, task: TaskId, state: &str, (id, at): (i64, Time)) -> DecisionResult {
         let wanted = |entry: &DecisionEntry| entry.moves_to(state) && (entry.id < id || entry.at == at);
         self.nearest(task, wanted, |entry| (entry.at != at, entry.id.abs_diff(id)))
     }
 
-    /// The last transition to `state` before the decision `id`.
+    /// Returns the last transition to `state` before the decision `id`.
     pub(crate) fn transition_before(&self, task: TaskId, state: &str, id: i64) -> DecisionResult {
         self.newest(task, |entry| entry.moves_to(state) && entry.id < id)
     }
 
-    /// The last decision of one kind about the task before the decision `id`.
+    /// Returns the last decision of one kind about the task before the decision `id`.
     pub(crate) fn before(&self, task: TaskId, kind: &str, id: i64) -> DecisionResult {
         self.newest(task, |entry| entry.kind.word == kind && entry.id < id)
     }
 
-    /// The decision of one kind about the task nearest to `id` at its instant.
+    /// Returns the decision of one kind about the task nearest to `id` at its instant.
     pub(crate) fn beside(&self, task: TaskId, kind: &str, (id, at): (i64, Time)) -> DecisionResult {
         self.nearest(task, |entry| entry.kind.word == kind && entry.at == at, |entry| entry.id.abs_diff(id))
     }
 
-    /// The creation or last transition of the task.
+    /// Returns the creation or last transition of the task.
     pub(crate) fn last_move(&self, task: TaskId) -> DecisionResult {
         self.newest(task, |entry| matches!(entry.kind.word, "created" | "transition"))
     }
 
-    /// The last binding of a variable of the task before the decision `id`.
+    /// Returns the last binding of a variable of the task before the decision `id`.
     pub(crate) fn binding(&self, task: TaskId, variable: &str, id: i64) -> DecisionResult {
         let begin = format!("?{variable} = ").to_ascii_lowercase();
         self.newest_told(task, "bound", |told| {
@@ -160,7 +160,7 @@ impl Decisions<'_> {
         })
     }
 
-    /// The newest effect of one kind about a task whose text `wanted` selects.
+    /// Returns the newest effect of one kind about a task whose text `wanted` selects.
     fn newest_told(&self, task: TaskId, kind: &str, wanted: impl Fn(&Told) -> bool) -> DecisionResult {
         let effects = self.reader.effects()?;
         for entry in self.entries(&effects, task).filter(|entry| entry.kind.word == kind) {
@@ -172,37 +172,37 @@ impl Decisions<'_> {
         Ok(None)
     }
 
-    /// The command with this number.
+    /// Returns the command with this number.
     pub(crate) fn command(&self, command: u64) -> DecisionResult {
         let text = format!("command {command}");
         self.first_of("command", |_, end| Box::new(0..end), |told| told.row.text == text)
     }
 
-    /// The command with this number, by the task that sent it.
+    /// Returns the command with this number, by the task that sent it.
     pub(crate) fn command_of(&self, task: TaskId, command: u64) -> DecisionResult {
         let text = format!("command {command}");
         self.newest_told(task, "command", |told| told.row.text == text)
     }
 
-    /// The last command whose form contains `words`.
+    /// Returns the last command whose form contains `words`.
     pub(crate) fn command_like(&self, words: &str) -> DecisionResult {
         let words = words.to_ascii_lowercase();
         let places = |_: &Effects<'_>, end| -> Box<dyn Iterator<Item = usize>> { Box::new((0..end).rev()) };
         self.first_of("command", places, |told| told.row.subject.to_ascii_lowercase().contains(&words))
     }
 
-    /// The request to a solver with this number.
+    /// Returns the request to a solver with this number.
     pub(crate) fn request(&self, task: TaskId, request: u64) -> DecisionResult {
         let begin = format!("request {request} to ");
         self.newest_told(task, "solve", |told| told.row.text.starts_with(&begin))
     }
 
-    /// The message `form` of one of the agent's own tasks at this instant.
+    /// Returns the message `form` of one of the agent's own tasks at this instant.
     pub(crate) fn inform(&self, form: &str, at: Time) -> DecisionResult {
         self.first_of("inform", |effects, end| Box::new(places_at(effects, at, end)), |told| told.row.subject == form)
     }
 
-    /// The sample `subject`, `(count x) = 3`, that one of the agent's own tasks published at this instant.
+    /// Returns the sample `subject`, `(count x) = 3`, that one of the agent's own tasks published at this instant.
     pub(crate) fn publish(&self, subject: &str, at: Time) -> DecisionResult {
         let places = |effects: &Effects<'_>, end| -> Box<dyn Iterator<Item = usize>> {
             Box::new(places_at(effects, at, end).rev())
@@ -221,14 +221,14 @@ impl Decisions<'_> {
         Ok(())
     }
 
-    /// The word of the task's state at the end of the interval; none if it was never moved.
+    /// Returns the word of the task's state at the end of the interval; `None` if it was never moved.
     pub(crate) fn state(&self, task: TaskId) -> Result<Option<String>, RecordError> {
         let effects = self.reader.effects()?;
         let state = self.entries(&effects, task).find_map(|entry| entry.kind.to);
         Ok(state.map(|state| state.word().to_owned()))
     }
 
-    /// The identifier of the target with this identifier or name, in any case.
+    /// Returns the identifier of the target with this identifier or name, in any case.
     pub(crate) fn target_called(&self, name: &str) -> Result<Option<String>, RecordError> {
         let sql =
             "SELECT id FROM target WHERE id = ?1 COLLATE NOCASE OR name = ?1 COLLATE NOCASE ORDER BY position LIMIT 1";
@@ -236,7 +236,7 @@ impl Decisions<'_> {
         found.map_err(|error| self.reader.damaged("the targets", error))
     }
 
-    /// The identifiers of all targets.
+    /// Returns the identifiers of all targets.
     pub(crate) fn target_ids(&self) -> Result<Vec<String>, RecordError> {
         let read = || {
             let mut statement = self.reader.connection.prepare("SELECT id FROM target ORDER BY id")?;
@@ -245,7 +245,7 @@ impl Decisions<'_> {
         read().map_err(|error| self.reader.damaged("the targets", error))
     }
 
-    /// The recorded states of the target, in the order of recording.
+    /// Returns the recorded states of the target, in the order of recording.
     pub(crate) fn target_changes(&self, id: &str) -> Result<Vec<TargetChange>, RecordError> {
         let sql = "SELECT t_ns, state, detail FROM target_state WHERE target = ?1 AND t_ns <= ?2 ORDER BY position";
         let read = || {
@@ -259,7 +259,7 @@ impl Decisions<'_> {
     }
 }
 
-/// The places of the effects at an instant, before the place `end`.
+/// Returns the places of the effects at an instant, before the place `end`.
 fn places_at(effects: &Effects<'_>, at: Time, end: usize) -> std::ops::Range<usize> {
     let first = effects.table.place_later(Time(at.0.saturating_sub(1)));
     first..effects.table.place_later(at).min(end)

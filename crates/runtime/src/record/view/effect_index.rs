@@ -46,7 +46,7 @@ pub(super) struct EffectSearch<'a> {
 }
 
 impl EffectIndex {
-    /// The last effect that the index has.
+    /// Returns the last effect that the index has.
     pub(super) fn seen(&self) -> i64 {
         self.seen
     }
@@ -87,7 +87,7 @@ impl EffectIndex {
         1 << bit
     }
 
-    /// The block of effect `id`, which is not in the index yet.
+    /// Returns the block of effect `id`, which is not in the index yet.
     fn block_of(&mut self, id: i64, t_ns: i64) -> Option<&mut EffectBlock> {
         let place = usize::try_from((id - 1).max(0) / BLOCK_EFFECTS).unwrap_or(0);
         while self.blocks.len() <= place {
@@ -97,7 +97,7 @@ impl EffectIndex {
         self.blocks.get_mut(place)
     }
 
-    /// The blocks that may hold what is wanted, as ranges of effects, the newest first.
+    /// Returns the blocks that may hold what is wanted, as ranges of effects, the newest first.
     pub(super) fn blocks<'a>(&'a self, wanted: &'a EffectSearch<'a>) -> impl Iterator<Item = (i64, i64)> + 'a {
         let kinds = wanted.kinds.iter().filter_map(|kind| self.kinds.get(kind)).fold(0, |bits, bit| bits | 1 << bit);
         let any_kind = wanted.kinds.is_empty();
@@ -130,13 +130,13 @@ impl EffectBlock {
     }
 }
 
-/// The bits that a block needs to hold `find`; none for a text of one byte, which any block may hold.
+/// Returns the bits that a block needs to hold `find`; none for a text of one byte, which any block may hold.
 fn search_bits(find: &str) -> Vec<usize> {
     let length = GRAMS.into_iter().find(|length| *length <= find.len());
     length.map(|length| find.as_bytes().windows(length).map(bit_of).collect()).unwrap_or_default()
 }
 
-/// Fowler-Noll-Vo hash (FNV-1a) of the lower-case bytes, folded to a bit of the filter.
+/// Returns the bit of the filter for a text: Fowler-Noll-Vo hash (FNV-1a) of the lower-case bytes.
 fn bit_of(gram: &[u8]) -> usize {
     let mut hash: u32 = 0x811c_9dc5 ^ gram.len() as u32;
     for byte in gram {

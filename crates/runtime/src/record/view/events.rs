@@ -89,7 +89,7 @@ impl EventRow {
 }
 
 impl RecordView {
-    /// The effects that a query selects.
+    /// Returns the effects that a query selects.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
@@ -109,7 +109,7 @@ impl RecordView {
         Ok(Events { events, more })
     }
 
-    /// The first `count` effects at `places` that a query selects.
+    /// Returns the first `count` effects at `places` that a query selects.
     fn selected(
         &self,
         query: &EventsQuery,
@@ -138,7 +138,7 @@ impl RecordView {
         Ok(events)
     }
 
-    /// The newest effects that a query selects, at most `count`: those that the index does not have yet, then the blocks that
+    /// Returns the newest effects that a query selects, at most `count`: those that the index does not have yet, then the blocks that
     /// may hold what is wanted.
     fn found(&self, query: &EventsQuery, count: usize) -> Result<Vec<EventRow>, RecordError> {
         self.index_effects(EVENTS_BUDGET)?;

@@ -27,7 +27,7 @@ pub(super) struct Held {
 }
 
 impl HoldingIndex {
-    /// The resources in the order of their first holding, each with its holdings by begin.
+    /// Returns the resources in the order of their first holding, each with its holdings by begin.
     pub(super) fn resources(&self) -> &[(String, Vec<Held>)] {
         &self.resources
     }

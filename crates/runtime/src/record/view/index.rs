@@ -49,12 +49,12 @@ pub(super) struct Interval {
 }
 
 impl TaskIndex {
-    /// All tasks by number.
+    /// Returns all tasks by number.
     pub(super) fn tasks(&self) -> &BTreeMap<u64, IndexedTask> {
         &self.tasks
     }
 
-    /// One task.
+    /// Returns one task.
     pub(super) fn get(&self, id: u64) -> Option<&IndexedTask> {
         self.tasks.get(&id)
     }
@@ -87,7 +87,7 @@ impl TaskIndex {
     }
 }
 
-/// The last entry that is not later than `at_ns`.
+/// Returns the last entry that is not later than `at_ns`.
 fn last_known<T>(known: &[(i64, T)], at_ns: i64) -> Option<&T> {
     let later = known.partition_point(|(since_ns, _)| *since_ns <= at_ns);
     later.checked_sub(1).and_then(|last| known.get(last)).map(|(_, value)| value)
@@ -127,23 +127,23 @@ impl IndexedTask {
         self.changes.push(change);
     }
 
-    /// Its goal as known at `at_ns`; empty before its creation.
+    /// Returns its goal as known at `at_ns`; empty before its creation.
     pub(super) fn goal_at(&self, at_ns: i64) -> &str {
         last_known(&self.goals, at_ns).map_or("", |goal| goal)
     }
 
-    /// The method selected by `at_ns`.
+    /// Returns the method selected by `at_ns`.
     pub(super) fn method_at(&self, at_ns: i64) -> Option<&str> {
         last_known(&self.methods, at_ns)?.as_deref()
     }
 
-    /// The state at `at_ns`, with the time it began; none before the task was created.
+    /// Returns the state at `at_ns`, with the time it began; `None` before the task was created.
     pub(super) fn state_at(&self, at_ns: i64) -> Option<&Change> {
         let later = self.changes.partition_point(|change| change.at_ns <= at_ns);
         later.checked_sub(1).and_then(|last| self.changes.get(last))
     }
 
-    /// The stretches in each state but the last (ended), cut to `from_ns..=to_ns`.
+    /// Returns the stretches in each state but the last (ended), cut to `from_ns..=to_ns`.
     pub(super) fn intervals(&self, from_ns: i64, to_ns: i64) -> impl Iterator<Item = Interval> + '_ {
         let ends = self.changes.iter().skip(1).map(|next| next.at_ns).chain(std::iter::once(i64::MAX));
         self.changes.iter().zip(ends).filter_map(move |(change, end)| {
@@ -152,7 +152,7 @@ impl IndexedTask {
         })
     }
 
-    /// The intervals that a picture shows: an instant of waiting is none, an instant of work is one.
+    /// Returns the intervals that a picture shows: an instant of waiting is none, an instant of work is one.
     pub(super) fn drawn(&self, from_ns: i64, to_ns: i64) -> impl Iterator<Item = Interval> + '_ {
         let is_drawn = |interval: &Interval| interval.length_ns() > 0 || interval.state.0 == TaskState::Ongoing;
         self.intervals(from_ns, to_ns).filter(is_drawn)
@@ -160,7 +160,7 @@ impl IndexedTask {
 }
 
 impl Interval {
-    /// Its length in nanoseconds.
+    /// Returns its length in nanoseconds.
     pub(super) fn length_ns(self) -> i64 {
         self.to_ns.saturating_sub(self.from_ns)
     }

@@ -94,7 +94,7 @@ pub struct ProgramText {
 }
 
 impl RecordView {
-    /// The files of the record's program, and what `library` declares.
+    /// Returns the files of the record's program, and what `library` declares.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
@@ -115,7 +115,7 @@ impl RecordView {
         Ok(contents)
     }
 
-    /// The text of a file of the program; none if the record has no such file.
+    /// Returns the text of a file of the program; `None` if the record has no such file.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].

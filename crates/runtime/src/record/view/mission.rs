@@ -25,7 +25,7 @@ pub enum RecordStatus {
 }
 
 impl RecordStatus {
-    /// True if the record can no longer grow.
+    /// Returns true if the record can no longer grow.
     pub fn is_final(self) -> bool {
         self == RecordStatus::Complete
     }
@@ -121,7 +121,7 @@ impl RecordView {
         })
     }
 
-    /// True if the flight has ended by `at_ns`.
+    /// Returns true if the flight has ended by `at_ns`.
     pub(super) fn is_over(&self, growth: &Growth, at_ns: i64) -> bool {
         growth.status.is_final() && at_ns >= growth.end_ns
     }
@@ -149,7 +149,7 @@ impl RecordView {
         })
     }
 
-    /// Mission time in nanoseconds of the first thing recorded.
+    /// Returns mission time in nanoseconds of the first thing recorded.
     pub(super) fn first_ns(&self) -> Result<i64, RecordError> {
         let starts = [
             self.number("the steps", "SELECT t_ns FROM batch ORDER BY id LIMIT 1")?,
@@ -168,7 +168,7 @@ impl RecordView {
     }
 }
 
-/// True if the file or its write-ahead log was written to a moment ago.
+/// Returns true if the file or its write-ahead log was written to a moment ago.
 fn has_writer(path: &Path) -> bool {
     let mut log = path.as_os_str().to_owned();
     log.push("-wal");

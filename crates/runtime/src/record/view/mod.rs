@@ -91,7 +91,7 @@ impl RecordView {
     /// Opens the record at `path` to read agent number `agent`, from 0 in the order of the declarations.
     ///
     /// # Errors
-    /// As [`RecordReader::open`].
+    /// Like [`RecordReader::open`].
     pub fn open(path: &Path, agent: usize) -> Result<RecordView, RecordError> {
         Ok(RecordView::of(RecordReader::open_at(path, agent)?, Arc::default()))
     }
@@ -100,25 +100,25 @@ impl RecordView {
         RecordView { reader, indexes }
     }
 
-    /// Another view of the same record with a separate connection, for a question at the same time.
+    /// Returns another view of the same record with a separate connection, for a question at the same time.
     ///
     /// # Errors
-    /// As [`RecordReader::open`].
+    /// Like [`RecordReader::open`].
     pub fn reopened(&self) -> Result<RecordView, RecordError> {
         Ok(RecordView::of(self.reader.of_agent(self.reader.agent)?, Arc::clone(&self.indexes)))
     }
 
-    /// The record's steps, sources and snapshots, which explanations read.
+    /// Returns the record's steps, sources and snapshots, which explanations read.
     pub fn reader(&self) -> &RecordReader {
         &self.reader
     }
 
-    /// The task index, up to date with the record.
+    /// Returns the task index, up to date with the record.
     fn tasks_index(&self) -> Result<RwLockReadGuard<'_, TaskIndex>, RecordError> {
         self.current(&self.indexes.tasks, TaskIndex::read_to, TaskIndex::refresh)
     }
 
-    /// An index, brought up to date with the last effect; `read_to` says how far it is. Only a view that finds it behind
+    /// Returns an index, brought up to date with the last effect; `read_to` says how far it is. Only a view that finds it behind
     /// excludes the others meanwhile.
     fn current<'a, T>(
         &self,
@@ -137,7 +137,7 @@ impl RecordView {
         Ok(for_reading(lock))
     }
 
-    /// The effects of the agent, up to date with the record.
+    /// Returns the effects of the agent, up to date with the record.
     fn effects(&self) -> Result<Effects<'_>, RecordError> {
         self.reader.check_growth()?;
         self.reader.effects()
@@ -150,12 +150,12 @@ impl RecordView {
     }
 }
 
-/// A lock for reading. A panic while it was written leaves an index that the next refresh continues.
+/// Returns a lock for reading. A panic while it was written leaves an index that the next refresh continues.
 fn for_reading<T>(lock: &RwLock<T>) -> RwLockReadGuard<'_, T> {
     lock.read().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A lock for writing, as [`for_reading`].
+/// Returns a lock for writing, as [`for_reading`].
 fn for_writing<T>(lock: &RwLock<T>) -> RwLockWriteGuard<'_, T> {
     lock.write().unwrap_or_else(PoisonError::into_inner)
 }

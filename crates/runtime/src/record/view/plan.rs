@@ -63,7 +63,7 @@ pub struct Plans {
 pub const PLANS_MAX: i64 = 100;
 
 impl RecordView {
-    /// All plans adopted by mission time `at_ns` (nanoseconds; none means the record's end), the last [`PLANS_MAX`].
+    /// Returns all plans adopted by mission time `at_ns` (nanoseconds; none means the record's end), the last [`PLANS_MAX`].
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
@@ -83,7 +83,7 @@ impl RecordView {
         Ok(Plans { plans, left_out: first - 1 })
     }
 
-    /// The plan in force at mission time `at_ns` (nanoseconds; none means the record's end); none before the first one.
+    /// Returns the plan in force at mission time `at_ns` (nanoseconds; none means the record's end); `None` before the first one.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
@@ -94,7 +94,7 @@ impl RecordView {
         Ok(last.transpose()?.map(in_force))
     }
 
-    /// The plan whose adoption is at a place among the effects.
+    /// Returns the plan whose adoption is at a place among the effects.
     fn adopted(&self, effects: &Effects<'_>, place: usize, number: i64) -> Result<Adopted, RecordError> {
         let (request, summary) = match effects.effect(place)? {
             Effect::Decided(Decision { kind: DecisionKind::ProcedureAdded { request, summary, .. }, .. }) => {
@@ -113,7 +113,7 @@ impl RecordView {
 }
 
 impl PlanInForce {
-    /// A plan as the page shows it.
+    /// Returns a plan as the page shows it.
     pub fn of_plan(plan: Plan, number: i64, adopted_ns: i64) -> PlanInForce {
         let summary = plan.summary().to_owned();
         let (visits, route, left_out) = shown(plan);
@@ -129,7 +129,7 @@ fn in_force((number, adopted_ns, summary, text): Adopted) -> PlanInForce {
 
 type Adopted = (i64, i64, String, Option<String>);
 
-/// The adoptions of plans up to `at_ns`, as places among the effects.
+/// Returns the adoptions of plans up to `at_ns`, as places among the effects.
 fn added(effects: &Effects<'_>, at_ns: i64) -> Vec<usize> {
     let is_added = |place: &usize| effects.table.kind(*place).is_some_and(|kind| kind.word == "procedure-added");
     (0..effects.table.place_later(Time(at_ns))).filter(is_added).collect()

@@ -25,7 +25,7 @@ pub struct Section {
 }
 
 impl RecordView {
-    /// The report; without sections if the flight has not ended by mission time `at_ns` (nanoseconds; none means the
+    /// Returns the report; without sections if the flight has not ended by mission time `at_ns` (nanoseconds; none means the
     /// record's end).
     ///
     /// # Errors
@@ -48,7 +48,7 @@ impl RecordView {
 }
 
 impl Report {
-    /// The mission's score: section `score`, as a number or as an object with a member `score` or `total`; else a
+    /// Returns the mission's score: section `score`, as a number or as an object with a member `score` or `total`; else a
     /// member `score` of any section.
     pub fn score(&self) -> Option<f64> {
         let own = self.sections.iter().find(|section| section.section == "score").and_then(|section| {

@@ -7,7 +7,7 @@ use crate::record::restore::RestoredProgram;
 use std::sync::PoisonError;
 
 impl RecordView {
-    /// The signals that were measured by mission time `at_ns` (nanoseconds; none means the record's end). `program` adds
+    /// Returns the signals that were measured by mission time `at_ns` (nanoseconds; none means the record's end). `program` adds
     /// the limits.
     ///
     /// # Errors
@@ -21,7 +21,7 @@ impl RecordView {
         Ok(Signals { signals: known.map(|known| known.signal(program)).collect() })
     }
 
-    /// The windows of the signals asked for.
+    /// Returns the windows of the signals asked for.
     ///
     /// # Errors
     /// [`RecordError::Damaged`]; [`RecordError::Question`] for more than [`SIGNALS_MAX`] names and for names that the
@@ -33,7 +33,7 @@ impl RecordView {
     ) -> Result<SignalWindows, RecordError> {
         if query.names.len() > SIGNALS_MAX {
             return Err(RecordError::Question(format!(
-                "{} signals at a time are asked for; ask for at most {SIGNALS_MAX}.",
+                "{} signals at a time are asked for; ask for at most {SIGNALS_MAX}",
                 query.names.len()
             )));
         }
@@ -47,7 +47,7 @@ impl RecordView {
         let mut windows = Vec::with_capacity(query.names.len());
         for name in &query.names {
             let known = index.called(name).ok_or_else(|| {
-                RecordError::Question(format!("No state variable `{name}` was measured in this record."))
+                RecordError::Question(format!("no state variable `{name}` was measured in this record"))
             })?;
             let Some(series) = index.series(known.number).filter(|_| known.first_ns <= at_ns) else { continue };
             let signal = known.signal(program);

@@ -34,7 +34,7 @@ pub struct SourceLine {
 }
 
 impl SourceLine {
-    /// The line of `file:line:column`; the file's name may itself contain colons. None for other texts.
+    /// Returns the line of `file:line:column`; the file's name may itself contain colons. None for other texts.
     pub fn parse(place: &str) -> Option<SourceLine> {
         let (rest, column) = place.rsplit_once(':')?;
         let (name, line) = rest.rsplit_once(':')?;
@@ -44,7 +44,7 @@ impl SourceLine {
 }
 
 impl RecordView {
-    /// The lines around a place; none if the record has no such file.
+    /// Returns the lines around a place; `None` if the record has no such file.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].

@@ -13,12 +13,12 @@ const ALL: [TaskState; 5] =
 pub struct StateWord(pub TaskState);
 
 impl StateWord {
-    /// True unless the task has ended.
+    /// Returns true unless the task has ended.
     pub fn is_alive(self) -> bool {
         self.0 != TaskState::Terminated
     }
 
-    /// The state with this word.
+    /// Returns the state with this word.
     fn parse(word: &str) -> Option<StateWord> {
         ALL.into_iter().find(|state| state.word() == word).map(StateWord)
     }

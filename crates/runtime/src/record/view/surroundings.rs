@@ -50,7 +50,7 @@ pub struct LandingPlace {
 }
 
 impl RecordView {
-    /// The surroundings.
+    /// Returns the surroundings.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
@@ -80,7 +80,7 @@ fn name(feature: &Value) -> String {
     text(feature, "name").or_else(|| text(feature, "id")).unwrap_or_default().to_owned()
 }
 
-/// A zone states its kind, or a height or a time, which nothing else does; without a kind it is restricted.
+/// Returns the zone of a feature: a feature with a kind of zone, a height or a time; without a kind the zone is restricted.
 fn zone(feature: &Value) -> Option<Zone> {
     let kind = text(feature, "kind");
     let is_zone = match kind {

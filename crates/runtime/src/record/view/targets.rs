@@ -61,7 +61,7 @@ pub struct TargetChange {
 }
 
 impl RecordView {
-    /// The targets that were known at mission time `at_ns` (nanoseconds), with what was known of them; none means the
+    /// Returns the targets that were known at mission time `at_ns` (nanoseconds), with what was known of them; none means the
     /// record's end.
     ///
     /// # Errors
@@ -109,7 +109,7 @@ fn read(connection: &Connection, announcements: &Announcements, at_ns: i64) -> r
     Ok(Targets { targets })
 }
 
-/// The present state with the instant and the reason of the change to it. A plan has a new time for every target that
+/// Returns the present state with the instant and the reason of the change to it. A plan has a new time for every target that
 /// it keeps, so the last reason for `planned` counts.
 fn state_of(history: &[TargetChange]) -> Option<TargetChange> {
     let last = history.last()?;

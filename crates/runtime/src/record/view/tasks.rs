@@ -90,7 +90,7 @@ pub enum TaskLookup {
 }
 
 impl Task {
-    /// The task at `at_ns`; none before its creation.
+    /// Returns the task at `at_ns`; `None` before its creation.
     fn at(id: u64, task: &IndexedTask, at_ns: i64) -> Option<Task> {
         let now = task.state_at(at_ns)?;
         Some(Task {
@@ -109,7 +109,7 @@ impl Task {
 }
 
 impl RecordView {
-    /// The task tree. If the limit applies, tasks that have not ended come first, then those that changed last.
+    /// Returns the task tree. If the limit applies, tasks that have not ended come first, then those that changed last.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
@@ -138,7 +138,7 @@ impl RecordView {
         Ok(Tasks { at_ns, tasks, counts, left_out })
     }
 
-    /// Task `id` at mission time `at_ns` (nanoseconds) and its children then, at most 100.
+    /// Returns task `id` at mission time `at_ns` (nanoseconds) and its children then, at most 100.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].

@@ -46,7 +46,7 @@ pub struct Track {
 }
 
 impl RecordView {
-    /// The track. Thinning takes every n-th sample and always the first and the last.
+    /// Returns the track. Thinning takes every n-th sample and always the first and the last.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].

@@ -90,7 +90,7 @@ impl TroubleIndex {
     }
 }
 
-/// The kind of the entry that an effect makes; none if it makes none.
+/// Returns the kind of the entry that an effect makes; `None` if it makes none.
 fn kind_of(kind: &EffectKind) -> Option<TroubleKind> {
     match (kind.word, kind.to, kind.outcome) {
         (FAULT, ..) => Some(TroubleKind::Fault),

@@ -19,7 +19,7 @@ pub struct Troubles {
 }
 
 impl RecordView {
-    /// The entries up to mission time `at_ns` (nanoseconds; none means the record's end).
+    /// Returns the entries up to mission time `at_ns` (nanoseconds; none means the record's end).
     ///
     /// # Errors
     /// [`RecordError::Damaged`].

@@ -20,7 +20,7 @@ pub(crate) enum Operation {
     Unlink,
 }
 
-/// The operations in order, each with the name of its file.
+/// Returns the operations in order, each with the name of its file.
 pub(crate) fn read_log(bytes: &[u8]) -> Vec<(String, Operation)> {
     let mut operations = Vec::new();
     let mut rest = bytes;

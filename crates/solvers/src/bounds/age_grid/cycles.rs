@@ -75,13 +75,13 @@ pub fn of_plan(problem: &Problem, plan: &Plan, meter: &mut Meter<'_>) -> Option<
     Some(WithoutEnd { cost_per_s: own, cost_per_s_bound: best.cost_per_s_bound, better })
 }
 
-/// The best cycle that is found, beginning with those in `known`, and the bound; none with too many targets, where a cost is
+/// Returns the best cycle that is found, beginning with those in `known`, and the bound; `None` with too many targets, where a cost is
 /// not concave, or where no cycle can be flown.
 pub fn best(problem: &SurveillanceProblem, known: &[Vec<usize>]) -> Option<BestCycle> {
     best_within(problem, known, POINTS_MAX, &mut Meter::new(&mut WorkBudget::new(u64::MAX)))
 }
 
-/// As [`best`], with a grid of another size, and so far as the budget is enough: with a coarser grid, or a bound that more
+/// Like [`best`], with a grid of another size, and so far as the budget is enough: with a coarser grid, or a bound that more
 /// sweeps would make greater.
 pub fn best_within(
     problem: &SurveillanceProblem,
@@ -109,7 +109,7 @@ pub fn best_within(
     })
 }
 
-/// The grid of at most so many points that the budget is enough to sweep some times; none where it is for none, or there is none.
+/// Returns the grid of at most so many points that the budget is enough to sweep some times; `None` if it is for none, or there is none.
 fn fitting(problem: &SurveillanceProblem, points_max: usize, meter: &mut Meter<'_>) -> Option<Grid> {
     let grid = Grid::new(problem, points_max, LONG_S)?;
     let share = meter.left_ns() / sweeps_ns(&grid);
@@ -244,7 +244,7 @@ fn proven(grid: &Grid, values: &[f64]) -> f64 {
     if proven.is_finite() { proven.max(0.0) } else { 0.0 }
 }
 
-/// The best cycle of a flight that always goes where the values say.
+/// Returns the best cycle of a flight that always goes where the values say.
 fn flown(problem: &SurveillanceProblem, grid: &Grid, values: &[f64], per_s: f64) -> (Vec<usize>, f64) {
     let mut ages_s = vec![0.0; problem.targets.len()];
     let (mut here, mut word) = (0, Vec::new());
@@ -280,7 +280,7 @@ fn flown(problem: &SurveillanceProblem, grid: &Grid, values: &[f64], per_s: f64)
     best
 }
 
-/// Expected cost per second of a cycle that is flown again and again without end; without bound where it cannot be flown.
+/// Returns the expected cost per second of a cycle that is flown again and again without end; without bound where it cannot be flown.
 pub fn cost_per_s(problem: &SurveillanceProblem, cycle: &[usize]) -> f64 {
     let legs = cycle.iter().zip(cycle.iter().cycle().skip(1));
     let mut ends_s = vec![Vec::new(); problem.targets.len()];

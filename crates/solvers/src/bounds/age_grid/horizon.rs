@@ -38,7 +38,7 @@ impl GridResolution {
     pub const CLOSEST: GridResolution = GridResolution { points: 9_000, steps: 4e8 };
 }
 
-/// The bound with the closest look that the budget is enough for; none with too many targets, where a cost is not concave,
+/// Returns the bound with the closest look that the budget is enough for; `None` with too many targets, where a cost is not concave,
 /// if nothing can be reached, or where the budget is too small for any look.
 pub fn expected_cost(problem: &SurveillanceProblem, meter: &mut Meter<'_>) -> Option<(f64, GridResolution)> {
     let (grid, time) = prepared(problem, GridResolution::CLOSEST)?;
@@ -61,7 +61,7 @@ pub fn expected_cost(problem: &SurveillanceProblem, meter: &mut Meter<'_>) -> Op
     Some((value(problem, &grid, &time)?, look))
 }
 
-/// The bound with this look; none as [`expected_cost`].
+/// Returns the bound with this look; `None` as [`expected_cost`].
 pub fn expected_cost_at(problem: &SurveillanceProblem, look: GridResolution) -> Option<f64> {
     let (grid, time) = prepared(problem, look)?;
     value(problem, &grid, &time)

@@ -67,7 +67,7 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// A grid of at most so many points, with ages up to `longest_s` after that at the start; none with too many targets, where a
+    /// Returns a grid of at most so many points, with ages up to `longest_s` after that at the start; `None` with too many targets, where a
     /// cost is not concave, or where times of ways depend on the departure.
     pub(super) fn new(problem: &SurveillanceProblem, points_max: usize, longest_s: f64) -> Option<Grid> {
         let count = problem.targets.len();
@@ -91,7 +91,7 @@ impl Grid {
         Some(grid)
     }
 
-    /// Points of all targets together.
+    /// Returns points of all targets together.
     pub(super) fn size(&self) -> usize {
         self.levels.len() * self.rows.len() * self.row()
     }
@@ -106,7 +106,7 @@ impl Grid {
         STEP_CORNER_NS * libm::exp2(self.levels.len().saturating_sub(2) as f64)
     }
 
-    /// The rows of the points of a target.
+    /// Returns the rows of the points of a target.
     pub(super) fn rows(&self) -> &[Vec<u8>] {
         &self.rows
     }
@@ -136,7 +136,7 @@ impl Grid {
         self.steps.get(begin..end).unwrap_or_default()
     }
 
-    /// The first point at a target.
+    /// Returns the first point at a target.
     pub(super) fn first(&self, target: usize) -> usize {
         target * self.rows.len() * self.row()
     }
@@ -218,7 +218,7 @@ impl Grid {
         }
     }
 
-    /// The value of being at a target with these ages of all.
+    /// Returns the value of being at a target with these ages of all.
     pub(super) fn value(&self, at: usize, ages_s: &[f64], values: &[f64]) -> f64 {
         let mut corners = Corners::new(self.first(at));
         for (target, age_s) in ages_s.iter().enumerate() {
@@ -301,7 +301,7 @@ fn first_leg_s(problem: &SurveillanceProblem, to: usize) -> f64 {
     problem.travel.start_to(to) + problem.targets.get(to).map_or(0.0, |target| target.dwell_s)
 }
 
-/// A way through all targets in their order and back.
+/// Returns a way through all targets in their order and back.
 fn tour_s(problem: &SurveillanceProblem) -> f64 {
     let count = problem.targets.len();
     let legs = (0..count).map(|from| leg_s(problem, from, (from + 1) % count));

@@ -50,7 +50,7 @@ pub struct Multipliers {
     of_rows: Vec<f64>,
 }
 
-/// The best bound found with its proof; none with too many targets, where the solver goes astray, or where the budget is too
+/// Returns the best bound found with its proof; `None` with too many targets, where the solver goes astray, or where the budget is too
 /// small for the smallest program.
 pub fn expected_cost(problem: &SurveillanceProblem, meter: &mut Meter<'_>) -> Option<(f64, Multipliers)> {
     if problem.targets.len() > TARGETS_MAX {
@@ -328,7 +328,7 @@ fn gathered(target: &SurveillanceTarget, gap_s: f64) -> f64 {
     events_per_s(target) * eci::cost_integral(&target.cost, gap_s)
 }
 
-/// The time over which the target costs: the horizon and its age at the start.
+/// Returns the time over which the target costs: the horizon and its age at the start.
 fn span_s(problem: &SurveillanceProblem, target: &SurveillanceTarget) -> f64 {
     problem.horizon_s + target.initial_age_s
 }

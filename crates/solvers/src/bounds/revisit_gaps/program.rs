@@ -76,7 +76,7 @@ impl LinearProgram {
         entries * (ENTRY_NS + ENTRY_FILLED_NS * libm::sqrt(entries))
     }
 
-    /// The best columns and multipliers, or how far these came in so many steps; none where the solver goes astray.
+    /// Returns the best columns and multipliers, or how far these came in so many steps; `None` if the solver goes astray.
     pub(super) fn solve(&self, steps_max: u32) -> Option<DualSolution> {
         let (count, rows) = (self.columns.len(), self.equal.len() + self.at_most.len());
         let mut by_column: Vec<Vec<(usize, f64)>> = vec![Vec::new(); count];
@@ -126,7 +126,7 @@ impl LinearProgram {
         rows.chain(bounds).fold(0.0, f64::max)
     }
 
-    /// A value that no columns within their bounds and under the rows go below.
+    /// Returns a value that no columns within their bounds and under the rows go below.
     pub(super) fn proven(&self, multipliers: &[f64]) -> f64 {
         let mut reduced: Vec<f64> = self.columns.iter().map(|column| column.cost).collect();
         let (mut value, mut size) = (0.0, 0.0);
@@ -154,7 +154,7 @@ impl LinearProgram {
 mod tests {
     use super::*;
 
-    /// Least `x + 2 y` with `x + y = 3`, `x <= 2`.
+    /// Returns the least `x + 2 y` with `x + y = 3`, `x <= 2`.
     fn small() -> LinearProgram {
         let mut program = LinearProgram::default();
         let (x, y) = (program.column(1.0, 10.0), program.column(2.0, 10.0));

@@ -6,7 +6,7 @@ use apex_planning::examples::surveillance as examples;
 use apex_planning::surveillance::scenario::{Scenario, Stop};
 use proptest::prelude::*;
 
-/// The stretches of time without an observation in the group, between legs within it.
+/// Returns the stretches of time without an observation in the group, between legs within it.
 fn absences_of(group: &[usize], flown: &[Stop], horizon_s: f64) -> Vec<(f64, f64)> {
     let inside = |stop: &Stop| group.contains(&stop.target);
     let mut found = Vec::new();
@@ -24,7 +24,7 @@ fn absences_of(group: &[usize], flown: &[Stop], horizon_s: f64) -> Vec<(f64, f64
     found
 }
 
-/// The gaps between observations of a target; the first one begins when it was observed before the flight.
+/// Returns the gaps between observations of a target; the first one begins when it was observed before the flight.
 fn gaps_of(target: usize, age_s: f64, flown: &[Stop], horizon_s: f64) -> Vec<(f64, f64)> {
     let ends = flown.iter().filter(|stop| stop.target == target).map(|stop| stop.end_s);
     let bounds: Vec<f64> = [-age_s].into_iter().chain(ends).chain([horizon_s]).collect();

@@ -2,7 +2,7 @@
 
 use crate::routing::network::{END, Network, START};
 
-/// Greatest value whose weights fit into the flight, the last target in part (linear relaxation).
+/// Returns the greatest value whose weights fit into the flight, the last target in part (linear relaxation).
 pub(super) fn bound(network: &Network) -> f64 {
     let shortest = |legs: &mut dyn Iterator<Item = i32>| f64::from(legs.min().unwrap_or(0));
     let others = |node: u32| network.visits().filter(move |other| *other != node);

@@ -168,7 +168,7 @@ impl Labelling<'_> {
         }
     }
 
-    /// The label that extends `label` to `node`, if the visit is allowed and the route can still reach the cutoff.
+    /// Returns the label that extends `label` to `node`, if the visit is allowed and the route can still reach the cutoff.
     #[inline]
     fn extended(&self, label: &Label, closed: Targets, own: u32, node: u32, steps: &mut u64) -> Option<Label> {
         let data = self.network.node(node);
@@ -217,7 +217,7 @@ impl Labelling<'_> {
     }
 }
 
-/// The nodes of a route in order, without the start.
+/// Returns the nodes of a route in order, without the start.
 fn walk(labels: &[Label], last: u32) -> Vec<u32> {
     let mut nodes = Vec::new();
     let mut number = last;

@@ -8,7 +8,7 @@ pub(super) type Targets = u128;
 /// Maximum number of targets in a set.
 pub(crate) const TARGETS_MAX: usize = Targets::BITS as usize;
 
-/// The set that holds one target.
+/// Returns the set that holds one target.
 #[inline(always)]
 pub(super) fn bit_of(target: u32) -> Targets {
     Targets::from(1_u8).checked_shl(target).unwrap_or(0)

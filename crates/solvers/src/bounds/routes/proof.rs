@@ -121,7 +121,7 @@ impl<'n> ProofSearch<'n> {
         1 + nodes.saturating_mul(nodes).saturating_mul(nodes) / WAYS_PER_UNIT
     }
 
-    /// A search without multipliers that knows `bound`. `None` if there are too many targets, or a leg takes no time.
+    /// Returns a search without multipliers that knows `bound`. `None` if there are too many targets, or a leg takes no time.
     pub(super) fn new(network: &'n Network, bound: f64, sizes: MemorySizes) -> Option<ProofSearch<'n>> {
         if network.targets > ng_sets::TARGETS_MAX {
             return None;
@@ -188,7 +188,7 @@ impl<'n> ProofSearch<'n> {
         if self.is_fine_pass { FINE_PASSES } else { FAST_PASSES }
     }
 
-    /// The present bound and best route.
+    /// Returns the present bound and best route.
     pub(super) fn known(&self) -> &Proven {
         &self.known
     }
@@ -346,7 +346,7 @@ impl<'n> ProofSearch<'n> {
     }
 }
 
-/// A walk found from `end`, in order from the start.
+/// Returns a walk found from `end`, in order from the start.
 fn in_order(end: usize, walk: &[u32]) -> Vec<u32> {
     let mut walk = walk.to_vec();
     if end == 1 {

@@ -37,7 +37,7 @@ impl ValueStep {
         ValueStep { step: None, off: 0.0 }
     }
 
-    /// Least profit of a route that has more than `incumbent`.
+    /// Returns the least profit of a route that has more than `incumbent`.
     pub(super) fn above(&self, incumbent: f64) -> f64 {
         match self.step {
             Some(step) => (libm::floor((incumbent + self.off) / step) + 1.0) * step - self.off,
@@ -46,7 +46,7 @@ impl ValueStep {
         }
     }
 
-    /// Greatest profit of a route that has at most `bound`, which rounding may have lowered slightly.
+    /// Returns the greatest profit of a route that has at most `bound`, which rounding may have lowered slightly.
     pub(super) fn below(&self, bound: f64) -> f64 {
         let lifted = bound + ROUNDING * (1.0 + bound.abs());
         match self.step {
@@ -58,7 +58,7 @@ impl ValueStep {
     }
 }
 
-/// Greatest common divisor of whole or nearly whole numbers; `None` if one is not whole, or there are none.
+/// Returns the greatest common divisor of whole or nearly whole numbers; `None` if one is not whole, or there are none.
 fn divisor(values: impl Iterator<Item = f64>) -> Option<u64> {
     let mut divisor = 0;
     for value in values {

@@ -45,7 +45,7 @@ impl Layout {
         Layout { bucket, first, count }
     }
 
-    /// The state of `node` in a bucket, where it has one.
+    /// Returns the state of `node` in a bucket, where it has one.
     #[inline]
     pub(super) fn state(&self, node: u32, bucket: i32) -> Option<usize> {
         let (first, from, count) = self.first.get(node as usize).copied()?;
@@ -168,7 +168,7 @@ impl Walks {
     }
 }
 
-/// The greatest number of ticks of which all legs and windows are multiples.
+/// Returns the greatest number of ticks of which all legs and windows are multiples.
 fn divisor(network: &Network) -> i32 {
     let opens = network.nodes.iter().map(|node| node.open);
     let legs = network.visits().flat_map(|from| network.visits().map(move |to| (from, to)));

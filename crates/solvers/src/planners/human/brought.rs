@@ -39,7 +39,7 @@ pub fn scored(problem: &Problem, plan: &Plan) -> Result<Plan, String> {
 /// cycle, or there are none, the cycle is flown repeatedly; edited visits are kept, and their cycle is not.
 ///
 /// # Errors
-/// As [`scored`]; or a visit cannot be made, and why.
+/// Like [`scored`]; or a visit cannot be made, and why.
 pub fn retimed(problem: &Problem, plan: &Plan, environment: &mut Environment<'_>) -> Result<Plan, String> {
     match (problem, plan) {
         (Problem::Surveillance(of), Plan::Surveillance(plan)) => {
@@ -98,7 +98,7 @@ fn known<'a>(problem: &SurveillanceProblem, visits: impl Iterator<Item = &'a Str
     found.map_or(Ok(()), |(name, number)| Err(unknown(number, name, names())))
 }
 
-/// The index of a visit's target.
+/// Returns the index of a visit's target.
 fn target_of(problem: &SingleVisitProblem, number: usize, name: &str, manoeuvre: usize) -> Result<usize, String> {
     let names = || problem.targets.iter().map(|target| target.name.as_str());
     let found = names().position(|known| known == name).ok_or_else(|| unknown(number, name, names()))?;

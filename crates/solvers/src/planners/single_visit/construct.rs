@@ -61,7 +61,7 @@ impl LocalSearch<'_, '_, '_> {
         }
     }
 
-    /// A target by the manoeuvre that is worth most after the price of its time.
+    /// Returns a target by the manoeuvre that is worth most after the price of its time.
     fn opened(&self, target: usize) -> Option<Open> {
         let problem = self.schedule.problem;
         let data = problem.targets.get(target)?;
@@ -76,7 +76,7 @@ impl LocalSearch<'_, '_, '_> {
         Some(Open { choice, worth, duration_s: with.duration_s, added_s: f64::INFINITY, at: 0 })
     }
 
-    /// A second of the flight, if all targets were worth their best in the time there is.
+    /// Returns a second of the flight, if all targets were worth their best in the time there is.
     fn price_per_s(&self) -> f64 {
         let worth: f64 = self.usable.iter().map(|target| self.worth_max(*target)).sum();
         worth / (self.schedule.limit_s - self.schedule.problem.start_s).max(1.0)

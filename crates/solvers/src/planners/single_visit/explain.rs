@@ -57,12 +57,12 @@ impl Troubles {
         self.impossible.get(target) == Some(&false)
     }
 
-    /// The targets that a plan may visit.
+    /// Returns the targets that a plan may visit.
     pub(super) fn possible(&self) -> Vec<usize> {
         (0..self.impossible.len()).filter(|target| self.is_possible(*target)).collect()
     }
 
-    /// The targets that a plan may visit, but not as the only ones.
+    /// Returns the targets that a plan may visit, but not as the only ones.
     pub(super) fn with_others(&self) -> Vec<usize> {
         let is_in_trouble = |target: &usize| self.alone(*target).is_some();
         self.possible().into_iter().filter(is_in_trouble).collect()
@@ -145,7 +145,7 @@ fn flown_alone(schedule: &mut Schedule<'_>, choice: Choice, start_s: f64) -> Res
     if end_s > schedule.limit_s { Err(Infeasibility::TooLate { over_s: end_s - schedule.limit_s }) } else { Ok(()) }
 }
 
-/// The sentence for a plan without visits: the commonest reason first.
+/// Returns the sentence for a plan without visits: the commonest reason first.
 pub(super) fn nothing_visited(left_out: &[LeftOut], possible: bool) -> String {
     let mut reasons: Vec<(&String, Vec<&str>)> = Vec::new();
     for LeftOut { target, reason } in left_out {
@@ -161,7 +161,7 @@ pub(super) fn nothing_visited(left_out: &[LeftOut], possible: bool) -> String {
     format!("{what} {}.", listed.join("; "))
 }
 
-/// The reasons of all targets that `order` leaves out.
+/// Returns the reasons of all targets that `order` leaves out.
 pub(super) fn left_out(
     schedule: &mut Schedule<'_>,
     order: &[Choice],
@@ -180,7 +180,7 @@ pub(super) fn left_out(
     all
 }
 
-/// As [`left_out`], without looking for reasons that are not known yet.
+/// Like [`left_out`], without looking for reasons that are not known yet.
 pub(super) fn left_out_quickly(
     schedule: &mut Schedule<'_>,
     order: &[Choice],
@@ -242,7 +242,7 @@ fn reason_beside(schedule: &mut Schedule<'_>, order: &[Choice], judged: &Judged,
     trouble
 }
 
-/// The places in `order` where `target` adds the shortest detour as the crow flies.
+/// Returns the places in `order` where `target` adds the shortest detour as the crow flies.
 fn nearest_gaps(schedule: &Schedule<'_>, order: &[Choice], target: usize, manoeuvre: usize) -> Vec<usize> {
     let (entry, exit) = (PointKey::Entry(target, manoeuvre), PointKey::Exit(target, manoeuvre));
     let travel = &schedule.travel;

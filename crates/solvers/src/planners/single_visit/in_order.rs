@@ -11,8 +11,8 @@ use apex_planning::solver::{Budget, Environment};
 /// Iterations over all visits in which better choices are sought.
 const PASSES_MAX: usize = 8;
 
-/// The plan of visiting these targets, by index, in this order; it is by `solver`. Whose manoeuvre is given is observed in that one at
-/// once; the others in the way that is worth most.
+/// Returns the plan of visiting these targets, by index, in this order; it is by `solver`. Whose manoeuvre is given is observed in that one
+/// at once; the others in the way that is worth most.
 ///
 /// # Errors
 /// The first visit that cannot be made, and why.
@@ -41,7 +41,7 @@ pub fn in_order(
     plan::plan_of(&mut schedule, solver, &best, &troubles, explain::left_out_quickly)
 }
 
-/// All ways to observe `target`: the manoeuvre that is given, at once; else each, at once or from each corner of its timing on.
+/// Returns all ways to observe `target`: the manoeuvre that is given, at once; else each, at once or from each corner of its timing on.
 fn ways(problem: &SingleVisitProblem, (target, manoeuvre): (usize, Option<usize>)) -> Vec<Choice> {
     let Some(data) = problem.targets.get(target) else { return Vec::new() };
     if let Some(manoeuvre) = manoeuvre {
@@ -86,7 +86,7 @@ fn added(
     first.ok_or(trouble)
 }
 
-/// The same order, each visit in another way where that is worth more and the others can still be made.
+/// Returns the same order, each visit in another way where that is worth more and the others can still be made.
 fn improved(
     schedule: &mut Schedule<'_>,
     mut best: Candidate,

@@ -1,11 +1,11 @@
-//! The single-visit planner: a subset of targets in the best order and way, for the highest mission score (paper, II.B).
+//! The single-visit planner: chooses a subset of targets, their order and manoeuvres for the highest mission score (paper, II.B).
 //!
 //! A first plan by estimated times (`construct`), greedy insertion by gain per time, then local search (insert,
 //! replace, relocate, exchange, reverse, other manoeuvre, wait for a better time, drop), then ruin and re-insertion
-//! from the best plan until no improvement was found for a while or the budget is exhausted. The search begins from the
-//! remainder of a plan in execution. [`schedule`] judges everything: it knows wind, airspace, light, windows, order,
-//! fuel and endurance.
-//! Bound: none but the budget. A leg evaluated is two units of work, preparing a way some hundreds.
+//! from the best plan until the search stagnates or the budget is exhausted. During a flight, the search begins from the
+//! remainder of the plan in execution. [`schedule`] evaluates all plans: wind, airspace, light, windows, order, fuel and
+//! endurance.
+//! Bound: the budget. Evaluating a leg takes two units of work, preparing a path some hundreds.
 
 mod companions;
 mod construct;
@@ -52,10 +52,10 @@ impl Solver for SingleVisit {
     }
 }
 
-/// Returns the number of paths of a plan, and the time that turns add to their straight legs.
+/// Returns the number of paths of a plan, and the time that turns add to their straight legs, in seconds.
 ///
 /// # Errors
-/// As planning: a zone is invalid.
+/// An error message if a zone is invalid.
 pub fn turns_s(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> Result<(usize, f64), String> {
     let mut travel = travel::Travel::new(problem)?;
     let (mut here, mut ready_s) = (travel::PointKey::Start, problem.start_s);
@@ -100,8 +100,8 @@ fn solve(
     };
     let best = search::longest_flown(&mut schedule, found.order);
     let best = search::or_idle(&mut schedule, best)?;
-    // For a thousand targets with given times the search itself finds the reasons; for a flight the operator needs the
-    // limit.
+    // With given travel times (benchmarks of a thousand targets) the search itself finds the reasons at low cost. For a flight, the
+    // operator needs to know which limit excludes a target.
     let given = problem.travel.is_some();
     let reasons = if given { explain::left_out_quickly } else { explain::left_out };
     let mut plan = plan::plan_of(&mut schedule, NAME, &best, &troubles, reasons)?;
@@ -120,8 +120,8 @@ fn solve(
     Ok(Plan::SingleVisit(plan))
 }
 
-/// Proves a bound on the benefits of a plan whose ways depend on the time, or whose order is not free, where that takes
-/// seconds: others bring theirs. The plan keeps the lower of the two.
+/// Computes an upper bound on the benefits of a plan if travel times depend on the departure or the order is constrained; this
+/// takes seconds. For other problems the search has found a bound already. The plan keeps the lower bound.
 pub(crate) fn prove(problem: &SingleVisitProblem, plan: &mut SingleVisitPlan, meter: &mut Meter<'_>) {
     if plan.benefits_bound.is_some_and(|bound| bound <= plan.benefits) {
         return;

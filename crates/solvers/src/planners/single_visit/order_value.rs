@@ -1,5 +1,5 @@
-//! Worth of visits in a given order, and the visits that are left out if not all can be made: the price of a delay is
-//! the difference of two such values.
+//! Value of visits in a given order, and the visits to leave out if not all are feasible. The cost of a delay is the difference
+//! of two such values.
 
 use crate::routing::schedule::{Choice, Schedule};
 use apex_model::problem::SingleVisitProblem;
@@ -12,7 +12,7 @@ pub struct OrderedVisit {
     pub target: usize,
     /// Index of its manoeuvre.
     pub manoeuvre: usize,
-    /// The observation does not begin before; negative infinity for at once.
+    /// Earliest begin of the observation, seconds into the plan; negative infinity if unconstrained.
     pub not_before_s: f64,
 }
 
@@ -25,12 +25,11 @@ pub struct OrderValue {
     pub visited: Vec<usize>,
 }
 
-/// The value of `visits` in their order. Where not all can be made in time, one is left out: the one whose absence leaves the most; where
-/// that is not enough, the least valuable ones before it.
+/// Returns the value of `visits` in their order. If not all are feasible, it leaves out the visit whose removal gives the highest
+/// score. If removing any single visit is not enough, it first removes the least valuable ones.
 ///
 /// # Errors
-/// An error message if the problem is invalid, or if the vehicle cannot be back at the base in time even without a
-/// visit: then nothing has a price.
+/// An error message if the problem is invalid, or if the vehicle cannot return to the base in time even without a visit.
 pub fn order_value(problem: &SingleVisitProblem, visits: &[OrderedVisit]) -> Result<OrderValue, String> {
     let mut schedule = Schedule::new(problem)?;
     let mut free = WorkBudget::new(u64::MAX);

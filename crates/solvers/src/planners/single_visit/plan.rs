@@ -55,7 +55,7 @@ pub(super) fn plan_of(
     Ok(assembled(schedule, solver, best, (visits, back, left_out), troubles))
 }
 
-/// A plan in progress for those who watch: reasons that take time to find are not looked for. None where a way is missing.
+/// Returns a plan in progress for those who watch: reasons that take time to find are not looked for. `None` if a way is missing.
 pub(super) fn sketch(
     schedule: &mut Schedule<'_>,
     solver: &str,
@@ -99,7 +99,7 @@ fn assembled(
     scored(problem, plan)
 }
 
-/// The plan with what follows from its visits and its end: fuel, benefits, costs, score and the line for operators.
+/// Returns the plan with what follows from its visits and its end: fuel, benefits, costs, score and the line for operators.
 pub fn scored(problem: &SingleVisitProblem, mut plan: SingleVisitPlan) -> SingleVisitPlan {
     let flight_s = plan.end_s - problem.start_s;
     plan.fuel_used_kg = problem.vehicle.fuel_flow_kg_per_s * flight_s;

@@ -41,7 +41,7 @@ pub(super) struct LocalSearch<'s, 'p, 'b> {
     banned: Vec<usize>,
 }
 
-/// The best order found within the budget, over the targets that can be visited: never worse than the remaining part of the
+/// Returns the best order found within the budget, over the targets that can be visited: never worse than the remaining part of the
 /// plan `previous`.
 pub(super) fn run(
     schedule: &mut Schedule<'_>,
@@ -189,7 +189,7 @@ impl LocalSearch<'_, '_, '_> {
         true
     }
 
-    /// The most that a target can be worth.
+    /// Returns the most that a target can be worth.
     pub(super) fn worth_max(&self, target: usize) -> f64 {
         let Some(target) = self.schedule.problem.targets.get(target) else { return 0.0 };
         let quality = target.manoeuvres.iter().map(|manoeuvre| manoeuvre.quality.product()).fold(0.0, f64::max);
@@ -245,7 +245,7 @@ impl LocalSearch<'_, '_, '_> {
             .collect()
     }
 
-    /// All ways to observe `target`: each manoeuvre at once, or from each corner of its timing on.
+    /// Returns all ways to observe `target`: each manoeuvre at once, or from each corner of its timing on.
     pub(super) fn choices(&self, target: usize) -> Vec<Choice> {
         let Some(data) = self.schedule.problem.targets.get(target) else { return Vec::new() };
         let starts = [f64::NEG_INFINITY].into_iter().chain(data.timing.iter().map(|(time_s, _)| *time_s));

@@ -88,7 +88,7 @@ fn nothing_feasible_names_what_binds() {
     assert!(message.contains("emergency landing place"), "{message}");
     let mut closed = few(2, 40_000.0);
     closed.zones = vec![examples::restricted("R-2515", 34.0, 36.0, -119.0, -117.0)];
-    assert_eq!(solve(&closed, 1000).unwrap_err(), "The start cannot be used: inside restricted area R-2515.");
+    assert_eq!(solve(&closed, 1000).unwrap_err(), "the start cannot be used: inside restricted area R-2515");
     let mut wrong = few(2, 40_000.0);
     wrong.targets[1].position = Position::new(f64::NAN, 0.0);
     assert!(solve(&wrong, 1000).unwrap_err().contains("not on the map"));
@@ -132,7 +132,7 @@ fn even_a_budget_of_nothing_gives_a_whole_plan() {
     assert_eq!(solve(&few(5, 60_000.0), 0).unwrap().visits.len(), 5);
 }
 
-/// The best score by trying every subset in every order with every manoeuvre.
+/// Returns the best score by trying every subset in every order with every manoeuvre.
 fn exhaustive(problem: &SingleVisitProblem) -> f64 {
     fn extend(schedule: &mut schedule::Schedule<'_>, order: &mut Vec<schedule::Choice>, best: &mut f64) {
         match schedule.judge(order, &mut WorkBudget::new(u64::MAX)) {

@@ -72,7 +72,7 @@ impl<'s, 'p> Annealing<'s, 'p> {
         Annealing { scenario, near: near.collect(), random: Generator::new(seed) }
     }
 
-    /// A round from `start`; returns the best tour seen.
+    /// Returns a round from `start`; returns the best tour seen.
     pub(super) fn round(&mut self, start: &[usize], round: Round, budget: &mut dyn Budget) -> CostedTour {
         let mut flight = TourEvaluation::new(self.scenario, self.with_spares(start), budget);
         let mut best: CostedTour = (flight.cost(), start.to_vec());

@@ -1,26 +1,26 @@
-//! A change of a tour: the visits from one place to another are replaced.
+//! A change of a tour: consecutive visits are replaced by others. A letter is the index of a visited target.
 
-/// Letters that one change may put in: more is a new tour.
+/// Maximum number of letters that one change inserts.
 pub(super) const LETTERS_MAX: usize = 24;
 
-/// Visits `from..until` of a tour give way to `letters`.
+/// Replaces visits `from..until` of a tour by `letters`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Change {
-    /// First visit that goes.
+    /// Index of the first visit that is removed.
     pub(super) from: usize,
-    /// First visit that stays.
+    /// Index of the first visit after the removed ones.
     pub(super) until: usize,
     letters: [u32; LETTERS_MAX],
     count: usize,
 }
 
 impl Change {
-    /// A change that only takes away.
+    /// Returns a change that removes visits and inserts none.
     pub(super) fn cut(from: usize, until: usize) -> Change {
         Change { from, until, letters: [0; LETTERS_MAX], count: 0 }
     }
 
-    /// The same with one more letter; those beyond [`LETTERS_MAX`] are dropped.
+    /// Returns the change with one more letter; letters beyond [`LETTERS_MAX`] are dropped.
     pub(super) fn with(mut self, letter: usize) -> Change {
         if let Some(slot) = self.letters.get_mut(self.count) {
             *slot = letter as u32;
@@ -29,7 +29,7 @@ impl Change {
         self
     }
 
-    /// The same with more letters.
+    /// Returns the change with all `letters` added.
     pub(super) fn with_all(self, letters: impl IntoIterator<Item = usize>) -> Change {
         letters.into_iter().fold(self, Change::with)
     }
@@ -39,7 +39,7 @@ impl Change {
         self.letters.iter().take(self.count).map(|letter| *letter as usize)
     }
 
-    /// Carries it out.
+    /// Applies the change to `tour`.
     pub(super) fn apply(&self, tour: &mut Vec<usize>) {
         let from = self.from.min(tour.len());
         let until = self.until.clamp(from, tour.len());

@@ -1,4 +1,4 @@
-//! The cost of one interval of ignorance, fast enough for millions of moves.
+//! Fast evaluation of the cost of one interval without observation, for millions of moves.
 //!
 //! Linear and saturating costs at a constant rate are one formula, `a d + b d^2 + c (exp(-r d) - 1)` for an interval of
 //! length `d`; its exponential is a polynomial that the compiler turns into vector code. Plans are priced by the exact
@@ -22,7 +22,7 @@ pub(super) struct Coefficients {
 }
 
 impl Coefficients {
-    /// The formula of the head of this file.
+    /// Returns the formula of the head of this file.
     #[inline(always)]
     pub(super) fn cost(&self, length_s: f64x4) -> f64x4 {
         let decayed = exponential(f64x4::ZERO - self.rate_per_s * length_s) - f64x4::ONE;
@@ -34,7 +34,7 @@ impl Coefficients {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Intervals {
     lanes: Vec<Coefficients>,
-    /// The same target by target, so that any four can be put side by side.
+    /// The same coefficients by target, so that any four targets can be combined.
     by_target: Vec<[f64; 4]>,
 }
 
@@ -42,19 +42,19 @@ pub(super) struct Intervals {
 pub(super) type Closing = SmallVec<[(usize, f64); LETTERS_MAX]>;
 
 impl Intervals {
-    /// The coefficients of a problem; none where a target's cost or rate is of another family.
+    /// Returns the coefficients of a problem; `None` if a target's cost or rate is of another family.
     pub(super) fn of(problem: &SurveillanceProblem) -> Option<Intervals> {
         let by_target: Vec<[f64; 4]> = problem.targets.iter().map(coefficients).collect::<Option<_>>()?;
         let lanes = by_target.chunks(LANES).map(|targets| side_by_side(targets.iter().copied())).collect();
         Some(Intervals { lanes, by_target })
     }
 
-    /// The coefficients, lanes by lanes.
+    /// Returns the coefficients, lanes by lanes.
     pub(super) fn lanes(&self) -> &[Coefficients] {
         &self.lanes
     }
 
-    /// `sum` with the costs of all that closes added in order; what does not exist costs 0.
+    /// Returns `sum` plus the costs of all closing intervals, added in order; targets that do not exist cost 0.
     pub(super) fn add(&self, mut sum: f64, closing: &Closing) -> f64 {
         for few in closing.chunks(LANES) {
             let of = |(target, _): &(usize, f64)| self.by_target.get(*target).copied().unwrap_or_default();
@@ -66,14 +66,14 @@ impl Intervals {
         sum
     }
 
-    /// The cost of an interval of `length_s` of one target; 0 for a target that does not exist.
+    /// Returns the cost of an interval of `length_s` of one target; 0 for a target that does not exist.
     pub(super) fn cost(&self, target: usize, length_s: f64) -> f64 {
         let costs = self.lanes.get(target / LANES).map(|coefficients| coefficients.cost(f64x4::splat(length_s)));
         costs.and_then(|costs| costs.to_array().get(target % LANES).copied()).unwrap_or(0.0)
     }
 }
 
-/// The coefficients of four targets at most, lane by lane.
+/// Returns the coefficients of at most four targets, lane by lane.
 #[inline(always)]
 fn side_by_side(targets: impl Iterator<Item = [f64; 4]>) -> Coefficients {
     let mut numbers = [[0.0; LANES]; 4];
@@ -112,14 +112,15 @@ fn of_family(cost: &CostFunction, response_s: f64) -> Option<[f64; 4]> {
     }
 }
 
-/// `exp(x)` for `x <= 0`: `2^k` times a polynomial over half a binary step to either side. Below -600 as at -600.
+/// Returns `exp(x)` for `x <= 0` as `2^k` times a polynomial in the remainder, which is at most half of `ln 2` in size. Below -600 the
+/// result is that of -600.
 ///
-/// Only sums and products, so that the result is the same on processors with and without fused operations.
+/// Uses only sums and products, so that the result is equal on processors with and without fused operations.
 #[inline(always)]
 fn exponential(x: f64x4) -> f64x4 {
-    // Adding and taking away this number rounds to a whole one; its last bits are that whole number.
+    // Adding and subtracting this number rounds to an integer, which the last bits of the sum hold.
     let round = f64x4::splat(6_755_399_441_055_744.0);
-    // The natural logarithm of 2 as a short number and its rest, so that the remainder is exact.
+    // ln 2 split into a short number and a rest, so that the remainder is exact.
     let (log_2_high, log_2_low) = (f64x4::splat(0.693_147_180_369_123_8), f64x4::splat(1.908_214_929_270_587_7e-10));
     let least = f64x4::splat(-600.0);
     let x = x.simd_gt(least).select(x, least);

@@ -1,10 +1,10 @@
 //! The anytime planner: annealing over tours of visits, begun from the best plan of the other planners.
 //!
-//! A tour may visit a target as often as it likes in any order, so it can do what a cycle cannot: see some targets every
-//! other lap, and bend the end of the mission to its horizon. Annealing runs follow each other, each longer than the one
-//! before and from the best tour so far, until the budget is exhausted or rounds bring nothing more; in between tours that
-//! begin elsewhere are tried ([starts]). A change of a tour is priced from its [timetable](timetable) without flying it.
-//! Bound: none but the budget; after [`STALE_ROUNDS_MAX`] rounds without gain it ends early.
+//! A tour may visit a target any number of times in any order, so it can express plans that a cycle cannot: visits every
+//! other lap, and a last lap fitted to the horizon. Annealing runs follow each other, each longer than the one before and
+//! from the best tour so far, until the budget is exhausted or runs stop improving it. In between, tours from other start
+//! heuristics are tried ([starts]). A change of a tour is evaluated from its [timetable](timetable), without a new simulation.
+//! Bound: the budget; the search ends early after [`STALE_ROUNDS_MAX`] rounds without gain.
 
 mod annealing;
 mod change;
@@ -23,15 +23,15 @@ use starts::Starts;
 
 /// Rounds in a row without gain after which the search ends.
 pub const STALE_ROUNDS_MAX: u32 = 24;
-/// Moves of the first round for each visit, and its bounds; each round has half as many again as the one before.
+/// Moves of the first round per visit, with minimum and maximum; each round has half as many again as the one before.
 const FIRST_MOVES: (u64, u64, u64) = (150, 2_000, 20_000);
-/// Moves of the longest round.
+/// Maximum number of moves of a round.
 const ROUND_MOVES_MAX: u64 = 2_000_000;
-/// Temperature at a round's beginning and end, in what a visit of the tour costs on average.
+/// Initial and final temperature of a round, as multiples of the mean cost of a visit of the tour.
 const TEMPERATURES: (f64, f64) = (5e-2, 5e-4);
-/// The same where rounds bring nothing: every third one begins hot enough to leave the valley.
+/// Temperatures of every third round without gain: high enough at first to leave a local minimum.
 const REHEATED: (f64, f64) = (3e-1, 5e-4);
-/// Longer tours are searched as warm as those of so many visits, or they stay in the first valley.
+/// Maximum number of visits that lowers the temperature: longer tours would stay in their first local minimum.
 const COOL_VISITS_MAX: usize = 100;
 
 /// The planner.
@@ -63,7 +63,7 @@ impl Solver for TourAnnealing {
     }
 }
 
-/// A part of a budget: exhausted after `allowed` further units, or with the whole.
+/// A part of a budget: exhausted when the whole is, or when `until` units of the whole are used.
 struct Share<'a> {
     whole: &'a mut dyn Budget,
     until: u64,
@@ -81,7 +81,7 @@ impl Budget for Share<'_> {
     }
 }
 
-/// Annealing runs until the budget ends or nothing more is gained; returns the best tour.
+/// Runs annealing rounds until the budget ends or rounds stop improving the tour; returns the best tour.
 fn search(
     scenario: &Scenario<'_>,
     start: Vec<usize>,
@@ -113,7 +113,7 @@ fn search(
     best.1
 }
 
-/// A round from `tour` with temperatures by the visit.
+/// Returns the parameters of a round from `tour`; temperatures are given as multiples of the mean cost of a visit.
 fn round(tour: &[usize], moves: u64, (hot, cold): (f64, f64)) -> Round {
     let visits = tour.len().clamp(1, COOL_VISITS_MAX) as f64;
     Round { moves, hot: hot / visits, cold: cold / visits }
@@ -177,7 +177,7 @@ mod tests {
 
     #[test]
     fn the_best_of_all_short_words_is_found() {
-        // Three visits fit; all tours of three letters over four targets are tried.
+        // Three visits fit into the horizon; the test enumerates all sequences of three of the four targets.
         let mut problem = examples::random(4, 21);
         problem.horizon_s = 260.0;
         let scenario = Scenario::new(&problem).unwrap();
@@ -192,7 +192,7 @@ mod tests {
 
     #[test]
     fn the_vehicle_stays_where_staying_is_best() {
-        // Far places: the best tours see one target some twenty times before they leave it.
+        // The targets lie far apart: the best tours see one target about twenty times before they leave it.
         let cell: apex_portfolio::cell::Cell = "large-uniform-uniform-4-globular".parse().unwrap();
         let found = cost(&TourAnnealing, &cell.mission(0), 100_000);
         assert!(found < 1_435.0, "{found}, where words that hardly stay cost 1442");

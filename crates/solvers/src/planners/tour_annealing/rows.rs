@@ -18,14 +18,14 @@ impl<T: Copy> Rows<T> {
         Rows { width, order: Vec::new(), free: Vec::new(), lanes: Vec::new(), fresh }
     }
 
-    /// The lanes at `place`; empty beyond the last.
+    /// Returns the lanes at `place`; empty beyond the last.
     #[inline(always)]
     pub(super) fn at(&self, place: usize) -> &[T] {
         let begin = self.begin(place);
         begin.and_then(|begin| self.lanes.get(begin..begin + self.width)).unwrap_or(&[])
     }
 
-    /// The same, to be written.
+    /// Returns the same, to be written.
     #[inline(always)]
     pub(super) fn at_mut(&mut self, place: usize) -> &mut [T] {
         let (begin, width) = (self.begin(place), self.width);

@@ -111,7 +111,7 @@ impl Starts {
         }
     }
 
-    /// The next tour, where there is one and it is time for it.
+    /// Returns the next tour, where there is one and it is time for it.
     fn next(&mut self, scenario: &Scenario<'_>, allowed: u64, budget: &mut dyn Budget) -> Option<Vec<usize>> {
         let known = match self.ways.front()? {
             StartHeuristic::Wam(number) => (self.wam_units * wam::weight(*number)) as u64,
@@ -153,7 +153,7 @@ fn groups(scenario: &Scenario<'_>) -> Vec<Vec<usize>> {
     groups
 }
 
-/// A group in two: those nearer to one of two places that are far from each other, and the others.
+/// Returns a group in two: those nearer to one of two places that are far from each other, and the others.
 fn halves(scenario: &Scenario<'_>, group: &[usize]) -> [Vec<usize>; 2] {
     let travel = scenario.typical();
     let way_s = |from: usize, to: usize| travel.between(from, to) + travel.between(to, from);

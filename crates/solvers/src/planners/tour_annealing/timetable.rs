@@ -52,7 +52,7 @@ pub(super) struct Timetable<'s, 'p> {
 }
 
 impl<'s, 'p> Timetable<'s, 'p> {
-    /// The timetable of `tour`.
+    /// Returns the timetable of `tour`.
     pub(super) fn new(scenario: &'s Scenario<'p>, intervals: Intervals, tour: Vec<usize>) -> Timetable<'s, 'p> {
         let count = scenario.problem().targets.len();
         let width = count.div_ceil(LANES);
@@ -83,7 +83,7 @@ impl<'s, 'p> Timetable<'s, 'p> {
         table
     }
 
-    /// The tour, with visits beyond those that are flown.
+    /// Returns the tour, with visits beyond those that are flown.
     pub(super) fn tour(&self) -> &[usize] {
         &self.tour
     }
@@ -93,7 +93,7 @@ impl<'s, 'p> Timetable<'s, 'p> {
         self.flown
     }
 
-    /// Cost of the tour.
+    /// Returns the cost of the tour.
     pub(super) fn cost(&self) -> f64 {
         self.cost
     }
@@ -155,7 +155,7 @@ impl<'s, 'p> Timetable<'s, 'p> {
         self.scenario.problem().targets.get(target).map_or(0.0, |target| target.dwell_s)
     }
 
-    /// The time that a visit needs after its end.
+    /// Returns the time that a visit needs after its end.
     fn home_s(&self, target: usize) -> f64 {
         if self.scenario.problem().return_to_base { self.scenario.problem().travel.to_base(target) } else { 0.0 }
     }
@@ -223,7 +223,7 @@ impl<'s, 'p> Timetable<'s, 'p> {
         settled
     }
 
-    /// True when this sweep sees the target for the first time.
+    /// Returns true when this sweep sees the target for the first time.
     fn mark(&mut self, target: usize) -> bool {
         let sweep = self.sweep;
         self.marks.get_mut(target).is_some_and(|mark| std::mem::replace(mark, sweep) != sweep)
@@ -340,7 +340,7 @@ impl<'s, 'p> Timetable<'s, 'p> {
         flown
     }
 
-    /// The open intervals of all targets when nothing is flown after the change.
+    /// Returns the open intervals of all targets when nothing is flown after the change.
     fn open(&self, since_s: &[f64x4], base_s: f64) -> f64 {
         let left_s = f64x4::splat(self.scenario.problem().horizon_s - base_s);
         let open = since_s.iter().zip(self.intervals.lanes());

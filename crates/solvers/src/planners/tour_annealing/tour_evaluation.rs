@@ -25,7 +25,7 @@ pub(super) enum TourEvaluation<'s, 'p> {
 }
 
 impl<'s, 'p> TourEvaluation<'s, 'p> {
-    /// A tour under search.
+    /// Returns a tour under search.
     pub(super) fn new(scenario: &'s Scenario<'p>, tour: Vec<usize>, budget: &mut dyn Budget) -> TourEvaluation<'s, 'p> {
         let numbers = (tour.len() + 1).saturating_mul(scenario.problem().targets.len());
         match Intervals::of(scenario.problem()) {
@@ -45,7 +45,7 @@ impl<'s, 'p> TourEvaluation<'s, 'p> {
         }
     }
 
-    /// The tour with its spare letters.
+    /// Returns the tour with its spare letters.
     pub(super) fn tour(&self) -> &[usize] {
         match self {
             TourEvaluation::Quick(table) => table.tour(),
@@ -61,7 +61,7 @@ impl<'s, 'p> TourEvaluation<'s, 'p> {
         }
     }
 
-    /// Its cost.
+    /// Returns its cost.
     pub(super) fn cost(&self) -> f64 {
         match self {
             TourEvaluation::Quick(table) => table.cost(),
@@ -69,7 +69,7 @@ impl<'s, 'p> TourEvaluation<'s, 'p> {
         }
     }
 
-    /// Its cost with `change`.
+    /// Returns its cost with `change`.
     pub(super) fn cost_with(&mut self, change: &Change, budget: &mut dyn Budget) -> f64 {
         match self {
             TourEvaluation::Quick(table) => {

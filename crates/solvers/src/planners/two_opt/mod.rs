@@ -56,7 +56,7 @@ impl Solver for TwoOpt {
     }
 }
 
-/// The best repeatable cycle found within the budget, with its cost, from the cycle `start` if there is one; `report` sees each
+/// Returns the best repeatable cycle found within the budget, with its cost, from the cycle `start` if there is one; `report` sees each
 /// better one.
 pub fn best_cycle(
     scenario: &Scenario<'_>,
@@ -81,7 +81,7 @@ pub fn best_cycle(
     (search.best_cost, search.into_best())
 }
 
-/// The shortest tour of `targets` found within the budget, begun where flying it again and again costs least.
+/// Returns the shortest tour of `targets` found within the budget, begun where flying it again and again costs least.
 pub fn cycle_of(scenario: &Scenario<'_>, targets: &[usize], budget: &mut dyn Budget) -> Vec<usize> {
     let tour = tour::shortest(scenario, targets, budget);
     subset::best_beginning(scenario, tour, budget).1
@@ -114,7 +114,7 @@ mod tests {
         }
     }
 
-    /// Length of the shortest directed tour, by trying all.
+    /// Returns the length of the shortest directed tour, by trying all.
     fn exhaustive(problem: &SurveillanceProblem) -> f64 {
         fn extend(problem: &SurveillanceProblem, path: &mut Vec<usize>, length: f64, best: &mut f64) {
             let (count, last) = (problem.targets.len(), *path.last().unwrap());

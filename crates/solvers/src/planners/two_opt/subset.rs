@@ -118,7 +118,7 @@ impl<'s, 'p> SubsetSearch<'s, 'p> {
     }
 }
 
-/// The rotation of `cycle` that costs least when flown from the start.
+/// Returns the rotation of `cycle` that costs least when flown from the start.
 pub(super) fn best_beginning(
     scenario: &Scenario<'_>,
     mut cycle: Vec<usize>,

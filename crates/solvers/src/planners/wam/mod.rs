@@ -57,7 +57,7 @@ impl Solver for Wam {
     }
 }
 
-/// The best tour found within the budget; `report` sees each better one. The greedy pass is always made to its end.
+/// Returns the best tour found within the budget; `report` sees each better one. The greedy pass is always made to its end.
 pub fn best_word(scenario: &Scenario<'_>, budget: &mut dyn Budget, report: &mut dyn FnMut(&[usize])) -> Vec<usize> {
     best_of_passes(scenario, budget, &mut |_, tour| report(tour)).1
 }
@@ -72,12 +72,12 @@ pub fn weight(number: usize) -> f64 {
     PASSES.get(number).map_or(0.0, |(window, open, children)| window * (open * children) as f64)
 }
 
-/// The tour of one pass; none where the budget ran out or there is no such pass.
+/// Returns the tour of one pass; `None` if the budget ran out or there is no such pass.
 pub fn pass(scenario: &Scenario<'_>, number: usize, budget: &mut dyn Budget) -> Option<Vec<usize>> {
     build(scenario, *PASSES.get(number)?, false, budget)
 }
 
-/// The best tour of all passes with its cost, which `report` hears too.
+/// Returns the best tour of all passes with its cost, which `report` hears too.
 fn best_of_passes(
     scenario: &Scenario<'_>,
     budget: &mut dyn Budget,
@@ -188,7 +188,7 @@ fn change(scenario: &Scenario<'_>, state: &TourState, stop: Stop, until_s: f64) 
         - eci::interval_cost(target, *last_s, until_s)
 }
 
-/// The possible visits with the highest priority.
+/// Returns the possible visits with the highest priority.
 fn children(scenario: &Scenario<'_>, state: &TourState, most: usize, budget: &mut dyn Budget) -> Vec<Stop> {
     scenario.charge(scenario.usable().len() as u64 * (PRIORITY_NS + scenario.departure_ns()), budget);
     // The best so far, best first; of equals the earlier.

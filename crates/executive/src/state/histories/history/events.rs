@@ -32,30 +32,30 @@ impl Histories {
         }
     }
 
-    /// So many more messages have arrived from outside, at the same instant as those before or at a later one: several of one instant
-    /// are all kept.
+    /// Records the number of further messages from outside at the same instant or a later one: several messages of one instant are all
+    /// kept.
     pub fn expect_events(&mut self, messages: usize, is_same_instant: bool) {
         let before = if is_same_instant { self.most.burst } else { 0 };
         self.most.burst = before.saturating_add(messages);
     }
 
-    /// Remembered messages with `start <= at`, in order of time and, within an instant, of arrival.
+    /// Returns the remembered messages with `start <= at`, in order of time and, within an instant, of arrival.
     pub fn events_from(&self, start: Time) -> impl Iterator<Item = &Occurrence> {
         let first = self.events.partition_point(|event| event.at < start);
         self.events.range(first..)
     }
 
-    /// True when every message at or after `instant` is still remembered.
+    /// Returns true when every message at or after `instant` is still remembered.
     pub fn events_cover(&self, instant: Time) -> bool {
         self.events_forgotten_until.is_none_or(|forgotten| forgotten < instant)
     }
 
-    /// A clause may need messages up to `lookback` before the newest.
+    /// Records that a clause may need messages up to `lookback` before the newest.
     pub fn require_event_lookback(&mut self, lookback: Duration) {
         self.event_lookback = self.event_lookback.max(lookback);
     }
 
-    /// A clause may need messages that begin with `head`, up to `lookback` before the newest of them.
+    /// Records that a clause may need messages that begin with `head`, up to `lookback` before the newest of them.
     pub fn require_events_of(&mut self, head: &Symbol, lookback: Duration) {
         self.event_logs.require(head, lookback);
     }

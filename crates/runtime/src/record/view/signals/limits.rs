@@ -77,7 +77,7 @@ impl SignalLimit {
     }
 }
 
-/// The limits of `variable` in the program's procedures, in units of `factor` SI units.
+/// Returns the limits of `variable` in the program's procedures, in units of `factor` SI units.
 pub(in crate::record::view) fn limits_of(library: &Library, variable: &StateVariable, factor: f64) -> Vec<SignalLimit> {
     let mut found = Vec::new();
     for step in library.procedures.iter().flat_map(|procedure| &procedure.steps) {
@@ -122,7 +122,7 @@ fn parts(condition: &Condition, visit: &mut impl FnMut(&Condition)) {
     }
 }
 
-/// The variable, the constraints on its values and those on the length of their run.
+/// Returns the variable, the constraints on its values and those on the length of their run.
 fn compared(condition: &Condition) -> Option<(&VariablePattern, &[Constraint], &[Constraint])> {
     match &condition.kind {
         ConditionKind::Measurement(one) => Some((&one.variable, &one.value, &[])),
@@ -180,7 +180,7 @@ impl Bounds {
         }
     }
 
-    /// `(PREDICATE argument ..)` of a function whose body is a comparison of its first parameter, or an `and` with some.
+    /// Recognises `(PREDICATE argument ..)` of a function whose body is a comparison of its first parameter, or an `and` with some.
     fn predicate(&mut self, library: &Library, name: &Symbol, arguments: &[Expr]) -> bool {
         let Some(function) = library.functions.get(name) else { return false };
         let ([value, others @ ..], [body]) = (&*function.parameters.required, &*function.body) else { return false };
@@ -208,7 +208,7 @@ impl Bounds {
         found
     }
 
-    /// `(> value figure)` or `(> (abs value) figure)`.
+    /// Recognises `(> value figure)` or `(> (abs value) figure)`.
     fn comparison(&mut self, library: &Library, test: &Expr, value: &Symbol, figures: &BTreeMap<&Symbol, f64>) -> bool {
         let ExprKind::Call { function, arguments } = &test.kind else { return false };
         let relation = match function.folded() {
@@ -233,7 +233,7 @@ impl Bounds {
     }
 }
 
-/// The least length of a run in seconds.
+/// Returns the least length of a run in seconds.
 fn least(library: &Library, constraint: &Constraint) -> Option<f64> {
     match constraint {
         Constraint::Compare { relation: Relation::Greater | Relation::GreaterOrEqual, right, .. } => {
@@ -243,7 +243,7 @@ fn least(library: &Library, constraint: &Constraint) -> Option<f64> {
     }
 }
 
-/// The value in SI of an expression that has the same one at all times.
+/// Returns the value in SI of an expression that has the same one at all times.
 fn number(library: &Library, expr: &Expr, locals: &BTreeMap<&Symbol, f64>, depth: usize) -> Option<f64> {
     if depth > DEPTH_MAX {
         return None;
@@ -271,7 +271,7 @@ fn si(value: &Value) -> Option<f64> {
 pub(in crate::record::view) struct Raised(BTreeMap<String, Vec<i64>>);
 
 impl Raised {
-    /// Those up to `at_ns`.
+    /// Returns the alarms up to `at_ns`.
     pub(in crate::record::view) fn read(
         reader: &RecordReader,
         limits: &[SignalLimit],
@@ -300,13 +300,13 @@ impl Raised {
         Ok(raised)
     }
 
-    /// The first one in `from..=to`.
+    /// Returns the first one in `from..=to`.
     fn within(&self, place: &str, from: i64, to: i64) -> Option<i64> {
         self.0.get(place)?.iter().copied().find(|at| (from..=to).contains(at))
     }
 }
 
-/// The excursions that touch the window, by time, and how many shorter ones are left out.
+/// Returns the excursions that touch the window, by time, and how many shorter ones are left out.
 pub(in crate::record::view) fn excursions(
     limits: &[SignalLimit],
     samples: &[StoredSample],

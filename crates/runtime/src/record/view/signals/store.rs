@@ -49,7 +49,7 @@ pub(in crate::record::view) struct SampleIndex {
 }
 
 impl MeasuredVariable {
-    /// The signal, with its limits if there is a program.
+    /// Returns the signal, with its limits if there is a program.
     pub(in crate::record::view) fn signal(&self, program: Option<&RestoredProgram>) -> Signal {
         let limits = match (program, self.kind) {
             (Some(program), SignalKind::Number) => limits::limits_of(&program.0, &self.variable, self.unit.1),
@@ -68,12 +68,12 @@ impl MeasuredVariable {
 }
 
 impl SampleIndex {
-    /// The measured variables, in order of first appearance.
+    /// Returns the measured variables, in order of first appearance.
     pub(in crate::record::view) fn known(&self) -> impl Iterator<Item = &MeasuredVariable> {
         self.known.values()
     }
 
-    /// The variable with this name, in any case.
+    /// Returns the variable with this name, in any case.
     pub(in crate::record::view) fn called(&self, name: &str) -> Option<&MeasuredVariable> {
         self.known.values().find(|known| known.variable.to_string().eq_ignore_ascii_case(name))
     }
@@ -122,7 +122,7 @@ impl SampleIndex {
         Ok(())
     }
 
-    /// A variable that was not measured before.
+    /// Returns a variable that was not measured before.
     fn meet(&mut self, variable: StateVariable, value: &Value, first_ns: i64) -> u64 {
         let number = self.known.len() as u64 + 1;
         let kind = match value {
@@ -167,7 +167,7 @@ impl SampleIndex {
 }
 
 impl Series {
-    /// The place of a word in the list of words.
+    /// Returns the place of a word in the list of words.
     fn word(&mut self, word: String) -> f64 {
         let place = self.words.iter().position(|known| *known == word).unwrap_or_else(|| {
             self.words.push(word);

@@ -10,7 +10,7 @@ use std::borrow::Cow;
 const SAMPLES_PER_PIXEL: usize = 2;
 
 impl Series {
-    /// The samples of the window that had arrived by `at`, in buckets for `pixels`.
+    /// Returns the samples of the window that had arrived by `at`, in buckets for `pixels`.
     pub(in crate::record::view) fn window(
         &self,
         signal: Signal,
@@ -68,7 +68,7 @@ impl Series {
     }
 }
 
-/// The samples that had arrived by `at`; copied only if some had not.
+/// Returns the samples that had arrived by `at`; copied only if some had not.
 fn arrived(samples: &[StoredSample], at: i64) -> Cow<'_, [StoredSample]> {
     let has_arrived = |sample: &&StoredSample| sample.arrived_ns <= at;
     if samples.iter().all(|sample| has_arrived(&sample)) {

@@ -43,7 +43,7 @@ impl Bands {
         }
     }
 
-    /// The bands by time; neighbours that only continue what began earlier are one band.
+    /// Returns the bands by time; neighbours that only continue what began earlier are one band.
     pub(super) fn finish(self) -> Vec<Band> {
         let pixel_ns = self.window.pixel_ns();
         let mut bands: Vec<Band> = Vec::new();

@@ -30,7 +30,7 @@ pub(super) struct Gathered {
 }
 
 impl Gathered {
-    /// The lane of a task and those above it.
+    /// Returns the lane of a task and those above it.
     pub(super) fn lanes_above(&self, task: u64) -> BTreeSet<usize> {
         let mut next = self.lane_of_task.get(&task).copied();
         let mut lanes = BTreeSet::new();
@@ -78,7 +78,7 @@ pub(super) fn in_tree_order(groups: &[LaneTasks], roots: &[usize]) -> Vec<usize>
     order
 }
 
-/// One lane: intervals of at least a pixel are bars, as are shorter ones that are not dense; the rest is bands.
+/// Returns one lane: intervals of at least a pixel are bars, as are shorter ones that are not dense; the rest is bands.
 pub(super) fn lane(index: &TaskIndex, group: &LaneTasks, window: Window) -> Option<Lane> {
     let first = index.get(*group.tasks.first()?)?;
     let dense = dense_pixels(index, group, window);
@@ -131,7 +131,7 @@ fn is_small(interval: Interval, window: Window) -> bool {
     interval.length_ns() < window.pixel_ns()
 }
 
-/// The pixels with too many small intervals for bars.
+/// Returns the pixels with too many small intervals for bars.
 fn dense_pixels(index: &TaskIndex, group: &LaneTasks, window: Window) -> BTreeSet<usize> {
     let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
     for task in group.tasks.iter().filter_map(|&id| index.get(id)) {

@@ -75,7 +75,7 @@ pub struct More {
 }
 
 impl RecordView {
-    /// The timeline. If the limit applies, the lanes that were active longest are kept.
+    /// Returns the timeline. If the limit applies, the lanes that were active longest are kept.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
@@ -117,7 +117,7 @@ fn draw(index: &TaskIndex, window: Window, limit: usize, with: Option<u64>) -> T
     }
 }
 
-/// The lanes beyond the limit as one band.
+/// Returns the lanes beyond the limit as one band.
 fn merge<'a>(index: &TaskIndex, groups: impl Iterator<Item = &'a LaneTasks>, window: Window) -> More {
     let mut bands = Bands::new(window);
     let mut more = More::default();

@@ -18,7 +18,7 @@ impl Dice {
     }
 }
 
-/// A root with steps whose tasks repeat, run side by side, or take no time.
+/// Returns a root with steps whose tasks repeat, run side by side, or take no time.
 fn flight(dice: &mut Dice) -> TaskIndex {
     let mut index = TaskIndex::default();
     index.insert(0, None, "root", &[(0, TaskState::Pending), (0, TaskState::Ongoing)]);
@@ -44,7 +44,7 @@ fn flight(dice: &mut Dice) -> TaskIndex {
     index
 }
 
-/// Every interval that must be drawn.
+/// Returns every interval that must be drawn.
 fn naive(index: &TaskIndex, window: Window) -> Vec<Interval> {
     index.tasks().values().flat_map(|task| task.drawn(window.from_ns, window.known_ns())).collect()
 }

@@ -11,7 +11,7 @@ pub(super) struct Window {
 }
 
 impl Window {
-    /// The end of what is known of the window.
+    /// Returns the end of the known part of the window.
     pub(super) fn known_ns(self) -> i64 {
         self.to_ns.min(self.at_ns)
     }
@@ -22,13 +22,13 @@ impl Window {
         self.to_ns.saturating_sub(self.from_ns).saturating_add(pixels - 1).checked_div(pixels).unwrap_or(1).max(1)
     }
 
-    /// The pixel of an instant in the window.
+    /// Returns the pixel of an instant in the window.
     pub(super) fn pixel(self, at_ns: i64) -> usize {
         let pixel = at_ns.saturating_sub(self.from_ns).checked_div(self.pixel_ns()).unwrap_or(0);
         usize::try_from(pixel).unwrap_or(0).min(self.pixels - 1)
     }
 
-    /// Start of a pixel, nanoseconds of mission time.
+    /// Returns the start of a pixel, in nanoseconds of mission time.
     pub(super) fn start_ns(self, pixel: usize) -> i64 {
         let pixel = i64::try_from(pixel).unwrap_or(i64::MAX);
         self.from_ns.saturating_add(self.pixel_ns().saturating_mul(pixel))

@@ -65,7 +65,7 @@ impl LocalSearch<'_, '_, '_> {
         }
     }
 
-    /// All insertions that may grow the score, with upper bounds of their merits.
+    /// Returns all insertions that may grow the score, with upper bounds of their merits.
     pub(super) fn offers(&mut self, current: &Candidate, noise: f64) -> BinaryHeap<Offer> {
         let mut offers = BinaryHeap::new();
         let slacks_s: Vec<f64> = (0..=current.order.len()).map(|at| self.slack_s(current, at)).collect();

@@ -1,15 +1,15 @@
-//! Targets in at one stroke that cannot come in one by one: what is worth nothing, or out of reach, until another one is visited.
+//! Move that inserts several targets at once: those that have no value, or cannot be reached, unless another target is visited, too.
 
 use super::super::companions::before;
 use super::super::search::{Candidate, LocalSearch};
 use crate::routing::schedule::Choice;
 
-/// Visits that are put in at one stroke, at most.
+/// Maximum number of visits that one move inserts.
 const TOGETHER_MAX: usize = 6;
 
 impl LocalSearch<'_, '_, '_> {
-    /// One missing companion with what must come before it, or behind another missing target, at the first place where that is
-    /// better. Says whether there was one.
+    /// Inserts one missing companion together with the targets that must precede it, and possibly one more missing target, at the
+    /// first position that improves the plan. Returns false if none does.
     pub(super) fn insert_together(&mut self, current: &mut Candidate) -> bool {
         let missing = self.missing(&current.order);
         for target in self.companions.clone() {
@@ -32,7 +32,8 @@ impl LocalSearch<'_, '_, '_> {
         false
     }
 
-    /// The targets of `block` in sequence, at the first place where that is better, each in its best manoeuvre first.
+    /// Inserts the targets of `block` in sequence at the first position that improves the plan. All use their best manoeuvre,
+    /// except for the last, whose manoeuvres are tried in order. Returns false if no position improves it.
     fn insert_block(&mut self, current: &mut Candidate, block: &[usize]) -> bool {
         let Some((last, leads)) = block.split_last() else { return false };
         let leads: Vec<Choice> = leads.iter().filter_map(|target| self.choices(*target).first().copied()).collect();

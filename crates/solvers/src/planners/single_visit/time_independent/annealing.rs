@@ -88,7 +88,7 @@ impl<'n> Annealing<'n> {
         self.score(route) - self.thrift * f64::from(route.length())
     }
 
-    /// A route by insertion alone.
+    /// Returns a route by insertion alone.
     pub(super) fn first(&mut self, budget: &mut dyn Budget) -> Route {
         let mut route = Route::new(self.network);
         self.fill_all(&mut route, budget);

@@ -1,7 +1,7 @@
 //! Planner for travel times that do not depend on the departure: ruin and recreate with annealing over a timetable.
 //!
-//! Three numbers per stop decide if a visit fits between two others, and when the route then ends; an insertion is priced in one
-//! step, however long the route. `search` divides the budget between annealing runs and proofs.
+//! Three numbers per stop decide whether a visit fits between two others and when the route then ends, so an insertion is
+//! evaluated in O(1). `search` divides the budget between annealing runs and proofs.
 //! Bound: the budget. Deterministic: equal seed and budget give an equal route.
 
 mod annealing;
@@ -31,17 +31,17 @@ use search::SearchDriver;
 pub(super) struct Found {
     /// The visits in order.
     pub(super) order: Vec<Choice>,
-    /// No route is worth more, where that was found out.
+    /// Upper bound on the value of all routes, if a proof found one.
     pub(super) bound: Option<f64>,
-    /// For targets that are left out, why.
+    /// Targets that are left out, each with the reason.
     pub(super) reasons: Vec<(usize, String)>,
 }
 
 /// Receives the first order found.
 pub(super) type Tell<'t> = dyn FnMut(&mut Schedule<'_>, Vec<Choice>, &mut Environment<'_>) + 't;
 
-/// The best order found within the budget; none where the problem needs the general search. Begins from what `previous`
-/// visits, where there is such a plan.
+/// Returns the best order found within the budget; `None` if the problem needs the general search. The search begins with the
+/// visits of `previous`, if given.
 pub(super) fn run(
     schedule: &mut Schedule<'_>,
     usable: &[usize],
@@ -63,12 +63,15 @@ pub(super) fn run(
     Some(Found { order: choices(&network, &best), bound, reasons: reasons::left_out(&network, &best) })
 }
 
-/// Work units that a proof may take if the user asks for the quality of a plan: some seconds.
+/// Maximum work of a proof if the user asks for the quality of a plan, in units; it takes some seconds.
 const PROOF_UNITS: u64 = 4_000_000;
 
-/// No plan over the `usable` targets gathers more than this, nor less than `reached`, which some plan does: of problems that
-/// need the general search, with every way at its best departure and without costs and order. None with too many targets, for
-/// problems that the search here serves, whose plans bring their bounds, and where the budget is too small to find the ways.
+/// Returns an upper bound on the benefits of all plans over the `usable` targets, for problems that need the general search.
+/// The relaxation flies every leg at its best departure and ignores costs and order. The bound is at least `reached`, the benefits
+/// of a known plan.
+///
+/// `None` if there are too many targets, if the budget is too small to compute the legs, or for problems that this search serves:
+/// their plans have bounds already.
 pub(super) fn at_best_departures(
     schedule: &mut Schedule<'_>,
     usable: &[usize],

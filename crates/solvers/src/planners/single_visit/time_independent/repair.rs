@@ -1,11 +1,11 @@
-//! A route from one that was flown or planned before a change: what is too late goes, what fits comes.
+//! Repair of an earlier plan after a change of the problem: finds its visits in the new network and removes late ones.
 
 use super::route::Route;
 use crate::routing::network::Network;
 use apex_model::problem::{SingleVisitPlan, SingleVisitProblem};
 use std::collections::BTreeMap;
 
-/// The visits of `plan` that still exist, in their order.
+/// Returns the nodes of the visits of `plan` whose targets still exist, in the order of the plan.
 pub(super) fn visits(network: &Network, problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> Vec<u32> {
     let mut nodes: BTreeMap<&str, Vec<u32>> = BTreeMap::new();
     for node in network.visits() {
@@ -21,11 +21,11 @@ pub(super) fn visits(network: &Network, problem: &SingleVisitProblem, plan: &Sin
     plan.visits.iter().filter_map(same).collect()
 }
 
-/// Takes visits out until the others are in time, those first that save the most time for their value.
+/// Removes visits until the route is feasible; the visit that saves the most time per unit of value goes first.
 pub(super) fn mend(network: &Network, route: &mut Route) {
     while !route.is_feasible() {
         let last = route.stops.len() - 1;
-        // What is too late is helped by leaving out itself or something before it.
+        // Only the removal of the first late visit, or of one before it, can make that visit feasible or absent.
         let late = route.stops.iter().position(|stop| stop.begin > network.node(stop.node).close);
         let until = late.map_or(last, |late| (late + 1).min(last));
         let best = (1..until).max_by(|a, b| saved(network, route, *a).total_cmp(&saved(network, route, *b)));
@@ -37,7 +37,7 @@ pub(super) fn mend(network: &Network, route: &mut Route) {
     }
 }
 
-/// Time saved for each unit of value by leaving a stop out.
+/// Returns the ticks of travel that the removal of a stop saves, per unit of its value.
 fn saved(network: &Network, route: &Route, at: usize) -> f64 {
     let stop = |at: usize| route.stops.get(at).map_or(0, |stop| stop.node);
     let (before, here, next) = (stop(at - 1), stop(at), stop(at + 1));

@@ -49,7 +49,7 @@ impl Route {
         Route::of(network, &[])
     }
 
-    /// The route of `visits` in order; what is too late in it shows as a stop whose `begin` is after its `latest`.
+    /// Returns the route of `visits` in order; what is too late in it shows as a stop whose `begin` is after its `latest`.
     pub(super) fn of(network: &Network, visits: &[u32]) -> Route {
         let stop = |node| Stop { node, begin: 0, latest: 0, rest: 0, waits: 0 };
         let nodes = [START].into_iter().chain(visits.iter().copied()).chain([END]);
@@ -67,7 +67,7 @@ impl Route {
         route
     }
 
-    /// The visits in order.
+    /// Returns the visits in order.
     pub(super) fn visits(&self) -> impl Iterator<Item = u32> {
         let count = self.count();
         self.stops.iter().skip(1).take(count).map(|stop| stop.node)
@@ -83,7 +83,7 @@ impl Route {
         self.stops.last().map_or(0, |stop| stop.begin)
     }
 
-    /// All legs with their visits, without waiting.
+    /// Returns all legs with their visits, without waiting.
     pub(super) fn length(&self) -> i32 {
         self.stops.first().map_or(0, |stop| stop.rest)
     }

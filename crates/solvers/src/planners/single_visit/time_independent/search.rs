@@ -16,19 +16,19 @@ use apex_planning::solver::Budget;
 const ROUND_UNITS: u64 = 60_000;
 /// Maximum number of consecutive runs without gain.
 const STALE_ROUNDS_MAX: u32 = 30;
-/// Initial and final temperatures, in mean values of a target: of a new plan, of a new plan with many targets, and after a
-/// change of a good plan.
+/// Initial and final temperatures, as multiples of the mean value of a target: for a new plan, for a new plan with many targets,
+/// and for a good plan after a change.
 const FRESH: (f64, f64) = (2.0, 0.05);
 const FRESH_OF_MANY: (f64, f64) = (2.0, 0.2);
 const CHANGED: (f64, f64) = (0.1, 0.02);
-/// Runs of a new plan from the empty route, the share of the work that they take together, and the initial temperature of the last
-/// run as a share of theirs. With more nodes or less work than the limits a single run takes all: shorter runs would end too early.
+/// Number of runs of a new plan from the empty route, their share of the work, and the ratio of the last run's initial temperature
+/// to theirs. Above the limit of nodes or below the limit of work, a single run takes all: shorter runs would end too early.
 const FRESH_ROUNDS: u32 = 3;
 const FRESH_SHARE: f64 = 0.75;
 const LAST_HEAT: f64 = 0.1;
 const ROUNDS_NODES_MAX: usize = 400;
 const ROUNDS_UNITS_MIN: u64 = 10_000;
-/// With many targets, the last run ends with a colder one, as after a change, which takes this share of its work.
+/// Share of the last run that a colder run takes at its end if there are many targets.
 const COOLER_SHARE: f64 = 0.3;
 /// Share of the budget that a proof after the first run may take.
 const EARLY_SHARE: f64 = 0.15;
@@ -59,10 +59,10 @@ const SAME_SHARE: f64 = 1e-9;
 /// A search in progress.
 pub(super) struct SearchDriver<'n> {
     network: &'n Network,
-    /// The network in which bounds are sought: every route of the problem fits into it.
+    /// Network of the bounds; it admits every feasible route of the problem.
     bounded: &'n Network,
     annealing: Annealing<'n>,
-    /// Whether this is a new plan with many targets.
+    /// True for a new plan with many targets.
     is_of_many: bool,
     /// Mean value of a target.
     mean: f64,
@@ -77,7 +77,8 @@ pub(super) struct SearchDriver<'n> {
 }
 
 impl<'n> SearchDriver<'n> {
-    /// Starts from `first`, which is kept as a start if the plan is not `fresh`. The second network is that of bounds.
+    /// Creates a search from the route `first`; runs of a plan that is not `fresh` also begin there. The second network is that of
+    /// the bounds.
     pub(super) fn new([network, bounded]: [&'n Network; 2], seed: u64, first: Route, fresh: bool) -> SearchDriver<'n> {
         let is_of_many = fresh && network.visits().len() > annealing::ALL_MISSING_MAX;
         let heat = match fresh {
@@ -103,7 +104,7 @@ impl<'n> SearchDriver<'n> {
 
     /// Returns the best route within the budget, and an upper bound on the benefits, if one was found.
     pub(super) fn run(mut self, budget: &mut dyn Budget) -> (Route, Option<f64>) {
-        // An unlimited search would never cool: it ends like one limited by a clock.
+        // Cooling needs a known number of units; an unlimited budget is searched like one that a clock ends.
         match budget.left().filter(|left| *left < u64::MAX >> 8) {
             Some(left) if self.network.targets <= FEW => self.stages_of_few(budget.used().saturating_add(left), budget),
             Some(_) => self.stages(u64::MAX >> 8, budget),
@@ -129,8 +130,8 @@ impl<'n> SearchDriver<'n> {
         self.ask_finally(budget.left().unwrap_or(0), budget);
     }
 
-    /// Stages until the budget ends, those of decades up to `until` units. None knows how much is left, so a smaller budget goes
-    /// through the same stages and ends earlier: it never finds a better route.
+    /// Runs the stages of all decades up to `until` units, or until the budget ends. A stage does not depend on the rest of the
+    /// budget, so a smaller budget runs the same stages and ends earlier: it never finds a better route.
     fn stages(&mut self, until: u64, budget: &mut dyn Budget) {
         let goes_between = self.network.nodes.len() > ROUNDS_NODES_MAX || self.network.targets <= FEW;
         let mut decade = FIRST_STAGE;
@@ -142,7 +143,7 @@ impl<'n> SearchDriver<'n> {
                 }
                 let left = end.saturating_sub(budget.used());
                 if left >= end / STAGE_PART_MIN {
-                    // A proof that came to its end proves nothing more; a new one has more units from the first step on.
+                    // A finished proof cannot be continued; a new one has more units from its first step on.
                     self.question = None;
                     self.stage(left, budget);
                 }
@@ -164,7 +165,7 @@ impl<'n> SearchDriver<'n> {
         }
     }
 
-    /// Of the units that are `left`: what a proof after the first run may take, and what the final proof may take.
+    /// Returns the units, of `left`, for the proof after the first run and for the final proof.
     fn for_proofs(&self, left: u64) -> (u64, u64) {
         let of = |share: f64| (share * left as f64) as u64;
         if self.network.targets > FEW {
@@ -234,7 +235,7 @@ impl<'n> SearchDriver<'n> {
         }
     }
 
-    /// Searches an upper bound on the benefits within `units`.
+    /// Computes an upper bound on the benefits within `units`.
     fn ask(&mut self, how: fn(&mut BoundSearch<'n>, f64, u64, &mut dyn Budget), units: u64, budget: &mut dyn Budget) {
         // The knapsack bound alone reads every leg twice.
         let nodes = self.network.nodes.len();
@@ -246,7 +247,8 @@ impl<'n> SearchDriver<'n> {
         let Proven { bound, better } = question.told();
         self.bound = Some(self.bound.map_or(bound, |known| known.min(bound)));
         if let Some(better) = better {
-            // What fits in bounds by a part of a tick need not fit in truth; the bound then stays above it.
+            // A route that fits the relaxed network by a part of a tick may be infeasible in the true one; the bound then stays
+            // above the best route.
             let route = Route::of(self.network, &better);
             if route.is_feasible() {
                 self.keep(route);

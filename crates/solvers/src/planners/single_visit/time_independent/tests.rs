@@ -38,7 +38,7 @@ fn network(problem: &SingleVisitProblem) -> Network {
     Network::new(&mut Schedule::new(problem).unwrap(), &usable, &mut WorkBudget::new(u64::MAX)).unwrap()
 }
 
-/// Returns the end of a route, by going along it; `None` if a visit is too late.
+/// Returns the end of the route in ticks, computed by visiting the nodes one by one; `None` if a visit begins too late.
 fn naive_end(network: &Network, visits: &[u32]) -> Option<i32> {
     let (mut here, mut time) = (START, 0);
     for next in visits.iter().copied().chain([END]) {
@@ -58,7 +58,7 @@ fn legs_are_those_of_all_targets_in_all_their_ways() {
     problem.targets[2].value = 0.0;
     let again = problem.targets[5].manoeuvres[0].clone();
     problem.targets[5].manoeuvres.push(again);
-    // What is worth nothing may lead to others.
+    // A target without value stays in the network: it may be a companion that another target needs.
     for network in [whole, network(&problem)] {
         let travel = problem.travel.as_ref().unwrap();
         let targets: std::collections::BTreeSet<u32> = network.visits().map(|node| network.node(node).target).collect();
@@ -74,7 +74,7 @@ fn legs_are_those_of_all_targets_in_all_their_ways() {
     }
 }
 
-/// Rounded as the standard function does it, what cannot be flown included.
+/// Rounds up as `f64::ceil` does; a leg that cannot be flown keeps its maximum.
 fn ceiling(ticks: f64) -> i32 {
     libm::ceil(ticks.min(f64::from(NO_WAY)) - 1e-6) as i32
 }
@@ -143,7 +143,7 @@ fn solved(problem: &SingleVisitProblem, units: u64, seed: u64) -> SingleVisitPla
     }
 }
 
-/// The highest value of all routes, by trying every one.
+/// Returns the highest value of all routes by complete enumeration.
 fn highest(network: &Network, visits: &mut Vec<u32>) -> f64 {
     let own: f64 = visits.iter().map(|node| network.node(*node).value).sum();
     let mut best = own;
@@ -180,7 +180,7 @@ proptest! {
     }
 }
 
-/// The highest score of all routes, by trying every one: what they are worth less what their flight costs.
+/// Returns the highest score of all routes by complete enumeration: their value minus the cost of their flight time.
 fn highest_score(network: &Network, visits: &mut Vec<u32>) -> f64 {
     let own: f64 = visits.iter().map(|node| network.node(*node).value).sum();
     let Some(end) = naive_end(network, visits) else { return f64::NEG_INFINITY };
@@ -210,7 +210,7 @@ proptest! {
         prop_assume!(best > 0.0);
         let plan = solved(&problem, 20_000, seed);
         prop_assert!((plan.score - best).abs() < 1e-6 * values, "{} of {best}", plan.score);
-        // So little work is one cooling from the plan and a proof, which may find what gathers more.
+        // 9,000 units allow one annealing run from the flown plan and one proof; the proof may find a better route.
         let (flown, mut budget) = (Plan::SingleVisit(plan.clone()), WorkBudget::new(9_000));
         let mut environment = Environment { seed, budget: &mut budget, report: &mut |_| {}, previous: Some(&flown) };
         let again = super::super::SingleVisit.solve(&Problem::SingleVisit(problem), &mut environment).unwrap();
@@ -219,7 +219,7 @@ proptest! {
     }
 }
 
-/// Units used with a wage for every hour of flight.
+/// Returns the work units that a solution takes if every hour of flight costs `wage_per_hour`.
 fn units_used(problem: &SingleVisitProblem, wage_per_hour: f64) -> u64 {
     let mut problem = problem.clone();
     problem.crew.push(CrewMember { role: "pilot".into(), wage_per_hour, fixed_hours: 0.0, flight_share: 1.0 });
@@ -238,7 +238,7 @@ fn a_proof_of_benefits_ends_the_search_where_flight_costs_nothing() {
     }
 }
 
-/// The end of the shortest route through all.
+/// Returns the end, in ticks, of the shortest route through all nodes.
 fn shortest(network: &Network, visits: &mut Vec<u32>) -> i32 {
     if visits.len() == network.visits().len() {
         return naive_end(network, visits).unwrap_or(i32::MAX);
@@ -307,7 +307,7 @@ fn a_plan_is_mended_after_a_change_and_told_before_it_is_improved() {
     let problem = formats::read("op", &text).unwrap().problem;
     let before = solved(&problem, 30_000, 1);
     let mut changed = problem.clone();
-    // A target does not gain any longer, and the flight must end sooner.
+    // The fourth target of the plan loses its value, and the flight must end sooner.
     let gone = changed.targets.iter().position(|target| target.name == before.visits[3].target).unwrap();
     changed.targets[gone].value = 0.0;
     changed.end_s = Some(0.9 * changed.end_s.unwrap());
@@ -335,7 +335,7 @@ fn a_bound_proves_the_best_plan_where_windows_are_narrow() {
     assert_eq!(plan.benefits_bound, Some(plan.benefits), "{}", plan.summary);
 }
 
-/// The most benefits of any order of any of the targets, by trying all.
+/// Returns the maximum benefits over all orders of all subsets of the targets, by complete enumeration.
 fn most_benefits(schedule: &mut Schedule<'_>, count: usize) -> f64 {
     let (mut best, mut open) = (0.0_f64, vec![Vec::<Choice>::new()]);
     while let Some(order) = open.pop() {

@@ -1,14 +1,14 @@
-//! Turning a run of visits round, so that two neighbours follow each other.
+//! Move that reverses a run of visits, so that two near targets follow each other.
 
 use super::route::Route;
 use crate::routing::network::Network;
 use apex_planning::random::Generator;
 
-/// Longer runs are not turned.
+/// Maximum length of a reversed run.
 const RUN_MAX: usize = 1_000;
 
-/// Turns a run between a visit of chance and one of its neighbours, if that raises the score by more than `accept` (which
-/// is negative), where a tick of length costs `price` in addition.
+/// Reverses the run between a random visit and one of its neighbours if that raises the score by more than `accept` (which is
+/// negative). Each tick of length costs `price` in addition.
 pub(super) fn try_one(network: &Network, route: &mut Route, price: f64, accept: f64, rng: &mut Generator) -> bool {
     let count = route.count();
     if count < 3 {
@@ -20,7 +20,7 @@ pub(super) fn try_one(network: &Network, route: &mut Route, price: f64, accept: 
         return false;
     };
     let Some(own) = route.index(stop.node) else { return false };
-    // Either the two follow each other at the run's beginning, or at its end.
+    // The two visits become neighbours either at the beginning of the run or at its end.
     let (low, high) = (own.min(other), own.max(other));
     let (from, until) = if rng.below(2) == 0 { (low + 1, high + 1) } else { (low, high) };
     if until <= from + 1 || until - from > RUN_MAX {

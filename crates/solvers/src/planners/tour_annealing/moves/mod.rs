@@ -27,17 +27,17 @@ pub(super) struct Draw<'a> {
 }
 
 impl Draw<'_> {
-    /// A visit that is flown.
+    /// Returns a visit that is flown.
     fn place(&mut self) -> usize {
         self.random.below(self.flown)
     }
 
-    /// The target at `place`.
+    /// Returns the target at `place`.
     fn at(&self, place: usize) -> Option<usize> {
         self.tour.get(place).copied()
     }
 
-    /// A target to put at `place`: any, or as often one near to its neighbours there.
+    /// Returns a target to put at `place`: any, or as often one near to its neighbours there.
     fn letter(&mut self, place: usize) -> Option<usize> {
         let beside = place.checked_sub(1).and_then(|before| self.at(before)).or_else(|| self.at(place));
         let near = beside.and_then(|beside| self.near.get(beside)).filter(|near| !near.is_empty());
@@ -47,7 +47,7 @@ impl Draw<'_> {
         }
     }
 
-    /// The visits from `from` to `until`.
+    /// Returns the visits from `from` to `until`.
     fn part(&self, from: usize, until: usize) -> impl DoubleEndedIterator<Item = usize> + '_ {
         self.tour.get(from..until.min(self.tour.len())).unwrap_or(&[]).iter().copied()
     }
@@ -70,7 +70,7 @@ const MOVES: &[Move] = &[
     stay::propose,
 ];
 
-/// A change by one of the moves.
+/// Returns a change by one of the moves.
 pub(super) fn propose(draw: &mut Draw<'_>) -> Option<Change> {
     let choice = draw.random.below(MOVES.len());
     MOVES.get(choice).and_then(|chosen| chosen(draw))

@@ -1,4 +1,4 @@
-//! Another target instead of one that is visited.
+//! Move that replaces one visit by a visit to another target.
 
 use super::Draw;
 use crate::planners::tour_annealing::change::Change;

@@ -1,5 +1,5 @@
-//! Bends the order of a cycle to the expected cost itself: where the horizon holds few laps, the shortest tour is not the
-//! cheapest. Moves one target, exchanges two, or turns a part round: one move a file.
+//! Improves the order of a cycle by its expected cost: if the horizon holds few laps, the shortest tour is not the cheapest. Moves: relocate
+//! one target, exchange two, reverse a part; one file for each.
 
 mod exchange;
 mod relocate;

@@ -1,6 +1,6 @@
 //! One target to another place of the cycle.
 
-/// The cycle with the target at `from` moved to `to`.
+/// Returns the cycle with the target at `from` moved to `to`.
 pub(super) fn relocated(cycle: &[usize], from: usize, to: usize) -> Vec<usize> {
     let mut moved = cycle.to_vec();
     let target = moved.remove(from);
