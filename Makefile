@@ -49,7 +49,7 @@ RECORD ?= $(MISSION).apex
 EXTREMITY = $(TARGET)/extremity/bin/python -W ignore benches/peers/extremity_peer.py
 WEB_SOURCES := $(shell find web -type f -not -path '*/node_modules/*' -not -path '*/dist/*' -not -path '*/test-results/*' -not -path '*/tests/*' 2>/dev/null)
 
-.PHONY: audit coverage fuzz fuzz-planted help quality sbom build fly test quick check web python wheel bench bench-orienteering bench-planners bench-units bench-curves bench-travel golden-travel spec sim properties deny nightly clean
+.PHONY: audit coverage fuzz fuzz-planted help quality sbom build fly test quick check web python wheel bench bench-orienteering bench-planners bench-units bench-curves bench-hand-off bench-travel golden-travel spec sim properties deny nightly clean
 # Not part of `test`: the pictures are committed, and times need a quiet machine.
 .PHONY: pictures bench-page bench-record
 .PHONY: rust-lints rust-tests web-checks web-tests python-checks python-tests flights page-tests chromium
@@ -114,6 +114,9 @@ golden-travel: $(TARGET)/extremity/.installed ## Ask extremitypathfinder for the
 
 bench-units: ## What a unit of work takes: every planner, from 10 to 1,000 targets.
 	cargo run --locked --quiet --release --package apex-benches --bin units
+
+bench-hand-off: ## Hand-offs of a resource among 1,000 competitors of each kind: a table for docs/reference/executive-speed.md.
+	cargo run --locked --quiet --release --package apex-benches --bin hand_off -- 1000
 
 bench-curves: ## Value against processor time for all planners, and growth with targets: data and picture of docs/pictures/anytime-curves.
 	cargo run --locked --quiet --release --package apex-benches --bin curves -- measure docs/pictures/anytime-curves.csv

@@ -47,7 +47,7 @@ pub(crate) fn contend(cycle: &mut Cycle<'_>) -> Arbitration {
         let claim = claim_queue::claim_of(cycle, id, &needs);
         for need in needs {
             if let Some(resource) = cycle.agent.resources.get_mut(need.resource) {
-                resource.waiting.insert(id, claim.clone().of_amount(need.amount));
+                resource.waiting.insert(id, claim.clone().of(need.resource, need.amount));
                 cycle.work.dirty.insert(need.resource);
                 fresh.entry(need.resource).or_default().push(id);
             }
@@ -114,7 +114,7 @@ fn look_again(cycle: &mut Cycle<'_>) {
         for task in waiting {
             let needs = resources::needs_of(cycle, task);
             let amount = needs.iter().find(|need| need.resource == *id).map_or(0.0, |need| need.amount);
-            let claim = claim_queue::claim_of(cycle, task, &needs).of_amount(amount);
+            let claim = claim_queue::claim_of(cycle, task, &needs).of(*id, amount);
             if let Some(resource) = cycle.agent.resources.get_mut(*id) {
                 resource.waiting.insert(task, claim);
             }

@@ -18,14 +18,17 @@ pub struct RankAmong {
     pub rank: f64,
 }
 
-/// A place in a queue. The first is the greatest priority, then the lower rank, then the task that has begun, then the
-/// written order.
+/// A place in a queue. The first is the greatest priority, then the lower rank, then the greater priority among equal ranks,
+/// then the task that has begun, then the written order.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct QueueKey {
     /// Priority at the time of the claim; of one that rises, now.
     pub priority: f64,
     /// Its rank, if one counts.
     pub rank: Option<RankAmong>,
+    /// Its priority among claimants of the same rank, where ranks come before priorities.
+    #[serde(default)]
+    pub within: f64,
     /// It has begun, and was interrupted.
     pub begun: bool,
     /// Parent, step and number.
@@ -47,6 +50,7 @@ impl Ord for QueueKey {
             (own, others) => own.is_some().cmp(&others.is_some()),
         };
         let by_priority = other.priority.total_cmp(&self.priority).then(rank);
+        let by_priority = by_priority.then(other.within.total_cmp(&self.within));
         by_priority.then(other.begun.cmp(&self.begun)).then(self.order.cmp(&other.order))
     }
 }
@@ -56,6 +60,17 @@ impl QueueKey {
     pub fn task(&self) -> TaskId {
         self.order.3
     }
+}
+
+/// The order that counts among all claimants of a resource.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TurnOrder {
+    /// By priorities, and by ranks among equals.
+    Plain,
+    /// All have this rank, and no other one below it: by priorities alone.
+    Level(RankAmong),
+    /// By ranks below this task, and by priorities among equals.
+    Below(TaskId),
 }
 
 /// A place among claimants of one importance whose priorities rise with their urgency: the earlier due is the first.
@@ -71,13 +86,40 @@ pub struct RisingKey {
     pub order: FamilyOrder,
 }
 
-/// Position of a claimant in a queue.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum QueuePlace {
-    /// At a place that time does not change.
-    Steady(QueueKey),
-    /// At one that rises.
-    Rising(RisingKey),
+/// Position of a claimant in a queue: the first of its places there, which is that of its greatest priority now.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct QueuePlace {
+    /// The place that time does not change; none where all its priorities rise.
+    pub steady: Option<QueueKey>,
+    /// Places that rise.
+    pub rising: Vec<RisingKey>,
+}
+
+impl QueuePlace {
+    /// The place now; `risen_to` computes a priority from importance and due instant.
+    pub fn now(&self, risen_to: impl Fn(f64, Time) -> f64) -> Option<QueueKey> {
+        let risen = self.rising.iter().map(|key| key.risen(risen_to(key.importance, key.due)));
+        self.steady.into_iter().chain(risen).min()
+    }
+
+    /// False where time alone never brings this one before the other: each of its priorities rises behind one of the other.
+    pub fn may_overtake(&self, other: &QueuePlace) -> bool {
+        let behind =
+            |own: &RisingKey| other.rising.iter().any(|each| own.importance <= each.importance && own.due >= each.due);
+        !self.rising.iter().all(behind)
+    }
+
+    /// The number of places.
+    pub(super) fn len(&self) -> usize {
+        self.rising.len() + usize::from(self.steady.is_some())
+    }
+}
+
+impl RisingKey {
+    /// The place with this priority.
+    fn risen(&self, priority: f64) -> QueueKey {
+        QueueKey { priority, rank: None, within: 0.0, begun: self.begun, order: self.order }
+    }
 }
 
 /// Begun claimants first, then in order.

@@ -1,15 +1,19 @@
-//! Turns: claimants of a resource, taken from all its queues in the order in which they come before the arbiter.
+//! TurnSource: claimants of a resource, taken from all its queues in the order in which they come before the arbiter.
 
 use crate::state::queue_place::{Among, FamilyOrder, QueueKey};
+use apex_model::task::TaskId;
 use apex_model::time::Time;
-use std::collections::btree_set;
+use std::collections::{BTreeSet, btree_set};
 use std::iter::Peekable;
+use std::ops::Bound;
 
 /// Claimants in the order of their turns.
 pub struct InTurn<'a, F> {
     lines: Vec<QueuePrefix<'a>>,
     risen_to: F,
     now: Time,
+    /// Those that had their turn, where a claimant can have several places: only the first counts.
+    taken: Option<BTreeSet<TaskId>>,
 }
 
 /// A queue, as far as it was gone through.
@@ -20,7 +24,10 @@ pub(super) struct QueuePrefix<'a> {
 
 /// The remaining claimants of a queue.
 pub(super) enum Rest<'a> {
-    Steady(btree_set::Iter<'a, QueueKey>),
+    Steady {
+        all: &'a BTreeSet<QueueKey>,
+        rest: btree_set::Range<'a, QueueKey>,
+    },
     Rising {
         importance: f64,
         risen: Peekable<btree_set::Iter<'a, Among>>,
@@ -30,10 +37,51 @@ pub(super) enum Rest<'a> {
     },
 }
 
+impl<'a> Rest<'a> {
+    /// Places that stay.
+    pub(super) fn steady(all: &'a BTreeSet<QueueKey>) -> Rest<'a> {
+        Rest::Steady { all, rest: all.range(..) }
+    }
+}
+
+/// Claimants in the order of their turns, however their priorities rise.
+pub trait TurnSource {
+    /// The next claimant.
+    fn next(&mut self) -> Option<QueueKey>;
+    /// Leaves out those before a place, and the one at it.
+    fn skip_to(&mut self, position: QueueKey);
+    /// The next claimant of each queue.
+    fn heads(&self) -> Vec<QueueKey>;
+}
+
+impl<F: Fn(f64, Time) -> f64> TurnSource for InTurn<'_, F> {
+    fn next(&mut self) -> Option<QueueKey> {
+        Iterator::next(self)
+    }
+
+    fn skip_to(&mut self, position: QueueKey) {
+        for index in 0..self.lines.len() {
+            if let Some(QueuePrefix { rest: Rest::Steady { all, rest }, next: Some(next) }) = self.lines.get_mut(index)
+                && *next <= position
+            {
+                *rest = all.range((Bound::Excluded(position), Bound::Unbounded));
+                self.advance(index);
+            }
+            while self.lines.get(index).is_some_and(|line| line.next.is_some_and(|next| next <= position)) {
+                self.advance(index);
+            }
+        }
+    }
+
+    fn heads(&self) -> Vec<QueueKey> {
+        InTurn::heads(self).collect()
+    }
+}
+
 impl<'a, F: Fn(f64, Time) -> f64> InTurn<'a, F> {
-    pub(super) fn new(lines: Vec<Rest<'a>>, risen_to: F, now: Time) -> InTurn<'a, F> {
+    pub(super) fn new(lines: Vec<Rest<'a>>, several: bool, risen_to: F, now: Time) -> InTurn<'a, F> {
         let lines: Vec<QueuePrefix<'a>> = lines.into_iter().map(|rest| QueuePrefix { next: None, rest }).collect();
-        let mut result = InTurn { lines, risen_to, now };
+        let mut result = InTurn { lines, risen_to, now, taken: several.then(BTreeSet::new) };
         for index in 0..result.lines.len() {
             result.advance(index);
         }
@@ -49,11 +97,11 @@ impl<'a, F: Fn(f64, Time) -> f64> InTurn<'a, F> {
         let (now, risen_to) = (self.now, &self.risen_to);
         let Some(line) = self.lines.get_mut(index) else { return };
         line.next = match &mut line.rest {
-            Rest::Steady(rest) => rest.next().copied(),
+            Rest::Steady { rest, .. } => rest.next().copied(),
             Rest::Rising { importance, risen, caught_up, rising } => {
                 let key = |due, (waits, order): Among| {
                     let priority = risen_to(*importance, due);
-                    QueueKey { priority, rank: None, begun: !waits, order }
+                    QueueKey { priority, rank: None, within: 0.0, begun: !waits, order }
                 };
                 let older = match (risen.peek(), caught_up.peek()) {
                     (Some(first), Some((_, second))) => *first <= second,
@@ -72,9 +120,13 @@ impl<F: Fn(f64, Time) -> f64> Iterator for InTurn<'_, F> {
     type Item = QueueKey;
 
     fn next(&mut self) -> Option<QueueKey> {
-        let heads = self.lines.iter().enumerate().filter_map(|(index, line)| Some((line.next?, index)));
-        let (key, index) = heads.min()?;
-        self.advance(index);
-        Some(key)
+        loop {
+            let heads = self.lines.iter().enumerate().filter_map(|(index, line)| Some((line.next?, index)));
+            let (key, index) = heads.min()?;
+            self.advance(index);
+            if self.taken.as_mut().is_none_or(|taken| taken.insert(key.task())) {
+                return Some(key);
+            }
+        }
     }
 }

@@ -1,30 +1,34 @@
-//! Order and counts of waiting claimants.
+//! TurnOrder and counts of waiting claimants.
 
 use super::*;
-use crate::state::queue_place::RisingKey;
+use crate::state::queue_place::{QueuePlace, RisingKey};
 
 fn place(task: u64, priority: f64, begun: bool) -> QueueKey {
-    QueueKey { priority, rank: None, begun, order: (Time::BEGINNING, TaskId(0), 0, TaskId(task)) }
+    QueueKey { priority, rank: None, within: 0.0, begun, order: (Time::BEGINNING, TaskId(0), 0, TaskId(task)) }
 }
 
 fn claim(place: QueuePlace, varies: bool) -> Claim {
-    Claim::Queued { place: Some(place), varies, expected: None, amount: 1.0, others: Vec::new(), by_rank: Vec::new() }
+    Claim::Queued(QueuedClaim { place: Some(place), varies, amount: 1.0, ..QueuedClaim::default() })
+}
+
+fn steady(key: QueueKey) -> QueuePlace {
+    QueuePlace { steady: Some(key), rising: Vec::new() }
 }
 
 #[test]
 fn the_line_is_in_order_and_counts_are_kept() {
     let mut waiting = Waiting::default();
     for (task, priority, begun) in [(1, 1.0, false), (2, 3.0, false), (3, 3.0, true), (4, 3.0, false)] {
-        waiting.insert(TaskId(task), claim(QueuePlace::Steady(place(task, priority, begun)), task == 1));
+        waiting.insert(TaskId(task), claim(steady(place(task, priority, begun)), task == 1));
     }
     waiting.insert(TaskId(9), Claim::Apart);
     let queue = |waiting: &Waiting| waiting.in_turn(Time(0), |_, _| 0.0).map(|each| each.task().0).collect::<Vec<_>>();
     assert_eq!(queue(&waiting), [3, 2, 4, 1]);
-    assert!(waiting.is_sensitive() && !waiting.all_in_queues());
-    waiting.insert(TaskId(1), claim(QueuePlace::Steady(place(1, 5.0, false)), false));
+    assert!(waiting.is_sensitive() && waiting.order().is_none());
+    waiting.insert(TaskId(1), claim(steady(place(1, 5.0, false)), false));
     assert!(waiting.remove(TaskId(9)) && !waiting.remove(TaskId(9)));
     assert_eq!(queue(&waiting), [1, 3, 2, 4]);
-    assert!(!waiting.is_sensitive() && waiting.all_in_queues());
+    assert!(!waiting.is_sensitive() && waiting.order() == Some(TurnOrder::Plain));
 }
 
 #[test]
@@ -32,7 +36,8 @@ fn urgent_claimants_stand_by_what_they_are_worth_now() {
     let mut waiting = Waiting::default();
     let rising = |task: u64, importance: f64, due: i64| {
         let order = (Time::BEGINNING, TaskId(0), 0, TaskId(task));
-        QueuePlace::Rising(RisingKey { importance, due: Time(due * 1_000_000_000), begun: false, order })
+        let key = RisingKey { importance, due: Time(due * 1_000_000_000), begun: false, order };
+        QueuePlace { steady: None, rising: vec![key] }
     };
     // Worth the importance less the time left.
     let worth =
@@ -40,7 +45,7 @@ fn urgent_claimants_stand_by_what_they_are_worth_now() {
     for (task, importance, due) in [(4, 9.0, 20), (3, 9.0, 10), (2, 5.0, 4), (1, 5.0, 4)] {
         waiting.insert(TaskId(task), claim(rising(task, importance, due), false));
     }
-    waiting.insert(TaskId(5), claim(QueuePlace::Steady(place(5, 2.0, false)), false));
+    waiting.insert(TaskId(5), claim(steady(place(5, 2.0, false)), false));
     let queue = |waiting: &Waiting, now: i64| {
         let turns = waiting.in_turn(Time(now * 1_000_000_000), worth(now));
         turns.map(|each| each.task().0).collect::<Vec<_>>()

@@ -4,6 +4,7 @@
 //! Bound: O(1).
 //! PDL: section 9, conflict.  Paper: section III, detecting and resolving conflicts.
 
+use crate::control::conflicts::sharing::UseKind;
 use crate::state::resource_id::ResourceId;
 use apex_model::because::{ConflictRule, Strength};
 use apex_model::task::TaskId;
@@ -63,6 +64,8 @@ pub(crate) struct Defeat {
 pub(crate) struct Refusal {
     /// The conflict that is reported.
     pub(crate) loss: Defeat,
+    /// By what right it counts against those behind it.
+    pub(crate) claim: UseKind,
     /// Tasks whose priorities count for the loser: itself, and those that it precedes.
     pub(crate) stands_for: Rc<[TaskId]>,
     /// All tasks that block it: at least one of them would have to yield.

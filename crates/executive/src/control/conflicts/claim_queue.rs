@@ -5,20 +5,23 @@
 //! Bound: O(depth * needs).
 //! PDL: section 9, conflict.  Paper: section III, detecting and resolving conflicts.
 
+use crate::control::conflicts::arbitration::{PriorityWatch, Rival};
 use crate::control::conflicts::competition::{has_begun, order_of};
 use crate::control::conflicts::priority::{self, PriorityChange, reads_variable};
 use crate::control::cycle::Cycle;
 use crate::state::agent::Agent;
+use crate::state::claim::{Claim, QueuedClaim};
 use crate::state::queue_place::{QueueKey, QueuePlace, RankAmong, RisingKey};
 use crate::state::resource::Need;
 use crate::state::resource_id::ResourceId;
 use crate::state::step_clauses::StepClauses;
 use crate::state::task::{Origin, Task};
-use crate::state::waiting::Claim;
 use apex_model::expression::ExprKind;
 use apex_model::procedure::{PriorityClause, ProcedureKind, Step};
 use apex_model::task::{TaskId, TaskState};
+use std::collections::{BTreeMap, BTreeSet};
 use std::iter::successors;
+use std::rc::Rc;
 
 /// Returns the claim of `id`, which needs `needs`.
 pub(crate) fn claim_of(cycle: &Cycle<'_>, id: TaskId, needs: &[Need]) -> Claim {
@@ -27,24 +30,31 @@ pub(crate) fn claim_of(cycle: &Cycle<'_>, id: TaskId, needs: &[Need]) -> Claim {
     if needs.iter().any(used_up) || shares_with_ancestors(agent, id, needs) {
         return Claim::Apart;
     }
-    let by_rank = places_by_rank(agent, id);
-    let (place, varies) = match place_of(cycle, id, needs) {
-        Some((place, varies)) => (Some(place), varies),
-        None if by_rank.is_empty() => return Claim::Apart,
-        None => (None, true),
-    };
+    let places = ClaimPlaces::of(cycle, id, needs);
+    let by_rank = places_by_rank(agent, id, places.level.as_ref());
+    if by_rank.is_empty() && places.place.is_none() {
+        return Claim::Apart;
+    }
     let expected = agent.task(id).and_then(|task| task.selection.as_ref()?.expected);
     // Each resource of a claimant with several needs keeps all of them; a claimant with one need keeps none.
-    let others = if needs.len() > 1 { needs.iter().map(|need| need.resource).collect() } else { Vec::new() };
+    let several = needs.len() > 1;
+    let others = needs.iter().filter(|_| several).map(|need| (need.resource, need.amount.to_bits())).collect();
     let amount = needs.first().map_or(0.0, |need| need.amount);
-    Claim::Queued { place, varies, expected, amount, others, by_rank }
+    let ClaimPlaces { place, level, varies } = places;
+    Claim::Queued(QueuedClaim { place, level, varies, expected, amount, others, by_rank })
 }
 
-/// Returns the places of the task among those below each ranked task above it, where ranks alone count.
-fn places_by_rank(agent: &Agent, id: TaskId) -> Vec<QueueKey> {
+/// The places of the task among those below each ranked task above it, where ranks count before priorities.
+fn places_by_rank(agent: &Agent, id: TaskId, level: Option<&QueuePlace>) -> Vec<QueueKey> {
     let (begun, order) = (has_begun(agent, id), order_of(agent, id));
-    let ranks = fixed_ranks(agent, id);
-    ranks.map(|rank| QueueKey { priority: 0.0, rank: Some(rank), begun, order }).collect()
+    let within = level.and_then(|level| level.steady).map_or(0.0, |key| key.priority);
+    let ranks = fixed_ranks(agent, id).enumerate();
+    ranks
+        .map(|(index, rank)| {
+            let within = if index == 0 { within } else { 0.0 };
+            QueueKey { priority: 0.0, rank: Some(rank), within, begun, order }
+        })
+        .collect()
 }
 
 /// Returns the ranks of the task and its ancestors that never change, the lowest first.
@@ -58,24 +68,58 @@ pub(crate) fn fixed_ranks(agent: &Agent, id: TaskId) -> impl Iterator<Item = Ran
     })
 }
 
-/// Returns the place of the claimant in the queue, and whether variables may change it; `None` if the claimant must be compared with all
-/// others.
-fn place_of(cycle: &Cycle<'_>, id: TaskId, needs: &[Need]) -> Option<(QueuePlace, bool)> {
-    let agent = &*cycle.agent;
-    let brings = Brings::of(agent, id)?;
-    let (begun, order) = (has_begun(agent, id), order_of(agent, id));
-    if let Some((task, clause)) = brings.rising {
-        let alone = brings.steady == 0 && brings.rank.is_none();
-        let PriorityChange::Rising(term) = priority::kind(agent, task, clause, cycle.now) else { return None };
-        let key = RisingKey { importance: term.importance, due: term.due, begun, order };
-        return alone.then_some((QueuePlace::Rising(key), brings.varies));
+/// ClaimPlaces of a claimant that follow from itself alone.
+struct ClaimPlaces {
+    /// In the queue of all.
+    place: Option<QueuePlace>,
+    /// Among claimants of the same rank.
+    level: Option<QueuePlace>,
+    /// Variables may change them.
+    varies: bool,
+}
+
+impl ClaimPlaces {
+    fn of(cycle: &Cycle<'_>, id: TaskId, needs: &[Need]) -> ClaimPlaces {
+        let nowhere = ClaimPlaces { place: None, level: None, varies: true };
+        let Some(brings) = Brings::of(cycle.agent, id) else { return nowhere };
+        let Some(worth) = brings.place(cycle, id) else { return nowhere };
+        let varies = brings.varies;
+        let Some(rank) = brings.rank else {
+            return ClaimPlaces { place: Some(worth), level: None, varies };
+        };
+        // A rank can contradict the priorities below it, and two ranks can contradict one another. The order of a claimant with
+        // a rank and several needs can depend on claimants of other resources.
+        let is_alone = !brings.contradicts && worth.rising.is_empty() && needs.len() == 1;
+        let ranked = |key: QueueKey| QueueKey { rank: Some(rank), ..key };
+        let place = is_alone.then(|| QueuePlace { steady: worth.steady.map(ranked), rising: Vec::new() });
+        ClaimPlaces { place, level: Some(worth), varies }
     }
-    // The order of a claimant with a rank and several needs can depend on claimants of other resources.
-    if needs.len() > 1 && brings.rank.is_some() {
-        return None;
-    }
-    let priority = priority::priority(agent, id, cycle.now);
-    Some((QueuePlace::Steady(QueueKey { priority, rank: brings.rank, begun, order }), brings.varies))
+}
+
+/// Watches of claimants and their rivals, by task, with true for a rival that has what both want. A rival that time alone never
+/// brings behind the claimant is left out.
+pub(crate) fn watches(cycle: &Cycle<'_>, contests: BTreeMap<TaskId, BTreeMap<TaskId, bool>>) -> Vec<PriorityWatch> {
+    let concerned = contests.iter().flat_map(|(task, rivals)| rivals.keys().chain([task]));
+    let concerned: BTreeSet<TaskId> = concerned.copied().collect();
+    let costs_the_same = |id: TaskId| {
+        let cost = priority::cost_clause(cycle.agent, id);
+        cost.is_none_or(|(expr, _)| matches!(expr.kind, ExprKind::Constant(_)))
+    };
+    let worth = |id: TaskId| {
+        let brings = Brings::of(cycle.agent, id).filter(|_| costs_the_same(id));
+        (id, brings.and_then(|brings| brings.place(cycle, id)))
+    };
+    let places: BTreeMap<TaskId, Option<QueuePlace>> = concerned.into_iter().map(worth).collect();
+    let may_overtake = |task: &TaskId, other: &TaskId| match (places.get(task), places.get(other)) {
+        (Some(Some(own)), Some(Some(other))) => own.may_overtake(other),
+        _ => true,
+    };
+    let watch = |(task, rivals): (TaskId, BTreeMap<TaskId, bool>)| {
+        let all = rivals.into_iter().filter(|(other, _)| may_overtake(&task, other));
+        let rival = |(task, holds)| Rival { task, holds, stands_for: Rc::new([task]) };
+        PriorityWatch { task, stands_for: Rc::new([task]), rivals: all.map(rival).collect() }
+    };
+    contests.into_iter().map(watch).collect()
 }
 
 /// Does an ancestor need one of the same resources? Families share, which is not a matter of turns.
@@ -91,14 +135,16 @@ fn shares_with_ancestors(agent: &Agent, id: TaskId, needs: &[Need]) -> bool {
 /// Properties of a task and its ancestors in a conflict.
 #[derive(Default)]
 struct Brings<'a> {
-    /// The only clause whose priority rises by urgency.
-    rising: Option<(&'a Task, &'a PriorityClause)>,
+    /// Clauses whose priority rises by urgency.
+    rising: Vec<(&'a Task, &'a PriorityClause)>,
     /// The number of other clauses.
     steady: usize,
     /// Variables may change a priority.
     varies: bool,
-    /// The only rank.
+    /// The lowest rank.
     rank: Option<RankAmong>,
+    /// There are other ranks above it, or priorities below it.
+    contradicts: bool,
 }
 
 impl<'a> Brings<'a> {
@@ -114,7 +160,7 @@ impl<'a> Brings<'a> {
             if task.id == id || task.state != TaskState::Interrupted {
                 brings.add_priorities(task, step)?;
             } else if brings.rank.is_none() && !step.priority.is_empty() {
-                brings.steady += 1;
+                brings.contradicts = true;
             }
             brings.add_rank(agent, task, (step, kind))?;
         }
@@ -134,9 +180,7 @@ impl<'a> Brings<'a> {
                 }
                 PriorityClause::UrgencyImportance(urgency, importance) => {
                     self.varies |= reads_variable(urgency)? | reads_variable(importance)?;
-                    if self.rising.replace((task, clause)).is_some() {
-                        return None;
-                    }
+                    self.rising.push((task, clause));
                 }
             }
         }
@@ -148,14 +192,44 @@ impl<'a> Brings<'a> {
         if step.rank.is_none() && !by_kind {
             return Some(());
         }
-        // A rank can contradict the priorities below it, and two ranks can contradict one another.
-        let fixed = step.rank.as_ref().is_none_or(|expr| matches!(expr.kind, ExprKind::Constant(_)));
-        if self.rank.is_some() || self.steady > 0 || self.rising.is_some() || !fixed {
+        if !step.rank.as_ref().is_none_or(|expr| matches!(expr.kind, ExprKind::Constant(_))) {
             return None;
         }
         let rank = priority::rank(agent, task.id, agent.now)?;
-        self.rank = Some(RankAmong { parent: task.parent?, rank });
+        self.contradicts |= self.rank.is_some() || self.steady > 0 || !self.rising.is_empty();
+        if self.rank.is_none() {
+            self.rank = Some(RankAmong { parent: task.parent?, rank });
+        }
         Some(())
+    }
+
+    /// The place by priorities alone; none where one of them moves in another way.
+    fn place(&self, cycle: &Cycle<'_>, id: TaskId) -> Option<QueuePlace> {
+        let agent = &*cycle.agent;
+        let (begun, order) = (has_begun(agent, id), order_of(agent, id));
+        let steady = |priority| QueueKey { priority, rank: None, within: 0.0, begun, order };
+        if self.rising.is_empty() {
+            let priority = priority::priority(agent, id, cycle.now);
+            return Some(QueuePlace { steady: Some(steady(priority)), rising: Vec::new() });
+        }
+        let (mut rising, mut greatest) = (Vec::new(), None);
+        for (task, clause) in priority::clauses_that_count(agent, id) {
+            match priority::kind(agent, task, clause, cycle.now) {
+                PriorityChange::Absent => {}
+                PriorityChange::Steady(value) => {
+                    greatest = Some(greatest.map_or(value, |before: f64| before.max(value)))
+                }
+                PriorityChange::Rising(term) => {
+                    let key = RisingKey { importance: term.importance, due: term.due, begun, order };
+                    if !rising.contains(&key) {
+                        rising.push(key);
+                    }
+                }
+                PriorityChange::Other => return None,
+            }
+        }
+        let least = rising.is_empty().then_some(0.0);
+        Some(QueuePlace { steady: greatest.or(least).map(steady), rising })
     }
 }
 
@@ -171,5 +245,5 @@ pub(crate) fn is_steady(agent: &Agent, id: TaskId) -> bool {
     let cost = priority::cost_clause(agent, id);
     let brings = Brings::of(agent, id);
     cost.is_none_or(|(expr, _)| matches!(expr.kind, ExprKind::Constant(_)))
-        && brings.is_some_and(|brings| !brings.varies && brings.rising.is_none())
+        && brings.is_some_and(|brings| !brings.varies && brings.rising.is_empty() && !brings.contradicts)
 }

@@ -134,7 +134,8 @@ enum Notes {
 impl<'a, 'c> Field<'a, 'c> {
     /// Returns a field on which nothing has been arbitrated.
     pub(crate) fn empty(cycle: &'a Cycle<'c>) -> Field<'a, 'c> {
-        Field { cycle, uses: BTreeMap::new(), displaced: BTreeSet::new(), precedence: None, notes: Notes::Each }
+        let (uses, displaced) = (BTreeMap::new(), BTreeSet::new());
+        Field { cycle, uses, displaced, precedence: None, notes: Notes::Each }
     }
 
     /// Returns the same, for the first claimants in queues.
@@ -362,13 +363,12 @@ impl<'a, 'c> Field<'a, 'c> {
             loser_strength: Strength::claiming(claimant.priority),
             winner_holds: false,
         };
-        let stands_for = self.stands_for(claimant.id);
-        let refusal = Refusal { loss: told.unwrap_or_else(nobody), stands_for, rivals: all };
         // It begins when one of those in its way is done, if all of them said when that is.
         let ends: Option<Vec<Time>> = rivals.iter().map(|each| self.expected_end(each)).collect();
         let earliest = ends.and_then(|ends| ends.into_iter().min());
-        self.note(claimant, UseKind::Awaited(earliest.filter(|_| self.notes != Notes::Enough)));
-        refusal
+        let claim = UseKind::Awaited(earliest.filter(|_| self.notes != Notes::Enough));
+        self.note(claimant, claim);
+        Refusal { loss: told.unwrap_or_else(nobody), claim, stands_for: self.stands_for(claimant.id), rivals: all }
     }
 
     /// Returns the expected end of a rival's use of the resource, if stated; a rival that only claims it cannot end

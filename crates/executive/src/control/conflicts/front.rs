@@ -11,21 +11,21 @@
 //! and all that come before them in any of their queues, go through conflict resolution. Only a task that fills a gap
 //! can begin in spite of those in front of it: where one might, all are compared.
 
-use crate::control::conflicts::arbitration::{Arbitration, PriorityWatch, Refusal, Rival};
+use crate::control::conflicts::arbitration::{Arbitration, PriorityWatch, Refusal};
+use crate::control::conflicts::claim_queue::watches;
 use crate::control::conflicts::competition::{Claimant, as_claimant, is_eligible};
 use crate::control::conflicts::conflict::{Field, Placement, left_behind};
-use crate::control::conflicts::queues::{in_turn, key_of, key_of_loser, usable};
+use crate::control::conflicts::queues::{has_equal_ranks, in_turn, key_of, key_of_loser, usable};
 use crate::control::conflicts::sharing::{TOLERANCE, Use, UseKind};
-use crate::control::conflicts::{gaps, priority};
+use crate::control::conflicts::{equal_ranks, gaps, priority};
 use crate::control::cycle::Cycle;
-use crate::state::queue_place::QueueKey;
+use crate::state::queue_place::{QueueKey, TurnOrder};
 use crate::state::resource::Resource;
 use crate::state::resource_id::ResourceId;
 use apex_model::task::TaskId;
 use apex_model::time::Time;
 use std::collections::{BTreeMap, BTreeSet};
 use std::iter::Peekable;
-use std::rc::Rc;
 
 /// Arbitrates the resources in `dirty`, with all that tasks leave that are displaced; `fresh` claim since this round.
 /// None where the claimants must be compared with one another.
@@ -57,8 +57,8 @@ struct Front<'a, 'c> {
     queues: BTreeMap<ResourceId, Queue<'a>>,
     /// The first claimant of each queue that does not fit, with the resource.
     outside: Vec<(TaskId, ResourceId)>,
-    /// The task below which ranks alone are the order of queues.
-    by_rank: Option<TaskId>,
+    /// The order of queues in which ranks come first, or do not count.
+    order: Option<TurnOrder>,
 }
 
 /// A queue, as far as it was gone through.
@@ -74,7 +74,7 @@ impl<'a, 'c> Front<'a, 'c> {
     fn new(cycle: &'a Cycle<'c>, gone: BTreeSet<TaskId>) -> Front<'a, 'c> {
         let field = Field::brief(cycle);
         let (candidates, placed) = (BTreeSet::new(), BTreeSet::new());
-        Front { cycle, field, gone, candidates, placed, queues: BTreeMap::new(), outside: Vec::new(), by_rank: None }
+        Front { cycle, field, gone, candidates, placed, queues: BTreeMap::new(), outside: Vec::new(), order: None }
     }
 
     /// Finds the claimants of a resource that could fit into it.
@@ -118,8 +118,10 @@ impl<'a, 'c> Front<'a, 'c> {
     /// Checks that all queues in the order of ranks are below one task; `None` if they are below several, so that a claimant has a place in
     /// each.
     fn meet_ranks(&mut self, resource: &Resource) -> Option<()> {
-        let Some(parent) = resource.waiting.ordered_below() else { return Some(()) };
-        (*self.by_rank.get_or_insert(parent) == parent).then_some(())
+        match resource.waiting.order()? {
+            TurnOrder::Plain => Some(()),
+            order => (*self.order.get_or_insert(order) == order).then_some(()),
+        }
     }
 
     fn beaten(&self, claimant: &Claimant, id: ResourceId, holders: &[Use]) -> f64 {
@@ -155,11 +157,32 @@ impl<'a, 'c> Front<'a, 'c> {
             }
         }
         result.watched = self.watched(&result);
-        let has_order = result.displaced.is_empty() || self.by_rank.is_none() || self.all_need_one();
+        let has_order = match self.order {
+            Some(TurnOrder::Below(parent)) => self.is_decided(parent, &result),
+            _ => true,
+        };
         has_order.then_some(result)
     }
 
-    /// Returns true if all that were placed need one and the same resource. Ranks put only those in order that share something:
+    /// True if ranks below `parent` decide for all that need one of the inspected resources.
+    fn is_decided(&self, parent: TaskId, result: &Arbitration) -> bool {
+        if !result.displaced.is_empty() && !self.all_need_one() {
+            return false;
+        }
+        let resources = &self.cycle.agent.resources;
+        let mut open: Vec<ResourceId> =
+            self.queues.keys().copied().chain(self.outside.iter().map(|each| each.1)).collect();
+        let mut concerned = BTreeMap::new();
+        while let Some((id, resource)) = open.pop().and_then(|id| Some((id, resources.get(id)?))) {
+            if concerned.insert(id, resource).is_none() {
+                open.extend(resource.waiting.others());
+            }
+        }
+        let equal = concerned.values().any(|resource| has_equal_ranks(self.cycle.agent, resource, parent));
+        !equal || equal_ranks::are_decided(self.cycle, &concerned, parent, result)
+    }
+
+    /// True if all that were placed need one and the same resource. Ranks put only those in order that share something:
     /// who of the others takes a turn first matters where holders are displaced.
     fn all_need_one(&self) -> bool {
         let needs = |task: &TaskId| as_claimant(self.cycle, *task).needs.into_iter().map(|need| need.resource);
@@ -202,28 +225,22 @@ impl<'a, 'c> Front<'a, 'c> {
         // Where no claimant was placed, nothing has been inspected.
         self.outside.iter().for_each(|(_, id)| self.field.load(*id));
         let agent = &*self.cycle.agent;
-        let mut watched = Vec::new();
+        let mut contests: BTreeMap<TaskId, BTreeMap<TaskId, bool>> = BTreeMap::new();
         for (task, id) in &self.outside {
             let Some(resource) = agent.resources.get(*id) else { continue };
             let moves = |task: TaskId| priority::moves(agent, task) || priority::reads_inputs(agent, task);
             let rivals = || self.field.uses_of(*id).iter().filter(|each| each.task != *task);
             let any = resource.waiting.has_rising() || rivals().any(|each| moves(each.task));
             // No priority counts between ranks.
-            if !any || resource.waiting.ordered_below().is_some() || result.granted.contains(task) {
+            let parent = resource.waiting.ordered_below();
+            let by_rank = parent.is_some_and(|parent| !has_equal_ranks(agent, resource, parent));
+            if !any || by_rank || result.granted.contains(task) {
                 continue;
             }
-            let rival = |each: &Use| Rival {
-                task: each.task,
-                holds: !matches!(each.kind, UseKind::Awaited(_)),
-                stands_for: Rc::new([each.task]),
-            };
-            watched.push(PriorityWatch {
-                task: *task,
-                stands_for: Rc::new([*task]),
-                rivals: rivals().map(rival).collect(),
-            });
+            let rivals = rivals().map(|each| (each.task, !matches!(each.kind, UseKind::Awaited(_))));
+            contests.entry(*task).or_default().extend(rivals);
         }
-        watched
+        watches(self.cycle, contests)
     }
 
     /// Returns true if a task could end before one in front of it can begin. This requires free capacity that another task

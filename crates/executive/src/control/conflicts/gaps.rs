@@ -2,25 +2,26 @@
 //! What: arbitrates resources with free capacity while tasks wait for them, in the order of turns, until no claimant that
 //! is left can get anything.
 //! Runs: contend phase, where a task that says how long it takes could be done before one in front of it can begin.
-//! Reads: ResourceTable, priorities.  Writes: nothing.
-//! Bound: O(n * r * log c) for the n claimants that come before the last one that gets something, of c, plus O(s) for each
-//! of them, for s sets of resources that claimants need together.
+//! Reads: ResourceTable, priorities, ranks.  Writes: nothing.
+//! Bound: O(g * (g + log c)) for each of the claimants that are placed, for g groups of the c claimants: those that need the
+//! same for nearly as long. Of a group that was refused, others are placed only while their claims change the remaining capacity.
 //! PDL: `expected-duration`, `duration`, section 9, conflict.  Paper: section III, detecting and resolving conflicts.
 
-use crate::control::conflicts::arbitration::Arbitration;
+use crate::control::conflicts::arbitration::{Arbitration, Refusal};
 use crate::control::conflicts::competition::{as_claimant, is_eligible};
-use crate::control::conflicts::conflict::{Field, Placement, left_behind};
-use crate::control::conflicts::priority;
-use crate::control::conflicts::queues::{in_turn, key_of, key_of_loser, usable};
-use crate::control::conflicts::sharing::{TOLERANCE, UseKind};
+use crate::control::conflicts::conflict::{Placement, left_behind};
+use crate::control::conflicts::equal_ranks;
+use crate::control::conflicts::gap_lines::GapLines;
+use crate::control::conflicts::queues::{key_in, key_of_loser_in, order_with_gaps, usable};
 use crate::control::cycle::Cycle;
-use crate::state::queue_place::QueueKey;
+use crate::state::queue_place::{QueueKey, TurnOrder};
 use crate::state::resource::Resource;
 use crate::state::resource_id::ResourceId;
 use apex_model::task::TaskId;
-use apex_model::time::Time;
 use std::collections::{BTreeMap, BTreeSet};
-use std::iter::Peekable;
+
+/// Among this few all are placed: each refusal then names what was in the way at its turn.
+const FEW: usize = 64;
 
 /// Arbitrates the resources in `dirty`, all that claimants need in addition, and all that tasks leave that are displaced;
 /// `fresh` claim since this round. None where the claimants must be compared with one another.
@@ -37,112 +38,93 @@ pub(crate) fn decide(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, fresh: &BT
 }
 
 fn decide_in(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, fresh: &BTreeSet<TaskId>) -> Option<Arbitration> {
-    let mut turns = ClaimOrder::of(cycle, dirty)?;
-    let mut untold: BTreeSet<TaskId> = fresh.iter().copied().filter(|task| key_of(cycle, *task).is_some()).collect();
+    let concerned = Concerned::of(cycle, dirty)?;
+    let mut untold = concerned.keys(cycle, fresh);
+    let mut lines = GapLines::of(cycle, &concerned.resources, concerned.order);
+    lines.visits_all = !untold.is_empty() && (untold.len() * 4 >= concerned.count || concerned.count <= FEW);
     let mut result = Arbitration::default();
-    while let Some(key) = turns.next() {
-        if untold.is_empty() && turns.is_over(key) {
-            break;
-        }
+    let mut refused: Vec<(QueueKey, Refusal)> = Vec::new();
+    while let Some((key, line)) = lines.next() {
+        untold.remove(&key);
+        lines.visits_all &= !untold.is_empty();
         let claimant = as_claimant(cycle, key.task());
-        untold.remove(&claimant.id);
-        match turns.field.place(&claimant) {
+        match lines.field.place(&claimant) {
             Placement::Granted(losses) => {
                 for loss in losses {
-                    turns.losers.insert(key_of_loser(cycle, &loss)?);
+                    lines.add_loser(key_of_loser_in(cycle, &loss, concerned.order)?);
                     result.displaced.push(loss);
                 }
                 result.granted.push(claimant.id);
             }
-            Placement::Refused(refusal) => result.refused.push(refusal),
+            Placement::Refused(refusal) => {
+                lines.was_refused(line, claimant.id, refusal.claim);
+                refused.push((key, refusal));
+            }
             Placement::Impossible(need, total) => {
                 result.impossible.push((claimant.id, need.resource, need.amount, total));
             }
         }
     }
-    Some(result)
+    // A task that begins to wait behind others that need the same is refused, too.
+    for key in untold {
+        match lines.field.place(&as_claimant(cycle, key.task())) {
+            Placement::Refused(refusal) => refused.push((key, refusal)),
+            Placement::Impossible(need, total) => {
+                result.impossible.push((key.task(), need.resource, need.amount, total));
+            }
+            Placement::Granted(_) => return None,
+        }
+    }
+    refused.sort_by(|a, b| a.0.cmp(&b.0));
+    result.refused = refused.into_iter().map(|(_, refusal)| refusal).collect();
+    result.watched = lines.watched(&result);
+    concerned.is_decided(cycle, &result).then_some(result)
 }
 
-/// Claimants of several resources, in the order of their turns.
-struct ClaimOrder<'a, 'c> {
-    cycle: &'a Cycle<'c>,
-    field: Field<'a, 'c>,
-    queues: Vec<Peekable<Box<dyn Iterator<Item = QueueKey> + 'a>>>,
+/// All resources that claimants need together, and the order of turns among all of them.
+struct Concerned<'a> {
     resources: BTreeMap<ResourceId, &'a Resource>,
-    /// Those that lost what they had, and claim it again.
-    losers: BTreeSet<QueueKey>,
+    order: TurnOrder,
+    /// The number of claims.
+    count: usize,
 }
 
-impl<'a, 'c> ClaimOrder<'a, 'c> {
-    /// Returns the order of the claimants; `None` if a claimant or a holder has a rank, or a priority that changes with time or an input.
-    fn of(cycle: &'a Cycle<'c>, dirty: &BTreeSet<ResourceId>) -> Option<ClaimOrder<'a, 'c>> {
-        let agent = &*cycle.agent;
+impl<'a> Concerned<'a> {
+    /// None where the queues have no order in common.
+    fn of(cycle: &'a Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> Option<Concerned<'a>> {
         let mut open: Vec<ResourceId> = dirty.iter().copied().collect();
         let mut seen = dirty.clone();
-        let (mut queues, mut resources) = (Vec::new(), BTreeMap::new());
+        let (mut resources, mut common, mut count) = (BTreeMap::new(), None, 0);
         while let Some(id) = open.pop() {
             let resource = usable(cycle, id)?;
             let waiting = &resource.waiting;
-            let unsteady = |task: TaskId| {
-                priority::moves(agent, task) || priority::reads_inputs(agent, task) || priority::is_ranked(agent, task)
-            };
-            if waiting.has_rising()
-                || waiting.priority_of_ranked() != Ok(None)
-                || resource.holders.iter().any(|holding| unsteady(holding.task))
-            {
+            if waiting.has_many_groups() {
                 return None;
             }
-            let eligible = in_turn(cycle, waiting).filter(|key| is_eligible(agent, key.task()));
-            let queue: Box<dyn Iterator<Item = QueueKey> + 'a> = Box::new(eligible);
-            queues.push(queue.peekable());
+            if !waiting.is_empty() {
+                let order = order_with_gaps(cycle.agent, resource)?;
+                if *common.get_or_insert(order) != order {
+                    return None;
+                }
+            }
+            count += waiting.len();
             resources.insert(id, resource);
             open.extend(waiting.others().filter(|other| seen.insert(*other)));
         }
-        Some(ClaimOrder { cycle, field: Field::grouped(cycle), queues, resources, losers: BTreeSet::new() })
+        Some(Concerned { resources, order: common.unwrap_or(TurnOrder::Plain), count })
     }
 
-    fn next(&mut self) -> Option<QueueKey> {
-        let queued = self.queues.iter_mut().filter_map(|queue| queue.peek().copied());
-        let next = queued.chain(self.losers.first().copied()).min()?;
-        self.losers.remove(&next);
-        for queue in &mut self.queues {
-            queue.next_if(|key| *key == next);
-        }
-        Some(next)
+    /// The places of those that claim since this round.
+    fn keys(&self, cycle: &Cycle<'_>, fresh: &BTreeSet<TaskId>) -> BTreeSet<QueueKey> {
+        let claimed = |task: &TaskId| self.resources.values().find(|resource| resource.waiting.contains(*task));
+        let eligible = fresh.iter().filter(|task| is_eligible(cycle.agent, **task));
+        let key = |task| key_in(cycle, claimed(task)?, *task, self.order);
+        eligible.filter_map(key).collect()
     }
 
-    /// Returns true if neither `next` nor a later claimant can get anything: they beat no holder, and each needs something that is taken,
-    /// or that is awaited for longer than a gap allows.
-    fn is_over(&self, next: QueueKey) -> bool {
-        if !self.losers.is_empty() {
-            return false;
-        }
-        let (mut latest, mut room) = (None, BTreeMap::new());
-        for (id, resource) in &self.resources {
-            let mut taken = 0.0;
-            for each in self.field.users(*id, resource) {
-                if each.kind == UseKind::Held && next.priority > self.field.defence(each.task).total() {
-                    return false;
-                }
-                taken += each.amount;
-                latest = latest.max(self.field.expected_end(&each));
-            }
-            let awaited = self.field.uses_of(*id).iter().filter(|each| matches!(each.kind, UseKind::Awaited(_)));
-            let awaited: f64 = awaited.map(|each| each.amount).sum();
-            if taken < resource.total - TOLERANCE {
-                let free = resource.total - taken + TOLERANCE;
-                room.insert(*id, (free, taken + awaited < resource.total - TOLERANCE));
-            }
-        }
-        let is_open = |id: &ResourceId, resource: &Resource| {
-            let free = room.get(id).map_or(0.0, |(free, _)| *free);
-            resource.waiting.together(free).any(|(others, shortest)| {
-                let mut all = others.iter().chain([id]);
-                let unclaimed = others.iter().chain([id]).all(|each| room.get(each).is_some_and(|room| room.1));
-                let fits = |(latest, shortest): (Time, _)| self.cycle.now + shortest <= latest;
-                all.all(|each| room.contains_key(each)) && (unclaimed || latest.zip(shortest).is_some_and(fits))
-            })
-        };
-        !self.resources.iter().any(|(id, resource)| room.contains_key(id) && is_open(id, resource))
+    /// Ranks put only those in order that share something, and represent priorities behind them.
+    fn is_decided(&self, cycle: &Cycle<'_>, result: &Arbitration) -> bool {
+        let TurnOrder::Below(parent) = self.order else { return true };
+        equal_ranks::are_decided(cycle, &self.resources, parent, result)
     }
 }

@@ -13,11 +13,13 @@ use crate::control::conflicts::resources::needs_in;
 use crate::control::conflicts::{claim_queue, priority};
 use crate::control::cycle::Cycle;
 use crate::state::agent::Agent;
-use crate::state::queue_place::{QueueKey, QueuePlace};
+use crate::state::claim::{Claim, QueuedClaim};
+use crate::state::orders::Group;
+use crate::state::queue_place::{QueueKey, RankAmong, TurnOrder};
 use crate::state::resource::Resource;
 use crate::state::resource_id::ResourceId;
 use crate::state::turns::InTurn;
-use crate::state::waiting::{Claim, Waiting};
+use crate::state::waiting::Waiting;
 use apex_model::task::TaskId;
 use apex_model::time::Time;
 use std::iter::successors;
@@ -30,18 +32,25 @@ pub(crate) fn is_queued(cycle: &Cycle<'_>, id: ResourceId) -> bool {
     if resource.depletable || !resource.holders.iter().all(|holding| is_alone(agent, resource, holding.task)) {
         return false;
     }
-    if !waiting.all_in_queues() {
-        return waiting.parent_of_ranks().is_some_and(|parent| are_below(agent, resource, parent));
+    match waiting.order() {
+        None => false,
+        Some(TurnOrder::Below(parent)) => are_below(agent, resource, parent),
+        Some(TurnOrder::Level(rank)) => {
+            resource.holders.iter().all(|holding| claim_queue::fixed_ranks(agent, holding.task).next() == Some(rank))
+        }
+        Some(TurnOrder::Plain) => {
+            let Ok(ranked) = waiting.priority_of_ranked() else { return false };
+            let mut holders = resource.holders.iter();
+            holders.all(|holding| !may_stand_for_others(cycle, holding.task, resource, ranked))
+        }
     }
-    let Ok(ranked) = waiting.priority_of_ranked() else { return false };
-    let mut holders = resource.holders.iter();
-    holders.all(|holding| !may_stand_for_others(cycle, holding.task, resource, ranked))
 }
 
 /// Returns true if ranks alone put claimants and holders of the resource in order.
 pub(crate) fn is_by_rank(cycle: &Cycle<'_>, id: ResourceId) -> bool {
     let resource = cycle.agent.resources.get(id);
-    resource.is_some_and(|resource| !resource.waiting.all_in_queues()) && is_queued(cycle, id)
+    let parent = resource.and_then(|resource| Some((resource, resource.waiting.ordered_below()?)));
+    parent.is_some_and(|(resource, parent)| !has_equal_ranks(cycle.agent, resource, parent)) && is_queued(cycle, id)
 }
 
 /// Returns true if the holder holds nothing for its steps, and no task above it waits for the resource or holds it.
@@ -57,13 +66,28 @@ fn is_alone(agent: &Agent, resource: &Resource, holder: TaskId) -> bool {
 /// Returns true if the rank below `parent` decides between each holder and each claimant.
 fn are_below(agent: &Agent, resource: &Resource, parent: TaskId) -> bool {
     resource.holders.iter().all(|holding| {
-        let rank = claim_queue::fixed_ranks(agent, holding.task).find(|rank| rank.parent == parent);
-        rank.is_some_and(|rank| !resource.waiting.has_rank(rank))
+        let (lowest, rank) = rank_below(agent, holding.task, parent);
+        rank.is_some_and(|rank| !resource.waiting.has_rank(rank) || lowest && resource.waiting.admits_rank(rank))
     })
 }
 
-/// Returns true if the priority of claimants behind a holder with a rank may count for the holder, or that of the holder for them. This is
-/// false if the holder holds nothing else and all ranked tasks are equally important.
+/// The rank of a task below `parent`, and whether it has none below that one.
+pub(crate) fn rank_below(agent: &Agent, task: TaskId, parent: TaskId) -> (bool, Option<RankAmong>) {
+    let mut ranks = claim_queue::fixed_ranks(agent, task).enumerate();
+    let found = ranks.find(|(_, rank)| rank.parent == parent);
+    (found.is_some_and(|(index, _)| index == 0), found.map(|(_, rank)| rank))
+}
+
+/// True if two claimants, or a claimant and a holder, have the same rank below `parent`.
+pub(crate) fn has_equal_ranks(agent: &Agent, resource: &Resource, parent: TaskId) -> bool {
+    resource.waiting.has_equal_ranks(parent)
+        || resource.holders.iter().any(|holding| {
+            rank_below(agent, holding.task, parent).1.is_some_and(|rank| resource.waiting.has_rank(rank))
+        })
+}
+
+/// Can the priority of claimants behind a holder with a rank count for it, or that of the holder for them? Not where it
+/// holds nothing else, and all with ranks are equally important.
 fn may_stand_for_others(cycle: &Cycle<'_>, holder: TaskId, resource: &Resource, ranked: Option<f64>) -> bool {
     let agent = &*cycle.agent;
     if !priority::is_ranked(agent, holder) {
@@ -91,34 +115,68 @@ pub(crate) fn in_turn<'a>(cycle: &'a Cycle<'_>, waiting: &'a Waiting) -> InTurn<
     waiting.in_turn(cycle.now, risen_to(cycle))
 }
 
-/// Returns the position of a task that loses its resource among its claimants; `None` if that position is not in a queue.
-pub(crate) fn key_of_loser(cycle: &Cycle<'_>, loss: &Defeat) -> Option<QueueKey> {
-    let claimant = as_claimant(cycle, loss.loser);
-    let takes_in = |key: &QueueKey| {
-        let mut needed = claimant.needs.iter().filter_map(|need| cycle.agent.resources.get(need.resource));
-        needed.all(|resource| resource.waiting.takes_in(key))
-    };
-    let Claim::Queued { place, by_rank, .. } = claim_queue::claim_of(cycle, loss.loser, &claimant.needs) else {
-        return None;
-    };
-    if cycle.agent.resources.get(loss.resource)?.waiting.ordered_below().is_some() {
-        return by_rank.into_iter().find(|key| ranks_among_all(cycle, &claimant, key));
-    }
-    match place? {
-        QueuePlace::Steady(key) => Some(key).filter(takes_in),
-        QueuePlace::Rising(key) => {
-            let priority = risen_to(cycle)(key.importance, key.due);
-            Some(QueueKey { priority, rank: None, begun: key.begun, order: key.order })
+/// Claimants of a group, the first first.
+pub(crate) fn group_in_turn<'a>(
+    cycle: &'a Cycle<'_>,
+    group: &'a Group,
+    order: TurnOrder,
+) -> InTurn<'a, impl Fn(f64, Time) -> f64 + 'a> {
+    group.in_turn(order, cycle.now, risen_to(cycle))
+}
+
+/// The order of a queue in which gaps can be filled: by ranks wherever a claimant has one, if not all have the same.
+pub(crate) fn order_with_gaps(agent: &Agent, resource: &Resource) -> Option<TurnOrder> {
+    let waiting = &resource.waiting;
+    match waiting.order()? {
+        TurnOrder::Plain if waiting.priority_of_ranked() != Ok(None) => {
+            let parent = waiting.parent_of_ranks().filter(|parent| are_below(agent, resource, *parent))?;
+            Some(TurnOrder::Below(parent))
         }
+        order => Some(order),
     }
 }
 
-/// Returns true if the rank decides between the claimant and all who wait for one of its resources.
-fn ranks_among_all(cycle: &Cycle<'_>, claimant: &Claimant, key: &QueueKey) -> bool {
+/// The place in this order of a task that claims the resource, if it has one there.
+pub(crate) fn key_in(cycle: &Cycle<'_>, resource: &Resource, task: TaskId, order: TurnOrder) -> Option<QueueKey> {
+    resource.waiting.key_of(task, order, risen_to(cycle))
+}
+
+/// Returns the position of a task that loses its resource among its claimants; `None` if that position is not in a queue.
+pub(crate) fn key_of_loser(cycle: &Cycle<'_>, loss: &Defeat) -> Option<QueueKey> {
+    let order = cycle.agent.resources.get(loss.resource)?.waiting.order();
+    key_of_loser_in(cycle, loss, order.unwrap_or(TurnOrder::Plain))
+}
+
+/// The same in this order.
+pub(crate) fn key_of_loser_in(cycle: &Cycle<'_>, loss: &Defeat, order: TurnOrder) -> Option<QueueKey> {
+    let claimant = as_claimant(cycle, loss.loser);
+    let Claim::Queued(claim) = claim_queue::claim_of(cycle, loss.loser, &claimant.needs) else { return None };
+    let key = claim.key_in(order, risen_to(cycle))?;
+    let mut needed = claimant.needs.iter().filter_map(|need| cycle.agent.resources.get(need.resource));
+    let fits = match order {
+        TurnOrder::Below(_) => ranks_among_all(cycle, &claimant, &claim, &key),
+        TurnOrder::Level(rank) => {
+            let alike = |resource: &Resource| {
+                resource.waiting.is_empty() || resource.waiting.order() == Some(TurnOrder::Level(rank))
+            };
+            claim.by_rank.first().and_then(|key| key.rank) == Some(rank) && needed.all(alike)
+        }
+        // A task that goes before others by rank may lift what it is worth.
+        TurnOrder::Plain => {
+            let rises = claim.place.as_ref().is_some_and(|place| !place.rising.is_empty());
+            rises || needed.all(|resource| resource.waiting.takes_in(&key))
+        }
+    };
+    fits.then_some(key)
+}
+
+/// True if ranks put the claimant and all who wait for one of its resources in order.
+fn ranks_among_all(cycle: &Cycle<'_>, claimant: &Claimant, claim: &QueuedClaim, key: &QueueKey) -> bool {
     let Some(rank) = key.rank else { return false };
     let mut needed = claimant.needs.iter().filter_map(|need| cycle.agent.resources.get(need.resource));
     needed.all(|Resource { waiting, .. }| {
-        waiting.is_empty() || waiting.ordered_below() == Some(rank.parent) && !waiting.has_rank(rank)
+        let separate = || !waiting.has_rank(rank) || claim.is_steady_within(key) && waiting.admits_rank(rank);
+        waiting.is_empty() || waiting.parent_of_ranks() == Some(rank.parent) && separate()
     })
 }
 
@@ -127,5 +185,6 @@ pub(crate) fn key_of(cycle: &Cycle<'_>, task: TaskId) -> Option<QueueKey> {
     let agent = &*cycle.agent;
     let need = agent.task(task)?.selection.as_ref()?.needs.first().copied();
     let need = need.or_else(|| agent.task(task)?.extras.as_ref()?.held.first().copied())?;
-    agent.resources.get(need.resource)?.waiting.key_of(task, risen_to(cycle))
+    let waiting = &agent.resources.get(need.resource)?.waiting;
+    waiting.key_of(task, waiting.order()?, risen_to(cycle))
 }

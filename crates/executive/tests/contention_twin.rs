@@ -1,0 +1,161 @@
+//! Queues decide as a comparison of all claimants does, over whole runs: what many claimants need, say, urge and rank is mixed
+//! at random, and a second run compares all of them at each hand-off. It has one more claimant, which comes after all others and
+//! whose priority must be computed.
+
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
+
+mod support;
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use std::fmt::Write as _;
+use support::{agent, message, run, story};
+
+/// Programs in one run of the test; `CONTENTION_PROGRAMS` asks for more, `CONTENTION_SEED` for others.
+const PROGRAMS: u64 = 150;
+const UNTIL: f64 = 300.0;
+const WAVES: u32 = 3;
+
+struct Dice(ChaCha8Rng);
+
+impl Dice {
+    fn below(&mut self, bound: u32) -> u32 {
+        self.0.next_u32() % bound
+    }
+
+    fn chance(&mut self, percent: u32) -> bool {
+        self.below(100) < percent
+    }
+
+    fn of(&mut self, all: &[&str]) -> String {
+        all[self.below(all.len() as u32) as usize].to_string()
+    }
+}
+
+/// Liking of a program for kinds of claimants, in percent.
+struct Taste {
+    profiles: Vec<String>,
+    known: u32,
+    numbers: u32,
+    urgency: u32,
+    urgencies: u32,
+    late: u32,
+    ranks: u32,
+}
+
+impl Taste {
+    fn of(dice: &mut Dice) -> Taste {
+        let pools: [&[&str]; 6] = [
+            &["r"],
+            &["r q", "r", "q"],
+            &["(r3 1)", "(r3 2)", "(r3 3)"],
+            &["(r3 1) (q3 2)", "(r3 2) (q3 1)", "(r3 1) (q3 1)", "(r3 3)"],
+            &["r (r3 1)", "(r3 2)", "q (r3 1)"],
+            &["(r3 1)"],
+        ];
+        let profiles = pools[dice.below(6) as usize].iter().map(|each| (*each).to_string()).collect();
+        let mut liking = |values: [u32; 4]| values[dice.below(4) as usize];
+        Taste {
+            profiles,
+            known: liking([0, 50, 100, 100]),
+            numbers: liking([0, 0, 40, 100]),
+            urgency: liking([0, 0, 50, 100]),
+            urgencies: liking([0, 0, 0, 50]),
+            late: liking([0, 0, 20, 40]),
+            ranks: liking([0, 0, 0, 60]),
+        }
+    }
+}
+
+/// The clauses of one claimant.
+fn clauses(dice: &mut Dice, taste: &Taste) -> String {
+    let profile = &taste.profiles[dice.below(taste.profiles.len() as u32) as usize];
+    let mut text = format!("(profile {profile})");
+    if dice.chance(taste.numbers) {
+        let _ = write!(text, " (priority {})", dice.below(4));
+    }
+    if dice.chance(taste.urgency) {
+        text.push_str(" (priority :urgency 6 :importance 3)");
+    }
+    if dice.chance(taste.urgencies) {
+        let _ = write!(text, " (priority :urgency {} :importance {})", 4 + dice.below(4), 1 + dice.below(4));
+    }
+    if dice.chance(taste.late) {
+        let _ = write!(text, " (waitfor (go {}))", dice.below(WAVES));
+    }
+    text
+}
+
+fn activity(dice: &mut Dice, taste: &Taste) -> String {
+    let work = if dice.chance(taste.known) { "use" } else { "work" };
+    format!("({work} {}s)", 1 + dice.below(4))
+}
+
+/// Steps of one procedure, and procedures below some of them.
+fn procedure(dice: &mut Dice, taste: &Taste, name: &str, depth: u32, text: &mut String) {
+    let order = dice.of(&["", "", ":ranked", ":ranked"]);
+    let mut body = format!("(procedure {order} (index ({name}))\n");
+    for number in 0..2 + dice.below(if depth == 0 { 9 } else { 5 }) {
+        let tag = format!("{name}{number}");
+        let rank = if dice.chance(taste.ranks) { format!("(rank {})", dice.below(4)) } else { String::new() };
+        let step = match dice.below(10) {
+            0 | 1 if depth < 2 => {
+                procedure(dice, taste, &tag, depth + 1, text);
+                format!("({tag})")
+            }
+            2 | 3 => {
+                let (clauses, activity) = (clauses(dice, taste), activity(dice, taste));
+                let _ = writeln!(text, "(procedure (index (item-of-{tag} ?i)) (step {tag}-go {activity} {clauses}))");
+                format!("(item-of-{tag} ?i) (forall ?i in (range {}))", 2 + dice.below(6))
+            }
+            _ => format!("{} {}", activity(dice, taste), clauses(dice, taste)),
+        };
+        let _ = writeln!(body, "  (step {tag} {step} {rank})");
+    }
+    let _ = writeln!(text, "{body})");
+}
+
+/// A program, and the same with one more claimant.
+fn programs(seed: u64) -> [String; 2] {
+    let mut dice = Dice(ChaCha8Rng::seed_from_u64(seed));
+    let taste = Taste::of(&mut dice);
+    let mut text = String::from(
+        "(resource r3 :capacity 3)\n(resource q3 :capacity 3)
+(primitive (index (use ?d)) (duration ?d))
+(procedure (index (work ?d)) (step sleep (sleep ?d)))
+(primitive (index (sleep ?d)) (duration ?d))
+",
+    );
+    procedure(&mut dice, &taste, "m", 0, &mut text);
+    let last = "(step last (sleep 1s) (profile r q (r3 3) (q3 3)) (priority (if (> 1 0) -1000 -1000)))";
+    [String::new(), last.into()].map(|last| format!("{text}(procedure (index (do-domain)) (step main (m)) {last})\n"))
+}
+
+fn lived(text: &str) -> Vec<String> {
+    let events: Vec<_> = (0..WAVES).map(|wave| message(f64::from(3 + wave * 4), &format!("(go {wave})"))).collect();
+    let mut agent = agent(text);
+    let effects = run(&mut agent, &events, UNTIL);
+    // The claimant that comes last begins after all others; the whole ends with it.
+    let others = |line: &String| !["last", "root", "end"].iter().any(|word| line.split(' ').nth(1) == Some(word));
+    story(&effects).into_iter().filter(others).collect()
+}
+
+fn first_difference(one: &[String], other: &[String]) -> Option<String> {
+    let count = one.len().max(other.len());
+    let index = (0..count).find(|index| one.get(*index) != other.get(*index))?;
+    Some(format!("line {index}: queues {:?}, comparison {:?}", one.get(index), other.get(index)))
+}
+
+#[test]
+fn queues_decide_as_a_comparison_of_all_does() {
+    let number = |name: &str| std::env::var(name).ok().and_then(|text| text.parse::<u64>().ok());
+    let first = number("CONTENTION_SEED").unwrap_or(1);
+    for seed in first..first + number("CONTENTION_PROGRAMS").unwrap_or(PROGRAMS) {
+        let [queued, compared] = programs(seed);
+        let (one, other) = (lived(&queued), lived(&compared));
+        assert!(one.len() > 4, "seed {seed}: nothing happens\n{queued}");
+        if let Some(difference) = first_difference(&one, &other) {
+            panic!("seed {seed}: {difference}\n{queued}\n{}", one.join("\n"));
+        }
+    }
+}
