@@ -156,6 +156,7 @@ pub fn serve(options: ServeOptions) -> Result<(), ServeError> {
             load,
             views,
             program: OnceLock::new(),
+            facts: OnceLock::new(),
             door,
             seen: SeenGround::default(),
             tower,

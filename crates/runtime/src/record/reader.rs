@@ -1,9 +1,11 @@
 //! Reading a flight record: facts, sources, tasks, samples. Steps are in `steps.rs`, restored agents in `restore.rs`.
 
 use super::codec::{Variable, Variables};
+use super::connect::Copied;
 use super::effects::EffectTable;
 use super::file_seal::FileSeal;
-use super::open::{self, Copied, Opened, Trust};
+use super::known_tasks::KnownTasks;
+use super::open::{self, Opened, Trust};
 use super::schema::{self, read_error};
 use super::steps::Steps;
 use crate::error::RecordError;
@@ -16,7 +18,7 @@ use apex_model::value::Value;
 use rusqlite::{Connection, OptionalExtension, Row, params};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, RwLock};
+use std::sync::{Arc, Mutex, RwLock};
 
 /// An open flight record. Records that are still being written can be read; they hold what was committed.
 pub struct RecordReader {
@@ -30,8 +32,12 @@ pub struct RecordReader {
     trust: RefCell<Trust>,
     /// The copy that is read in place of the record.
     copy: Option<Arc<Copied>>,
+    /// The file that the record continues, if it is not there.
+    missing: Option<PathBuf>,
     /// The agent's effects, shared with other readers of them.
     pub(super) table: Arc<RwLock<EffectTable>>,
+    /// The agent's tasks, shared as its effects are.
+    pub(super) known_tasks: Arc<Mutex<KnownTasks>>,
 }
 
 /// A file that the mission was made from.
@@ -93,6 +99,7 @@ impl RecordReader {
         let mut reader = RecordReader::of_opened(&self.path, opened, agent)?;
         if agent == self.agent {
             reader.table = Arc::clone(&self.table);
+            reader.known_tasks = Arc::clone(&self.known_tasks);
         }
         Ok(reader)
     }
@@ -102,7 +109,7 @@ impl RecordReader {
     }
 
     fn of_opened(path: &Path, opened: Opened, agent: usize) -> Result<RecordReader, RecordError> {
-        let Opened { connection, trust, copy } = opened;
+        let Opened { connection, trust, copy, missing } = opened;
         let fail = |error| read_error(path, "the agents", error);
         let agents = schema::agents(&connection).map_err(fail)?;
         if agents.len() > 1 {
@@ -115,7 +122,9 @@ impl RecordReader {
             agent,
             trust: RefCell::new(trust),
             copy,
+            missing,
             table: Arc::default(),
+            known_tasks: Arc::default(),
         })
     }
 
@@ -200,6 +209,12 @@ impl RecordReader {
         if let Trust::Groups(_, FileSeal::Broken) = &*self.trust.borrow() {
             warnings.push(format!(
                 "The file {name} was changed after it was closed, but not what was recorded: all groups of rows fit their seals."
+            ));
+        }
+        if let Some(earlier) = &self.missing {
+            warnings.push(format!(
+                "The flight record {name} continues {}, which is not there; put it back, or into the same folder.",
+                earlier.display()
             ));
         }
         for gap in self.gaps()? {

@@ -145,8 +145,12 @@ impl IndexedTask {
 
     /// The stretches in each state but the last (ended), cut to `from_ns..=to_ns`.
     pub(super) fn intervals(&self, from_ns: i64, to_ns: i64) -> impl Iterator<Item = Interval> + '_ {
-        let ends = self.changes.iter().skip(1).map(|next| next.at_ns).chain(std::iter::once(i64::MAX));
-        self.changes.iter().zip(ends).filter_map(move |(change, end)| {
+        // The one in force before the window may end where it begins.
+        let first = self.changes.partition_point(|change| change.at_ns < from_ns).saturating_sub(1);
+        let later = self.changes.partition_point(|change| change.at_ns <= to_ns);
+        let inside = self.changes.get(first..later).unwrap_or_default();
+        let ends = self.changes.iter().skip(first + 1).map(|next| next.at_ns).chain(std::iter::once(i64::MAX));
+        inside.iter().zip(ends).filter_map(move |(change, end)| {
             let interval = Interval { state: change.state, from_ns: change.at_ns.max(from_ns), to_ns: end.min(to_ns) };
             (change.state.is_alive() && interval.from_ns <= interval.to_ns).then_some(interval)
         })

@@ -90,8 +90,9 @@ pub(super) fn lane(index: &TaskIndex, group: &LaneTasks, window: Window) -> Opti
         else {
             continue;
         };
-        let is_band =
-            |interval: &Interval| is_small(*interval, window) && dense.contains(&window.pixel(interval.from_ns));
+        let is_band = |interval: &Interval| {
+            is_small(*interval, window) && dense.get(window.pixel(interval.from_ns)) == Some(&true)
+        };
         if drawn.iter().all(is_band) {
             drawn.into_iter().for_each(|interval| bands.add(interval));
             continue;
@@ -132,12 +133,14 @@ fn is_small(interval: Interval, window: Window) -> bool {
 }
 
 /// The pixels with too many small intervals for bars.
-fn dense_pixels(index: &TaskIndex, group: &LaneTasks, window: Window) -> BTreeSet<usize> {
-    let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
+fn dense_pixels(index: &TaskIndex, group: &LaneTasks, window: Window) -> Vec<bool> {
+    let mut counts = vec![0; window.pixels];
     for task in group.tasks.iter().filter_map(|&id| index.get(id)) {
         for interval in task.drawn(window.from_ns, window.known_ns()).filter(|&interval| is_small(interval, window)) {
-            *counts.entry(window.pixel(interval.from_ns)).or_default() += 1;
+            if let Some(count) = counts.get_mut(window.pixel(interval.from_ns)) {
+                *count += 1;
+            }
         }
     }
-    counts.into_iter().filter(|(_, count)| *count >= DENSE_MIN).map(|(pixel, _)| pixel).collect()
+    counts.into_iter().map(|count: usize| count >= DENSE_MIN).collect()
 }

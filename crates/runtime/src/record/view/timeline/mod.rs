@@ -56,6 +56,8 @@ pub struct Timeline {
     pub to_ns: i64,
     /// Mission time in nanoseconds up to which the flight is known.
     pub at_ns: i64,
+    /// Nanoseconds of a pixel, in which bands are measured.
+    pub pixel_ns: i64,
     /// In the order of the task tree: a lane comes before the lanes below it.
     pub lanes: Vec<Lane>,
     /// The lanes that the limit leaves out; their tasks were active for less time.
@@ -112,6 +114,7 @@ fn draw(index: &TaskIndex, window: Window, limit: usize, with: Option<u64>) -> T
         from_ns: window.from_ns,
         to_ns: window.to_ns,
         at_ns: window.at_ns,
+        pixel_ns: window.pixel_ns(),
         lanes,
         more: merge(index, rest, window),
     }

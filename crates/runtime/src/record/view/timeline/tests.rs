@@ -71,6 +71,11 @@ fn every_interval_of_any_window_is_one_bar_or_counted_in_one_band() {
         assert!(marks.min().is_none_or(|least| least > 0), "round {round}: a lane without a mark");
         let later = timeline.lanes.iter().flat_map(|lane| lane.rows.iter().flatten()).map(|bar| bar.to_ns);
         let bands = timeline.lanes.iter().flat_map(|lane| &lane.bands).chain(&timeline.more.bands);
+        for band in bands.clone() {
+            let start_ns = window.start_ns(band.pixel);
+            let end_ns = window.start_ns(band.pixel + band.pixels).min(window.known_ns()).max(start_ns);
+            assert_eq!((band.from_ns, band.to_ns), (start_ns, end_ns), "round {round}: pixels of {band:?}");
+        }
         let latest = later.chain(bands.map(|band| band.to_ns)).max();
         assert!(latest.is_none_or(|latest| latest <= window.known_ns()), "round {round}: drawn beyond {window:?}");
     }
@@ -102,6 +107,7 @@ fn a_task_of_many_intervals_is_dense_from_afar_and_bars_from_near() {
     let far = draw(&index, window(0, 20_000), 40, None);
     assert_eq!(counted(&far), (0, 4_000));
     assert!(far.lanes[0].bands.iter().all(|band| (band.ongoing - 0.5).abs() < 1e-9));
+    assert_eq!(serde_json::to_string(&far.lanes[0].bands[1]).unwrap(), "[1,1,40,500]");
     let near = draw(&index, window(1_000, 1_100), 40, None);
     assert_eq!(counted(&near).1, 0);
     assert_eq!(near.lanes[0].rows[0].first().map(|bar| bar.state), Some(StateWord(TaskState::Ongoing)));
