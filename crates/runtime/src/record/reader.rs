@@ -246,10 +246,10 @@ impl RecordReader {
             numbers.ok_or_else(|| self.garbled(format!("the fact `gap` is `{}`", text.escape_debug())))?;
         let at = |sql: &str, batch: i64| {
             let found = self.connection.query_row(sql, [batch], |row| row.get::<_, Option<i64>>(0));
-            found.map(|at| at.map(Time)).map_err(|error| self.damaged("the steps", error))
+            found.optional().map(|at| at.flatten().map(Time)).map_err(|error| self.damaged("the steps", error))
         };
-        let after = at("SELECT max(t_ns) FROM main.batch WHERE id < ?1", first_batch)?;
-        let before = at("SELECT min(t_ns) FROM main.batch WHERE id > ?1", last_batch)?;
+        let after = at("SELECT t_ns FROM main.batch WHERE id < ?1 ORDER BY id DESC LIMIT 1", first_batch)?;
+        let before = at("SELECT t_ns FROM main.batch WHERE id > ?1 ORDER BY id LIMIT 1", last_batch)?;
         Ok(RecordGap { first_batch, last_batch, after: after.unwrap_or(Time::ZERO), before })
     }
 
@@ -258,7 +258,8 @@ impl RecordReader {
     /// # Errors
     /// [`RecordError::Damaged`].
     pub fn span(&self) -> Result<Option<(Time, Time)>, RecordError> {
-        let sql = "SELECT min(t_ns), max(t_ns) FROM main.batch";
+        // One aggregate at a time is read from the end of the index; both together would read all of it.
+        let sql = "SELECT (SELECT min(t_ns) FROM main.batch), (SELECT max(t_ns) FROM main.batch)";
         let both: (Option<i64>, Option<i64>) = self
             .connection
             .query_row(sql, [], |row| Ok((row.get(0)?, row.get(1)?)))
@@ -358,7 +359,7 @@ impl RecordReader {
     /// # Errors
     /// [`RecordError::Damaged`].
     pub fn steps_between(&self, from: Time, to: Time) -> Result<Steps<'_>, RecordError> {
-        let sql = "SELECT ifnull(min(id), 0) FROM batch WHERE t_ns >= ?1";
+        let sql = "SELECT ifnull((SELECT id FROM batch WHERE t_ns >= ?1 ORDER BY t_ns, id LIMIT 1), 0)";
         let first = self
             .connection
             .query_row(sql, [from.0], |row| row.get::<_, i64>(0))
@@ -389,7 +390,8 @@ impl RecordReader {
 
     /// The latest snapshot of a batch not after `to`: batch number and bytes.
     pub(super) fn snapshot_before(&self, to: Time) -> Result<Option<(i64, Vec<u8>)>, RecordError> {
-        let sql = "SELECT batch, body FROM snapshot WHERE t_ns <= ?1 AND batch <= (SELECT max(id) FROM batch WHERE t_ns <= ?1) ORDER BY batch DESC LIMIT 1";
+        let sql = "SELECT batch, body FROM snapshot WHERE t_ns <= ?1 AND batch <= (SELECT id FROM batch WHERE t_ns <= ?1 ORDER BY t_ns DESC, id DESC LIMIT 1) \
+                   ORDER BY batch DESC LIMIT 1";
         self.connection
             .query_row(sql, params![to.0], |row| Ok((row.get(0)?, row.get(1)?)))
             .optional()

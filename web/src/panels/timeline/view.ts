@@ -102,7 +102,12 @@ export interface DenseRun {
 }
 
 /** Bands as blocks of at least a pixel, up to `atNs`; neighbours within three pixels are one run. */
-export function densityOf(bands: readonly DenseBand[], visible: Range, atNs: number, scale: Scale): DenseRun[] {
+export function densityOf(
+  bands: readonly DenseBand[],
+  visible: Range,
+  atNs: number,
+  scale: Scale,
+): DenseRun[] {
   const runs: DenseRun[] = [];
   for (const band of bands) {
     const toNs = Math.min(band.to_ns, visible.toNs, atNs);

@@ -29,7 +29,7 @@ impl Bands {
         let first = self.window.pixel(interval.from_ns);
         for at in first..=self.window.pixel(interval.to_ns) {
             let start_ns = self.window.start_ns(at);
-            let end_ns = start_ns.saturating_add(self.window.pixel_ns());
+            let end_ns = start_ns.saturating_add(self.window.pixel_ns);
             let inside_ns = interval.to_ns.min(end_ns).saturating_sub(interval.from_ns.max(start_ns));
             // An interval that ends where a pixel begins does not touch it.
             if at > first && inside_ns <= 0 {
@@ -49,7 +49,7 @@ impl Bands {
 
     /// The bands by time; neighbours that only continue what began earlier are one band.
     pub(super) fn finish(self) -> Vec<Band> {
-        let pixel_ns = self.window.pixel_ns();
+        let pixel_ns = self.window.pixel_ns;
         let mut bands: Vec<Band> = Vec::new();
         for (at, pixel) in self.pixels.into_iter().enumerate().filter_map(|(at, pixel)| Some((at, pixel?))) {
             let from_ns = self.window.start_ns(at);
