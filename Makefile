@@ -49,7 +49,7 @@ RECORD ?= $(MISSION).apex
 EXTREMITY = $(TARGET)/extremity/bin/python -W ignore benches/peers/extremity_peer.py
 WEB_SOURCES := $(shell find web -type f -not -path '*/node_modules/*' -not -path '*/dist/*' -not -path '*/test-results/*' -not -path '*/tests/*' 2>/dev/null)
 
-.PHONY: audit coverage fuzz fuzz-planted help quality sbom build fly test quick check web python wheel bench bench-orienteering bench-planners bench-units bench-curves bench-hand-off bench-travel golden-travel spec sim properties deny nightly clean
+.PHONY: audit coverage fuzz fuzz-planted help quality sbom build fly test quick check web python wheel bench bench-door bench-orienteering bench-planners bench-units bench-curves bench-hand-off bench-travel golden-travel spec sim properties deny nightly clean
 # Not part of `test`: the pictures are committed, and times need a quiet machine.
 .PHONY: pictures bench-page bench-record
 .PHONY: rust-lints rust-tests web-checks web-tests python-checks python-tests flights page-tests chromium
@@ -98,6 +98,10 @@ bench-orienteering: .venv/.peers ## Plan orienteering beside PyVRP and OR-Tools 
 	cargo run --locked --quiet --release --package apex-benches --bin orienteering -- ours 1 10 40 > $(TARGET)/orienteering/ours.json
 	cargo run --locked --quiet --release --package apex-benches --bin orienteering -- report $(TARGET)/orienteering
 	cargo run --locked --quiet --release --package apex-benches --bin orienteering -- proven 1 10
+
+bench-door: ## Measure the wait of an operator's messages at the live port under 150,000 valid and 150,000 malformed lines a second.
+	cargo build --locked --quiet --release --package apex-cli
+	cargo run --locked --quiet --release --package apex-benches --bin live_door -- $(abspath $(APEX))
 
 bench-planners: ## Planners of surveillance on missions FROM to TO - 1 of all 243 cells, a CPU second each: five minutes a mission.
 	cargo run --locked --quiet --release --package apex-benches --bin planners -- pairs $(or $(FROM),0) $(or $(TO),1) 1000 1000 \
@@ -223,6 +227,7 @@ nightly: test build ## What is too slow for every change: many seeds, replay acr
 	PROPTEST_CASES=$(TRAVEL_WORLDS) cargo test --locked $(CI_PROFILE) --package apex-geo --lib travel::tests::random::no_way
 	$(MAKE) golden-travel
 	$(MAKE) bench
+	$(MAKE) bench-door
 	$(MAKE) bench-orienteering
 	$(MAKE) bench-travel
 

@@ -183,6 +183,9 @@ pub struct RunOptions {
     /// Wait for the disk with each commit of the record, so that a power cut loses nothing that was sent.
     #[arg(long, requires = "record")]
     pub power_safe: bool,
+    /// Folder on another disk in which the record continues when its own disk takes nothing any longer.
+    #[arg(long, value_name = "FOLDER", requires = "record")]
+    pub spare_folder: Option<PathBuf>,
     /// Sign the record with the key in this file when it is closed: 64 hexadecimal digits, as `openssl rand -hex 32` writes them.
     #[arg(long, value_name = "FILE", requires = "record")]
     pub sign: Option<PathBuf>,

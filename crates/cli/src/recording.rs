@@ -8,8 +8,8 @@ use apex_model::event::Batch;
 use apex_model::time::Time;
 use apex_runtime::RecordError;
 use apex_runtime::ports::Observer;
-use apex_runtime::record::{RECORDING_LOST, RECORDING_RESUMED, RecordReader, SigningKey};
-use std::path::Path;
+use apex_runtime::record::{Durability, RECORDING_LOST, RECORDING_RESUMED, RecordOptions, RecordReader, SigningKey};
+use std::path::{Path, PathBuf};
 
 /// Opens a record and prints a warning if it is incomplete.
 ///
@@ -28,7 +28,13 @@ pub fn written(error: RecordError) -> CliError {
     apex_mission::recording::written(error).into()
 }
 
-/// Returns the key in a file.
+/// Options of a record as the command line states them.
+pub fn options(power_safe: bool, spare_folder: Option<&PathBuf>) -> RecordOptions {
+    let durability = if power_safe { Durability::Power } else { Durability::Program };
+    RecordOptions { durability, spare_folder: spare_folder.cloned(), ..RecordOptions::default() }
+}
+
+/// The key in a file.
 ///
 /// # Errors
 /// The file is not a key.

@@ -5,7 +5,7 @@ use crate::files::{nearby_help, unreadable};
 use crate::{Mission, flight};
 use apex_model::library::Library;
 use apex_runtime::RecordError;
-use apex_runtime::record::{Durability, RecordOptions, RecordReader, Recorder};
+use apex_runtime::record::{RecordOptions, RecordReader, Recorder};
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -23,6 +23,7 @@ pub fn create(
     fill: impl FnOnce(&mut Recorder) -> Result<(), RecordError>,
 ) -> MissionResult<Recorder> {
     check_place(path)?;
+    options.spare_folder.as_deref().map_or(Ok(()), check_spare_folder)?;
     refuse_when_held(path)?;
     let mut recorder = Recorder::create(path, library, options).map_err(|error| match error {
         RecordError::DiskFull { .. } => {
@@ -44,13 +45,13 @@ pub fn create(
     Ok(recorder)
 }
 
-/// Starts a record of a flight of `mission`, with its program, data and targets inside.
+/// Starts a record of a flight of `mission`, with its program, data and targets inside; its vehicle draws the track.
 ///
 /// # Errors
-/// Like [`create`].
-pub fn of_mission(path: &Path, mission: &Mission, durability: Durability) -> MissionResult<Recorder> {
+/// As [`create`].
+pub fn of_mission(path: &Path, mission: &Mission, options: RecordOptions) -> MissionResult<Recorder> {
     let vehicle = mission.agent.name.printed().to_string();
-    let options = RecordOptions { vehicle: Some(vehicle), durability, ..RecordOptions::default() };
+    let options = RecordOptions { vehicle: Some(vehicle), ..options };
     create(path, &mission.library, options, |recorder| flight::describe(mission, recorder))
 }
 
@@ -141,6 +142,28 @@ fn check_place(path: &Path) -> MissionResult {
         }
     }
     check_kind(path, "choose another name with `--record`; the existing file is left as it is")
+}
+
+/// Checks that a record can continue in the spare folder: no program makes it during the flight.
+fn check_spare_folder(folder: &Path) -> MissionResult {
+    let fault = match std::fs::metadata(folder) {
+        Ok(found) if found.is_dir() => match tempfile_in(folder) {
+            Ok(()) => return Ok(()),
+            Err(error) => error.to_string(),
+        },
+        Ok(_) => "it is not a folder".into(),
+        Err(error) => error.to_string(),
+    };
+    Err(MissionError::record_file(format!("the flight record cannot continue in {}", folder.display()))
+        .because(fault)
+        .help("name a folder on another disk with `--spare-folder`, or leave the option out"))
+}
+
+/// Makes a file in the folder and removes it.
+fn tempfile_in(folder: &Path) -> std::io::Result<()> {
+    let path = folder.join(format!(".apex-spare-{}", std::process::id()));
+    File::create_new(&path)?;
+    std::fs::remove_file(path)
 }
 
 /// Devices, pipes and folders are not records, and opening some of them blocks forever.

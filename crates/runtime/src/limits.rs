@@ -62,6 +62,8 @@ pub const GROUP_MILLISECONDS_MAX: u128 = 200;
 pub const RECORDING_KEPT_BYTES_MAX: usize = 64 << 20;
 /// Wall time between attempts to continue a record whose disk failed.
 pub const RECORDING_RETRY_INTERVAL: std::time::Duration = std::time::Duration::from_secs(1);
+/// Attempts to continue a record in its own file before it continues in a new segment: a disk that was full for a moment leaves one file.
+pub const RECORDING_SEGMENT_ATTEMPTS: u32 = 2;
 /// Interval at which committed groups move from the write-ahead log into the main file: a plain copy of it lacks no more.
 pub const CHECKPOINT_INTERVAL: std::time::Duration = std::time::Duration::from_secs(1);
 /// Batches between snapshots, at least.

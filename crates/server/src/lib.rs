@@ -13,6 +13,7 @@ mod guard;
 mod hardening;
 mod listening;
 mod live;
+mod mission_facts;
 mod operation;
 mod params;
 mod prepared_access;

@@ -2,19 +2,15 @@
 //! instant.
 
 use crate::answer::ApiResult;
+use crate::mission_facts::MissionFacts;
 use crate::params::{AtParams, WindowParams};
-use crate::state::{AppState, QueryParams, Shared, blocking, checked, no_record};
+use crate::state::{AppState, QueryParams, Shared, blocking, checked};
 use apex_mission::recorded::mission_of;
-use apex_mission::vehicle::Airframe;
-use apex_mission::{Target, TargetKind};
-use apex_model::time::Time;
-use apex_runtime::record::RecordReader;
 use axum::Json;
 use axum::Router;
 use axum::extract::State;
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
-use serde::Serialize;
 use std::sync::Arc;
 
 /// Returns the routes.
@@ -30,11 +26,7 @@ pub(crate) fn routes() -> Router<Arc<AppState>> {
 async fn footprints(State(state): Shared, params: QueryParams<WindowParams>) -> ApiResult<Response> {
     let WindowParams { from, to, at } = checked(params)?;
     let to_ns = to.unwrap_or(i64::MAX).min(at.unwrap_or(i64::MAX));
-    let seen = blocking(move || {
-        let path = state.record.as_ref().ok_or_else(no_record)?;
-        state.seen.between(path, from.unwrap_or(i64::MIN), to_ns)
-    })
-    .await?;
+    let seen = blocking(move || state.seen.between(&state.reader_of(0)?, from.unwrap_or(i64::MIN), to_ns)).await?;
     Ok(Json(seen).into_response())
 }
 
@@ -61,52 +53,15 @@ async fn holdings(State(state): Shared, params: QueryParams<WindowParams>) -> Ap
     Ok(Json(holdings).into_response())
 }
 
-/// Facts of the mission that the page needs next to its record: all of them are in the mission's files.
-#[derive(Debug, Serialize)]
-struct MissionFacts {
-    /// `fixed-wing` or `rotorcraft`.
-    kind: &'static str,
-    /// Greatest distance from a landing place that the mission allows, metres; none if it states none.
-    landing_distance_m_max: Option<f64>,
-    /// Windows of the wanted looks of targets. The page shows those of targets that are known.
-    windows: Vec<WantedWindow>,
-}
-
-/// A window in which an image of a target has its full worth.
-#[derive(Debug, Serialize)]
-struct WantedWindow {
-    target: String,
-    look: String,
-    from_ns: i64,
-    to_ns: i64,
-}
-
-fn windows_of(target: &Target) -> Vec<WantedWindow> {
-    let TargetKind::Fire(fire) = &target.kind else { return Vec::new() };
-    let looks = fire.wanted.looks.iter();
-    let windows = looks.flat_map(|look| look.windows.iter().map(|window| (look.name.clone(), window)));
-    let wanted = windows.map(|(look, window)| WantedWindow {
-        target: target.id.clone(),
-        look,
-        from_ns: Time::from_seconds(window.from_s).0,
-        to_ns: Time::from_seconds(window.until_s).0,
-    });
-    wanted.collect()
-}
-
 /// Facts of the record's mission; `null` if the record is not of a mission.
 async fn facts(State(state): Shared) -> ApiResult<Response> {
     let facts = blocking(move || {
-        let path = state.record.as_ref().ok_or_else(no_record)?;
-        let mission = mission_of(&RecordReader::open(path)?)?;
-        Ok(mission.map(|mission| MissionFacts {
-            kind: match mission.model.airframe {
-                Airframe::FixedWing => "fixed-wing",
-                Airframe::Rotorcraft => "rotorcraft",
-            },
-            landing_distance_m_max: mission.requirements.landing_distance_m_max(),
-            windows: mission.targets.iter().flat_map(windows_of).collect(),
-        }))
+        if let Some(known) = state.facts.get() {
+            return Ok(known.clone());
+        }
+        let mission = mission_of(&state.reader()?)?;
+        let facts = mission.as_ref().map(MissionFacts::of);
+        Ok(state.facts.get_or_init(|| facts).clone())
     })
     .await?;
     Ok(Json(facts).into_response())

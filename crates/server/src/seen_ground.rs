@@ -5,7 +5,6 @@ use apex_mission::recorded::mission_of;
 use apex_mission::score::{FlownScore, Footprints};
 use apex_model::time::Time;
 use apex_runtime::record::RecordReader;
-use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
 /// The fold over the record's steps, as far as it is done. A finished record is folded once.
@@ -19,16 +18,15 @@ struct Fold {
 }
 
 impl SeenGround {
-    /// Returns the footprints in a window. One caller at a time folds; the others wait for what it finds.
-    pub(crate) fn between(&self, path: &Path, from_ns: i64, to_ns: i64) -> ApiResult<Footprints> {
+    /// The footprints in a window, of the record that `reader` reads as its first agent. One caller at a time folds; the others wait for what it finds.
+    pub(crate) fn between(&self, reader: &RecordReader, from_ns: i64, to_ns: i64) -> ApiResult<Footprints> {
         let mut slot = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let reader = RecordReader::open(path)?.of_agent(0)?;
         let fold = match slot.take() {
             Some(fold) => fold,
-            None => Fold { flown: flown_of(&reader)?, last: (0, Time::BEGINNING) },
+            None => Fold { flown: flown_of(reader)?, last: (0, Time::BEGINNING) },
         };
         let fold = slot.insert(fold);
-        fold.advance(&reader)?;
+        fold.advance(reader)?;
         let seen = fold.flown.as_ref().and_then(FlownScore::footprints);
         Ok(seen.map(|seen| seen.between(from_ns, to_ns)).unwrap_or_default())
     }

@@ -157,6 +157,7 @@ pub fn serve(options: ServeOptions) -> Result<(), ServeError> {
             load,
             views,
             program: OnceLock::new(),
+            facts: OnceLock::new(),
             door,
             seen: SeenGround::default(),
             score: ScoredFlight::default(),
@@ -199,6 +200,7 @@ fn filled_shelf(record: Option<&PathBuf>, agent: usize, others: &[PathBuf]) -> R
 /// Reads the log of the record into its index, in pauses of the questions. What is written later each question reads itself.
 fn index_log(view: &RecordView) {
     // An error comes again with the next question, which tells it.
+    let _ = view.prepare();
     while view.index_effects(INDEXING_TURN).is_ok_and(|is_done| !is_done) {
         std::thread::sleep(INDEXING_PAUSE);
     }

@@ -68,6 +68,7 @@ fn routes_of(state: &Arc<AppState>, id: usize) -> ApiResult<Router> {
         agent: entry.agent,
         load: state.load.clone(),
         program: OnceLock::new(),
+        facts: OnceLock::new(),
         door: state.door.clone().filter(|_| is_same),
         seen: SeenGround::default(),
         score: ScoredFlight::default(),

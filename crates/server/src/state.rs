@@ -3,6 +3,7 @@
 use crate::access::Sessions;
 use crate::answer::{ApiError, ApiResult};
 use crate::flights::Tower;
+use crate::mission_facts::MissionFacts;
 use crate::operation::FlightDoor;
 use crate::scored_flight::ScoredFlight;
 use crate::seen_ground::SeenGround;
@@ -38,6 +39,8 @@ pub(crate) struct AppState {
     pub(crate) views: Option<Views>,
     /// The record's checked program, loaded at its first use; none if it cannot be loaded.
     pub(crate) program: OnceLock<Option<RestoredProgram>>,
+    /// Facts of the record's mission, which never change; none before they are asked for.
+    pub(crate) facts: OnceLock<Option<MissionFacts>>,
     /// The way to the run that writes the record, if it is under way in this program.
     pub(crate) door: Option<FlightDoor>,
     /// The ground that the record's sensors have seen, as far as it was asked for.
@@ -71,7 +74,12 @@ impl AppState {
     /// Returns another connection to the record, for work that takes a while. The record was checked when the server began; to open it as a
     /// new one would read the whole file.
     pub(crate) fn reader(&self) -> ApiResult<RecordReader> {
-        self.read(|view| Ok(view.reader().of_agent(self.agent)?))
+        self.reader_of(self.agent)
+    }
+
+    /// As [`AppState::reader`], for agent number `agent`.
+    pub(crate) fn reader_of(&self, agent: usize) -> ApiResult<RecordReader> {
+        self.read(|view| Ok(view.reader().of_agent(agent)?))
     }
 
     /// Corrects the growth of the record: while its run is under way in this program the record is live, even without new rows.
@@ -137,17 +145,28 @@ impl Views {
         Ok(Views { free: Mutex::new(views), returned: Condvar::new() })
     }
 
+    /// Another connection, to the record's first agent.
+    ///
+    /// # Errors
+    /// A record that has changed since it was checked.
+    pub(crate) fn reader(&self) -> Result<RecordReader, RecordError> {
+        self.lend(|view| view.reader().of_agent(0))
+            .unwrap_or_else(|| Err(RecordError::Question("no connection".into())))
+    }
+
     fn read<T>(&self, query: impl FnOnce(&mut RecordView) -> ApiResult<T>) -> ApiResult<T> {
+        self.lend(query).unwrap_or_else(|| Err(no_record()))
+    }
+
+    /// Waits for a connection; `None` if there is none.
+    fn lend<T>(&self, query: impl FnOnce(&mut RecordView) -> T) -> Option<T> {
         let free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
         let mut free = self.returned.wait_while(free, |free| free.is_empty()).unwrap_or_else(PoisonError::into_inner);
-        let Some(view) = free.pop() else { return Err(no_record()) };
+        let view = free.pop()?;
         drop(free);
         // Also after a panic of the query: it has written nothing, so the connection is as good as before.
         let mut lent = Lent { views: self, view: Some(view) };
-        match lent.view.as_mut() {
-            Some(view) => query(view),
-            None => Err(no_record()),
-        }
+        lent.view.as_mut().map(query)
     }
 }
 

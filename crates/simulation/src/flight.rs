@@ -8,7 +8,7 @@ use apex_mission::flight::{FlightOutcome, MissionFlight};
 use apex_mission::recording;
 use apex_runtime::FlyOptions;
 use apex_runtime::ports::Observer;
-use apex_runtime::record::{Durability, Recorder};
+use apex_runtime::record::{RecordOptions, Recorder};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -20,20 +20,20 @@ pub(crate) const BUILT_IN: &str = "built-in simulator";
 /// # Errors
 /// Like [`recording::of_mission`].
 pub fn create_record(path: &Path, mission: &Mission, seed: Option<u64>) -> MissionResult<Recorder> {
-    create_durable_record(path, mission, seed, Durability::Program)
+    create_record_with(path, mission, seed, RecordOptions::default())
 }
 
 /// Like [`create_record`], with this durability.
 ///
 /// # Errors
-/// Like [`recording::of_mission`].
-pub fn create_durable_record(
+/// As [`recording::of_mission`].
+pub fn create_record_with(
     path: &Path,
     mission: &Mission,
     seed: Option<u64>,
-    durability: Durability,
+    options: RecordOptions,
 ) -> MissionResult<Recorder> {
-    let mut recorder = recording::of_mission(path, mission, durability)?;
+    let mut recorder = recording::of_mission(path, mission, options)?;
     let seed = seed.unwrap_or(mission.settings.seed).to_string();
     let described = recorder.meta("vehicle_type", BUILT_IN).and_then(|()| recorder.meta("seed", &seed));
     described.map_err(recording::written)?;

@@ -6,7 +6,7 @@ mod fork;
 mod runs;
 mod world;
 
-pub use flight::{create_durable_record, create_record, fly, fly_to_the_end, pace_of};
+pub use flight::{create_record, create_record_with, fly, fly_to_the_end, pace_of};
 pub use fork::{ForkTerms, Forked, WorldChanges, fork};
 pub use runs::{
     IgnoranceSummary, JOBS_MAX, NotCompleted, RUNS_MAX, RunOutcome, RunRow, RunSummary, RunTerms, Violated, fly_runs,

@@ -13,7 +13,6 @@ use apex_model::event::Batch;
 use apex_model::time::{Duration, Time};
 use apex_planning::Registry;
 use apex_runtime::ports::Observer;
-use apex_runtime::record::Durability;
 use apex_runtime::{Control, EndReason};
 use apex_server::{AccessOptions, FlightDoor};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -47,8 +46,8 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult {
     // A mission that cannot be simulated leaves an older record as it is.
     apex_simulation::world(&mission, options.seed)?;
     let key = options.sign.as_deref().map(recording::signing_key).transpose()?;
-    let durability = if options.power_safe { Durability::Power } else { Durability::Program };
-    let mut recorder = apex_simulation::create_durable_record(&path, &mission, options.seed, durability)?;
+    let terms = recording::options(options.power_safe, options.spare_folder.as_ref());
+    let mut recorder = apex_simulation::create_record_with(&path, &mission, options.seed, terms)?;
     if let Some(key) = key {
         recorder.sign_with(key).map_err(recording::written)?;
     }
@@ -82,7 +81,7 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult {
     progress.bar.finish_and_clear();
     let (flight, lost) = flown?;
     let seconds = started.elapsed().as_secs_f64();
-    print_flight(&flight, seconds, &path, options.json)?;
+    print_flight(&flight, seconds, (&path, recorder.path()), options.json)?;
     if let Some(sherpa) = sherpa {
         // After Ctrl-C the server has ended already; an operator who stops the flight from the page still reads it.
         if !sherpa.is_finished() {
@@ -94,7 +93,8 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult {
     lost.map_or(Ok(()), |error| Err(error.into()))
 }
 
-fn print_flight(flight: &FlightOutcome, seconds: f64, path: &Path, json: bool) -> CliResult {
+/// Prints the report, and where the record begins and ends.
+fn print_flight(flight: &FlightOutcome, seconds: f64, (first, path): (&Path, &Path), json: bool) -> CliResult {
     if json {
         return output::print_line(flight.report.json());
     }
@@ -108,7 +108,8 @@ fn print_flight(flight: &FlightOutcome, seconds: f64, path: &Path, json: bool) -
         flight.end.events,
         flight.end.effects
     ))?;
-    output::print_line(format_args!("Flight record: {}", path.display()))?;
+    let continued = if first == path { String::new() } else { format!(", which continues {}", first.display()) };
+    output::print_line(format_args!("Flight record: {}{continued}", path.display()))?;
     let path = shell_word(&path.display().to_string());
     output::print_line(format_args!("Next: apex serve {path} --open      Sherpa, the web page, on this flight"))?;
     output::print_line(format_args!("      apex trace {path} --type transition,plan,trouble"))?; // english: allow // english: allow

@@ -22,7 +22,7 @@ use apex_runtime::input_stream::InputStream;
 use apex_runtime::live_lines::OpenQuestions;
 use apex_runtime::ports::{Input, Observer};
 use apex_runtime::program::{NoDeliberator, NoVehicle};
-use apex_runtime::record::{Durability, RecordOptions, Recorder};
+use apex_runtime::record::{RecordOptions, Recorder};
 use apex_runtime::terms::Lateness;
 use apex_runtime::trace::{TraceFilter, TraceFormat, Tracer};
 use apex_runtime::{EndReason, FlyOptions, RunEnd, ScriptedAnswer, program};
@@ -270,20 +270,19 @@ fn refuse_to_overwrite_inputs(options: &RunOptions) -> CliResult {
 fn signed_recorder(options: &RunOptions, library: &Library, mission: Option<&Mission>) -> CliResult<Option<Recorder>> {
     let key = options.sign.as_deref().map(recording::signing_key).transpose()?;
     let Some(path) = options.record.as_deref() else { return Ok(None) };
-    let mut recorder = recorder(path, library, mission, options.power_safe)?;
+    let mut recorder =
+        recorder(path, library, mission, recording::options(options.power_safe, options.spare_folder.as_ref()))?;
     if let Some(key) = key {
         recorder.sign_with(key).map_err(recording::written)?;
     }
     Ok(Some(recorder))
 }
 
-/// Returns a record with the program's sources inside, and of a mission all that belongs to it.
-fn recorder(path: &Path, library: &Library, mission: Option<&Mission>, power_safe: bool) -> CliResult<Recorder> {
-    let durability = if power_safe { Durability::Power } else { Durability::Program };
+/// A record with the program's sources inside, and of a mission all that belongs to it.
+fn recorder(path: &Path, library: &Library, mission: Option<&Mission>, options: RecordOptions) -> CliResult<Recorder> {
     if let Some(mission) = mission {
-        return Ok(recording::of_mission(path, mission, durability)?);
+        return Ok(recording::of_mission(path, mission, options)?);
     }
-    let options = RecordOptions { durability, ..RecordOptions::default() };
     Ok(recording::create(path, library, options, |recorder| {
         recorder.meta("agent", sources::agent_of(library).name.printed())
     })?)

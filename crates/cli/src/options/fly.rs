@@ -15,6 +15,9 @@ pub struct FlyOptions {
     /// Wait for the disk with each commit of the record, so that a power cut loses nothing that was acknowledged.
     #[arg(long, conflicts_with = "runs")]
     pub power_safe: bool,
+    /// Folder on another disk in which the record continues when its own disk takes nothing any longer.
+    #[arg(long, value_name = "FOLDER", conflicts_with = "runs")]
+    pub spare_folder: Option<PathBuf>,
     /// Sign the record with the key in this file when it is closed: 64 hexadecimal digits, as `openssl rand -hex 32` writes them.
     #[arg(long, value_name = "FILE", conflicts_with = "runs")]
     pub sign: Option<PathBuf>,

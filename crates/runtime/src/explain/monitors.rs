@@ -1,7 +1,7 @@
 //! The monitors of an instant: the conditions that living tasks watch, as trees, and the variables of a task.
 
 use super::Explainer;
-use super::snapshot::{Question, place_text};
+use super::snapshot::{instant_of, place_text, restored};
 use crate::error::RecordError;
 use apex_executive::Agent;
 use apex_executive::explanation::{self, ConditionNode, WatchedClause};
@@ -80,16 +80,16 @@ impl Explainer<'_> {
     /// # Errors
     /// [`RecordError`] if the instant cannot be restored.
     pub fn monitors(&self, at: Time, task: Option<TaskId>) -> Result<Monitors, RecordError> {
-        let snapshot = self.snapshot(&Question::new("", at))?;
-        let at_ns = snapshot.at.0;
-        let agent = snapshot.into_agent()?.ok_or_else(|| {
+        let load = self.load.ok_or_else(|| {
             RecordError::Question("The monitors of an instant are known only to the restored agent.".into())
         })?;
+        let at = instant_of(self.reader, at)?;
+        let agent = restored(self.reader, at, load)?;
         let monitors = explanation::watched(&agent, task).into_iter().map(|watched| monitor(&agent, watched)).collect();
         let bindings = task.map(|task| explanation::bindings(&agent, task)).unwrap_or_default();
         let bindings =
             bindings.into_iter().map(|(name, value)| Binding { name: format!("?{name}"), value: value.to_string() });
-        Ok(Monitors { at_ns, monitors, bindings: bindings.collect() })
+        Ok(Monitors { at_ns: at.0, monitors, bindings: bindings.collect() })
     }
 }
 

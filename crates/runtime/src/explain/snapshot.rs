@@ -53,19 +53,8 @@ impl<'a> RecordSnapshot<'a> {
         question: &Question,
         load: Option<LoadProgram<'_>>,
     ) -> Result<RecordSnapshot<'a>, RecordError> {
-        let Some((start, end)) = reader.span()? else {
-            return Err(RecordError::Question("Nothing happened yet: the record holds no steps.".into()));
-        };
-        let at = question.at.min(end);
-        if at < start {
-            return Err(RecordError::Question(format!("The flight begins at {start}; nothing was decided by {at}.")));
-        }
-        let agent = load.map(|load| {
-            let mut agent = Box::new(reader.restore(at, load)?);
-            // Nothing happens between the last step and `at`, but silences grow: "no sample for 4 s".
-            apex_executive::step(&mut agent, &Batch { now: at, events: Vec::new() });
-            Ok(agent)
-        });
+        let at = instant_of(reader, question.at)?;
+        let agent = load.map(|load| restored(reader, at, load));
         let name = match &agent {
             Some(Ok(agent)) => agent.name.to_string(),
             Some(Err(_)) | None => reader.meta("agent")?.unwrap_or_default(),
@@ -135,7 +124,33 @@ impl<'a> RecordSnapshot<'a> {
     }
 }
 
-/// Returns a place as text, `file.pdl:14:3`, also for places inside of plans: their files are numbered after those of the library.
+/// The instant of a question: past the record's end it is the end.
+///
+/// # Errors
+/// Nothing was decided by then.
+pub(super) fn instant_of(reader: &RecordReader, at: Time) -> Result<Time, RecordError> {
+    let Some((start, end)) = reader.span()? else {
+        return Err(RecordError::Question("Nothing happened yet: the record holds no steps.".into()));
+    };
+    let at = at.min(end);
+    if at < start {
+        return Err(RecordError::Question(format!("The flight begins at {start}; nothing was decided by {at}.")));
+    }
+    Ok(at)
+}
+
+/// The agent as it was at `at`.
+///
+/// # Errors
+/// Why it cannot be restored.
+pub(super) fn restored(reader: &RecordReader, at: Time, load: LoadProgram<'_>) -> Result<Box<Agent>, RecordError> {
+    let mut agent = Box::new(reader.restore(at, load)?);
+    // Nothing happens between the last step and `at`, but silences grow: "no sample for 4 s".
+    apex_executive::step(&mut agent, &Batch { now: at, events: Vec::new() });
+    Ok(agent)
+}
+
+/// `file.pdl:14:3`, also for places inside of plans: their files are numbered after those of the library.
 pub(super) fn place_text(agent: &Agent, place: Place) -> String {
     agent.describe_place(place)
 }

@@ -5,8 +5,8 @@
 
 use super::check::{CheckProgress, Layout, Visitor, check_groups_of, check_schema_of};
 use super::closing;
+use super::connect::connect_to;
 use super::effects::EffectEncoder;
-use super::open::connect_to;
 use super::schema::{self, CONVERTIBLE_VERSION, SCHEMA_VERSION, write_error};
 use super::seal::{ChainPosition, Seal, Sealer};
 use super::store::SqlValue;
@@ -98,7 +98,7 @@ pub fn convert(from: &Path, to: &Path) -> Result<i64, RecordError> {
     let failure = converter.failure.take();
     if failure.is_some() || checked.is_err() {
         drop(target);
-        super::recover::remove(to);
+        schema::remove(to);
     } else {
         target.execute_batch("COMMIT").map_err(fail)?;
         closing::close(target, to)?;

@@ -6,7 +6,7 @@ use std::fmt;
 
 impl fmt::Display for Integrity {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Integrity { file, groups, steps, until, damage, fault } = self;
+        let Integrity { file, groups, steps, until, damage, earlier, fault } = self;
         if let Some(damage) = damage {
             return write!(out, "damaged; {damage}");
         }
@@ -18,7 +18,9 @@ impl fmt::Display for Integrity {
             FileSeal::None => "the file has no seal, as before the end of a flight",
             FileSeal::Broken => "bytes of the file have changed since it was closed, but none of a row or index",
         };
-        write!(out, "{steps} steps up to {until} in {groups} groups are as they were written; {file}")
+        write!(out, "{steps} steps up to {until} in {groups} groups are as they were written; {file}")?;
+        let names: Vec<String> = earlier.iter().map(|path| path.display().to_string()).collect();
+        if names.is_empty() { Ok(()) } else { write!(out, "; it continues {}", names.join(", ")) }
     }
 }
 
@@ -46,6 +48,7 @@ impl Integrity {
             "steps": self.steps,
             "until_s": self.until.seconds(),
             "damage": damage,
+            "earlier": self.earlier.iter().map(|path| path.display().to_string()).collect::<Vec<_>>(),
             "fault": self.fault,
         })
     }

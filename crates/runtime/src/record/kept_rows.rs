@@ -25,6 +25,8 @@ pub(super) struct Gap {
 pub(super) struct KeptRows {
     /// Rows of steps that must not be dropped: sources, variables, facts.
     lasting: Vec<u8>,
+    /// All such rows since the beginning, committed ones as well: a new segment begins with them.
+    ever_lasting: Vec<u8>,
     chunks: VecDeque<Chunk>,
     /// Rows since the last step ended.
     open: Chunk,
@@ -37,8 +39,17 @@ pub(super) struct KeptRows {
 
 impl KeptRows {
     pub(super) fn new(bytes_max: usize) -> KeptRows {
-        let (lasting, chunks, open) = (Vec::new(), VecDeque::new(), Chunk::default());
-        KeptRows { lasting, chunks, open, bytes: 0, bytes_max, gap: None, is_too_large: false }
+        let (chunks, open) = (VecDeque::new(), Chunk::default());
+        KeptRows {
+            lasting: Vec::new(),
+            ever_lasting: Vec::new(),
+            chunks,
+            open,
+            bytes: 0,
+            bytes_max,
+            gap: None,
+            is_too_large: false,
+        }
     }
 
     /// Keeps a row.
@@ -65,6 +76,9 @@ impl KeptRows {
             }
         }
         self.bytes += self.open.bytes.len() - before;
+        if lasts(table) {
+            self.ever_lasting.extend_from_slice(self.open.bytes.get(before..).unwrap_or_default());
+        }
         if self.bytes > self.bytes_max {
             self.trim();
             if self.bytes > self.bytes_max && !self.is_too_large {
@@ -111,16 +125,21 @@ impl KeptRows {
 
     /// Calls `each` with every row, in order.
     pub(super) fn each<E>(&self, mut each: impl FnMut(Table, &[Cell<'_>]) -> Result<(), E>) -> Result<(), E> {
-        let mut cells = Vec::new();
         let chunks = self.chunks.iter().map(|chunk| &chunk.bytes);
-        for bytes in [&self.lasting].into_iter().chain(chunks).chain([&self.open.bytes]) {
-            for (table, row) in rows(bytes) {
-                cells.clear();
-                get(row.get(2..).unwrap_or_default(), &mut cells);
-                each(table, &cells)?;
-            }
-        }
-        Ok(())
+        let mut all = [&self.lasting].into_iter().chain(chunks).chain([&self.open.bytes]);
+        all.try_for_each(|bytes| each_in(bytes, &mut each))
+    }
+
+    /// Calls `each` with the rows that a new segment begins with: all rows since the beginning without which later steps cannot be
+    /// read, and the other rows that are kept.
+    pub(super) fn each_of_segment<E>(
+        &self,
+        mut each: impl FnMut(Table, &[Cell<'_>]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        each_in(&self.ever_lasting, &mut each)?;
+        let mut others = |table: Table, cells: &[Cell<'_>]| if lasts(table) { Ok(()) } else { each(table, cells) };
+        let chunks = self.chunks.iter().map(|chunk| &chunk.bytes);
+        chunks.chain([&self.open.bytes]).try_for_each(|bytes| each_in(bytes, &mut others))
     }
 
     /// Forgets all rows: they are on the disk.
@@ -143,8 +162,18 @@ impl KeptRows {
     }
 }
 
-/// Returns true for rows without which later steps cannot be read.
-fn lasts(table: Table) -> bool {
+fn each_in<E>(bytes: &[u8], each: &mut impl FnMut(Table, &[Cell<'_>]) -> Result<(), E>) -> Result<(), E> {
+    let mut cells = Vec::new();
+    for (table, row) in rows(bytes) {
+        cells.clear();
+        get(row.get(2..).unwrap_or_default(), &mut cells);
+        each(table, &cells)?;
+    }
+    Ok(())
+}
+
+/// True for rows without which later steps cannot be read.
+pub(super) fn lasts(table: Table) -> bool {
     match table {
         Table::Meta
         | Table::Agent

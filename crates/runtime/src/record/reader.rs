@@ -1,9 +1,11 @@
 //! Reading a flight record: facts, sources, tasks, samples. Steps are in `steps.rs`, restored agents in `restore.rs`.
 
 use super::codec::{Variable, Variables};
+use super::connect::Copied;
 use super::effects::EffectTable;
 use super::file_seal::FileSeal;
-use super::open::{self, Copied, Opened, Trust};
+use super::known_tasks::KnownTasks;
+use super::open::{self, Opened, Trust};
 use super::schema::{self, read_error};
 use super::steps::Steps;
 use crate::error::RecordError;
@@ -16,7 +18,7 @@ use apex_model::value::Value;
 use rusqlite::{Connection, OptionalExtension, Row, params};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, RwLock};
+use std::sync::{Arc, Mutex, RwLock};
 
 /// An open flight record. Records that are still being written can be read; they hold what was committed.
 pub struct RecordReader {
@@ -30,8 +32,12 @@ pub struct RecordReader {
     trust: RefCell<Trust>,
     /// The copy that is read in place of the record.
     copy: Option<Arc<Copied>>,
+    /// The file that the record continues, if it is not there.
+    missing: Option<PathBuf>,
     /// The agent's effects, shared with other readers of them.
     pub(super) table: Arc<RwLock<EffectTable>>,
+    /// The agent's tasks, shared as its effects are.
+    pub(super) known_tasks: Arc<Mutex<KnownTasks>>,
 }
 
 /// A file that the mission was made from.
@@ -93,6 +99,7 @@ impl RecordReader {
         let mut reader = RecordReader::of_opened(&self.path, opened, agent)?;
         if agent == self.agent {
             reader.table = Arc::clone(&self.table);
+            reader.known_tasks = Arc::clone(&self.known_tasks);
         }
         Ok(reader)
     }
@@ -102,7 +109,7 @@ impl RecordReader {
     }
 
     fn of_opened(path: &Path, opened: Opened, agent: usize) -> Result<RecordReader, RecordError> {
-        let Opened { connection, trust, copy } = opened;
+        let Opened { connection, trust, copy, missing } = opened;
         let fail = |error| read_error(path, "the agents", error);
         let agents = schema::agents(&connection).map_err(fail)?;
         if agents.len() > 1 {
@@ -115,7 +122,9 @@ impl RecordReader {
             agent,
             trust: RefCell::new(trust),
             copy,
+            missing,
             table: Arc::default(),
+            known_tasks: Arc::default(),
         })
     }
 
@@ -202,6 +211,12 @@ impl RecordReader {
                 "The file {name} was changed after it was closed, but not what was recorded: all groups of rows fit their seals."
             ));
         }
+        if let Some(earlier) = &self.missing {
+            warnings.push(format!(
+                "The flight record {name} continues {}, which is not there; put it back, or into the same folder.",
+                earlier.display()
+            ));
+        }
         for gap in self.gaps()? {
             warnings.push(format!("The flight record {name} has a gap, because its disk took no steps: {gap}."));
         }
@@ -231,10 +246,10 @@ impl RecordReader {
             numbers.ok_or_else(|| self.garbled(format!("the fact `gap` is `{}`", text.escape_debug())))?;
         let at = |sql: &str, batch: i64| {
             let found = self.connection.query_row(sql, [batch], |row| row.get::<_, Option<i64>>(0));
-            found.map(|at| at.map(Time)).map_err(|error| self.damaged("the steps", error))
+            found.optional().map(|at| at.flatten().map(Time)).map_err(|error| self.damaged("the steps", error))
         };
-        let after = at("SELECT max(t_ns) FROM main.batch WHERE id < ?1", first_batch)?;
-        let before = at("SELECT min(t_ns) FROM main.batch WHERE id > ?1", last_batch)?;
+        let after = at("SELECT t_ns FROM main.batch WHERE id < ?1 ORDER BY id DESC LIMIT 1", first_batch)?;
+        let before = at("SELECT t_ns FROM main.batch WHERE id > ?1 ORDER BY id LIMIT 1", last_batch)?;
         Ok(RecordGap { first_batch, last_batch, after: after.unwrap_or(Time::ZERO), before })
     }
 
@@ -243,7 +258,8 @@ impl RecordReader {
     /// # Errors
     /// [`RecordError::Damaged`].
     pub fn span(&self) -> Result<Option<(Time, Time)>, RecordError> {
-        let sql = "SELECT min(t_ns), max(t_ns) FROM main.batch";
+        // One aggregate at a time is read from the end of the index; both together would read all of it.
+        let sql = "SELECT (SELECT min(t_ns) FROM main.batch), (SELECT max(t_ns) FROM main.batch)";
         let both: (Option<i64>, Option<i64>) = self
             .connection
             .query_row(sql, [], |row| Ok((row.get(0)?, row.get(1)?)))
@@ -343,7 +359,7 @@ impl RecordReader {
     /// # Errors
     /// [`RecordError::Damaged`].
     pub fn steps_between(&self, from: Time, to: Time) -> Result<Steps<'_>, RecordError> {
-        let sql = "SELECT ifnull(min(id), 0) FROM batch WHERE t_ns >= ?1";
+        let sql = "SELECT ifnull((SELECT id FROM batch WHERE t_ns >= ?1 ORDER BY t_ns, id LIMIT 1), 0)";
         let first = self
             .connection
             .query_row(sql, [from.0], |row| row.get::<_, i64>(0))
@@ -374,7 +390,8 @@ impl RecordReader {
 
     /// Returns the latest snapshot of a batch not after `to`: batch number and bytes.
     pub(super) fn snapshot_before(&self, to: Time) -> Result<Option<(i64, Vec<u8>)>, RecordError> {
-        let sql = "SELECT batch, body FROM snapshot WHERE t_ns <= ?1 AND batch <= (SELECT max(id) FROM batch WHERE t_ns <= ?1) ORDER BY batch DESC LIMIT 1";
+        let sql = "SELECT batch, body FROM snapshot WHERE t_ns <= ?1 AND batch <= (SELECT id FROM batch WHERE t_ns <= ?1 ORDER BY t_ns DESC, id DESC LIMIT 1) \
+                   ORDER BY batch DESC LIMIT 1";
         self.connection
             .query_row(sql, params![to.0], |row| Ok((row.get(0)?, row.get(1)?)))
             .optional()

@@ -5,9 +5,10 @@
 
 use super::check::{CheckProgress, Damage, Visitor, check_groups, check_schema};
 use super::closing;
-use super::open::connect;
-use super::schema::{self, write_error};
+use super::connect::connect;
+use super::schema::{self, remove, write_error};
 use super::seal::Seal;
+use super::segment_join::{Joined, SegmentChain};
 use super::tables::{ALL, TABLES, Table};
 use crate::error::RecordError;
 use apex_model::time::Time;
@@ -38,6 +39,11 @@ pub fn recover(from: &Path, to: &Path) -> Result<Recovered, RecordError> {
     if same {
         return Err(RecordError::Question(format!("{} cannot be recovered into itself", from.display())));
     }
+    match SegmentChain::open(from) {
+        Ok(Some(chain)) => return recover_segments(&chain, from, to),
+        // A segment whose earlier files are gone is saved alone; what else is wrong with it shows below.
+        Ok(None) | Err(_) => {}
+    }
     let (source, _, _copy) = connect(from)?;
     let damaged = |what| RecordError::Damaged { path: from.to_path_buf(), what };
     check_schema(&source).map_err(damaged)?;
@@ -66,10 +72,23 @@ pub fn recover(from: &Path, to: &Path) -> Result<Recovered, RecordError> {
     Ok(Recovered { groups: position.link.id, steps: position.batch, until: position.now, damage })
 }
 
-/// Removes a new record that holds no rows.
-pub(super) fn remove(path: &Path) {
-    for suffix in ["", "-wal", "-shm"] {
-        let _ = std::fs::remove_file(schema::sibling(path, suffix));
+/// Joins the segments of a record into one file.
+fn recover_segments(chain: &SegmentChain, from: &Path, to: &Path) -> Result<Recovered, RecordError> {
+    let is_one = |path: &Path| std::fs::canonicalize(path).ok() == std::fs::canonicalize(to).ok();
+    if to.exists() && chain.paths().iter().any(|path| is_one(path)) {
+        return Err(RecordError::Question(format!("{} cannot be recovered into one of its segments.", from.display())));
+    }
+    let target = schema::create(to)?;
+    match chain.join_into(&target, to) {
+        Ok(Joined { position, damage }) => {
+            closing::close(target, to)?;
+            Ok(Recovered { groups: position.link.id, steps: position.batch, until: position.now, damage })
+        }
+        Err(error) => {
+            drop(target);
+            remove(to);
+            Err(error)
+        }
     }
 }
 

@@ -9,6 +9,9 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+/// Bytes of one page of the file: SQLite's default, with which the file is made.
+pub(super) const PAGE_BYTES: u64 = 4096;
+
 /// `APEX` in ASCII: the mark of a flight record in SQLite's header.
 pub const APPLICATION_ID: i64 = 0x4150_4558;
 /// The version of the format that this program writes, and the only one that it reads.
@@ -117,7 +120,22 @@ pub(super) fn look(path: &Path) -> Result<FileState, RecordError> {
     })
 }
 
-/// Returns the names of the agents in the record, in the order of their numbers.
+/// Sets the largest size of the file.
+pub(super) fn limit_bytes(connection: &Connection, path: &Path, bytes: u64) -> Result<(), RecordError> {
+    let pages = (bytes / PAGE_BYTES).clamp(1, u64::from(u32::MAX - 1));
+    connection
+        .query_row(&format!("PRAGMA max_page_count = {pages}"), [], |_| Ok(()))
+        .map_err(|error| write_error(path, "setting its largest size", error))
+}
+
+/// Removes a new record that holds no rows.
+pub(super) fn remove(path: &Path) {
+    for suffix in ["", "-wal", "-shm"] {
+        let _ = std::fs::remove_file(sibling(path, suffix));
+    }
+}
+
+/// The names of the agents in the record, in the order of their numbers.
 ///
 /// # Errors
 /// SQLite's own.

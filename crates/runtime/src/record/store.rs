@@ -5,9 +5,11 @@
 use super::checkpoints::Checkpoints;
 use super::closing;
 use super::difference::RowDifference;
+use super::disk_news::{DiskNews, RecordingLoss, reason_of};
 use super::kept_rows::KeptRows;
-use super::schema::{self, write_error};
+use super::schema::{self, limit_bytes, write_error};
 use super::seal::{ChainPosition, Sealer};
+use super::segments::{self, SegmentPlaces};
 use super::signature::{self, SigningKey};
 use super::tables::{TABLES, Table};
 use crate::error::RecordError;
@@ -17,9 +19,6 @@ use rusqlite::types::{ToSqlOutput, ValueRef};
 use rusqlite::{Connection, params, params_from_iter};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-
-/// Bytes of one page of the file: SQLite's default, with which the file is made.
-const PAGE_BYTES: u64 = 4096;
 
 /// A cell of a row, as SQLite stores it.
 pub(super) type SqlValue<'c> = ValueRef<'c>;
@@ -79,24 +78,6 @@ pub(super) trait RowStore: Send {
     }
 }
 
-/// A message about the disk under a record.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum DiskNews {
-    /// A write failed, for this reason: steps are kept in memory from now on.
-    Lost(String),
-    /// The kept steps are stored.
-    Resumed(Resumption),
-}
-
-/// The continuation of a record.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Resumption {
-    /// Steps that were kept in memory.
-    pub(super) kept: u64,
-    /// First and last batch of those that memory could not keep.
-    pub(super) gap: Option<(i64, i64)>,
-}
-
 /// Durability of a committed group.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Durability {
@@ -108,7 +89,7 @@ pub enum Durability {
 }
 
 impl Durability {
-    fn pragma(self) -> &'static str {
+    pub(super) fn pragma(self) -> &'static str {
         match self {
             Durability::Program => "PRAGMA synchronous = NORMAL",
             Durability::Power => "PRAGMA synchronous = FULL",
@@ -118,37 +99,35 @@ impl Durability {
 
 /// An open record file.
 pub(super) struct Store {
-    path: PathBuf,
+    pub(super) path: PathBuf,
     /// None after it was closed.
-    connection: Option<Connection>,
+    pub(super) connection: Option<Connection>,
     /// Copies what is committed into the main file from time to time.
-    checkpoints: Option<Checkpoints>,
-    group: Option<OpenTransaction>,
-    sealer: Sealer,
-    link: ChainPosition,
-    counts: [u64; TABLES],
+    pub(super) checkpoints: Option<Checkpoints>,
+    pub(super) group: Option<OpenTransaction>,
+    pub(super) sealer: Sealer,
+    /// The last committed group.
+    pub(super) link: ChainPosition,
+    /// Number of the last committed step.
+    pub(super) committed_batch: i64,
+    pub(super) counts: [u64; TABLES],
     inserts: [String; TABLES],
     /// A write failed; nothing is written after it.
     broken: bool,
     now: Time,
     /// Rows that are not committed.
-    kept: KeptRows,
+    pub(super) kept: KeptRows,
     outlives_disk: bool,
     /// A write has failed during the flight.
-    loss: Option<RecordingLoss>,
-    news: Vec<DiskNews>,
+    pub(super) loss: Option<RecordingLoss>,
+    pub(super) news: Vec<DiskNews>,
+    pub(super) durability: Durability,
+    pub(super) places: SegmentPlaces,
     signing_key: Option<SigningKey>,
 }
 
-/// Since when and why nothing is written.
-struct RecordingLoss {
-    since: Time,
-    reason: String,
-    tried: Instant,
-}
-
 /// An open transaction.
-struct OpenTransaction {
+pub(super) struct OpenTransaction {
     began: Instant,
     batches: u32,
 }
@@ -156,13 +135,14 @@ struct OpenTransaction {
 impl Store {
     pub(super) fn create(
         path: &Path,
-        bytes_max: Option<u64>,
+        places: SegmentPlaces,
         durability: Durability,
         kept_bytes_max: usize,
     ) -> Result<Store, RecordError> {
+        segments::outlive_file_size_limits();
         let connection = schema::create(path)?;
         connection.execute_batch(durability.pragma()).map_err(|error| write_error(path, "opening it", error))?;
-        if let Some(bytes) = bytes_max {
+        if let Some(bytes) = places.bytes_max {
             limit_bytes(&connection, path, bytes)?;
         }
         connection.set_prepared_statement_cache_capacity(2 * TABLES);
@@ -173,6 +153,7 @@ impl Store {
             group: None,
             sealer: Sealer::default(),
             link: ChainPosition::default(),
+            committed_batch: 0,
             counts: [0; TABLES],
             inserts: super::tables::ALL.map(Table::insert),
             broken: false,
@@ -181,6 +162,8 @@ impl Store {
             outlives_disk: false,
             loss: None,
             news: Vec::new(),
+            durability,
+            places,
             signing_key: None,
         })
     }
@@ -195,7 +178,11 @@ impl Store {
     }
 
     /// Writes a row into the open group.
-    fn store<'c>(&mut self, table: Table, row: impl Iterator<Item = SqlValue<'c>> + Clone) -> rusqlite::Result<()> {
+    pub(super) fn store<'c>(
+        &mut self,
+        table: Table,
+        row: impl Iterator<Item = SqlValue<'c>> + Clone,
+    ) -> rusqlite::Result<()> {
         self.open_group()?;
         let index = table.index();
         let (Some(connection), Some(sql)) = (&self.connection, self.inserts.get(index)) else {
@@ -206,17 +193,21 @@ impl Store {
         Ok(())
     }
 
-    fn seal_and_commit(&mut self) -> rusqlite::Result<()> {
+    pub(super) fn seal_and_commit(&mut self) -> rusqlite::Result<()> {
         let Some(connection) = &self.connection else { return Ok(()) };
+        let batch = self.counts.get(Table::Batch.index()).copied().unwrap_or(0).cast_signed();
+        let mut link = self.link;
         if !self.sealer.is_empty() {
-            let batch = self.counts.get(Table::Batch.index()).copied().unwrap_or(0).cast_signed();
             let seal = self.sealer.seal(self.link, self.now.0, batch);
             let sql = "INSERT INTO seal VALUES (?1, ?2, ?3, ?4, ?5)";
             let row = params![seal.id, seal.t_ns, seal.batch, seal.count_bytes(), seal.chain];
             connection.prepare_cached(sql)?.execute(row)?;
-            self.link = seal.link();
+            link = seal.link();
         }
-        connection.prepare_cached("COMMIT")?.execute([]).map(|_| ())
+        connection.prepare_cached("COMMIT")?.execute([])?;
+        // A group whose commit fails is not part of the chain.
+        (self.link, self.committed_batch) = (link, batch);
+        Ok(())
     }
 
     /// Handles a failed write. In a flight its steps stay in memory; before, nothing more is written: half a step in the record would be
@@ -231,52 +222,18 @@ impl Store {
         if self.loss.is_none() {
             let reason = reason_of(&error);
             self.news.push(DiskNews::Lost(reason.clone()));
-            self.loss = Some(RecordingLoss { since: self.now, reason, tried: Instant::now() });
+            self.loss = Some(RecordingLoss::new(self.now, reason));
         }
         Ok(())
     }
 
-    /// Tries to store what was kept since a write failed.
-    fn resume(&mut self) {
-        self.group = None;
-        let kept = std::mem::replace(&mut self.kept, KeptRows::new(0));
-        let stored = kept.each(|table, cells| self.store(table, cells.iter().copied()));
-        let stored = stored.and_then(|()| self.store_gap(&kept)).and_then(|()| self.seal_and_commit());
-        let resumption =
-            Resumption { kept: kept.steps(), gap: kept.gap().map(|gap| (gap.first_batch, gap.last_batch)) };
-        self.kept = kept;
-        match stored {
-            Ok(()) => {
-                self.group = None;
-                self.kept.clear();
-                self.loss = None;
-                self.news.push(DiskNews::Resumed(resumption));
-            }
-            Err(_) => {
-                self.abandon_group();
-                if let Some(loss) = &mut self.loss {
-                    loss.tried = Instant::now();
-                }
-            }
-        }
-    }
-
-    /// Says in the record which steps it does not have.
-    fn store_gap(&mut self, kept: &KeptRows) -> rusqlite::Result<()> {
-        let Some(gap) = kept.gap() else { return Ok(()) };
-        let batches = format!("{} {}", gap.first_batch, gap.last_batch);
-        let position = self.next_position(Table::Meta);
-        let row = position.into_iter().chain([text(Some(GAP)), text(Some(&batches))]);
-        self.store(Table::Meta, row)
-    }
-
-    fn next_position<'c>(&mut self, table: Table) -> Option<SqlValue<'c>> {
+    pub(super) fn next_position<'c>(&mut self, table: Table) -> Option<SqlValue<'c>> {
         let count = self.counts.get_mut(table.index())?;
         *count += 1;
         table.is_numbered().then_some(ValueRef::Integer(count.cast_signed()))
     }
 
-    fn abandon_group(&mut self) {
+    pub(super) fn abandon_group(&mut self) {
         self.group = None;
         self.sealer.clear();
         if let Some(connection) = self.connection.as_ref().filter(|connection| !connection.is_autocommit()) {
@@ -320,7 +277,7 @@ impl RowStore for Store {
 
     fn commit(&mut self) -> Result<(), RecordError> {
         if self.loss.as_ref().is_some_and(|loss| loss.tried.elapsed() >= RECORDING_RETRY_INTERVAL) {
-            self.resume();
+            self.resume(false);
         }
         if self.loss.is_some() || self.group.take().is_none() || self.broken {
             return Ok(());
@@ -343,6 +300,7 @@ impl RowStore for Store {
     }
 
     fn set_bytes_max(&mut self, bytes: u64) -> Result<(), RecordError> {
+        self.places.bytes_max = Some(bytes);
         self.connection.as_ref().map_or(Ok(()), |connection| limit_bytes(connection, &self.path, bytes))
     }
 
@@ -353,7 +311,7 @@ impl RowStore for Store {
     fn close(&mut self) -> Result<(), RecordError> {
         self.commit()?;
         if self.loss.is_some() {
-            self.resume();
+            self.resume(true);
         }
         if let Some(RecordingLoss { since, reason, .. }) = &self.loss {
             let (path, since, reason) = (self.path.clone(), *since, reason.clone());
@@ -376,25 +334,6 @@ impl RowStore for Store {
         &self.path
     }
 }
-
-fn limit_bytes(connection: &Connection, path: &Path, bytes: u64) -> Result<(), RecordError> {
-    let pages = (bytes / PAGE_BYTES).clamp(1, u64::from(u32::MAX - 1));
-    connection
-        .query_row(&format!("PRAGMA max_page_count = {pages}"), [], |_| Ok(()))
-        .map_err(|error| write_error(path, "setting its largest size", error))
-}
-
-/// Returns the reason in a few words.
-fn reason_of(error: &RecordError) -> String {
-    match error {
-        RecordError::DiskFull { .. } => "the disk is full".into(),
-        RecordError::Unwritable { reason, .. } => reason.clone(),
-        other => other.to_string(),
-    }
-}
-
-/// The fact that names steps which are not in the record: numbers of the first and the last.
-pub(super) const GAP: &str = "gap";
 
 impl Drop for Store {
     /// Keeps the stored steps, also if the record was never finished; it then states that it is incomplete.

@@ -2,35 +2,13 @@
 
 use super::effect_access::Effects;
 use super::effects::EffectKind;
+use super::known_tasks::{KnownTasks, TaskRow};
 use super::reader::RecordReader;
 use crate::error::RecordError;
 use apex_model::effect::{Decision, DecisionKind, Effect};
 use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;
-use std::collections::BTreeMap;
-
-/// A task with everything that became of it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct TaskRow {
-    /// The task.
-    pub id: TaskId,
-    /// Its parent.
-    pub parent: Option<TaskId>,
-    /// The step's tag.
-    pub tag: String,
-    /// Its goal, as known last.
-    pub goal: String,
-    /// Instant of its creation.
-    pub created: Time,
-    /// Instant of its end, if it has ended.
-    pub ended: Option<Time>,
-    /// `success`, `failure` or `cut`, if it has ended.
-    pub outcome: Option<String>,
-    /// `procedure file.pdl:3:1`, if one was selected.
-    pub method: Option<String>,
-    /// `file:line:column` of its step.
-    pub place: Option<String>,
-}
+use std::sync::PoisonError;
 
 impl TaskRow {
     /// Returns a task as it was created; `None` for another decision.
@@ -50,15 +28,12 @@ impl TaskRow {
     }
 }
 
-impl RecordReader {
-    /// Returns all tasks, oldest first.
-    ///
-    /// # Errors
-    /// [`RecordError::Damaged`].
-    pub fn tasks(&self) -> Result<Vec<TaskRow>, RecordError> {
-        let mut tasks: BTreeMap<u64, TaskRow> = BTreeMap::new();
-        let effects = self.effects()?;
-        effects.scan(0..effects.table.len(), EffectKind::wanted_of_tasks, |found| {
+impl KnownTasks {
+    /// Reads the effects that were written since the last call.
+    fn refresh(&mut self, effects: &Effects<'_>) -> Result<(), RecordError> {
+        let KnownTasks { read_to, tasks } = self;
+        let end = effects.table.len();
+        effects.scan(*read_to..end, EffectKind::wanted_of_tasks, |found| {
             let Some(id) = found.task else { return Ok(()) };
             match (&found.effect, tasks.get_mut(&id)) {
                 (None, Some(task)) => {
@@ -67,7 +42,7 @@ impl RecordReader {
                 }
                 (Some(Effect::Decided(decision)), known) => match (&decision.kind, known) {
                     (DecisionKind::Created { .. }, _) => {
-                        tasks.extend(TaskRow::created(id, found.at, decision, &effects).map(|task| (id, task)));
+                        tasks.extend(TaskRow::created(id, found.at, decision, effects).map(|task| (id, task)));
                     }
                     (DecisionKind::Selected { method, goal, .. }, Some(task)) => {
                         (task.goal, task.method) = (goal.to_string(), Some(effects.method(method)));
@@ -78,6 +53,20 @@ impl RecordReader {
             }
             Ok(())
         })?;
-        Ok(tasks.into_values().collect())
+        *read_to = end;
+        Ok(())
+    }
+}
+
+impl RecordReader {
+    /// All tasks, oldest first. Each effect is read once, however often this is asked.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub fn tasks(&self) -> Result<Vec<TaskRow>, RecordError> {
+        let effects = self.effects()?;
+        let mut known = self.known_tasks.lock().unwrap_or_else(PoisonError::into_inner);
+        known.refresh(&effects).inspect_err(|_| *known = KnownTasks::default())?;
+        Ok(known.tasks.values().cloned().collect())
     }
 }

@@ -3,9 +3,11 @@
 
 use super::codec::{self, Variables};
 use super::difference::RowDifference;
+use super::disk_news::{DiskNews, Resumption};
 use super::effects::EffectEncoder;
+use super::segments::{SEGMENT_SNAPSHOT, SegmentPlaces};
 use super::signature::SigningKey;
-use super::store::{DiskNews, Durability, Resumption, RowStore, SqlValue, Store, real, text};
+use super::store::{Durability, RowStore, SqlValue, Store, real, text};
 use super::tables::Table;
 use super::track::{TrackRow, TrackWatcher};
 use crate::error::RecordError;
@@ -17,7 +19,7 @@ use apex_model::event::{Batch, SolverReport};
 use apex_model::library::Library;
 use apex_model::time::Time;
 use apex_model::value::Value;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The fact that names the vehicle whose measurements make the track.
 pub(super) const TRACK_OF: &str = "track_of";
@@ -35,8 +37,10 @@ pub const SIGNED_BY: &str = "signed_by";
 pub struct RecordOptions {
     /// The vehicle whose measurements make the track, for example `aircraft-1`; none draws no track.
     pub vehicle: Option<String>,
-    /// Largest size of the file in bytes; none is as much as the disk holds.
+    /// Largest size of each file in the record's folder, in bytes; none is as much as the disk holds.
     pub bytes_max: Option<u64>,
+    /// Folder on another disk, in which the record continues when its own takes nothing.
+    pub spare_folder: Option<PathBuf>,
     /// Durability of a committed group.
     pub durability: Durability,
     /// Bytes of the newest steps that are kept in memory while the disk takes none; none is [`RECORDING_KEPT_BYTES_MAX`].
@@ -67,6 +71,8 @@ pub struct Recorder {
 #[derive(Default)]
 struct RecordedAgent {
     snapshots: Snapshots,
+    /// A segment has begun, from which states are to be restored without its earlier files.
+    begins_segment: bool,
 }
 
 /// Schedule of snapshots, by their size.
@@ -95,7 +101,8 @@ impl Recorder {
     /// [`RecordError`] with what, where, why and what to do.
     pub fn create(path: &Path, library: &Library, options: RecordOptions) -> Result<Recorder, RecordError> {
         let kept_bytes_max = options.kept_bytes_max.unwrap_or(RECORDING_KEPT_BYTES_MAX);
-        let store = Store::create(path, options.bytes_max, options.durability, kept_bytes_max)?;
+        let places = SegmentPlaces { spare_folder: options.spare_folder, bytes_max: options.bytes_max };
+        let store = Store::create(path, places, options.durability, kept_bytes_max)?;
         let mut recorder = Recorder::with_store(Box::new(store), library, options.vehicle.as_deref())?;
         recorder.meta("apex_version", env!("CARGO_PKG_VERSION"))?;
         recorder.meta("complete", "0")?;
@@ -275,6 +282,7 @@ impl Recorder {
     /// Stores the agent and the mission's situation when a snapshot is due.
     fn store_snapshot(&mut self, agent: &Agent, deliberator: &dyn Deliberator, now: Time) -> Result<(), RecordError> {
         let Some(recorded) = self.agents.get_mut(self.turn) else { return Ok(()) };
+        let begins_segment = std::mem::take(&mut recorded.begins_segment);
         if recorded.snapshots.is_due() {
             let encoded = postcard::to_stdvec(agent);
             let body = encoded.map_err(|error| self.store.unstorable("the agent", error.to_string()))?;
@@ -282,15 +290,29 @@ impl Recorder {
             let is_wanted = std::mem::take(&mut recorded.snapshots.is_wanted);
             recorded.snapshots.impossible = body.len() > SNAPSHOT_BYTES_MAX;
             if is_wanted || !recorded.snapshots.impossible {
-                let (batch, now) = (SqlValue::Integer(self.batch), SqlValue::Integer(now.0));
-                let row = [batch, now, SqlValue::Blob(&body), SqlValue::Integer(self.turn as i64)];
-                self.store.insert("storing a snapshot", Table::Snapshot, &row)?;
-                if let Some(body) = deliberator.snapshot() {
-                    self.store.insert("storing a snapshot", Table::Situation, &[batch, now, SqlValue::Blob(&body)])?;
-                }
+                self.store_state(&body, deliberator, now)?;
             }
+        } else if begins_segment {
+            // The schedule stays that of the whole record, so that a replay of the joined segments takes the same snapshots.
+            let encoded = postcard::to_stdvec(agent);
+            let body = encoded.map_err(|error| self.store.unstorable("the agent", error.to_string()))?;
+            self.store_state(&body, deliberator, now)?;
+            self.meta(SEGMENT_SNAPSHOT, &self.batch.to_string())?;
         }
         self.store.end_step()
+    }
+
+    /// Stores an agent, as `body`, and the mission's situation after the last step.
+    fn store_state(&mut self, body: &[u8], deliberator: &dyn Deliberator, now: Time) -> Result<(), RecordError> {
+        let (batch, now) = (SqlValue::Integer(self.batch), SqlValue::Integer(now.0));
+        let row = [batch, now, SqlValue::Blob(body), SqlValue::Integer(self.turn as i64)];
+        self.store.insert("storing a snapshot", Table::Snapshot, &row)?;
+        match deliberator.snapshot() {
+            Some(body) => {
+                self.store.insert("storing a snapshot", Table::Situation, &[batch, now, SqlValue::Blob(&body)])
+            }
+            None => Ok(()),
+        }
     }
 
     fn store_problem(&mut self, request: &SolveRequest, at: Time, problem: &str) -> Result<(), RecordError> {
@@ -367,9 +389,12 @@ impl Observer for Recorder {
 
     fn take_news(&mut self) -> Option<News> {
         let news = self.store.take_news()?;
-        if let DiskNews::Resumed(Resumption { gap: Some(_), .. }) = news {
-            // What follows a gap is restored from a snapshot.
-            self.agents.iter_mut().for_each(|agent| agent.snapshots.is_wanted = true);
+        if let DiskNews::Resumed(Resumption { gap, segment, .. }) = &news {
+            // What follows a gap is restored from a snapshot, and so is what a segment holds.
+            for agent in &mut self.agents {
+                agent.snapshots.is_wanted |= gap.is_some();
+                agent.begins_segment |= segment.is_some();
+            }
         }
         Some(news_of(&news))
     }
@@ -384,14 +409,18 @@ fn news_of(news: &DiskNews) -> News {
             message: Value::list([word("recording-lost"), Value::text(reason)]),
             note: format!("{RECORDING_LOST}: {reason}; it continues, and its newest steps are kept in memory"),
         },
-        DiskNews::Resumed(Resumption { kept, gap }) => {
+        DiskNews::Resumed(Resumption { kept, gap, segment }) => {
+            let place = segment.as_ref().map(|path| format!(" in the new segment {}", path.display()));
+            let place = place.unwrap_or_default();
             let dropped = gap.map_or(0, |(first, last)| u64::try_from(last - first + 1).unwrap_or(0));
             let note = match gap {
                 None => {
-                    format!("{RECORDING_RESUMED}, without a gap: {kept} steps that were kept in memory are stored")
+                    format!(
+                        "{RECORDING_RESUMED}{place}, without a gap: {kept} steps that were kept in memory are stored"
+                    )
                 }
                 Some((first, last)) => format!(
-                    "{RECORDING_RESUMED}: {kept} steps that were kept in memory are stored; steps {first} to {last} are \
+                    "{RECORDING_RESUMED}{place}: {kept} steps that were kept in memory are stored; steps {first} to {last} are \
                      not in the record"
                 ),
             };

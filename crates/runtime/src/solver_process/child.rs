@@ -14,8 +14,11 @@ use std::time::{Duration, Instant};
 
 /// Lines that wait to be read; a program that says more waits.
 const LINES_WAITING_MAX: usize = 4;
-/// Wall time that a program which has closed its output may take to end.
+/// Wall time that a program which has closed its output, and has other files open, may take to end.
 const END_PATIENCE: Duration = Duration::from_millis(500);
+/// Wall time that the system may take to end a program which has no open file any longer, and this program to read its last words: a
+/// busy computer takes seconds.
+const EXIT_PATIENCE: Duration = Duration::from_secs(10);
 
 /// Limits of a running program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -154,7 +157,7 @@ impl Running {
         let status = loop {
             match self.child.try_wait() {
                 Ok(Some(status)) => break Some(status),
-                Ok(None) if since.elapsed() < END_PATIENCE => thread::sleep(Duration::from_millis(2)),
+                Ok(None) if since.elapsed() < self.patience() => thread::sleep(Duration::from_millis(2)),
                 Ok(None) | Err(_) => break None,
             }
         };
@@ -162,8 +165,13 @@ impl Running {
             None => "closed its output without an answer".to_string(),
             Some(status) => self.words_of(status),
         };
-        // The thread that reads them may be behind; it ends with the pipe, which a child of the program can hold open.
-        while !self.errors.as_ref().is_none_or(JoinHandle::is_finished) && since.elapsed() < END_PATIENCE {
+        if status.is_some() {
+            // What it started would hold the pipe of its last words open.
+            self.kill_group();
+        }
+        // The thread that reads them may be behind; it ends with the pipe.
+        let patience = if status.is_some() { EXIT_PATIENCE } else { END_PATIENCE };
+        while !self.errors.as_ref().is_none_or(JoinHandle::is_finished) && since.elapsed() < patience {
             thread::sleep(Duration::from_millis(2));
         }
         let mut words = self.last_words.lock().unwrap_or_else(PoisonError::into_inner);
@@ -173,6 +181,20 @@ impl Running {
         match last.get(from..).unwrap_or_default() {
             [] => how,
             last => format!("{how}; its last words: `{}`", excerpt_of(&last.join(" / "))),
+        }
+    }
+
+    /// Wall time within which a program that has closed its output must end.
+    fn patience(&self) -> Duration {
+        if has_no_files(self.child.id()) { EXIT_PATIENCE } else { END_PATIENCE }
+    }
+
+    /// Kills the program and what it started.
+    fn kill_group(&self) {
+        #[cfg(unix)]
+        if let Some(group) = i32::try_from(self.child.id()).ok().and_then(rustix::process::Pid::from_raw) {
+            // It has ended already, as it should.
+            let _ = rustix::process::kill_process_group(group, rustix::process::Signal::KILL);
         }
     }
 
@@ -207,17 +229,19 @@ fn excerpt_of(text: &str) -> String {
 impl Drop for Running {
     /// Kills the program and what it started, and leaves no zombie.
     fn drop(&mut self) {
-        #[cfg(unix)]
-        if let Some(group) = i32::try_from(self.child.id()).ok().and_then(rustix::process::Pid::from_raw) {
-            // It has ended already, as it should.
-            let _ = rustix::process::kill_process_group(group, rustix::process::Signal::KILL);
-        }
+        self.kill_group();
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 }
 
-/// Returns bytes of memory that a process holds now; `None` if the system does not tell.
+/// True for a process that the system is ending: it has closed all of its files. False where the system does not tell.
+fn has_no_files(process: u32) -> bool {
+    cfg!(target_os = "linux")
+        && std::fs::read_dir(format!("/proc/{process}/fd")).map_or(true, |mut files| files.next().is_none())
+}
+
+/// Bytes of memory that a process holds now; none where the system does not tell.
 fn resident_bytes(process: u32) -> Option<u64> {
     let told = std::fs::read_to_string(format!("/proc/{process}/status")).ok()?;
     let line = told.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;

@@ -9,4 +9,5 @@ mod memory;
 mod paced;
 mod recording;
 mod recording_lost;
+mod segments;
 mod support;

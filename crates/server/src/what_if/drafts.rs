@@ -1,13 +1,12 @@
 //! `POST /api/drafts`: an order of visits, planned and checked from the situation of an instant.
 
 use crate::answer::{ApiError, ApiResult};
-use crate::state::{Shared, blocking, no_record};
+use crate::state::{Shared, blocking};
 use crate::what_if::request::DraftRequest;
 use apex_mission::deliberation::draft as plan_draft;
 use apex_mission::recorded::mission_of;
 use apex_mission::situation::OperatorPlan;
 use apex_model::time::Time;
-use apex_runtime::record::RecordReader;
 use apex_runtime::record::view::PlanInForce;
 use axum::Json;
 use axum::extract::State;
@@ -52,7 +51,7 @@ pub(crate) async fn draft(
     })?;
     let answer = blocking(move || {
         let what_if = state.what_if()?;
-        let reader = RecordReader::open(state.record.as_ref().ok_or_else(no_record)?)?;
+        let reader = state.reader()?;
         let mission = mission_of(&reader)?.ok_or_else(|| {
             ApiError::bad_request("the record is not of a mission", "drafts need the targets of a mission")
         })?;

@@ -13,7 +13,6 @@ use apex_model::event::Batch;
 use apex_model::time::Time;
 use apex_runtime::Control;
 use apex_runtime::ports::Observer;
-use apex_runtime::record::RecordReader;
 use apex_simulation::{ForkTerms, Forked, WorldChanges, fork};
 use axum::Json;
 use axum::extract::rejection::{JsonRejection, PathRejection};
@@ -118,8 +117,8 @@ fn fly(
     flight: &ForkFlight,
     controls: Receiver<Control>,
 ) -> MissionResult<String> {
-    let (Some(record), Some(what_if)) = (&state.record, &state.what_if) else { return Ok(String::new()) };
-    let reader = RecordReader::open(record).map_err(recording::read)?;
+    let (Some(views), Some(what_if)) = (&state.views, &state.what_if) else { return Ok(String::new()) };
+    let reader = views.reader().map_err(recording::read)?;
     let wind = match request.wind_factor {
         Some(factor) => recorded::mission_of(&reader)?.map(|mission| scaled_wind(&mission.weather, factor)),
         None => None,

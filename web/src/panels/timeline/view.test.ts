@@ -1,4 +1,5 @@
 import { describe, expect, it } from 'vitest';
+import { unpackBands } from '../../record/bands';
 import type { Band, Bar, Target, Timeline, Track, Trouble } from '../../record/types';
 import {
   barAt,
@@ -43,6 +44,7 @@ describe('lanes', () => {
     from_ns: 0,
     to_ns: 1000,
     at_ns: 1000,
+    pixel_ns: 1,
     more: { lanes: 0, tasks: 0, bands: [] },
     lanes: [
       { ...lane, tasks: 1, rows: [[bar(1, 0, 500)]] },
@@ -93,11 +95,19 @@ describe('lanes', () => {
     expect(known).toEqual([{ x: NAMES_PX, width: 300, state: 'ongoing', task: 1 }]);
   });
 
-  const band = (from_ns: number, to_ns: number, count: number, ongoing: number): Band => ({
-    from_ns,
-    to_ns,
+  const band = (pixel: number, end: number, count: number, ongoing: number): Band => [
+    pixel,
+    end - pixel,
     count,
-    ongoing,
+    1000 * ongoing,
+  ];
+
+  it('measure bands in pixels, up to what is known', () => {
+    const window = { from_ns: 100, to_ns: 500, at_ns: 450, pixel_ns: 100 };
+    expect(unpackBands([band(0, 2, 7, 0.25), band(3, 4, 1, 1)], window)).toEqual([
+      { from_ns: 100, to_ns: 300, count: 7, ongoing: 0.25 },
+      { from_ns: 400, to_ns: 450, count: 1, ongoing: 1 },
+    ]);
   });
 
   it('draw dense stretches with their counts, and the lanes left out as the last one', () => {
@@ -115,10 +125,11 @@ describe('lanes', () => {
       ['fly line', 2 * ROW_PX],
       ['312 more lanes', ROW_PX],
     ]);
-    const runs = densityOf(bands, visible, 1000, scale);
+    const stretches = unpackBands(bands, timeline);
+    const runs = densityOf(stretches, visible, 1000, scale);
     expect(runs.map(run => run.count)).toEqual([12, 3]);
     expect(runs[0]?.blocks.map(block => block.share)).toEqual([0.5, 1]);
-    expect(densityOf(bands, visible, 400, scale)).toHaveLength(1);
+    expect(densityOf(stretches, visible, 400, scale)).toHaveLength(1);
   });
 });
 

@@ -1,7 +1,8 @@
 /** The timeline's geometry: times to pixels, lanes to rows, samples to strips; pure. */
 
 import type { Range } from '../../player/clock';
-import type { Band, Bar, TaskState, Timeline, Track, Trouble } from '../../record/types';
+import { type DenseBand, unpackBands } from '../../record/bands';
+import type { Bar, TaskState, Timeline, Track, Trouble } from '../../record/types';
 import { type Names, phrase } from '../../words/phrase';
 
 export { type Visit, visitsOf } from '../../record/visits';
@@ -52,7 +53,7 @@ export interface LaneRow {
   tasks: number;
   rows: Bar[][];
   /** Intervals too dense for bars; in the row below the bars if there are such. */
-  bands: Band[];
+  bands: DenseBand[];
 }
 
 /** The lanes below each other; a lane is as high as it has rows. The lanes beyond the limit are the last one. */
@@ -61,26 +62,27 @@ export function layLanes(
   names: Names = new Map(),
 ): { lanes: LaneRow[]; height: number } {
   let y = 0;
-  const place = (name: string, depth: number, tasks: number, rows: Bar[][], bands: Band[]): LaneRow => {
+  const place = (name: string, depth: number, tasks: number, rows: Bar[][], bands: DenseBand[]): LaneRow => {
     // Dense stretches lie in the first row unless that has bars.
     const height = Math.max(rows.length + (bandsApart({ rows, bands }) ? 1 : 0), 1) * ROW_PX;
     const row = { y, height, name, depth, tasks, rows, bands };
     y += height;
     return row;
   };
-  const lanes = (timeline?.lanes ?? []).map(lane =>
-    place(laneName(lane, names), lane.depth, lane.tasks, lane.rows, lane.bands),
+  if (!timeline) return { lanes: [], height: 0 };
+  const lanes = timeline.lanes.map(lane =>
+    place(laneName(lane, names), lane.depth, lane.tasks, lane.rows, unpackBands(lane.bands, timeline)),
   );
-  const more = timeline?.more;
-  if (more && more.lanes > 0) {
+  const more = timeline.more;
+  if (more.lanes > 0) {
     const name = `${more.lanes} more ${more.lanes === 1 ? 'lane' : 'lanes'}`;
-    lanes.push(place(name, 0, more.tasks, [], more.bands));
+    lanes.push(place(name, 0, more.tasks, [], unpackBands(more.bands, timeline)));
   }
   return { lanes, height: y };
 }
 
 /** True if a lane's bands need a row below its bars: they would cover them. */
-export function bandsApart(lane: { rows: Bar[][]; bands: Band[] }): boolean {
+export function bandsApart(lane: { rows: Bar[][]; bands: DenseBand[] }): boolean {
   return lane.rows.length > 0 && lane.bands.length > 0;
 }
 
@@ -100,7 +102,12 @@ export interface DenseRun {
 }
 
 /** Bands as blocks of at least a pixel, up to `atNs`; neighbours within three pixels are one run. */
-export function densityOf(bands: readonly Band[], visible: Range, atNs: number, scale: Scale): DenseRun[] {
+export function densityOf(
+  bands: readonly DenseBand[],
+  visible: Range,
+  atNs: number,
+  scale: Scale,
+): DenseRun[] {
   const runs: DenseRun[] = [];
   for (const band of bands) {
     const toNs = Math.min(band.to_ns, visible.toNs, atNs);

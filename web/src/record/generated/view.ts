@@ -232,25 +232,10 @@ from_ns: number,
 to_ns: number, };
 
 /**
- * A stretch of time, about a pixel wide, with more intervals than can be drawn.
+ * A stretch of time, about a pixel wide, with more intervals than can be drawn. As JSON: the list of its first pixel, its number of
+ * pixels, its count, and its ongoing share in thousandths.
  */
-export type Band = { 
-/**
- * Start, nanoseconds of mission time.
- */
-from_ns: number, 
-/**
- * End, nanoseconds of mission time.
- */
-to_ns: number, 
-/**
- * Number of intervals that begin here; 0 where intervals that began earlier continue.
- */
-count: number, 
-/**
- * Share of the time in which a task was ongoing, 0 to 1; 1 also where several were at once.
- */
-ongoing: number, };
+export type Band = [number, number, number, number];
 
 /**
  * The tasks of one step.
@@ -318,6 +303,10 @@ to_ns: number,
  * Mission time in nanoseconds up to which the flight is known.
  */
 at_ns: number, 
+/**
+ * Nanoseconds of a pixel, in which bands are measured.
+ */
+pixel_ns: number, 
 /**
  * In the order of the task tree: a lane comes before the lanes below it.
  */

@@ -17,6 +17,8 @@ pub(super) struct IndexedTask {
     pub(super) place: Option<String>,
     pub(super) created_ns: i64,
     pub(super) changes: Vec<Change>,
+    /// Nanoseconds that it was active before each change: enabled, ongoing or interrupted.
+    active_before_ns: Vec<i64>,
     /// Its goal: as created, then with the bindings of each selection that changed it.
     goals: Vec<(i64, Box<str>)>,
     /// The method of each selection; none from a new start of the step until it is selected again.
@@ -29,7 +31,7 @@ pub(super) struct Change {
     pub(super) at_ns: i64,
     pub(super) state: StateWord,
     /// Outcome, if it has ended. A step that repeats leaves the ended state again.
-    pub(super) outcome: Option<Box<str>>,
+    pub(super) outcome: Option<&'static str>,
 }
 
 /// All tasks by number.
@@ -75,7 +77,7 @@ impl TaskIndex {
             match found.effect {
                 None => {
                     let state = StateWord(found.kind.to.unwrap_or(TaskState::Pending));
-                    task.change(Change { at_ns, state, outcome: found.kind.outcome.map(Box::from) });
+                    task.change(Change { at_ns, state, outcome: found.kind.outcome });
                 }
                 Some(Effect::Decided(decision)) => task.decide(at_ns, &decision, &effects),
                 Some(_) => {}
@@ -102,7 +104,7 @@ impl IndexedTask {
                 self.tag = tag.to_string();
                 self.place = effects.place(decision);
                 self.created_ns = at_ns;
-                self.changes.push(Change { at_ns, state: StateWord(TaskState::Pending), outcome: None });
+                self.push(Change { at_ns, state: StateWord(TaskState::Pending), outcome: None });
                 self.set_goal(at_ns, goal.to_string());
             }
             DecisionKind::Selected { method, goal, .. } => {
@@ -124,10 +126,29 @@ impl IndexedTask {
         if change.state.0 == TaskState::Pending && self.methods.last().is_some_and(|(_, method)| method.is_some()) {
             self.methods.push((change.at_ns, None));
         }
+        self.push(change);
+    }
+
+    fn push(&mut self, change: Change) {
+        let before = self.active_until(change.at_ns);
+        self.active_before_ns.push(before);
         self.changes.push(change);
     }
 
-    /// Returns its goal as known at `at_ns`; empty before its creation.
+    /// Nanoseconds that it was active up to `at_ns`.
+    fn active_until(&self, at_ns: i64) -> i64 {
+        let Some(last) = self.changes.partition_point(|change| change.at_ns <= at_ns).checked_sub(1) else { return 0 };
+        let (Some(change), Some(before)) = (self.changes.get(last), self.active_before_ns.get(last)) else { return 0 };
+        let is_active = change.state.is_alive() && change.state.0 != TaskState::Pending;
+        if is_active { before + at_ns.saturating_sub(change.at_ns) } else { *before }
+    }
+
+    /// Nanoseconds of `from_ns..=to_ns` in which it was active.
+    pub(super) fn active_ns(&self, from_ns: i64, to_ns: i64) -> i64 {
+        (self.active_until(to_ns) - self.active_until(from_ns)).max(0)
+    }
+
+    /// Its goal as known at `at_ns`; empty before its creation.
     pub(super) fn goal_at(&self, at_ns: i64) -> &str {
         last_known(&self.goals, at_ns).map_or("", |goal| goal)
     }
@@ -145,8 +166,12 @@ impl IndexedTask {
 
     /// Returns the stretches in each state but the last (ended), cut to `from_ns..=to_ns`.
     pub(super) fn intervals(&self, from_ns: i64, to_ns: i64) -> impl Iterator<Item = Interval> + '_ {
-        let ends = self.changes.iter().skip(1).map(|next| next.at_ns).chain(std::iter::once(i64::MAX));
-        self.changes.iter().zip(ends).filter_map(move |(change, end)| {
+        // The one in force before the window may end where it begins.
+        let first = self.changes.partition_point(|change| change.at_ns < from_ns).saturating_sub(1);
+        let later = self.changes.partition_point(|change| change.at_ns <= to_ns);
+        let inside = self.changes.get(first..later).unwrap_or_default();
+        let ends = self.changes.iter().skip(first + 1).map(|next| next.at_ns).chain(std::iter::once(i64::MAX));
+        inside.iter().zip(ends).filter_map(move |(change, end)| {
             let interval = Interval { state: change.state, from_ns: change.at_ns.max(from_ns), to_ns: end.min(to_ns) };
             (change.state.is_alive() && interval.from_ns <= interval.to_ns).then_some(interval)
         })
@@ -188,9 +213,9 @@ mod tests {
     use super::*;
 
     fn task(changes: &[(i64, TaskState)]) -> IndexedTask {
-        let changes =
-            changes.iter().map(|&(at_ns, state)| Change { at_ns, state: StateWord(state), outcome: None }).collect();
-        IndexedTask { changes, ..IndexedTask::default() }
+        let mut task = IndexedTask::default();
+        changes.iter().for_each(|&(at_ns, state)| task.push(Change { at_ns, state: StateWord(state), outcome: None }));
+        task
     }
 
     #[test]

@@ -113,7 +113,19 @@ impl RecordView {
         &self.reader
     }
 
-    /// Returns the task index, up to date with the record.
+    /// Reads what questions about tasks, resources and signals need, so that the first of each finds it.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub fn prepare(&self) -> Result<(), RecordError> {
+        drop(self.tasks_index()?);
+        drop(self.current(&self.indexes.holdings, HoldingIndex::read_to, HoldingIndex::refresh)?);
+        drop(self.current(&self.indexes.faults, TroubleIndex::read_to, TroubleIndex::refresh)?); // english: allow
+        let mut samples = self.indexes.samples.lock().unwrap_or_else(PoisonError::into_inner);
+        samples.refresh(&self.reader, &[])
+    }
+
+    /// The task index, up to date with the record.
     fn tasks_index(&self) -> Result<RwLockReadGuard<'_, TaskIndex>, RecordError> {
         self.current(&self.indexes.tasks, TaskIndex::read_to, TaskIndex::refresh)
     }

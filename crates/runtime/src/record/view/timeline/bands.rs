@@ -4,15 +4,15 @@ use super::super::index::Interval;
 use super::shapes::Band;
 use super::window::Window;
 use apex_model::task::TaskState;
-use std::collections::BTreeMap;
 
 /// Intervals gathered by pixel.
 pub(super) struct Bands {
     window: Window,
-    pixels: BTreeMap<usize, Pixel>,
+    /// Up to the last one that has anything.
+    pixels: Vec<Option<Pixel>>,
 }
 
-#[derive(Default)]
+#[derive(Clone, Copy, Default)]
 struct Pixel {
     count: usize,
     ongoing_ns: i64,
@@ -20,7 +20,7 @@ struct Pixel {
 
 impl Bands {
     pub(super) fn new(window: Window) -> Bands {
-        Bands { window, pixels: BTreeMap::new() }
+        Bands { window, pixels: Vec::new() }
     }
 
     /// Adds an interval, which must lie in the window: it is counted in the pixel of its start.
@@ -29,13 +29,17 @@ impl Bands {
         let first = self.window.pixel(interval.from_ns);
         for at in first..=self.window.pixel(interval.to_ns) {
             let start_ns = self.window.start_ns(at);
-            let end_ns = start_ns.saturating_add(self.window.pixel_ns());
+            let end_ns = start_ns.saturating_add(self.window.pixel_ns);
             let inside_ns = interval.to_ns.min(end_ns).saturating_sub(interval.from_ns.max(start_ns));
             // An interval that ends where a pixel begins does not touch it.
             if at > first && inside_ns <= 0 {
                 continue;
             }
-            let pixel = self.pixels.entry(at).or_default();
+            if self.pixels.len() <= at {
+                self.pixels.resize(at + 1, None);
+            }
+            let Some(pixel) = self.pixels.get_mut(at) else { continue };
+            let pixel = pixel.get_or_insert_default();
             pixel.count += usize::from(at == first);
             if interval.state.0 == TaskState::Ongoing {
                 pixel.ongoing_ns = pixel.ongoing_ns.saturating_add(inside_ns.max(0));
@@ -45,17 +49,19 @@ impl Bands {
 
     /// Returns the bands by time; neighbours that only continue what began earlier are one band.
     pub(super) fn finish(self) -> Vec<Band> {
-        let pixel_ns = self.window.pixel_ns();
+        let pixel_ns = self.window.pixel_ns;
         let mut bands: Vec<Band> = Vec::new();
-        for (at, pixel) in self.pixels {
+        for (at, pixel) in self.pixels.into_iter().enumerate().filter_map(|(at, pixel)| Some((at, pixel?))) {
             let from_ns = self.window.start_ns(at);
             let to_ns = from_ns.saturating_add(pixel_ns).min(self.window.known_ns()).max(from_ns);
-            let ongoing = (pixel.ongoing_ns as f64 / pixel_ns as f64).min(1.0);
+            // In thousandths, as it is sent.
+            let ongoing = (pixel.ongoing_ns as f64 / pixel_ns as f64 * 1e3).round().min(1e3) / 1e3;
             match bands.last_mut() {
                 Some(last) if pixel.count == 0 && last.to_ns == from_ns && last.ongoing == ongoing => {
-                    last.to_ns = to_ns
+                    last.to_ns = to_ns;
+                    last.pixels += 1;
                 }
-                _ => bands.push(Band { from_ns, to_ns, count: pixel.count, ongoing }),
+                _ => bands.push(Band { from_ns, to_ns, pixel: at, pixels: 1, count: pixel.count, ongoing }),
             }
         }
         bands

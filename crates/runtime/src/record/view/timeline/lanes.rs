@@ -4,7 +4,6 @@ use super::super::index::{Interval, TaskIndex};
 use super::bands::Bands;
 use super::shapes::{Bar, Lane};
 use super::window::Window;
-use apex_model::task::TaskState;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Maximum number of rows of a lane: more tasks at once than this cannot be distinguished in a picture.
@@ -58,11 +57,9 @@ pub(super) fn gather(index: &TaskIndex, window: Window) -> Gathered {
         }
         lane_of_task.insert(id, at);
         let Some(group) = groups.get_mut(at) else { continue };
-        let mut drawn = task.drawn(window.from_ns, window.known_ns()).peekable();
-        if drawn.peek().is_some() {
+        if task.drawn(window.from_ns, window.known_ns()).next().is_some() {
             group.tasks.push(id);
-            group.active_ns +=
-                drawn.filter(|bar| bar.state.0 != TaskState::Pending).map(Interval::length_ns).sum::<i64>();
+            group.active_ns += task.active_ns(window.from_ns, window.known_ns());
         }
     }
     Gathered { groups, roots, lane_of_task }
@@ -81,17 +78,22 @@ pub(super) fn in_tree_order(groups: &[LaneTasks], roots: &[usize]) -> Vec<usize>
 /// Returns one lane: intervals of at least a pixel are bars, as are shorter ones that are not dense; the rest is bands.
 pub(super) fn lane(index: &TaskIndex, group: &LaneTasks, window: Window) -> Option<Lane> {
     let first = index.get(*group.tasks.first()?)?;
-    let dense = dense_pixels(index, group, window);
+    let drawn: Vec<(u64, Vec<Interval>)> = group
+        .tasks
+        .iter()
+        .filter_map(|&id| Some((id, index.get(id)?.drawn(window.from_ns, window.known_ns()).collect())))
+        .collect();
+    let dense = dense_pixels(&drawn, window);
     let mut rows: Vec<(i64, Vec<Bar>)> = Vec::new();
     let mut bands = Bands::new(window);
-    for &id in &group.tasks {
-        let drawn: Vec<Interval> = index.get(id)?.drawn(window.from_ns, window.known_ns()).collect();
+    for (id, drawn) in drawn {
         let (Some(start), Some(end)) = (drawn.first().map(|first| first.from_ns), drawn.last().map(|last| last.to_ns))
         else {
             continue;
         };
-        let is_band =
-            |interval: &Interval| is_small(*interval, window) && dense.contains(&window.pixel(interval.from_ns));
+        let is_band = |interval: &Interval| {
+            is_small(*interval, window) && dense.get(window.pixel(interval.from_ns)) == Some(&true)
+        };
         if drawn.iter().all(is_band) {
             drawn.into_iter().for_each(|interval| bands.add(interval));
             continue;
@@ -128,16 +130,18 @@ pub(super) fn lane(index: &TaskIndex, group: &LaneTasks, window: Window) -> Opti
 }
 
 fn is_small(interval: Interval, window: Window) -> bool {
-    interval.length_ns() < window.pixel_ns()
+    interval.length_ns() < window.pixel_ns
 }
 
-/// Returns the pixels with too many small intervals for bars.
-fn dense_pixels(index: &TaskIndex, group: &LaneTasks, window: Window) -> BTreeSet<usize> {
-    let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
-    for task in group.tasks.iter().filter_map(|&id| index.get(id)) {
-        for interval in task.drawn(window.from_ns, window.known_ns()).filter(|&interval| is_small(interval, window)) {
-            *counts.entry(window.pixel(interval.from_ns)).or_default() += 1;
+/// The pixels with too many small intervals for bars.
+fn dense_pixels(drawn: &[(u64, Vec<Interval>)], window: Window) -> Vec<bool> {
+    let mut counts = vec![0; window.pixels];
+    for (_, intervals) in drawn {
+        for interval in intervals.iter().filter(|interval| is_small(**interval, window)) {
+            if let Some(count) = counts.get_mut(window.pixel(interval.from_ns)) {
+                *count += 1;
+            }
         }
     }
-    counts.into_iter().filter(|(_, count)| *count >= DENSE_MIN).map(|(pixel, _)| pixel).collect()
+    counts.into_iter().map(|count: usize| count >= DENSE_MIN).collect()
 }

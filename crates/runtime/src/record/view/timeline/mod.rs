@@ -56,6 +56,8 @@ pub struct Timeline {
     pub to_ns: i64,
     /// Mission time in nanoseconds up to which the flight is known.
     pub at_ns: i64,
+    /// Nanoseconds of a pixel, in which bands are measured.
+    pub pixel_ns: i64,
     /// In the order of the task tree: a lane comes before the lanes below it.
     pub lanes: Vec<Lane>,
     /// The lanes that the limit leaves out; their tasks were active for less time.
@@ -82,12 +84,9 @@ impl RecordView {
     pub fn timeline(&mut self, query: &TimelineQuery) -> Result<Timeline, RecordError> {
         let end_ns = self.growth()?.end_ns;
         let from_ns = query.from_ns.map_or_else(|| self.first_ns(), Ok)?;
-        let window = Window {
-            from_ns,
-            to_ns: query.to_ns.unwrap_or(end_ns).max(from_ns),
-            at_ns: query.at_ns.unwrap_or(end_ns),
-            pixels: query.pixels.unwrap_or(PIXELS_DEFAULT).clamp(1, PIXELS_MAX),
-        };
+        let to_ns = query.to_ns.unwrap_or(end_ns).max(from_ns);
+        let pixels = query.pixels.unwrap_or(PIXELS_DEFAULT).clamp(1, PIXELS_MAX);
+        let window = Window::new((from_ns, to_ns), query.at_ns.unwrap_or(end_ns), pixels);
         let limit = query.lanes.unwrap_or(LANES_DEFAULT).clamp(1, LANES_MAX);
         Ok(draw(&*self.tasks_index()?, window, limit, query.with))
     }
@@ -112,6 +111,7 @@ fn draw(index: &TaskIndex, window: Window, limit: usize, with: Option<u64>) -> T
         from_ns: window.from_ns,
         to_ns: window.to_ns,
         at_ns: window.at_ns,
+        pixel_ns: window.pixel_ns,
         lanes,
         more: merge(index, rest, window),
     }

@@ -1,7 +1,7 @@
 //! Shapes of a lane of the timeline: bars and bands.
 
 use super::super::state::StateWord;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 /// The tasks of one step.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -37,16 +37,27 @@ pub struct Bar {
     pub to_ns: i64,
 }
 
-/// A stretch of time, about a pixel wide, with more intervals than can be drawn.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[cfg_attr(test, derive(ts_rs::TS))]
+/// A stretch of time, about a pixel wide, with more intervals than can be drawn. As JSON: the list of its first pixel, its number of
+/// pixels, its count, and its ongoing share in thousandths.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(test, derive(ts_rs::TS), ts(type = "[number, number, number, number]"))]
 pub struct Band {
     /// Start, nanoseconds of mission time.
     pub from_ns: i64,
     /// End, nanoseconds of mission time.
     pub to_ns: i64,
+    /// Its first pixel, from 0.
+    pub pixel: usize,
+    /// Its width in pixels.
+    pub pixels: usize,
     /// Number of intervals that begin here; 0 where intervals that began earlier continue.
     pub count: usize,
     /// Share of the time in which a task was ongoing, 0 to 1; 1 also where several were at once.
     pub ongoing: f64,
+}
+
+impl Serialize for Band {
+    fn serialize<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        (self.pixel, self.pixels, self.count, (self.ongoing * 1e3).round() as u32).serialize(out)
+    }
 }

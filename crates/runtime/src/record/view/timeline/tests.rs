@@ -62,15 +62,24 @@ fn every_interval_of_any_window_is_one_bar_or_counted_in_one_band() {
         let index = flight(&mut dice);
         let mut number = |limit: u64| i64::try_from(dice.below(limit)).unwrap();
         let from_ns = number(9_000);
-        let window =
-            Window { from_ns, to_ns: from_ns + number(9_000), at_ns: number(20_000), pixels: 1 + number(400) as usize };
+        let window = Window::new((from_ns, from_ns + number(9_000)), number(20_000), 1 + number(400) as usize);
         let timeline = draw(&index, window, 1 + number(12) as usize, None);
         let (bars, in_bands) = counted(&timeline);
-        assert_eq!(bars + in_bands, naive(&index, window).len(), "round {round}: {window:?}");
+        let every = naive(&index, window);
+        assert_eq!(bars + in_bands, every.len(), "round {round}: {window:?}");
+        let is_active = |interval: &&Interval| interval.state.0 != TaskState::Pending;
+        let active_ns: i64 = every.iter().filter(is_active).map(|interval| interval.length_ns()).sum();
+        let all = draw(&index, window, usize::MAX, None);
+        assert_eq!(all.lanes.iter().map(|lane| lane.active_ns).sum::<i64>(), active_ns, "round {round}: {window:?}");
         let marks = timeline.lanes.iter().map(|lane| lane.bands.len() + lane.rows.iter().map(Vec::len).sum::<usize>());
         assert!(marks.min().is_none_or(|least| least > 0), "round {round}: a lane without a mark");
         let later = timeline.lanes.iter().flat_map(|lane| lane.rows.iter().flatten()).map(|bar| bar.to_ns);
         let bands = timeline.lanes.iter().flat_map(|lane| &lane.bands).chain(&timeline.more.bands);
+        for band in bands.clone() {
+            let start_ns = window.start_ns(band.pixel);
+            let end_ns = window.start_ns(band.pixel + band.pixels).min(window.known_ns()).max(start_ns);
+            assert_eq!((band.from_ns, band.to_ns), (start_ns, end_ns), "round {round}: pixels of {band:?}");
+        }
         let latest = later.chain(bands.map(|band| band.to_ns)).max();
         assert!(latest.is_none_or(|latest| latest <= window.known_ns()), "round {round}: drawn beyond {window:?}");
     }
@@ -83,7 +92,7 @@ fn a_thousand_tasks_at_once_are_eight_rows_and_a_band() {
     for id in 1..=1_000 {
         index.insert(id, Some(0), "scan", &[(100, TaskState::Ongoing), (900, TaskState::Terminated)]);
     }
-    let window = Window { from_ns: 0, to_ns: 1_000, at_ns: 1_000, pixels: 100 };
+    let window = Window::new((0, 1_000), 1_000, 100);
     let timeline = draw(&index, window, 40, None);
     let scan = timeline.lanes.iter().find(|lane| lane.tag == "scan").unwrap();
     assert_eq!((scan.rows.len(), scan.tasks), (ROWS_MAX, 1_000));
@@ -98,10 +107,11 @@ fn a_task_of_many_intervals_is_dense_from_afar_and_bars_from_near() {
     let changes: Vec<(i64, TaskState)> =
         (0..4_000).map(|n| (n * 5, if n % 2 == 0 { TaskState::Ongoing } else { TaskState::Pending })).collect();
     index.insert(0, None, "root", &changes);
-    let window = |from_ns, to_ns| Window { from_ns, to_ns, at_ns: 100_000, pixels: 100 };
+    let window = |from_ns, to_ns| Window::new((from_ns, to_ns), 100_000, 100);
     let far = draw(&index, window(0, 20_000), 40, None);
     assert_eq!(counted(&far), (0, 4_000));
     assert!(far.lanes[0].bands.iter().all(|band| (band.ongoing - 0.5).abs() < 1e-9));
+    assert_eq!(serde_json::to_string(&far.lanes[0].bands[1]).unwrap(), "[1,1,40,500]");
     let near = draw(&index, window(1_000, 1_100), 40, None);
     assert_eq!(counted(&near).1, 0);
     assert_eq!(near.lanes[0].rows[0].first().map(|bar| bar.state), Some(StateWord(TaskState::Ongoing)));
@@ -115,7 +125,7 @@ fn the_lane_of_a_chosen_task_and_those_above_it_have_a_place() {
         let length = i64::try_from(id).unwrap() * 10;
         index.insert(id, Some(0), &format!("s{id}"), &[(0, TaskState::Ongoing), (length, TaskState::Terminated)]);
     }
-    let window = Window { from_ns: 0, to_ns: 1_000, at_ns: 1_000, pixels: 100 };
+    let window = Window::new((0, 1_000), 1_000, 100);
     let tags = |with| draw(&index, window, 2, with).lanes.into_iter().map(|lane| lane.tag).collect::<Vec<_>>();
     assert_eq!(tags(None), ["root", "s19"]);
     assert_eq!(tags(Some(3)), ["root", "s3"]);

@@ -8,29 +8,32 @@ pub(super) struct Window {
     /// Nothing later is known.
     pub(super) at_ns: i64,
     pub(super) pixels: usize,
+    /// Nanoseconds of a pixel, at least 1.
+    pub(super) pixel_ns: i64,
 }
 
 impl Window {
-    /// Returns the end of the known part of the window.
+    /// The window `from_ns ..= to_ns` on at least one pixel.
+    pub(super) fn new((from_ns, to_ns): (i64, i64), at_ns: i64, pixels: usize) -> Window {
+        let count = i64::try_from(pixels).unwrap_or(i64::MAX).max(1);
+        let pixel_ns = to_ns.saturating_sub(from_ns).saturating_add(count - 1) / count;
+        Window { from_ns, to_ns, at_ns, pixels: pixels.max(1), pixel_ns: pixel_ns.max(1) }
+    }
+
+    /// The end of what is known of the window.
     pub(super) fn known_ns(self) -> i64 {
         self.to_ns.min(self.at_ns)
     }
 
-    /// Nanoseconds of a pixel, at least 1.
-    pub(super) fn pixel_ns(self) -> i64 {
-        let pixels = i64::try_from(self.pixels).unwrap_or(i64::MAX);
-        self.to_ns.saturating_sub(self.from_ns).saturating_add(pixels - 1).checked_div(pixels).unwrap_or(1).max(1)
-    }
-
-    /// Returns the pixel of an instant in the window.
+    /// The pixel of an instant in the window.
     pub(super) fn pixel(self, at_ns: i64) -> usize {
-        let pixel = at_ns.saturating_sub(self.from_ns).checked_div(self.pixel_ns()).unwrap_or(0);
+        let pixel = at_ns.saturating_sub(self.from_ns).checked_div(self.pixel_ns).unwrap_or(0);
         usize::try_from(pixel).unwrap_or(0).min(self.pixels - 1)
     }
 
     /// Returns the start of a pixel, in nanoseconds of mission time.
     pub(super) fn start_ns(self, pixel: usize) -> i64 {
         let pixel = i64::try_from(pixel).unwrap_or(i64::MAX);
-        self.from_ns.saturating_add(self.pixel_ns().saturating_mul(pixel))
+        self.from_ns.saturating_add(self.pixel_ns.saturating_mul(pixel))
     }
 }

@@ -1,0 +1,156 @@
+//! Connections to the file of a record, or to a copy of it, without a check of its rows.
+
+use super::file_seal::{self, FileSeal};
+use super::schema::{self, BUSY_PATIENCE, CONVERTIBLE_VERSION, FileState, SCHEMA_VERSION, read_error, sibling};
+use crate::error::RecordError;
+use rusqlite::config::DbConfig;
+use rusqlite::{Connection, ErrorCode, OpenFlags};
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Connects to the record at `path`, or to a copy of it, without a check: for checks and recovery.
+pub(super) fn connect(path: &Path) -> Result<Connected, RecordError> {
+    connect_to(path, SCHEMA_VERSION)
+}
+
+/// A connection, the seal of its file, and the copy that is read in place of the record.
+type Connected = (Connection, FileSeal, Option<Arc<Copied>>);
+
+/// As [`connect`], to a record of this version of the format.
+pub(super) fn connect_to(path: &Path, version: i64) -> Result<Connected, RecordError> {
+    match schema::look(path)? {
+        FileState::Nothing => return Err(RecordError::Missing { path: path.to_path_buf() }),
+        FileState::Record => {}
+        FileState::Other(found) => return Err(RecordError::NotARecord { path: path.to_path_buf(), found }),
+    }
+    let is_there = |suffix| fs::metadata(sibling(path, suffix)).is_ok_and(|found| found.len() > 0);
+    let (log, journal) = (is_there("-wal"), is_there("-journal"));
+    let seal = if log || journal { FileSeal::None } else { check_file(path)? };
+    let mut copy = None;
+    let connection = match (seal, log || journal) {
+        (FileSeal::Intact, _) => immutable(path),
+        (_, false) => plain(path, path).or_else(|_| immutable(path)),
+        // What a log or journal holds can only be had where files can be made next to it.
+        (_, true) if journal => copied(path, &mut copy),
+        (_, true) => plain(path, path).or_else(|_| copied(path, &mut copy)),
+    }?;
+    check_version(&connection, path, version)?;
+    Ok((connection, seal, copy))
+}
+
+fn check_file(path: &Path) -> Result<FileSeal, RecordError> {
+    let checked = File::open(path).and_then(|mut file| file_seal::check(&mut file));
+    checked.map_err(|error| RecordError::Damaged {
+        path: path.to_path_buf(),
+        what: format!("it cannot be read ({error})"),
+    })
+}
+
+fn check_version(connection: &Connection, path: &Path, known: i64) -> Result<(), RecordError> {
+    let fail = |error| read_error(path, "its header", error);
+    let found: i64 = connection.query_row("PRAGMA user_version", [], |row| row.get(0)).map_err(fail)?;
+    let path = path.to_path_buf();
+    match found {
+        _ if found == known => Ok(()),
+        _ if found > known => Err(RecordError::Newer { path, found, known }),
+        _ if found < 1 => Err(RecordError::NotARecord { path, found: "it is empty".into() }),
+        CONVERTIBLE_VERSION => Err(RecordError::Convertible { path, found, known }),
+        _ => Err(RecordError::Older { path, found, known }),
+    }
+}
+
+/// A connection that shares the file with a program that writes it. `path` is for messages.
+pub(super) fn plain(place: &Path, path: &Path) -> Result<Connection, RecordError> {
+    let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+    defended(Connection::open_with_flags(place, flags), path)
+}
+
+/// A connection to a file that nothing changes: it needs no locks and no files next to it.
+pub(super) fn immutable(path: &Path) -> Result<Connection, RecordError> {
+    let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX | OpenFlags::SQLITE_OPEN_URI;
+    let mut name = String::from("file:");
+    for byte in path.as_os_str().as_encoded_bytes() {
+        match byte {
+            b'/' | b'.' | b'-' | b'_' | b'0'..=b'9' | b'A'..=b'Z' | b'a'..=b'z' => name.push(char::from(*byte)),
+            other => name.push_str(&format!("%{other:02X}")),
+        }
+    }
+    name.push_str("?immutable=1");
+    defended(Connection::open_with_flags(name, flags), path)
+}
+
+/// A connection to a copy in the folder for temporary files, where SQLite can finish what was cut off.
+fn copied(path: &Path, copy: &mut Option<Arc<Copied>>) -> Result<Connection, RecordError> {
+    let made = Copied::make(path).map_err(|error| RecordError::Damaged {
+        path: path.to_path_buf(),
+        what: format!("its writing was cut off, and it cannot be copied to be read ({error})"),
+    })?;
+    let made = copy.insert(Arc::new(made));
+    // Opening it for writing rolls back what was half written.
+    let fail = |error| read_error(path, "its header", error);
+    let writable = Connection::open(&made.record).map_err(fail)?;
+    let _: i64 = writable.query_row("PRAGMA user_version", [], |row| row.get(0)).map_err(fail)?;
+    let connection = plain(&made.record, path);
+    drop(writable);
+    connection
+}
+
+/// Lets a connection run nothing that a file says.
+fn defended(connection: rusqlite::Result<Connection>, path: &Path) -> Result<Connection, RecordError> {
+    let prepared = || -> rusqlite::Result<Connection> {
+        let connection = connection?;
+        connection.busy_timeout(BUSY_PATIENCE)?;
+        connection.set_db_config(DbConfig::SQLITE_DBCONFIG_DEFENSIVE, true)?;
+        connection.execute_batch("PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON; PRAGMA mmap_size = 0;")?;
+        // The first read shows whether the file can be read here.
+        let _: i64 = connection.query_row("PRAGMA schema_version", [], |row| row.get(0))?;
+        Ok(connection)
+    };
+    prepared().map_err(|error| match error.sqlite_error_code() {
+        Some(ErrorCode::DatabaseBusy) => RecordError::Busy { path: path.to_path_buf() },
+        _ => read_error(path, "its header", error),
+    })
+}
+
+/// Files of a record in a separate folder, which is removed when nothing reads them any longer.
+#[derive(Debug)]
+pub(super) struct Copied {
+    folder: PathBuf,
+    pub(super) record: PathBuf,
+}
+
+/// Number of the next folder of this program.
+static COPIES: AtomicU64 = AtomicU64::new(0);
+
+impl Copied {
+    /// An empty folder, with a name for the copy in it.
+    pub(super) fn folder() -> std::io::Result<Copied> {
+        let number = COPIES.fetch_add(1, Ordering::Relaxed);
+        let folder = std::env::temp_dir().join(format!("apex-record-{}-{number}", std::process::id()));
+        // A folder that exists already belongs to another program.
+        fs::create_dir(&folder)?;
+        Ok(Copied { record: folder.join("copy.apex"), folder })
+    }
+
+    fn make(path: &Path) -> std::io::Result<Copied> {
+        let copied = Copied::folder()?;
+        // The permissions of the originals are not those of the copies.
+        let copy = |from: &Path, to: &Path| std::io::copy(&mut File::open(from)?, &mut File::create(to)?).map(|_| ());
+        copy(path, &copied.record)?;
+        for suffix in ["-wal", "-journal"] {
+            let from = sibling(path, suffix);
+            if from.exists() {
+                copy(&from, &sibling(&copied.record, suffix))?;
+            }
+        }
+        Ok(copied)
+    }
+}
+
+impl Drop for Copied {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.folder);
+    }
+}

@@ -1,0 +1,52 @@
+//! Messages about the disk under a record, and what is known of it while it takes nothing.
+
+use crate::error::RecordError;
+use apex_model::time::Time;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// The fact that names steps which are not in the record: numbers of the first and the last.
+pub(super) const GAP: &str = "gap";
+
+/// A message about the disk under a record.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum DiskNews {
+    /// A write failed, for this reason: steps are kept in memory from now on.
+    Lost(String),
+    /// The kept steps are stored.
+    Resumed(Resumption),
+}
+
+/// The continuation of a record.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Resumption {
+    /// Steps that were kept in memory.
+    pub(super) kept: u64,
+    /// First and last batch of those that memory could not keep.
+    pub(super) gap: Option<(i64, i64)>,
+    /// The new file in which the record continues; none: it continues where it stopped.
+    pub(super) segment: Option<PathBuf>,
+}
+
+/// Since when and why nothing is written.
+pub(super) struct RecordingLoss {
+    pub(super) since: Time,
+    pub(super) reason: String,
+    pub(super) tried: Instant,
+    pub(super) attempts: u32,
+}
+
+impl RecordingLoss {
+    pub(super) fn new(since: Time, reason: String) -> RecordingLoss {
+        RecordingLoss { since, reason, tried: Instant::now(), attempts: 0 }
+    }
+}
+
+/// The reason in a few words.
+pub(super) fn reason_of(error: &RecordError) -> String {
+    match error {
+        RecordError::DiskFull { .. } => "the disk is full".into(),
+        RecordError::Unwritable { reason, .. } => reason.clone(),
+        other => other.to_string(),
+    }
+}

@@ -1,0 +1,37 @@
+//! The tasks of a record as rows, and as they are kept with a reader.
+
+use apex_model::task::TaskId;
+use apex_model::time::Time;
+use std::collections::BTreeMap;
+
+/// A task with everything that became of it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TaskRow {
+    /// The task.
+    pub id: TaskId,
+    /// Its parent.
+    pub parent: Option<TaskId>,
+    /// The step's tag.
+    pub tag: String,
+    /// Its goal, as known last.
+    pub goal: String,
+    /// Instant of its creation.
+    pub created: Time,
+    /// Instant of its end, if it has ended.
+    pub ended: Option<Time>,
+    /// `success`, `failure` or `cut`, if it has ended.
+    pub outcome: Option<String>,
+    /// `procedure file.pdl:3:1`, if one was selected.
+    pub method: Option<String>,
+    /// `file:line:column` of its step.
+    pub place: Option<String>,
+}
+
+/// The tasks up to an effect, kept with a reader and grown with the record.
+#[derive(Default)]
+pub(super) struct KnownTasks {
+    /// Place after the last effect that was read.
+    pub(super) read_to: usize,
+    /// By number.
+    pub(super) tasks: BTreeMap<u64, TaskRow>,
+}

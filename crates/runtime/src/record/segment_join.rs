@@ -1,0 +1,262 @@
+//! Joining: the segments of a record (`segments.rs`) as one record, whose groups are sealed as one chain.
+//!
+//! Each file is checked by its own seals, and each link by the chain that the later segment names. Rows that a segment repeats are
+//! taken from the file that had them first. Bound: every file is read once.
+
+use super::check::{CheckProgress, Damage, Visitor, check_groups, check_schema};
+use super::connect::{Copied, connect};
+use super::disk_news::GAP;
+use super::file_seal::FileSeal;
+use super::kept_rows::lasts;
+use super::schema::{self, write_error};
+use super::seal::{ChainPosition, Seal, Sealer};
+use super::segments::{CONTINUES, Continuation, SEGMENT_SNAPSHOT, continuation};
+use super::tables::{ALL, TABLES, Table};
+use crate::error::RecordError;
+use rusqlite::types::{ToSqlOutput, ValueRef};
+use rusqlite::{Connection, Row, params, params_from_iter};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Segments of one record: with more, its links go in a circle or its disk takes next to nothing.
+const CHAIN_MAX: usize = 1_000;
+
+/// One file of a record.
+struct SegmentFile {
+    path: PathBuf,
+    connection: Connection,
+    seal: FileSeal,
+    /// Keeps the copy that is read in its place.
+    _copy: Option<Arc<Copied>>,
+    /// The end of the part that the next segment continues; none in the last file.
+    until: Option<ChainPosition>,
+    continues: Option<Continuation>,
+}
+
+/// The files of the record that ends with the segment at `path`, the earliest first.
+pub(super) struct SegmentChain(Vec<SegmentFile>);
+
+/// Result of joining.
+pub(super) struct Joined {
+    /// The end of the joined record.
+    pub(super) position: CheckProgress,
+    /// The first group of the last segment that does not fit.
+    pub(super) damage: Option<Damage>,
+}
+
+/// The files before the segment at `path` cannot be had, or are not those that it continues.
+#[derive(Debug)]
+pub(super) enum ChainFault {
+    /// This file is nowhere.
+    Missing(PathBuf),
+    /// Another fault of the record.
+    Other(RecordError),
+}
+
+impl From<RecordError> for ChainFault {
+    fn from(error: RecordError) -> ChainFault {
+        ChainFault::Other(error)
+    }
+}
+
+impl SegmentChain {
+    /// Opens all files of the record that ends with `path`; `None` if that file continues no other.
+    pub(super) fn open(path: &Path) -> Result<Option<SegmentChain>, ChainFault> {
+        let mut files = vec![SegmentFile::open(path, None)?];
+        while let Some(first) = files.last()
+            && let Some(continues) = &first.continues
+        {
+            let earlier = continues.find(&first.path).ok_or_else(|| ChainFault::Missing(continues.path.clone()))?;
+            if files.len() >= CHAIN_MAX {
+                return Err(damaged(path, format!("it continues more than {CHAIN_MAX} files")).into());
+            }
+            let file = SegmentFile::open(&earlier, Some(continues.after))?;
+            files.push(file);
+        }
+        files.reverse();
+        Ok((files.len() > 1).then_some(SegmentChain(files)))
+    }
+
+    /// The files, the earliest first.
+    pub(super) fn paths(&self) -> Vec<PathBuf> {
+        self.0.iter().map(|file| file.path.clone()).collect()
+    }
+
+    /// True if one of the files was changed after it was closed.
+    pub(super) fn is_changed(&self) -> bool {
+        self.0.iter().any(|file| file.seal == FileSeal::Broken)
+    }
+
+    /// Writes all groups into the new record at `to`. Of the last file the groups before a damage are taken.
+    pub(super) fn join_into(&self, target: &Connection, to: &Path) -> Result<Joined, RecordError> {
+        let fail = |error| write_error(to, "joining segments", error);
+        target.execute_batch("BEGIN").map_err(fail)?;
+        let mut joiner = Joiner::new(target);
+        let mut damage = None;
+        for file in &self.0 {
+            joiner.begin(file);
+            damage = check_groups(&file.connection, &mut CheckProgress::default(), &mut joiner).err();
+            if let Some(error) = joiner.failure.take() {
+                return Err(fail(error));
+            }
+            let Some(until) = file.until else { break };
+            if joiner.reached != Some(until) {
+                let found =
+                    damage.map_or_else(|| "its groups are not those before it".into(), |found| found.to_string());
+                return Err(damaged(&file.path, format!("a later segment continues it, and {found}")));
+            }
+        }
+        target.execute_batch("COMMIT").map_err(fail)?;
+        let mut position = CheckProgress::default();
+        check_groups(target, &mut position, &mut super::check::NoVisitor)
+            .map_err(|damage| damaged(to, damage.to_string()))?;
+        Ok(Joined { position, damage })
+    }
+}
+
+impl SegmentFile {
+    fn open(path: &Path, until: Option<ChainPosition>) -> Result<SegmentFile, RecordError> {
+        let (connection, seal, copy) = connect(path)?;
+        check_schema(&connection).map_err(|what| damaged(path, what))?;
+        let fact = continuation(&connection).map_err(|error| schema::read_error(path, "the facts", error))?;
+        let parse = |text: String| {
+            Continuation::parse(&text).ok_or_else(|| damaged(path, format!("the fact `{CONTINUES}` is garbled")))
+        };
+        let continues = fact.map(parse).transpose()?;
+        Ok(SegmentFile { path: path.to_path_buf(), connection, seal, _copy: copy, until, continues })
+    }
+}
+
+fn damaged(path: &Path, what: String) -> RecordError {
+    RecordError::Damaged { path: path.to_path_buf(), what }
+}
+
+/// Writes the rows of segments as one record.
+struct Joiner<'c> {
+    target: &'c Connection,
+    inserts: [String; TABLES],
+    sealer: Sealer,
+    link: ChainPosition,
+    /// Last keys that the joined record has.
+    keys: [i64; TABLES],
+    until: Option<ChainPosition>,
+    /// The seal up to which the file is taken, once it was seen.
+    reached: Option<ChainPosition>,
+    /// The gap before a segment, which its earlier files fill.
+    filled: Option<String>,
+    /// Steps after which snapshots were taken only because a segment began: replay takes none there.
+    extra: Vec<i64>,
+    /// The joined record cannot be written.
+    failure: Option<rusqlite::Error>,
+}
+
+impl<'c> Joiner<'c> {
+    fn new(target: &'c Connection) -> Joiner<'c> {
+        Joiner {
+            target,
+            inserts: ALL.map(Table::insert),
+            sealer: Sealer::default(),
+            link: ChainPosition::default(),
+            keys: [i64::MIN; TABLES],
+            until: None,
+            reached: None,
+            filled: None,
+            extra: Vec::new(),
+            failure: None,
+        }
+    }
+
+    fn begin(&mut self, file: &SegmentFile) {
+        self.sealer.clear();
+        (self.until, self.reached) = (file.until, None);
+        self.filled = file.continues.as_ref().map(|continues| format!("1 {}", continues.batch));
+        self.extra = extra_snapshots(&file.connection);
+    }
+
+    /// True for a row that the joined record needs.
+    fn takes(&self, table: Table, key: i64, row: &Row<'_>) -> rusqlite::Result<bool> {
+        let last = self.keys.get(table.index()).copied().unwrap_or(i64::MIN);
+        if lasts(table) && key <= last {
+            return Ok(false);
+        }
+        match table {
+            Table::Meta => {
+                let (fact, value): (String, String) = (row.get(1)?, row.get(2)?);
+                let of_segment = [CONTINUES, SEGMENT_SNAPSHOT].contains(&&*fact);
+                Ok(!of_segment && !(fact == GAP && self.filled.as_ref() == Some(&value)))
+            }
+            Table::Snapshot | Table::Situation => Ok(!self.extra.contains(&key)),
+            _ => Ok(true),
+        }
+    }
+
+    fn write(&mut self, table: Table, row: &Row<'_>) -> rusqlite::Result<()> {
+        let columns = row.as_ref().column_count();
+        let cells: Vec<ValueRef<'_>> =
+            (0..columns).map(|column| row.get_ref(column)).collect::<rusqlite::Result<_>>()?;
+        let sql = self.inserts.get(table.index()).map_or("", String::as_str);
+        let values = cells.iter().map(|cell| ToSqlOutput::Borrowed(*cell));
+        self.target.prepare_cached(sql)?.execute(params_from_iter(values))?;
+        self.sealer.row(table.index(), cells.iter().copied());
+        Ok(())
+    }
+
+    fn seal(&mut self, seal: &Seal) -> rusqlite::Result<()> {
+        if self.sealer.is_empty() {
+            return Ok(());
+        }
+        let seal = self.sealer.seal(self.link, seal.t_ns, seal.batch);
+        let row = params![seal.id, seal.t_ns, seal.batch, seal.count_bytes(), seal.chain];
+        self.target.prepare_cached("INSERT INTO seal VALUES (?1, ?2, ?3, ?4, ?5)")?.execute(row)?;
+        self.target.execute_batch("COMMIT; BEGIN")?;
+        self.link = seal.link();
+        Ok(())
+    }
+
+    fn keep<T>(&mut self, done: rusqlite::Result<T>) -> rusqlite::Result<T> {
+        done.map_err(|error| {
+            self.failure = Some(error);
+            rusqlite::Error::InvalidQuery
+        })
+    }
+}
+
+/// Steps after which a segment has a snapshot only because it began there.
+fn extra_snapshots(connection: &Connection) -> Vec<i64> {
+    let sql = "SELECT CAST(value AS INTEGER) FROM main.meta WHERE key = ?1";
+    let found = connection.prepare(sql).and_then(|mut statement| {
+        statement.query_map([SEGMENT_SNAPSHOT], |row| row.get(0))?.collect::<rusqlite::Result<Vec<i64>>>()
+    });
+    // Facts that cannot be read are found by the check of their group.
+    found.unwrap_or_default()
+}
+
+impl Visitor for Joiner<'_> {
+    fn row(&mut self, table: usize, row: &Row<'_>) -> rusqlite::Result<()> {
+        // Groups after the last one that the next segment knows were not acknowledged: that segment has their rows.
+        let is_over = self.until.is_some() && self.reached.is_some();
+        let Some(table) = ALL.get(table).copied().filter(|_| !is_over) else { return Ok(()) };
+        let key: i64 = row.get(0)?;
+        if !self.takes(table, key, row)? {
+            return Ok(());
+        }
+        let written = self.write(table, row);
+        self.keep(written)?;
+        if let Some(last) = self.keys.get_mut(table.index()) {
+            *last = key;
+        }
+        Ok(())
+    }
+
+    fn sealed(&mut self, seal: &Seal) -> rusqlite::Result<()> {
+        if self.until.is_some() && self.reached.is_some() {
+            return Ok(());
+        }
+        let sealed = self.seal(seal);
+        self.keep(sealed)?;
+        if self.until.is_some_and(|until| until.id == seal.id) {
+            self.reached = Some(seal.link());
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,171 @@
+//! Segments: a record whose file takes no rows any longer continues in a new file, next to it or in a spare folder.
+//!
+//! A segment begins with every row that later steps need (facts, sources, variables, words, shapes, targets), so it can be read
+//! alone. The fact `continues` names the file before it, up to which group, with the chain of that group: together they are one
+//! record again (`segment_join.rs`).
+
+use super::closing;
+use super::schema::{self, PAGE_BYTES, limit_bytes, remove};
+use super::seal::{ChainPosition, Hash};
+use crate::error::RecordError;
+use rusqlite::Connection;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// The fact of a segment that says what it continues ([`Continuation`]).
+pub(super) const CONTINUES: &str = "continues";
+/// The fact that names the step after which a snapshot was taken only because the segment began.
+pub(super) const SEGMENT_SNAPSHOT: &str = "segment_snapshot";
+/// Files of one record: names of segments are looked for up to this number.
+const SEGMENTS_MAX: u32 = 10_000;
+
+/// The place in an earlier file after which a segment continues.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Continuation {
+    /// Number of the last group before the segment, and its chain.
+    pub(super) after: ChainPosition,
+    /// Number of the last step before the segment.
+    pub(super) batch: i64,
+    /// The file of that group.
+    pub(super) path: PathBuf,
+}
+
+impl fmt::Display for Continuation {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{} {} ", self.after.id, self.batch)?;
+        self.after.chain.iter().try_for_each(|byte| write!(out, "{byte:02x}"))?;
+        write!(out, " {}", self.path.display())
+    }
+}
+
+impl Continuation {
+    /// Reads the value of the fact [`CONTINUES`].
+    pub(super) fn parse(text: &str) -> Option<Continuation> {
+        let mut words = text.splitn(4, ' ');
+        let (id, batch, chain, path) = (words.next()?, words.next()?, words.next()?, words.next()?);
+        let mut bytes: Hash = Hash::default();
+        let digit = |at: usize| chain.get(at..at + 2).and_then(|pair| u8::from_str_radix(pair, 16).ok());
+        for (index, byte) in bytes.iter_mut().enumerate() {
+            *byte = digit(2 * index)?;
+        }
+        let after = ChainPosition { id: id.parse().ok()?, chain: bytes };
+        Some(Continuation { after, batch: batch.parse().ok()?, path: PathBuf::from(path) })
+    }
+
+    /// The earlier file: where it was, or next to `segment`, where both were moved together.
+    pub(super) fn find(&self, segment: &Path) -> Option<PathBuf> {
+        let same_folder = self.path.file_name().map(|name| segment.with_file_name(name));
+        [Some(self.path.clone()), same_folder].into_iter().flatten().find(|path| path.is_file())
+    }
+}
+
+/// The fact [`CONTINUES`] of an open record.
+pub(super) fn continuation(connection: &Connection) -> rusqlite::Result<Option<String>> {
+    use rusqlite::OptionalExtension;
+    let sql = "SELECT value FROM main.meta WHERE key = ?1 ORDER BY position DESC LIMIT 1";
+    connection.query_row(sql, [CONTINUES], |row| row.get(0)).optional()
+}
+
+/// Places of a record's segments.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SegmentPlaces {
+    /// Folder on another disk.
+    pub(super) spare_folder: Option<PathBuf>,
+    /// Largest size of a file in the record's own folder, in bytes.
+    pub(super) bytes_max: Option<u64>,
+}
+
+impl SegmentPlaces {
+    /// The next name, next to the file at `path` and in the spare folder: no folder has a segment of that number.
+    pub(super) fn next(&self, path: &Path) -> Vec<PathBuf> {
+        let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
+        let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+        let numbered = stem.rsplit_once("-segment-").and_then(|(first, number)| Some((first, number.parse().ok()?)));
+        let (stem, number): (&str, u32) = numbered.unwrap_or((&stem, 1));
+        let spare = self.spare_folder.clone().filter(|spare| *spare != folder);
+        let folders: Vec<PathBuf> = [Some(folder), spare].into_iter().flatten().collect();
+        let names =
+            |number: u32| folders.iter().map(move |folder| folder.join(format!("{stem}-segment-{number}.apex")));
+        let free = (number + 1..SEGMENTS_MAX).find(|number| names(*number).all(|path| !path.exists()));
+        free.map(|number| names(number).collect()).unwrap_or_default()
+    }
+
+    /// Makes the file of a segment of the record at `path`.
+    pub(super) fn make(&self, segment: &Path, path: &Path) -> Result<Connection, RecordError> {
+        let made = schema::create(segment).and_then(|connection| {
+            if let Some(bytes) = self.bytes_max.filter(|_| segment.parent() == path.parent()) {
+                limit_bytes(&connection, segment, bytes)?;
+                check_room(&connection, segment, bytes)?;
+            }
+            Ok(connection)
+        });
+        made.inspect_err(|_| remove(segment))
+    }
+}
+
+/// SQLite never makes a file smaller than it is: tables that take more than all bytes are refused.
+fn check_room(connection: &Connection, path: &Path, bytes: u64) -> Result<(), RecordError> {
+    let pages: i64 = connection
+        .query_row("PRAGMA page_count", [], |row| row.get(0))
+        .map_err(|error| schema::write_error(path, "making its tables", error))?;
+    if pages.unsigned_abs() * PAGE_BYTES <= bytes {
+        return Ok(());
+    }
+    Err(RecordError::DiskFull { path: path.to_path_buf(), doing: "making its tables".into() })
+}
+
+/// Leaves the file of a segment that has become the last but one. What its disk still takes is moved out of its log.
+pub(super) fn leave(connection: Option<Connection>, path: &Path) {
+    if let Some(connection) = connection {
+        // The log next to it holds what the disk does not take.
+        let _ = closing::close(connection, path);
+    }
+}
+
+/// A write beyond the largest size of files (`ulimit -f`) is an error of that write from now on. Its signal would end the program.
+pub(super) fn outlive_file_size_limits() {
+    #[cfg(unix)]
+    {
+        use std::sync::atomic::AtomicBool;
+        use std::sync::{Arc, Once};
+        static ONCE: Once = Once::new();
+        // Where no handler can be set, the limit ends the program, as before.
+        ONCE.call_once(|| {
+            _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::new(AtomicBool::new(false)))
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_continuation_is_read_as_it_is_written() {
+        let chain = std::array::from_fn(|index| index as u8 * 7);
+        let path = PathBuf::from("/flights/a b-segment-3.apex");
+        let continuation = Continuation { after: ChainPosition { id: 12, chain }, batch: 3_400, path };
+        assert_eq!(Continuation::parse(&continuation.to_string()), Some(continuation.clone()));
+        for text in ["", "12", "12 3400 00ff /a", &format!("x{continuation}"), &continuation.to_string()[..40]] {
+            assert_eq!(Continuation::parse(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn names_of_segments_count_on_and_replace_nothing() {
+        let (here, spare) = (tempfile::TempDir::new().unwrap(), tempfile::TempDir::new().unwrap());
+        let places = SegmentPlaces { spare_folder: Some(spare.path().to_path_buf()), bytes_max: None };
+        let names = |path: &Path| places.next(path);
+        let first = here.path().join("flight.apex");
+        let of = |number: u32| {
+            [here.path(), spare.path()].map(|folder| folder.join(format!("flight-segment-{number}.apex")))
+        };
+        let [second, _] = of(2);
+        assert_eq!(names(&first), of(2));
+        std::fs::write(&second, "").unwrap();
+        assert_eq!((names(&first), names(&second)), (of(3).to_vec(), of(3).to_vec()));
+        let [_, third] = of(3);
+        std::fs::write(&third, "").unwrap();
+        assert_eq!(names(&first), of(4));
+    }
+}

@@ -1,0 +1,234 @@
+//! A record whose disk takes nothing any longer continues in a new segment, and its segments are one record again.
+
+use crate::support::{altitude, load, program};
+use apex_executive::Agent;
+use apex_model::effect::Effect;
+use apex_model::event::Batch;
+use apex_model::time::Time;
+use apex_runtime::RecordError;
+use apex_runtime::mission_loop::{FlyOptions, RunEnd, fly};
+use apex_runtime::ports::{Deliberator, News, Observer};
+use apex_runtime::program::{NoDeliberator, NoVehicle};
+use apex_runtime::record::{RecordOptions, RecordReader, Recorder, check_integrity, recover};
+use apex_runtime::replay::replay;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Duration;
+use tempfile::TempDir;
+
+/// Waits for heights, and hears when the record continues.
+const PDL: &str = r#"
+(procedure (index (do-domain))
+  (step watch (print "high") (waitfor (altitude ac-1 > 99000)))
+  (step again (inform (on-the-record ?kept ?dropped)) (waitfor (recording-resumed ?kept ?dropped)) (repeating)))
+"#;
+
+/// A disk that is full from an instant on; at some instants a second of wall time passes.
+struct Disk<'r> {
+    recorder: &'r mut Recorder,
+    full_from: Time,
+    waits_at: Vec<Time>,
+    news: Vec<String>,
+}
+
+impl Observer for Disk<'_> {
+    fn begin(&mut self, batch: &Batch) -> Result<(), String> {
+        if batch.now == self.full_from {
+            self.recorder.set_bytes_max(1).unwrap();
+        }
+        if self.waits_at.contains(&batch.now) {
+            std::thread::sleep(Duration::from_millis(1_100));
+        }
+        self.recorder.begin(batch)
+    }
+
+    fn observe(&mut self, batch: &Batch, effects: &[Effect]) -> Result<(), String> {
+        self.recorder.observe(batch, effects)
+    }
+
+    fn inspect(&mut self, agent: &Agent, deliberator: &dyn Deliberator, now: Time) -> Result<(), String> {
+        self.recorder.inspect(agent, deliberator, now)?;
+        self.recorder.flush()
+    }
+
+    fn note(&mut self, at: Time, text: &str) -> Result<(), String> {
+        self.news.push(format!("{at} {text}"));
+        self.recorder.note(at, text)
+    }
+
+    fn take_news(&mut self) -> Option<News> {
+        self.recorder.take_news()
+    }
+}
+
+struct Flown {
+    folder: TempDir,
+    spare: TempDir,
+    /// The file that the flight began with, and the one that it ended with.
+    first: PathBuf,
+    last: PathBuf,
+    end: RunEnd,
+    news: Vec<String>,
+}
+
+/// A flight of 60 s with 10 samples a second, whose disk is full from 20 s on.
+fn fly_on_a_full_disk(kept_bytes_max: Option<usize>) -> Flown {
+    let (folder, spare) = (TempDir::new().unwrap(), TempDir::new().unwrap());
+    let first = folder.path().join("flight.apex");
+    let options = RecordOptions {
+        bytes_max: Some(40_000_000),
+        spare_folder: Some(spare.path().to_path_buf()),
+        kept_bytes_max,
+        ..RecordOptions::default()
+    };
+    let (end, news, last) = fly_recorded(&first, options, &[30.0, 40.0]);
+    Flown { folder, spare, first, last, end, news }
+}
+
+fn fly_recorded(path: &Path, options: RecordOptions, waits: &[f64]) -> (RunEnd, Vec<String>, PathBuf) {
+    let (library, declaration, host) = program(PDL);
+    let mut recorder = Recorder::create(path, &library, options).unwrap();
+    recorder.program(&library).unwrap();
+    let mut agent = apex_executive::load(library, &declaration, host).unwrap();
+    let inputs = (1..=610).map(|tenth| altitude(f64::from(tenth) * 0.1, i64::from(tenth))).collect();
+    let options = FlyOptions { inputs, until: Time::from_seconds(60.0), ..FlyOptions::default() };
+    let waits_at = waits.iter().copied().map(Time::from_seconds).collect();
+    let mut disk = Disk { recorder: &mut recorder, full_from: Time::from_seconds(20.0), waits_at, news: Vec::new() };
+    let mut vehicle = NoVehicle::default();
+    let end = fly(&mut agent, &mut vehicle, &mut NoDeliberator, &mut [&mut disk], options).unwrap();
+    let news = disk.news;
+    recorder.finish(end.at, &end.reason.text()).unwrap();
+    let last = recorder.path().to_path_buf();
+    (end, news, last)
+}
+
+/// Compares the record that ends with `last` with a flight whose disk was never full.
+fn is_whole(last: &Path, end: &RunEnd) {
+    let reader = RecordReader::open(last).unwrap();
+    assert_eq!(reader.warning().unwrap(), None);
+    assert_eq!((reader.steps().unwrap().count() as u64, reader.gaps().unwrap()), (end.steps, vec![]));
+    let report = replay(&reader, &load).unwrap();
+    assert_eq!((report.batches, report.difference, report.gap), (end.steps, None, None));
+    let program = reader.load(&load).unwrap();
+    for seconds in [5.0, 19.0, 25.0, 39.0, 59.0] {
+        assert!(reader.restore_with(Time::from_seconds(seconds), &program).is_ok(), "{seconds} s");
+    }
+}
+
+#[test]
+fn a_record_continues_in_the_spare_folder_and_is_one_record() {
+    let flown = fly_on_a_full_disk(None);
+    let [lost, again] = flown.news.as_slice() else { panic!("{:?}", flown.news) };
+    assert!(lost.contains("the disk is full"), "{lost}");
+    assert!(again.contains("in the new segment") && again.contains("flight-segment-2.apex"), "{again}");
+    assert_eq!(flown.last, flown.spare.path().join("flight-segment-2.apex"));
+    is_whole(&flown.last, &flown.end);
+    let integrity = check_integrity(&flown.last).unwrap();
+    assert!(integrity.is_intact() && integrity.earlier == [flown.first.clone()], "{integrity:?}");
+    assert_eq!(integrity.steps, flown.end.steps.cast_signed());
+    // The first file holds what came before, and says that it does not end its flight.
+    let first = RecordReader::open(&flown.first).unwrap();
+    assert!(first.warning().unwrap().unwrap().contains("incomplete"));
+    // One file of all of them, without the others.
+    let whole = flown.folder.path().join("whole.apex");
+    assert_eq!(recover(&flown.last, &whole).unwrap().steps, flown.end.steps.cast_signed());
+    std::fs::remove_file(&flown.first).unwrap();
+    std::fs::remove_file(&flown.last).unwrap();
+    is_whole(&whole, &flown.end);
+    assert!(check_integrity(&whole).unwrap().is_intact());
+}
+
+#[test]
+fn a_segment_whose_beginning_is_lost_is_read_alone() {
+    let flown = fly_on_a_full_disk(None);
+    std::fs::remove_file(&flown.first).unwrap();
+    let reader = RecordReader::open(&flown.last).unwrap();
+    let warning = reader.warning().unwrap().unwrap();
+    assert!(warning.contains("continues") && warning.contains("flight.apex, which is not there"), "{warning}");
+    let [gap] = reader.gaps().unwrap().try_into().unwrap();
+    assert_eq!(gap.first_batch, 1);
+    assert_eq!(reader.steps().unwrap().count() as i64, flown.end.steps as i64 - gap.last_batch);
+    let program = reader.load(&load).unwrap();
+    assert!(reader.restore_with(Time::from_seconds(10.0), &program).is_err());
+    assert!(reader.restore_with(Time::from_seconds(59.0), &program).is_ok());
+    let integrity = check_integrity(&flown.last).unwrap();
+    assert!(integrity.fault.unwrap().contains("which is not there"));
+}
+
+#[test]
+fn segments_that_are_moved_together_are_found_and_others_are_refused() {
+    let flown = fly_on_a_full_disk(None);
+    let moved = TempDir::new().unwrap();
+    let place = |path: &Path| moved.path().join(path.file_name().unwrap());
+    for path in [&flown.first, &flown.last] {
+        std::fs::copy(path, place(path)).unwrap();
+        std::fs::remove_file(path).unwrap();
+    }
+    // What the disk did not take of the first file is in its log.
+    let log = PathBuf::from(format!("{}-wal", flown.first.display()));
+    if log.exists() {
+        std::fs::rename(&log, moved.path().join("flight.apex-wal")).unwrap();
+    }
+    is_whole(&place(&flown.last), &flown.end);
+    // Another flight in place of the first file.
+    let other = fly_on_a_full_disk(Some(4_000));
+    std::fs::copy(&other.last, place(&flown.first)).unwrap();
+    std::fs::remove_file(moved.path().join("flight.apex-wal")).unwrap_or_default();
+    let refused = RecordReader::open(&place(&flown.last)).err().unwrap();
+    assert!(matches!(refused, RecordError::Damaged { .. }), "{refused}");
+    assert!(!check_integrity(&place(&flown.last)).unwrap().is_intact());
+}
+
+#[test]
+fn memory_that_is_too_small_leaves_one_gap_in_the_joined_record() {
+    let flown = fly_on_a_full_disk(Some(4_000));
+    let reader = RecordReader::open(&flown.last).unwrap();
+    let [gap] = reader.gaps().unwrap().try_into().unwrap();
+    assert!(gap.first_batch > 100 && gap.before.is_some(), "{gap}");
+    let report = replay(&reader, &load).unwrap();
+    assert_eq!((report.difference, report.gap), (None, Some(gap)));
+}
+
+/// Bytes of the largest file that the child may write.
+const FILE_BYTES_MAX: u64 = 200_000;
+
+/// Not a test: a flight under `ulimit -f`, whose record is in several segments.
+#[test]
+#[ignore = "is run as a child by another test"]
+fn child_with_small_files() {
+    let Some(path) = std::env::var_os("APEX_TEST_RECORD").map(PathBuf::from) else { return };
+    let limit = rustix::process::Rlimit { current: Some(FILE_BYTES_MAX), maximum: None };
+    rustix::process::setrlimit(rustix::process::Resource::Fsize, limit).unwrap();
+    let (library, declaration, host) = program(PDL);
+    let mut recorder = Recorder::create(&path, &library, RecordOptions::default()).unwrap();
+    recorder.program(&library).unwrap();
+    let mut agent = apex_executive::load(library, &declaration, host).unwrap();
+    let inputs = (1..=6_000).map(|tenth| altitude(f64::from(tenth) * 0.1, i64::from(tenth))).collect();
+    let options = FlyOptions { inputs, until: Time::from_seconds(600.0), ..FlyOptions::default() };
+    let waits_at = (1..12).map(|number| Time::from_seconds(50.0 * f64::from(number))).collect();
+    let mut disk = Disk { recorder: &mut recorder, full_from: Time::END, waits_at, news: Vec::new() };
+    let mut vehicle = NoVehicle::default();
+    let end = fly(&mut agent, &mut vehicle, &mut NoDeliberator, &mut [&mut disk], options).unwrap();
+    assert!(disk.news.iter().any(|news| news.contains("in the new segment")), "{:?}", disk.news);
+    recorder.finish(end.at, &end.reason.text()).unwrap();
+    println!("steps={} last={}", end.steps, recorder.path().display());
+}
+
+#[test]
+fn a_limit_on_the_size_of_files_does_not_end_a_flight() {
+    let folder = TempDir::new().unwrap();
+    let flown = Command::new(std::env::current_exe().unwrap())
+        .args(["segments::child_with_small_files", "--exact", "--ignored", "--nocapture"])
+        .env("APEX_TEST_RECORD", folder.path().join("flight.apex"))
+        .output()
+        .unwrap();
+    let said = format!("{}{}", String::from_utf8_lossy(&flown.stdout), String::from_utf8_lossy(&flown.stderr));
+    assert!(flown.status.success(), "{said}");
+    let (_, words) = said.split_once("steps=").unwrap();
+    let (steps, last) = words.lines().next().unwrap().split_once(" last=").unwrap();
+    let reader = RecordReader::open(Path::new(last)).unwrap();
+    assert_eq!((reader.warning().unwrap(), reader.steps().unwrap().count().to_string()), (None, steps.to_string()));
+    assert_eq!(replay(&reader, &load).unwrap().difference, None);
+    let integrity = check_integrity(Path::new(last)).unwrap();
+    assert!(integrity.is_intact() && !integrity.earlier.is_empty(), "{integrity:?}");
+}
