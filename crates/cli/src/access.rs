@@ -37,7 +37,7 @@ fn tokens_of(path: &Path) -> CliResult<Vec<AccessToken>> {
     Ok(tokens)
 }
 
-/// A file of secrets that other users of the machine can read holds no secrets.
+/// Refuses a file of secrets that other users of the machine can read.
 #[cfg(unix)]
 fn check_secrecy(path: &Path) -> CliResult {
     use std::os::unix::fs::PermissionsExt;

@@ -16,7 +16,7 @@ pub(super) struct Complaints {
 }
 
 impl Complaints {
-    /// No message yet.
+    /// Returns a limiter without messages.
     pub(super) fn new() -> Complaints {
         let limit = RateLimit::with_burst(PER_SECOND, INPUT_MESSAGES_MAX as f64);
         Complaints { limit, began: Instant::now(), hidden: 0 }
