@@ -266,7 +266,7 @@ impl Lowering {
             let diagnostic = Diagnostic::error(
                 codes::MALFORMED_CONDITION,
                 datum.span,
-                "an `:atomic-episode` has the form of an event",
+                "this `:atomic-episode` has no event form",
             )
             .help("its shape is `(:atomic-episode [tag] FORM [:timing CONSTRAINT..])`");
             return self.refuse(diagnostic);
