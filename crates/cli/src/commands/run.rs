@@ -307,8 +307,10 @@ fn trace_output(path: Option<&Path>, output_is_taken: bool) -> CliResult<Listene
                 .because(error)
                 .help("choose another place with `--trace`, or leave it out to see the trace here")),
         },
-        Some(_) if output_is_taken => Err(CliError::user("`--trace -` would mix the trace with the lines that the simulator reads")
-            .help("give `--trace` a file, or connect the simulator with `--listen`")),
+        Some(_) if output_is_taken => {
+            Err(CliError::user("`--trace -` would mix the trace with the lines that the simulator reads")
+                .help("give `--trace` a file, or connect the simulator with `--listen`"))
+        }
         None if output_is_taken => Ok(Listened::new(Box::new(std::io::sink()))),
         _ => Ok(Listened::standard()),
     }
