@@ -64,7 +64,7 @@ pub(crate) fn lower(root: &Path, path: &str, counts: &Counts, keys: Keys) -> Res
     Ok(format!("{path}: from {before} to {after}"))
 }
 
-/// Line and ceiling of each key.
+/// Returns the line and ceiling of each key.
 fn parse(table: &str) -> BTreeMap<String, (usize, usize)> {
     let rows = table.lines().enumerate().filter_map(|(index, line)| {
         let (key, count) = line.rsplit_once('\t')?;

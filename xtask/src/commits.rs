@@ -64,7 +64,7 @@ fn problem(subject: &str) -> Option<String> {
     }
 }
 
-/// True unless the ending shows another form of a verb, or the word begins a noun phrase.
+/// Returns true unless the ending shows another form of a verb, or the word begins a noun phrase.
 fn is_imperative(word: &str) -> bool {
     let is_word = !word.is_empty() && word.chars().all(|c| c.is_alphabetic() || c == '-');
     let is_form = ["ed", "ing", "s"].iter().any(|ending| word.ends_with(ending));

@@ -24,7 +24,7 @@ pub(crate) fn check(texts: &[Text]) -> Vec<Finding> {
     findings
 }
 
-/// Folder and module name, if the path is a service of the executive.
+/// Returns the folder and module name, if the path is a service of the executive.
 pub(crate) fn service(path: &str) -> Option<(&str, &str)> {
     let inside = path.strip_prefix("crates/executive/src/")?;
     let (folder, file) = path.rsplit_once('/')?;

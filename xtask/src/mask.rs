@@ -2,12 +2,12 @@
 //!
 //! Not a full lexer: it knows nested block comments, escapes, raw and byte strings, and lifetimes against characters.
 
-/// `source` with the same lines, where everything that is not code is spaces.
+/// Returns `source` with the same lines, where everything that is not code is spaces.
 pub(crate) fn code_only(source: &str) -> String {
     masked(source, true)
 }
 
-/// `source` with the same lines, where everything that is not a comment, a string or a character literal is spaces.
+/// Returns `source` with the same lines, where everything that is not a comment, a string or a character literal is spaces.
 pub(crate) fn prose_only(source: &str) -> String {
     masked(source, false)
 }
@@ -79,7 +79,7 @@ fn quoted(text: &[char], position: usize, opening: usize) -> usize {
     }
 }
 
-/// `b".."`, `c".."`, `r".."`, `br##".."##`; 0 when it is a plain word or a raw identifier.
+/// Returns the length of `b".."`, `c".."`, `r".."`, `br##".."##`; 0 for a plain word or a raw identifier.
 fn prefixed_string(text: &[char], position: usize) -> usize {
     let letters = until(text, position, |c| !matches!(c, 'r' | 'b' | 'c'));
     let raw = text.iter().skip(position).take(letters).any(|c| *c == 'r');
@@ -102,7 +102,7 @@ fn prefixed_string(text: &[char], position: usize) -> usize {
     length
 }
 
-/// `'x'`, `'\n'`, `'\u{1F681}'`; 0 for a lifetime.
+/// Returns the length of `'x'`, `'\n'`, `'\u{1F681}'`; 0 for a lifetime.
 fn character_literal(text: &[char], position: usize) -> usize {
     match (text.get(position + 1), text.get(position + 2)) {
         (Some('\\'), _) => 3 + until(text, position + 3, |c| c == '\'') + 1,

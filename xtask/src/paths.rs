@@ -108,7 +108,7 @@ fn quoted(prose: &str) -> Vec<&str> {
     prose.split('`').skip(1).step_by(2).collect()
 }
 
-/// `path` as seen from `folder`, without `.` and `..`; nothing if it leaves the repository.
+/// Returns `path` as seen from `folder`, without `.` and `..`; `None` if it leaves the repository.
 fn joined(folder: &str, path: &str) -> Option<String> {
     let mut parts: Vec<&str> = folder.split('/').filter(|part| !part.is_empty()).collect();
     for part in path.split('/').filter(|part| !part.is_empty() && *part != ".") {
@@ -121,7 +121,7 @@ fn joined(folder: &str, path: &str) -> Option<String> {
     Some(parts.join("/"))
 }
 
-/// A path with folders, or a file name that only the repository can have; no patterns, addresses and expressions.
+/// Returns true for a path with folders, or a file name that only the repository can have; false for patterns, addresses and expressions.
 fn looks_like_path(word: &str) -> bool {
     let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '/' | '.' | '_' | '-');
     let made = |first: &str| MADE.contains(&first);

@@ -92,7 +92,7 @@ fn check_source(package: &Foreign, sources: &Sources) -> Option<Finding> {
     (!known).then(|| finding(1, &message()))
 }
 
-/// All versions of a package but the newest must be listed, as `name@version`; a row must be needed.
+/// Checks that all versions of a package but the newest are listed, as `name@version`, and that each row is needed.
 fn check_versions(workspace: &Workspace, skip: &[Skip], body: &str) -> Vec<Finding> {
     let listed: BTreeSet<&str> = skip.iter().map(|row| row.package.as_str()).collect();
     let mut versions: BTreeMap<&str, Vec<&str>> = BTreeMap::new();

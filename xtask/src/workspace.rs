@@ -172,7 +172,7 @@ fn member(package: &Package, top: &str) -> Member {
     }
 }
 
-/// Line of a member's manifest that names `dependency`; 1 if none does.
+/// Returns the line of a member's manifest that names `dependency`; 1 if none does.
 pub(crate) fn line_of(texts: &[Text], folder: &str, dependency: &str) -> usize {
     let manifest = tree::find(texts, &format!("{folder}/Cargo.toml"));
     let names = |line: &str| {

@@ -111,7 +111,7 @@ impl Wrapper {
     }
 }
 
-/// A blank line, a row, heading, quotation or HTML.
+/// Returns true for a blank line, a row of a table, a heading, a quotation or HTML.
 fn is_fixed(line: &str) -> bool {
     let text = line.trim_start();
     text.is_empty() || text.starts_with(['|', '#', '>']) || line.starts_with('<')

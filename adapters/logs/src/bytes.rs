@@ -72,7 +72,7 @@ impl<R: Read> Bytes<R> {
     }
 }
 
-/// Little-endian numbers out of a slice; none beyond its end.
+/// Returns little-endian numbers of a slice; `None` beyond its end.
 pub(crate) fn array<const N: usize>(bytes: &[u8], at: usize) -> Option<[u8; N]> {
     bytes.get(at..at.checked_add(N)?)?.try_into().ok()
 }

@@ -29,14 +29,14 @@ pub(crate) fn utc_of_clock(format: Format, reader: &mut dyn LogReader) -> io::Re
     Ok(None)
 }
 
-/// `vehicle_gps_position.time_utc_usec`, in newer logs `sensor_gps`.
+/// Returns the civil time from `vehicle_gps_position.time_utc_usec`, in newer logs from `sensor_gps`.
 fn of_ulog(message: &Message, number: &dyn Fn(&str) -> Option<f64>) -> Option<i64> {
     let names = ["vehicle_gps_position.time_utc_usec", "sensor_gps.time_utc_usec"];
     let us = names.into_iter().find_map(number).filter(|us| *us > 0.0 && message.at > Time::ZERO)?;
     Some(libm::rint(us * 1e3) as i64)
 }
 
-/// Week and milliseconds of GPS, in logs old and new.
+/// Returns the civil time from week and milliseconds of GPS, in old and new logs.
 fn of_dataflash(number: &dyn Fn(&str) -> Option<f64>) -> Option<i64> {
     let week = number("GPS.GWk").or_else(|| number("GPS.Week")).filter(|week| *week > 0.0)?;
     let ms = number("GPS.GMS").or_else(|| number("GPS.TimeMS")).or_else(|| number("GPS.Time"))?;

@@ -39,7 +39,7 @@ pub(crate) struct CsvTable<R> {
 }
 
 impl<R: Read> CsvTable<R> {
-    /// `wanted` names the column of the time; without it a column is found by its name.
+    /// Returns a reader; `wanted` names the column of the time, which is otherwise found by its name.
     pub(crate) fn new(input: R, wanted: Option<TimeName>) -> CsvTable<R> {
         CsvTable {
             input: Some(input),

@@ -20,7 +20,7 @@ pub(crate) enum Nested {
 }
 
 impl Nested {
-    /// Truth values are 0 and 1.
+    /// Returns a truth value as 0 or 1.
     pub(crate) fn truth(truth: bool) -> Nested {
         Nested::Number(f64::from(u8::from(truth)))
     }

@@ -38,14 +38,14 @@ impl PartialOrd for Waiting {
 }
 
 impl Ord for Waiting {
-    /// The earliest is the greatest; of one instant the first that came.
+    /// Orders samples for the heap: the earliest is the greatest; of one instant, the first that arrived.
     fn cmp(&self, other: &Waiting) -> std::cmp::Ordering {
         (other.sampled.at, other.number).cmp(&(self.sampled.at, self.number))
     }
 }
 
 impl Ordered {
-    /// A sample has been read.
+    /// Adds a sample that was read.
     pub fn push(&mut self, sampled: Sampled) {
         self.newest = self.newest.max(Some(sampled.at));
         self.number += 1;

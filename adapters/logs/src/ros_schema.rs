@@ -41,7 +41,7 @@ impl Primitive {
         })
     }
 
-    /// Size of a value in bytes; `None` for text, which is preceded by its length.
+    /// Returns the size of a value in bytes; `None` for text, which is preceded by its length.
     pub(crate) fn size(self) -> Option<usize> {
         Some(match self {
             Primitive::Bool | Primitive::U8 | Primitive::I8 => 1,

@@ -129,7 +129,7 @@ impl<R: Read> ULog<R> {
         true
     }
 
-    /// A line that the vehicle's software said: level, time stamp and text.
+    /// Processes a message of the vehicle's software: level, time stamp and text.
     fn said(&mut self, payload: &[u8], stamp: usize, message: &mut Message) -> bool {
         let (Some(level), Some(microseconds)) = (payload.first(), u64_at(payload, stamp)) else { return false };
         let topics = &mut self.topics;

@@ -74,7 +74,7 @@ impl<'a> Arguments<'a> {
         format!("{}: {what}; use {}", self.command, self.usage)
     }
 
-    /// Positional argument `index`, if given and not nil.
+    /// Returns the positional argument `index`, if given and not nil.
     pub(crate) fn at(&self, index: usize) -> Option<&'a Value> {
         self.positional.get(index).copied().filter(|value| value.is_true())
     }
@@ -99,17 +99,17 @@ impl<'a> Arguments<'a> {
         Ok(si)
     }
 
-    /// Required positional altitude, m.
+    /// Returns the required positional altitude, m.
     pub(crate) fn altitude(&self, index: usize) -> Result<f64, String> {
         self.number(self.need(index, "altitude")?, "altitude", Dimension::LENGTH, "2100m or FL230")
     }
 
-    /// Required positional speed, m/s.
+    /// Returns the required positional speed, m/s.
     pub(crate) fn speed(&self, index: usize) -> Result<f64, String> {
         self.number(self.need(index, "speed")?, "speed", Dimension::SPEED, "180kt")
     }
 
-    /// Required positional heading in radians; a bare number is degrees.
+    /// Returns the required positional heading in radians; a bare number is degrees.
     pub(crate) fn heading(&self, index: usize) -> Result<f64, String> {
         let value = self.need(index, "heading")?;
         let number = self.number(value, "heading", Dimension::ANGLE, "270deg")?;
@@ -117,7 +117,7 @@ impl<'a> Arguments<'a> {
         Ok(if bare { number * apex_geo::geodesy::RAD_PER_DEG } else { number })
     }
 
-    /// Required positional duration.
+    /// Returns the required positional duration.
     pub(crate) fn duration(&self, index: usize) -> Result<Duration, String> {
         self.read_duration(self.need(index, "duration")?)
     }
@@ -127,7 +127,7 @@ impl<'a> Arguments<'a> {
         self.keyword("duration").map(|value| self.read_duration(value)).transpose()
     }
 
-    /// `:hold` with the middle of the circle, `:hold-around`, if given.
+    /// Reads `:hold` with the middle of the circle, `:hold-around`, if given.
     pub(crate) fn hold_keyword(&self) -> Result<Option<(Duration, Option<Position>)>, String> {
         let Some(value) = self.keyword("hold") else { return Ok(None) };
         let centre =
@@ -169,7 +169,7 @@ impl<'a> Arguments<'a> {
         Ok(count as u32)
     }
 
-    /// `:every`, m: how far apart pictures are.
+    /// Reads `:every`, the distance between pictures in metres.
     pub(crate) fn every_keyword(&self) -> Result<f64, String> {
         let Some(value) = self.keyword("every") else { return Err(self.wrong("`:every` is missing")) };
         let every_m = self.number(value, "distance", Dimension::LENGTH, "20m")?;
@@ -191,7 +191,7 @@ impl<'a> Arguments<'a> {
         self.keyword("course").map(read).transpose()
     }
 
-    /// `:via`: the locations of a way, each with the altitude of the leg to it where it has one; empty if not given.
+    /// Reads `:via`: the locations of a path, each with the altitude of the leg to it if stated; empty if not given.
     pub(crate) fn way_keyword(&self) -> Result<Vec<WayPoint>, String> {
         let Some(value) = self.keyword("via") else { return Ok(Vec::new()) };
         let Some(items) = value.as_list() else {
@@ -206,7 +206,7 @@ impl<'a> Arguments<'a> {
             .collect()
     }
 
-    /// Required positional list of locations, at least two.
+    /// Returns the required positional list of locations, at least two.
     pub(crate) fn points(&self, index: usize) -> Result<Vec<WayPoint>, String> {
         let value = self.need(index, "path")?;
         let Some(items) = value.as_list().filter(|items| items.len() >= 2) else {
@@ -219,7 +219,7 @@ impl<'a> Arguments<'a> {
         items.iter().map(read).collect()
     }
 
-    /// `:speeds`, m/s over ground at each of `count` points; empty if not given.
+    /// Reads `:speeds`, m/s over ground at each of `count` points; empty if not given.
     pub(crate) fn speeds_keyword(&self, count: usize) -> Result<Vec<f64>, String> {
         let Some(value) = self.keyword("speeds") else { return Ok(Vec::new()) };
         let Some(items) = value.as_list().filter(|items| items.len() == count) else {
@@ -232,12 +232,12 @@ impl<'a> Arguments<'a> {
         items.iter().map(read).collect()
     }
 
-    /// Required positional location.
+    /// Returns the required positional location.
     pub(crate) fn spot(&self, index: usize, what: &str) -> Result<Spot, String> {
         self.read_spot(self.need(index, what)?, what)
     }
 
-    /// Positional location, if given.
+    /// Returns the positional location, if given.
     pub(crate) fn optional_spot(&self, index: usize, what: &str) -> Result<Option<Spot>, String> {
         self.at(index).map(|value| self.read_spot(value, what)).transpose()
     }

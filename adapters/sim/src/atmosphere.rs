@@ -35,7 +35,7 @@ impl Air {
         Air { temperature_k, pressure_pa, density: pressure_pa / (GAS * temperature_k) }
     }
 
-    /// True airspeed for one metre per second of indicated airspeed (instrument and compressibility errors left out).
+    /// Returns the true airspeed for one metre per second of indicated airspeed (instrument and compressibility errors left out).
     pub(crate) fn true_per_indicated(&self) -> f64 {
         sqrt(SEA_LEVEL_DENSITY / self.density)
     }

@@ -252,7 +252,7 @@ impl Camera {
         TargetDirection { forward: distance_m * cos(relative), right: distance_m * sin(relative), down }
     }
 
-    /// Tilt and pan, within the limits of the mount, that bring the sight line closest to the target.
+    /// Returns the tilt and pan, within the limits of the mount, that bring the sight line closest to the target.
     fn angles(&self, sight: TargetDirection) -> Angles {
         let pan_max = self.model.pan_deg_max * RAD_PER_DEG;
         let level = sqrt(sight.forward * sight.forward + sight.right * sight.right);
@@ -323,7 +323,7 @@ impl Camera {
         reason
     }
 
-    /// Points at nothing and takes no more pictures.
+    /// Stops pointing and taking pictures.
     pub(crate) fn rest(&mut self) {
         (self.state, self.aim, self.slew_until, self.run) = (CameraState::Ready, None, None, None);
     }

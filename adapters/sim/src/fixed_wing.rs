@@ -23,7 +23,7 @@ pub(crate) fn turn_radius_m(model: &VehicleModel, true_airspeed: f64, wind: Wind
     speed * speed / (GRAVITY * tan(model.turns.bank_share * model.bank_deg_max * RAD_PER_DEG))
 }
 
-/// Slowest true airspeed at an altitude.
+/// Returns the slowest true airspeed at an altitude.
 pub(crate) fn true_airspeed_min(model: &VehicleModel, altitude_m: f64) -> f64 {
     model.indicated_airspeed_m_s_min * Air::at(altitude_m).true_per_indicated()
 }

@@ -4,13 +4,13 @@ use crate::world::SimulatedWorld;
 use apex_model::problem::WindField;
 
 impl SimulatedWorld {
-    /// From now on this wind blows. The vehicle's motion is as before.
+    /// Replaces the wind from now on. The vehicle's motion is as before.
     pub fn change_wind(&mut self, wind: WindField) {
         self.wind_field = wind;
         self.settled = false;
     }
 
-    /// From now on turbulence and radio links draw from the streams of `seed`.
+    /// Draws turbulence and fading of radio links from the streams of `seed` from now on.
     pub fn reseed(&mut self, seed: u64) {
         self.turbulence.reseed(seed);
         for (radio, index) in self.radios.iter_mut().zip(0_u64..) {

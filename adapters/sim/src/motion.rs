@@ -92,7 +92,7 @@ pub(crate) fn moved(position: Position, north_m: f64, east_m: f64) -> Position {
     Position { latitude_deg, longitude_deg }
 }
 
-/// Fastest climb at `altitude_m`.
+/// Returns the fastest climb at `altitude_m`.
 pub(crate) fn climb_rate_max(model: &VehicleModel, altitude_m: f64) -> f64 {
     let share = (altitude_m / model.ceiling_m).clamp(0.0, 1.0);
     model.climb_rate_m_s_max * (1.0 - 0.9 * share)
@@ -128,7 +128,7 @@ pub(crate) fn climb(state: &mut State, model: &VehicleModel, altitude_m: f64, dt
     on_it || (error_m.abs() > 30.0 * state.vertical_speed.abs() + 60.0 && (wanted - state.vertical_speed).abs() < 0.2)
 }
 
-/// Drain of fuel or battery now, kg/s or W.
+/// Returns the drain of fuel or battery now, kg/s or W.
 pub(crate) fn drain_per_s(state: &State, model: &VehicleModel) -> f64 {
     if !state.engine_running {
         return 0.0;
@@ -139,7 +139,7 @@ pub(crate) fn drain_per_s(state: &State, model: &VehicleModel) -> f64 {
     model.drain_per_s(state.true_airspeed, state.altitude_m, state.vertical_speed)
 }
 
-/// Flight time until fuel or battery are empty, s: in level flight as fast and as high as now; parked, at cruise.
+/// Returns the flight time until fuel or battery are empty, s: in level flight as fast and as high as now; parked, at cruise.
 pub(crate) fn endurance_s(state: &State, model: &VehicleModel, temperature_c: f64) -> f64 {
     let drain = if state.on_ground {
         model.drain_planned_per_s(state.altitude_m)

@@ -1,6 +1,6 @@
 //! Messages for names that are not known: what was written, what there is, what may have been meant.
 
-/// "unknown WHAT `name`: did you mean `x`? Known: a, b". `known` gives the candidates in the order to print.
+/// Returns the text "unknown WHAT `name`: did you mean `x`? Known: a, b". `known` gives the candidates in the order to print.
 pub(crate) fn unknown_name<'a>(what: &str, name: &str, known: impl Iterator<Item = &'a str>) -> String {
     let known: Vec<&str> = known.collect();
     let nearest = known
@@ -13,7 +13,7 @@ pub(crate) fn unknown_name<'a>(what: &str, name: &str, known: impl Iterator<Item
     format!("unknown {what} `{name}`{hint} (known: {list})")
 }
 
-/// Levenshtein distance in characters.
+/// Returns the Levenshtein distance in characters.
 fn distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();

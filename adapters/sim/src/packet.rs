@@ -181,7 +181,7 @@ pub(crate) fn location(state: &State) -> Value {
     Value::List(numbers.map(Value::Real).into())
 }
 
-/// `number` to the nearest part of `parts` in one; never minus zero, which users do not expect.
+/// Rounds `number` to the nearest fraction of one with denominator `parts`; never returns minus zero.
 pub(crate) fn rounded(number: f64, parts: f64) -> f64 {
     libm::round(number * parts) / parts + 0.0
 }
@@ -189,7 +189,7 @@ pub(crate) fn rounded(number: f64, parts: f64) -> f64 {
 /// A ten millionth of a degree is about a centimetre.
 const POSITION_PER_DEG: f64 = 1e7;
 
-/// Into how many parts one unit of a variable is rounded: finer than any sensor of the kind, and short to read.
+/// Returns the number of parts into which a unit of a variable is rounded: finer than any sensor of the kind, and with few digits.
 fn parts(variable: &PublishedVariable) -> f64 {
     match (variable.name, variable.unit) {
         ("latitude" | "longitude", _) => POSITION_PER_DEG,
@@ -299,7 +299,7 @@ impl Reporter {
         }
     }
 
-    /// A packet at `at`: a full one at the latest ten seconds after the last.
+    /// Returns a packet at `at`; it is complete at least every ten seconds.
     pub(crate) fn packet(
         &mut self,
         at: Time,
@@ -354,7 +354,7 @@ impl Reporter {
         }
     }
 
-    /// Only the words that changed since they were last reported.
+    /// Publishes the words that changed since they were last reported.
     pub(crate) fn changes(&mut self, at: Time, snapshot: &Snapshot, cameras: &[Camera], inputs: &mut Vec<Input>) {
         let words = &mut self.words;
         let mut publish = |name: &StateVariable, word: &'static str, last: &mut &'static str| {

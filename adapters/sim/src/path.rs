@@ -130,8 +130,8 @@ fn along(line: &Line, state: &State, rate_rad_s: f64) -> Course {
     Course { course_rad: course_rad - back, rate_rad_s }
 }
 
-/// Is a point at `distance_m`, `off_rad` from the track, inside the circle of a turn towards it? Then turning now would
-/// circle it forever.
+/// Returns true if a point at `distance_m`, `off_rad` from the track, is inside the circle of a turn towards it: turning now would circle
+/// it forever.
 fn inside_turn(off_rad: f64, distance_m: f64, radius_m: f64) -> bool {
     if off_rad < 0.15 || distance_m > 2.2 * radius_m {
         return false;

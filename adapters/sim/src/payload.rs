@@ -43,7 +43,7 @@ impl SimulatedWorld {
         Ok(())
     }
 
-    /// `camera`, `point-camera`, `take-picture`, `take-pictures` and `stop-pictures`.
+    /// Executes `camera`, `point-camera`, `take-picture`, `take-pictures` and `stop-pictures`.
     pub(crate) fn use_camera(
         &mut self,
         id: CommandId,
@@ -165,7 +165,7 @@ impl SimulatedWorld {
         Ok(Aim::At(spot, altitude_m))
     }
 
-    /// The exposure begins: position, attitude and angles of the mount at its instant belong to the image, and are reported with it.
+    /// Reports the beginning of an exposure with position, attitude and angles of the mount at its instant, which belong to the image.
     pub(crate) fn say_taken(&mut self, camera: &Camera, inputs: &mut Vec<Input>) {
         self.report(Extent::Attitude, inputs);
         let target = camera.aim.as_ref().map_or_else(Value::nil, Aim::given);
@@ -182,7 +182,7 @@ impl SimulatedWorld {
         }
     }
 
-    /// Powering up what is powered disturbs nothing, but the caller that asked for it waits for the event.
+    /// Reports that a camera is powered, also if it was powered before, because the command waits for the event.
     fn say_ready(&self, id: CommandId, camera: &str, inputs: &mut Vec<Input>) {
         let name = Value::symbol(camera);
         let form = Value::list([Value::symbol("ready"), name.clone()]);

@@ -39,7 +39,7 @@ impl Radio {
         Radio { modem, fading, level: 1.0, silenced: false, lost: false, contrary_s: 0.0 }
     }
 
-    /// Fading draws from another seed from now on; the state of the link stays.
+    /// Draws fading from another seed from now on; the state of the link stays.
     pub(crate) fn reseed(&mut self, seed: u64, index: u64) {
         self.fading = Radio::new(self.modem.clone(), seed, index).fading;
     }

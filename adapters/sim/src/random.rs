@@ -9,20 +9,20 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 pub(crate) struct Random(ChaCha8Rng);
 
 impl Random {
-    /// Stream number `stream` of `seed`.
+    /// Returns stream number `stream` of `seed`.
     pub(crate) fn new(seed: u64, stream: u64) -> Random {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
         generator.set_stream(stream);
         Random(generator)
     }
 
-    /// Uniform in the open interval from 0 to 1.
+    /// Draws a number uniformly from the open interval from 0 to 1.
     pub(crate) fn uniform(&mut self) -> f64 {
         // 53 bits, shifted by half a step so that zero, whose logarithm is infinite, cannot occur.
         ((self.0.next_u64() >> 11) as f64 + 0.5) / 9_007_199_254_740_992.0
     }
 
-    /// Normal with mean zero and deviation one.
+    /// Draws a normally distributed number with mean 0 and standard deviation 1.
     pub(crate) fn normal(&mut self) -> f64 {
         let radius = sqrt(-2.0 * log(self.uniform()));
         radius * cos(std::f64::consts::TAU * self.uniform())

@@ -15,7 +15,7 @@ use apex_runtime::ports::Input;
 use libm::tan;
 
 impl SimulatedWorld {
-    /// A packet, after listening to the radios if it says anything about them.
+    /// Adds a packet, after an update of the radios if the packet reports them.
     pub(crate) fn report(&mut self, extent: Extent, inputs: &mut Vec<Input>) {
         if extent != Extent::Attitude {
             self.listen(inputs);
@@ -67,7 +67,7 @@ impl SimulatedWorld {
         self.planned_stop = if self.is_sensing() { self.packet_due.min(self.attitude_due) } else { self.packet_due };
     }
 
-    /// True in flight while a sensor is in use.
+    /// Returns true in flight while a sensor is in use.
     fn is_sensing(&self) -> bool {
         !self.state.on_ground && (self.scanner_on || self.cameras.iter().any(Camera::is_looking))
     }
@@ -181,7 +181,7 @@ impl SimulatedWorld {
     }
 }
 
-/// Width on the ground of a scanner that looks `half_view_rad` to both sides from `height_m`, rolled by `roll_rad`.
+/// Returns the width on the ground of a scanner that looks `half_view_rad` to both sides from `height_m`, rolled by `roll_rad`.
 fn footprint_m(height_m: f64, roll_rad: f64, half_view_rad: f64) -> f64 {
     // Beyond 80 degrees from straight down a line is horizon, not ground.
     let edge = |angle: f64| tan(angle.clamp(-1.396, 1.396));

@@ -39,13 +39,13 @@ impl Situation<'_> {
         (self.altitude_m - self.state.altitude_m).abs() <= within || !self.state.engine_running
     }
 
-    /// The fastest it can be over ground here.
+    /// Returns the maximum speed over ground here.
     pub(crate) fn ground_speed_max(&self) -> f64 {
         let wind = libm::sqrt(self.wind.east_mps * self.wind.east_mps + self.wind.north_mps * self.wind.north_mps);
         self.true_airspeed.max(self.state.true_airspeed) + wind
     }
 
-    /// The tightest circle it can fly here.
+    /// Returns the radius of the tightest circle here.
     pub(crate) fn turn_radius_m(&self) -> f64 {
         let speed = self.true_airspeed.max(self.state.true_airspeed);
         match self.model.airframe {

@@ -71,20 +71,20 @@ impl AttitudeStep {
 }
 
 impl Turbulence {
-    /// Smooth air so far, for a vehicle that holds its attitude like `hold`.
+    /// Returns smooth air, for a vehicle that holds its attitude like `hold`.
     pub(crate) fn new(hold: AttitudeHold, seed: u64) -> Turbulence {
         let random = Random::new(seed, 1);
         let wander = Wander::new(Random::new(seed, 2), BUMP_CORRELATION_S);
         Turbulence { hold, random, wander, roll_rad: 0.0, roll_rate_rad_s: 0.0, bump_m_s2: 0.0 }
     }
 
-    /// Roll and bumps draw from another seed from now on; the present roll stays.
+    /// Draws roll and bumps from another seed from now on; the present roll stays.
     pub(crate) fn reseed(&mut self, seed: u64) {
         let Turbulence { random, wander, .. } = Turbulence::new(self.hold.clone(), seed);
         (self.random, self.wander) = (random, wander);
     }
 
-    /// The vehicle is on the ground: nothing moves it.
+    /// Stops all motion by turbulence, because the vehicle is on the ground.
     pub(crate) fn rest(&mut self) {
         (self.roll_rad, self.roll_rate_rad_s, self.bump_m_s2) = (0.0, 0.0, 0.0);
     }

@@ -258,7 +258,7 @@ impl SimulatedWorld {
         left_s.min(self.model.report.cruise_s).max(STEP_S)
     }
 
-    /// One step of `dt` seconds, ending now.
+    /// Advances the world by one step of `dt` seconds, which ends now.
     fn fly(&mut self, dt: f64, inputs: &mut Vec<Input>) {
         let position = self.state.position;
         self.wind = self.wind_that_blows();

@@ -99,7 +99,7 @@ fn limits_in(condition: &Condition, attribute: &Symbol, limits: &mut Vec<Value>)
     }
 }
 
-/// At most [`POINTS_MAX`] points, which keep the least and greatest of each stretch.
+/// Returns at most [`POINTS_MAX`] points, which keep the minimum and maximum of each stretch.
 fn thinned(samples: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     if samples.len() <= POINTS_MAX {
         return samples;

@@ -44,7 +44,7 @@ pub struct Options {
 pub enum Command {
     /// Check PDL files: syntax, names, dimensions, goals that nothing serves, steps that can never begin.
     Check(CheckOptions),
-    /// Explain a code of the checker's messages.
+    /// Explain a code of the checker's messages, or a word of PDL and its libraries.
     Explain(ExplainOptions),
     /// Format PDL files in place.
     Fmt(FormatOptions),

@@ -97,7 +97,7 @@ impl Listened {
         Listened::new(standard())
     }
 
-    /// Any other output.
+    /// Returns a writer for the output `out`.
     pub fn new(out: Box<dyn Write>) -> Listened {
         Listened { out: BufWriter::new(out), gone: Rc::new(Cell::new(false)) }
     }

@@ -154,7 +154,7 @@ fn a_simulators_mistakes_are_answered_and_change_nothing() {
 fn options_without_a_meaning_are_refused() {
     let desk = asking("foreign-sim");
     desk.apex(&["run", "ask.pdl", "--interactive"]).complained(2, &["`--interactive` has no meaning", "foreign-sim"]);
-    desk.apex(&["run", "ask.pdl", "--trace", "-"]).complained(2, &["between the lines to the simulator"]);
+    desk.apex(&["run", "ask.pdl", "--trace", "-"]).complained(2, &["mix the trace with the lines"]);
 }
 
 #[test]

@@ -76,7 +76,7 @@ impl<'a> Retraction<'a> {
         Contradiction { left_out: vec![unexplained.clone()], unexplained, is_smallest: false, are_all: false }
     }
 
-    /// No limit has cut the search so far.
+    /// Returns true if no limit has cut the search so far.
     fn is_thorough(&self) -> bool {
         self.tried < RETRACTIONS_MAX && !self.is_undecided
     }
@@ -162,7 +162,7 @@ impl<'a> Retraction<'a> {
         options
     }
 
-    /// Passed tests that clear a failure mode.
+    /// Returns the passed tests that clear a failure mode.
     fn clearing(&self, mode: usize, left_out: &Bits) -> Bits {
         let passed = self.outcomes.iter().enumerate().filter(|(test, outcome)| {
             **outcome == Outcome::Passed

@@ -78,7 +78,7 @@ impl TestEvidence {
         TestEvidence { good, conflicts, nogoods, unexplained }
     }
 
-    /// Failure modes that a passed test clears.
+    /// Returns the failure modes that a passed test clears.
     pub(crate) fn good(model: &Model, exclusions: &[Exclusion], outcomes: &[Outcome], left_out: &Bits) -> Bits {
         let mut good = Bits::new(model.modes.len());
         for (test, (outcome, exclusion)) in outcomes.iter().zip(exclusions).enumerate() {

@@ -22,7 +22,7 @@ pub(crate) struct Formula {
 pub(crate) struct TooManyTerms;
 
 impl Formula {
-    /// Never true.
+    /// Returns a formula that is never true.
     pub(crate) fn never(modes: usize) -> Formula {
         Formula { implicants: Vec::new(), clauses: vec![Bits::new(modes)] }
     }
@@ -32,13 +32,13 @@ impl Formula {
         Formula { implicants: vec![Bits::new(modes)], clauses: Vec::new() }
     }
 
-    /// True if one of these modes is present.
+    /// Returns a formula that is true if one of these modes is present.
     pub(crate) fn one_of(modes: usize, which: &[usize]) -> Formula {
         let implicants = which.iter().map(|mode| Bits::of(modes, [*mode])).collect();
         Formula { implicants: minimal(implicants), clauses: vec![Bits::of(modes, which.iter().copied())] }
     }
 
-    /// True if a part is.
+    /// Returns a formula that is true if a part is true.
     pub(crate) fn any<'a>(modes: usize, parts: impl Iterator<Item = &'a Formula>) -> Result<Formula, TooManyTerms> {
         let mut whole = Formula::never(modes);
         for part in parts {
@@ -48,7 +48,7 @@ impl Formula {
         Ok(whole)
     }
 
-    /// True if all parts are.
+    /// Returns a formula that is true if all parts are true.
     pub(crate) fn all<'a>(modes: usize, parts: impl Iterator<Item = &'a Formula>) -> Result<Formula, TooManyTerms> {
         let mut whole = Formula::always(modes);
         for part in parts {

@@ -134,8 +134,8 @@ impl HittingSearch<'_> {
         available.extend(&branch);
     }
 
-    /// One set, where the nodes were not enough for the first: hits the first open clause by the mode that hits most for its cost, again
-    /// and again, and then removes what is not needed.
+    /// Finds one set if the limit of nodes was reached before the first: takes the mode that hits the first open clause and most others for
+    /// its cost, repeatedly, and then removes what is not needed.
     fn greedy(&mut self, mut state: PartialSet) {
         loop {
             let clause = self.unhit(&state).next();

@@ -68,12 +68,12 @@ pub struct Monitor {
 }
 
 impl Test {
-    /// Minimal sets of failure modes that make it fail together.
+    /// Returns the minimal sets of failure modes that make it fail together.
     pub fn implicants(&self) -> &[Bits] {
         &self.formula.implicants
     }
 
-    /// Minimal sets of failure modes of which each has a present one when the test fails.
+    /// Returns the minimal sets of failure modes of which each has a present one when the test fails.
     pub fn clauses(&self) -> &[Bits] {
         &self.formula.clauses
     }

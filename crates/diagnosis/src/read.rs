@@ -191,7 +191,7 @@ impl<'a> ModelReader<'a> {
         Ok(())
     }
 
-    /// A response must be one form in parentheses, so that the generated PDL can be read.
+    /// Checks that a response is one form in parentheses, so that the generated PDL can be read.
     fn check_form(&self, text: Option<&str>, place: &str) -> ModelResult<()> {
         let Some(text) = text else { return Ok(()) };
         let mut depth = 0_i32;

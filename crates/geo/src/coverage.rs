@@ -40,8 +40,8 @@ pub struct SweepSettings {
     pub run_in_m: f64,
 }
 
-/// Parallel lines that see all of `ground`, beginning at the nearest of the four corners to `approach`, flown in
-/// alternate directions. A row with gaps is flown through.
+/// Returns the parallel lines that see all of `ground`, beginning at the nearest of the four corners to `approach`, flown in alternate
+/// directions. A row with gaps is flown through.
 ///
 /// # Errors
 /// An error message if the ground or a setting is invalid, or the sweep would have too many lines.
@@ -97,8 +97,8 @@ fn direction(track_deg: f64) -> Point {
     Point { x: libm::sin(track_deg * RAD_PER_DEG), y: libm::cos(track_deg * RAD_PER_DEG) }
 }
 
-/// Along the edge across which the polygon is narrowest. The narrowest width of a convex hull lies along a hull edge;
-/// edges between all pairs of neighbours are a fair stand-in for it.
+/// Returns the direction of the edge across which the polygon is narrowest. The narrowest width of a convex hull lies along a hull edge;
+/// edges between all pairs of neighbours approximate it.
 fn fewest_lines_direction(points: &[Point]) -> Option<Point> {
     let width = |along: Point| {
         let across = points.iter().map(|point| along.cross(*point));

@@ -48,7 +48,7 @@ impl Direction {
         }
     }
 
-    /// Cosine of the angle between two directions.
+    /// Returns the cosine of the angle between two directions.
     pub fn dot(self, other: Direction) -> f64 {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
@@ -115,7 +115,7 @@ impl Direction {
         }
     }
 
-    /// East and north parts of a vector `along` the surface here; along the meridian of Greenwich at the poles.
+    /// Returns the east and north parts of a vector `along` the surface here; at the poles along the meridian of Greenwich.
     pub fn east_north(self, along: Direction) -> (f64, f64) {
         let equatorial = libm::sqrt(self.x * self.x + self.y * self.y);
         let (sine, cosine) = if equatorial > 0.0 { (self.y / equatorial, self.x / equatorial) } else { (0.0, 1.0) };

@@ -79,7 +79,7 @@ pub fn wrap_360(angle_deg: f64) -> f64 {
     if wrapped < 0.0 { wrapped + 360.0 } else { wrapped }
 }
 
-/// `angle_deg` as -180..180 (180 itself becomes -180).
+/// Normalises `angle_deg` to -180..180 (180 itself becomes -180).
 pub fn wrap_180(angle_deg: f64) -> f64 {
     wrap_360(angle_deg + 180.0) - 180.0
 }

@@ -55,7 +55,7 @@ pub struct Reach {
 }
 
 impl Reach {
-    /// Everything within `distance_m_max` of one of `places`.
+    /// Returns the reach of all points within `distance_m_max` of one of `places`.
     pub fn new(places: Vec<LandingPlace>, distance_m_max: f64) -> Reach {
         let directions = places.iter().map(|place| Direction::of(place.position)).collect();
         // A ten-thousandth for the distance, the rest for arcs that are not geodesics.
@@ -138,7 +138,7 @@ impl Reach {
         leg_is_within(&self.places, from, to, self.distance_m_max)
     }
 
-    /// Is all of the arc from `start` over `angle_rad` towards `quarter` within `within_rad` of places? Each place covers
+    /// Returns true if the whole arc from `start` over `angle_rad` towards `quarter` is within `within_rad` of places. Each place covers
     /// one span of the arc.
     fn covers(&self, (start, quarter): (Direction, Direction), angle_rad: f64, within_rad: f64) -> bool {
         let least = libm::cos(within_rad);

@@ -29,12 +29,12 @@ impl Point {
         Point { x: self.x + scale * other.x, y: self.y + scale * other.y }
     }
 
-    /// Scalar product.
+    /// Returns the scalar product.
     pub fn dot(self, other: Point) -> f64 {
         self.x * other.x + self.y * other.y
     }
 
-    /// Vector product: positive when `other` is to the left.
+    /// Returns the vector product: positive when `other` is to the left.
     pub fn cross(self, other: Point) -> f64 {
         self.x * other.y - self.y * other.x
     }
@@ -106,7 +106,7 @@ impl Plane {
         }
     }
 
-    /// Largest factor by which lengths near `point` are stretched in the plane.
+    /// Returns the largest factor by which lengths near `point` are stretched in the plane.
     pub fn stretch(&self, point: Point) -> f64 {
         let (x, y) = (point.x / EARTH_RADIUS_M_MEAN, point.y / EARTH_RADIUS_M_MEAN);
         1.0 + x * x + y * y
@@ -149,7 +149,7 @@ pub fn edges(corners: &[Point]) -> impl Iterator<Item = (Point, Point)> + '_ {
     corners.iter().zip(next).map(|(a, b)| (*a, *b))
 }
 
-/// Is `point` inside the polygon? Points on the edge may be either. Fewer than three corners hold nothing.
+/// Returns true if `point` is inside the polygon. Points on the edge may be either. Fewer than three corners contain nothing.
 pub fn inside(point: Point, corners: &[Point]) -> bool {
     if corners.len() < 3 {
         return false;
@@ -166,7 +166,7 @@ pub fn segment_to_edges(a: Point, b: Point, corners: &[Point]) -> f64 {
     edges(corners).fold(f64::INFINITY, |least, (c, d)| least.min(segment_to_segment(a, b, c, d)))
 }
 
-/// Twice the signed area: positive where the corners run counter-clockwise.
+/// Returns the twice the signed area: positive where the corners run counter-clockwise.
 pub fn doubled_area(corners: &[Point]) -> f64 {
     edges(corners).map(|(a, b)| a.cross(b)).sum()
 }

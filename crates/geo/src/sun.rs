@@ -17,7 +17,7 @@ pub const SCAN_STEPS_MAX: usize = 4_320;
 
 const J2000_UNIX_S: f64 = 946_728_000.0;
 
-/// Hour angle of the sun at a place, its declination, and the latitude, rad.
+/// Returns the hour angle of the sun at a place, its declination, and the latitude, rad.
 fn hour_declination_latitude_rad(position: Position, unix_s: f64) -> (f64, f64, f64) {
     let days = (unix_s - J2000_UNIX_S) / 86_400.0;
     let anomaly_rad = wrap_360(357.529 + 0.985_600_28 * days) * RAD_PER_DEG;

@@ -100,7 +100,7 @@ impl TerrainGrid {
         Ok(TerrainGrid { south_west, step_deg, rows, columns, elevations_m, block_columns, blocks_m, range_m })
     }
 
-    /// Row and column of a place as fractions; none outside of the grid.
+    /// Returns the row and column of a place as fractions; `None` outside of the grid.
     fn place(&self, position: Position) -> Option<(f64, f64)> {
         let row = (position.latitude_deg - self.south_west.latitude_deg) / self.step_deg.0;
         let east_deg = self.east_deg(position.longitude_deg);
@@ -122,7 +122,7 @@ impl TerrainGrid {
         (!elevation_m.is_nan()).then(|| f64::from(*elevation_m))
     }
 
-    /// Bilinear elevation; none outside, and next to a post that is not known.
+    /// Returns the bilinear elevation; `None` outside, and next to an unknown post.
     pub fn elevation_m_at(&self, position: Position) -> Option<f64> {
         let (row, column) = self.place(position)?;
         let (south, west) = ((row as usize).min(self.rows - 2), (column as usize).min(self.columns - 2));
@@ -201,7 +201,7 @@ impl Terrain {
         self.grids.iter().find_map(|grid| grid.elevation_m_at(position))
     }
 
-    /// Lowest and highest known elevation.
+    /// Returns the lowest and highest known elevation.
     pub fn range_m(&self) -> (f64, f64) {
         let ranges = self.grids.iter().map(|grid| grid.range_m);
         ranges.fold((f64::INFINITY, f64::NEG_INFINITY), |all, range| (all.0.min(range.0), all.1.max(range.1)))

@@ -21,9 +21,9 @@ const CIRCLE_S_PER_M_S: f64 = 2.25 * 2.39;
 /// A flight whose length is not known, because a place is given by name or the vehicle has not said where it is.
 const UNKNOWN_S: f64 = 3.0 * 3_600.0;
 
-/// `(flight-time-limit PLACES AIRSPEED CLIMB-RATE [ALTITUDE [WAIT]])`: the duration after which a flight along `PLACES` to `ALTITUDE`
-/// has failed. `PLACES` is a list of locations in the order of the flight, and of durations that are spent waiting; lists inside it are
-/// searched for both. `ALTITUDE` (a length, or metres) and `WAIT` (a duration, or seconds) may be nil.
+/// Evaluates `(flight-time-limit PLACES AIRSPEED CLIMB-RATE [ALTITUDE [WAIT]])`: the duration after which a flight along `PLACES` to
+/// `ALTITUDE` has failed. `PLACES` is a list of locations in the order of the flight, and of durations that are spent waiting; lists inside
+/// it are searched for both. `ALTITUDE` (a length, or metres) and `WAIT` (a duration, or seconds) may be nil.
 ///
 /// Twice the time in still air at `AIRSPEED`, plus all changes of altitude at a quarter of `CLIMB-RATE`, plus the durations, plus 5
 /// minutes and four full circles. A place that is given by name, and a list with fewer than two places, add three hours.

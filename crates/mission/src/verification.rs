@@ -307,8 +307,8 @@ fn bearing_rad(from: Position, to: Position) -> f64 {
     atan2(sin(east) * cos(phi_2), cos(phi_1) * sin(phi_2) - sin(phi_1) * cos(phi_2) * cos(east))
 }
 
-/// Lambert's formula (W. D. Lambert, "The distance between two widely separated points on the surface of the earth",
-/// Journal of the Washington Academy of Sciences 32, 1942) on WGS84.
+/// Returns the distance by Lambert's formula (W. D. Lambert, "The distance between two widely separated points on the surface of the
+/// earth", Journal of the Washington Academy of Sciences 32, 1942) on WGS84.
 fn lambert_distance_m(a: Position, b: Position) -> f64 {
     const SEMI_MAJOR_M: f64 = 6_378_137.0;
     const FLATTENING: f64 = 1.0 / 298.257_223_563;

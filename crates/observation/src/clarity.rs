@@ -35,7 +35,7 @@ impl AttitudeHold {
         self.natural_frequency_rad_s.unwrap_or(0.0) * self.roll_sigma_deg(edr)
     }
 
-    /// Correlation time of the roll angle, `1 / (zeta omega_n)`.
+    /// Returns the correlation time of the roll angle, `1 / (zeta omega_n)`.
     pub fn correlation_s(&self) -> Option<f64> {
         self.natural_frequency_rad_s.map(|frequency| 1.0 / (self.damping_ratio * frequency))
     }

@@ -278,7 +278,7 @@ impl FlownObservation {
         self.watched.iter().filter_map(seen).collect()
     }
 
-    /// The results of all targets, in their order, from what has been seen so far.
+    /// Returns the results of all targets, in their order, from what has been seen so far.
     pub fn results(&self) -> Vec<TargetResult> {
         let first_valid_s = self.first_valid_s();
         self.watched.iter().map(|watched| self.assessed(watched, &first_valid_s, true)).collect()

@@ -22,7 +22,7 @@ pub trait Ground {
     fn elevation_m_at(&self, position: Position) -> Option<f64>;
     /// Returns the least and greatest elevation anywhere; equal for flat ground.
     fn elevation_range_m(&self) -> (f64, f64);
-    /// Size of a terrain cell: the step of marching rays.
+    /// Returns the size of a terrain cell: the step of marching rays.
     fn cell_m(&self) -> f64;
 }
 

@@ -39,7 +39,7 @@ impl EqualAreaPlane {
         Point { x: TURN_COSINE * east_m + TURN_SINE * north_m, y: TURN_COSINE * north_m - TURN_SINE * east_m }
     }
 
-    /// East and north parts of a vector of the plane.
+    /// Returns the east and north parts of a vector of the plane.
     pub fn east_north(&self, vector: Point) -> (f64, f64) {
         (TURN_COSINE * vector.x - TURN_SINE * vector.y, TURN_COSINE * vector.y + TURN_SINE * vector.x)
     }

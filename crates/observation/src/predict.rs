@@ -47,7 +47,7 @@ impl PlannedLine {
         geodesy::distance_m(self.from, self.to)
     }
 
-    /// Instant at `to`.
+    /// Returns the instant at `to`.
     pub fn until_s(&self) -> f64 {
         self.from_s + self.length_m() / self.ground_speed_mps
     }

@@ -20,7 +20,7 @@ impl<'a> Meter<'a> {
         Meter { budget, spent_ns: 0, cut: false }
     }
 
-    /// Units spent so far.
+    /// Returns the units spent so far.
     pub fn used(&self) -> u64 {
         self.budget.used()
     }

@@ -13,7 +13,7 @@ use apex_model::time::Duration;
 /// of flight than a unit represents: its budgets should be smaller, or its plans are late.
 pub const WORK_UNIT: Duration = Duration(1_000);
 
-/// Work units in `time`; at least one.
+/// Returns the work units in `time`; at least one.
 pub fn units_in(time: Duration) -> u64 {
     u64::try_from(time.0 / WORK_UNIT.0).unwrap_or(0).max(1)
 }
@@ -41,7 +41,7 @@ pub trait Budget {
     fn charge(&mut self, units: u64);
     /// Returns true when the solver must return its best plan now.
     fn exhausted(&self) -> bool;
-    /// Units charged so far.
+    /// Returns the units charged so far.
     fn used(&self) -> u64;
     /// Returns the remaining units; `None` if a clock decides. An annealing planner plans its temperatures by it.
     fn left(&self) -> Option<u64> {

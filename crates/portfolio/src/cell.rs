@@ -62,7 +62,7 @@ impl Scale {
     /// Every scale, as the rows of Figure 4 have them.
     pub const ALL: [Scale; 3] = [Scale::Large, Scale::Medium, Scale::Small];
 
-    /// Side of the square map.
+    /// Returns the side of the square map.
     pub fn side_m(self) -> f64 {
         match self {
             Scale::Large => 16_000.0,

@@ -87,7 +87,7 @@ pub struct RequirementSample {
 }
 
 impl Alarm {
-    /// State after the samples so far.
+    /// Returns the state after the samples so far.
     pub fn state(&self) -> AlarmState {
         self.state
     }

@@ -191,7 +191,7 @@ pub(crate) fn no_record() -> ApiError {
 pub(crate) type Shared = State<Arc<AppState>>;
 pub(crate) type QueryParams<T> = Result<Query<T>, QueryRejection>;
 
-/// The parameters of a request, or what is wrong with them.
+/// Returns the parameters of a request, or what is wrong with them.
 pub(crate) fn checked<T>(params: QueryParams<T>) -> ApiResult<T> {
     params.map(|Query(query)| query).map_err(|rejection| {
         ApiError::bad_request(

@@ -48,12 +48,12 @@ impl VehicleModel {
         }
     }
 
-    /// Range in still air at cruise with the reserve untouched, m.
+    /// Returns the range in still air at cruise with the reserve untouched, m.
     pub fn range_m(&self) -> f64 {
         (self.stored_full() - self.reserve()) / self.drain_cruise_per_s() * self.true_airspeed_m_s_cruise
     }
 
-    /// Unit of the energy on board and what one of it is in kg or J: for printing.
+    /// Returns the unit of the energy on board and what one of it is in kg or J: for printing.
     pub fn energy_unit(&self) -> (&'static str, f64) {
         match self.energy {
             EnergyModel::Fuel(_) => ("kg", 1.0),
@@ -86,7 +86,7 @@ impl VehicleModel {
         }
     }
 
-    /// Slowest scan rate without gaps at `height_m`, lines per second: `V (1 + overlap) / (pixel height)`.
+    /// Returns the slowest scan rate without gaps at `height_m`, lines per second: `V (1 + overlap) / (pixel height)`.
     fn scan_rate_hz_min(&self, mode: &ScannerMode, height_m: f64) -> f64 {
         self.true_airspeed_m_s_cruise * (1.0 + mode.overlap_share) / (mode.pixel_mrad * 1e-3 * height_m)
     }

@@ -124,7 +124,7 @@ pub struct StatedEndurance {
     pub hover_min: Option<f64>,
 }
 
-/// Density over that of sea level in the International Standard Atmosphere, up to 20 km.
+/// Returns the density over that of sea level in the International Standard Atmosphere, up to 20 km.
 pub fn density_ratio(altitude_m: f64) -> f64 {
     const TROPOPAUSE_M: f64 = 11_000.0;
     let ratio = |altitude_m: f64| pow((1.0 - 2.255_77e-5 * altitude_m).max(0.1), 4.255_88);
@@ -134,13 +134,13 @@ pub fn density_ratio(altitude_m: f64) -> f64 {
     ratio(TROPOPAUSE_M) * libm::exp((TROPOPAUSE_M - altitude_m) / 6_341.6)
 }
 
-/// Temperature of the International Standard Atmosphere, degrees Celsius.
+/// Returns the temperature of the International Standard Atmosphere, degrees Celsius.
 pub fn standard_temperature_c(altitude_m: f64) -> f64 {
     15.0 - 0.006_5 * altitude_m.min(11_000.0)
 }
 
 impl FlightPower {
-    /// Power of level flight, W, in air of `ratio` times the density at sea level.
+    /// Returns the power of level flight, W, in air of `ratio` times the density at sea level.
     fn level_w(&self, true_airspeed_m_s: f64, ratio: f64) -> f64 {
         let speed = true_airspeed_m_s;
         match self {
@@ -171,7 +171,7 @@ impl BatteryModel {
         self.capacity_wh * self.health_share * JOULES_PER_WH
     }
 
-    /// Usable share of the capacity at an outside temperature.
+    /// Returns the usable share of the capacity at an outside temperature.
     pub fn usable_share(&self, temperature_c: f64) -> f64 {
         let points = || self.temperature_c.iter().copied().zip(self.temperature_share.iter().copied());
         let below = points().rfind(|(at, _)| *at <= temperature_c);
@@ -204,7 +204,7 @@ impl VehicleModel {
         }
     }
 
-    /// Drain in flight: kg/s or W, never negative.
+    /// Returns the drain in flight: kg/s or W, never negative.
     pub fn drain_per_s(&self, true_airspeed_m_s: f64, altitude_m: f64, vertical_speed_m_s: f64) -> f64 {
         match &self.energy {
             EnergyModel::Fuel(fuel) => self.fuel_flow_kg_s(fuel, true_airspeed_m_s, altitude_m, vertical_speed_m_s),
@@ -238,7 +238,7 @@ impl VehicleModel {
         (flow * climb).max(LEAST_SHARE * reference)
     }
 
-    /// Drain of the vehicle on the ground with its engine running: kg/s or W.
+    /// Returns the drain of the vehicle on the ground with its engine running: kg/s or W.
     pub fn drain_idle_per_s(&self) -> f64 {
         match &self.energy {
             EnergyModel::Fuel(fuel) => IDLE_SHARE * fuel.flow_kg_h_reference / 3600.0,
@@ -246,12 +246,12 @@ impl VehicleModel {
         }
     }
 
-    /// Drain in level flight at cruise speed and cruise altitude above ground at sea level: kg/s or W.
+    /// Returns the drain in level flight at cruise speed and cruise altitude above ground at sea level: kg/s or W.
     pub fn drain_cruise_per_s(&self) -> f64 {
         self.drain_per_s(self.true_airspeed_m_s_cruise, self.planning.cruise.altitude_m(0.0), 0.0)
     }
 
-    /// Drain that plans count on: the greater of cruise and, for a rotorcraft, hover at the altitude `altitude_m`.
+    /// Returns the drain that plans count on: the greater of cruise and, for a rotorcraft, hover at the altitude `altitude_m`.
     pub fn drain_planned_per_s(&self, altitude_m: f64) -> f64 {
         let cruise = self.drain_per_s(self.true_airspeed_m_s_cruise, altitude_m, 0.0);
         match self.airframe {
@@ -268,7 +268,7 @@ impl VehicleModel {
         }
     }
 
-    /// Flight time at cruise that the reserve represents, s.
+    /// Returns the flight time at cruise that the reserve represents, s.
     pub fn reserve_s(&self) -> f64 {
         self.reserve() / self.drain_cruise_per_s()
     }
@@ -289,7 +289,7 @@ impl VehicleModel {
     }
 }
 
-/// Hover power of momentum theory, W: `(m g)^1.5 / sqrt(2 rho A)` at sea level over the figure of merit.
+/// Returns the hover power of momentum theory, W: `(m g)^1.5 / sqrt(2 rho A)` at sea level over the figure of merit.
 pub fn ideal_hover_w(mass_kg: f64, disc_m2: f64) -> f64 {
     let weight = mass_kg * GRAVITY_M_S2;
     weight * sqrt(weight) / sqrt(2.0 * SEA_LEVEL_KG_M3 * disc_m2)

@@ -61,7 +61,7 @@ impl Checker<'_> {
         Err(self.file.error(path, rule.describe(), value.to_string(), help))
     }
 
-    /// `value` must be at most `limit`, the figure called `other`.
+    /// Checks that `value` is at most `limit`, the figure called `other`.
     ///
     /// # Errors
     /// It is greater.
@@ -73,7 +73,7 @@ impl Checker<'_> {
         Err(self.file.error(path, expected, value.to_string(), "correct one of the two figures"))
     }
 
-    /// `value` must be less than `limit`, the figure called `other`.
+    /// Checks that `value` is less than `limit`, the figure called `other`.
     ///
     /// # Errors
     /// It is not.

@@ -55,7 +55,7 @@ impl<'a> Section<'a> {
         self.file
     }
 
-    /// Path of a member; of the section itself for an empty name.
+    /// Returns the path of a member; of the section itself for an empty name.
     pub(crate) fn path_of(&self, name: &str) -> String {
         match (self.path.as_str(), name) {
             ("", name) => name.to_owned(),

@@ -252,7 +252,7 @@ impl CarriedSensor {
 }
 
 impl SensorModel {
-    /// Word of its kind in files.
+    /// Returns the word of its kind in files.
     pub fn kind(&self) -> &'static str {
         match self.optics {
             Optics::LineScanner { .. } => "line-scanner",
@@ -287,12 +287,12 @@ impl FrameOptics {
         self.pixel_um * 1e-3 / self.focal_mm
     }
 
-    /// Full field of view across the direction of flight.
+    /// Returns the full field of view across the direction of flight.
     pub fn field_of_view_deg(&self) -> f64 {
         full_angle_deg(self.pixels_across * self.pixel_rad())
     }
 
-    /// Full field of view along the direction of flight.
+    /// Returns the full field of view along the direction of flight.
     pub fn field_of_view_along_deg(&self) -> f64 {
         full_angle_deg(self.pixels_along * self.pixel_rad())
     }
@@ -304,13 +304,13 @@ impl VideoOptics {
         2.0 * libm::tan(self.field_of_view_deg.to_radians() / 2.0) / self.pixels_across
     }
 
-    /// Full vertical field of view.
+    /// Returns the full vertical field of view.
     pub fn field_of_view_along_deg(&self) -> f64 {
         full_angle_deg(self.pixels_along * self.pixel_rad())
     }
 }
 
-/// Full angle of a picture whose width is `size` at distance 1.
+/// Returns the full angle of a picture whose width is `size` at distance 1.
 fn full_angle_deg(size: f64) -> f64 {
     (2.0 * libm::atan(size / 2.0)).to_degrees()
 }

@@ -159,7 +159,7 @@ fn bands(root: &Section<'_>) -> SensorResult<Vec<Band>> {
     root.items("bands")?.into_iter().map(band).collect()
 }
 
-/// A line scanner looks straight down and has no separate mount.
+/// Returns the mount; a line scanner looks straight down and has none.
 fn mount(root: &Section<'_>, scans: bool) -> SensorResult<Mount> {
     if scans {
         return match root.member("mount") {

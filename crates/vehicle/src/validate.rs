@@ -253,7 +253,7 @@ fn check_battery(check: &Checker<'_>, battery: &BatteryModel) -> Result<(), Vehi
     }
 }
 
-/// The endurance by capacity and consumption must be near the stated one.
+/// Checks that the endurance by capacity and consumption is near the stated one.
 fn check_stated(check: &Checker<'_>, name: &str, stated_min: f64, found_min: f64) -> Result<(), VehicleFileError> {
     if (found_min / stated_min - 1.0).abs() <= ENDURANCE_DEVIATION_MAX {
         return Ok(());

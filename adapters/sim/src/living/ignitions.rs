@@ -80,7 +80,7 @@ impl Ignitions {
         Ignitions { spec, sites, fires, reported: 0, looks: Vec::new(), random }
     }
 
-    /// Instant at which the next fire breaks out.
+    /// Returns the instant at which the next fire breaks out.
     pub(crate) fn next_s(&self) -> Option<f64> {
         self.fires.get(self.reported).map(|fire| fire.broke_out_s)
     }
@@ -99,7 +99,7 @@ impl Ignitions {
         self.sites.iter().position(|site| crate::path::bearing(site.position, place).1 <= NEAR_M)
     }
 
-    /// A camera begins a look with a picture that shows the structure; true if it reports a fire where none burns.
+    /// Begins the look of a camera with a picture that shows the structure; returns true if the look reports a fire where none burns.
     pub(crate) fn begin_look(&mut self, camera: usize, site: usize, now_s: f64) -> bool {
         self.end_looks(|known| known == camera);
         self.looks.push(Look { camera, site, judged: Vec::new() });

@@ -49,7 +49,7 @@ impl StormCell {
     }
 }
 
-/// True inside of a cloud field, between base and top.
+/// Returns true inside of a cloud field, between base and top.
 pub(crate) fn is_in_cloud(clouds: &[CloudField], position: Position, altitude_m: f64, time_s: f64) -> bool {
     clouds.iter().any(|cloud| {
         cloud.cover > 0.0 && (cloud.base_m..cloud.top_m).contains(&altitude_m) && cloud.is_above(position, time_s)

@@ -88,7 +88,7 @@ fn format_of(options: &ExportOptions, out: Option<&Path>) -> CliResult<ExportFor
     }
 }
 
-/// Units of the state variables, and what the columns mean.
+/// Returns the units of the state variables and the meaning of the columns.
 fn facts(library: &Library) -> Vec<(String, String)> {
     let unit =
         |(attribute, declared): (&apex_model::symbol::Symbol, &apex_model::library::StateVariableDeclaration)| {

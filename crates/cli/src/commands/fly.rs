@@ -182,7 +182,7 @@ fn serve_beside(path: &Path, door: FlightDoor, port: u16, planners: &Arc<Registr
     })
 }
 
-/// Ctrl-C and SIGTERM end the flight cleanly; nothing else is said from outside.
+/// Returns a channel that ends the flight cleanly on Ctrl-C and SIGTERM.
 fn stopped_by_signal() -> Receiver<Control> {
     let (say, controls) = mpsc::channel();
     // The receiver is alive: it is returned.

@@ -169,7 +169,7 @@ fn refuse(format: PlanFormat, question: &PlanInput) -> CliResult {
     }
 }
 
-/// The cost of ignorance of a first event is of problems that have one, and for formats that say it.
+/// Refuses `--survival` for problems without a cost of ignorance of first events, and for formats that cannot express it.
 fn refuse_survival(format: PlanFormat, question: &PlanInput) -> CliResult {
     if !matches!(question.problem, Problem::Surveillance(_)) {
         return Err(CliError::user("`--survival` is for plans of surveillance")

@@ -29,7 +29,7 @@ pub fn run(options: &RecoverOptions) -> CliResult {
     ))
 }
 
-/// `flight.apex` -> `flight-recovered.apex`
+/// Returns the path of the recovered record: `flight.apex` -> `flight-recovered.apex`
 fn beside(record: &Path) -> PathBuf {
     let stem = record.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     record.with_file_name(format!("{stem}-recovered.apex"))

@@ -6,7 +6,7 @@ use crate::{output, recording};
 use apex_mission::recorded::replay;
 use apex_runtime::replay::Differing;
 
-/// Re-executes a record and compares.
+/// Executes a record again and compares.
 pub fn run(options: &ReplayOptions) -> CliResult {
     let reader = recording::open(&options.record)?;
     let report = replay(&reader).map_err(|error| CliError::failure(error.to_string()))?;

@@ -101,7 +101,7 @@ pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> CliResult {
     if unexpected { Err(CliError::failure(message)) } else { Ok(()) }
 }
 
-/// Scripted inputs in memory, and those of a long file, which are read while they are needed; the run takes them.
+/// Returns the scripted inputs in memory, and those of a long file, which are read while they are needed; the run takes them.
 fn inputs_of(options: &RunOptions, clock: &ClockSource) -> CliResult<(Vec<Input>, Cell<Option<InputStream>>)> {
     let Some(path) = options.inputs.as_deref() else { return Ok((Vec::new(), Cell::new(None))) };
     if let ClockSource::Simulator = clock {
@@ -248,7 +248,7 @@ impl ClockSource {
     }
 }
 
-/// A trace or record written over what is being run would be lost work.
+/// Refuses a trace or record that would replace a file of the run.
 fn refuse_to_overwrite_inputs(options: &RunOptions) -> CliResult {
     let real = |path: &Path| std::fs::canonicalize(path).ok();
     let program = real(&sources::program_path(&options.program));
@@ -306,8 +306,10 @@ fn trace_output(path: Option<&Path>, output_is_taken: bool) -> CliResult<Listene
                 .because(error)
                 .help("choose another place with `--trace`, or leave it out to see the trace here")),
         },
-        Some(_) if output_is_taken => Err(CliError::user("`--trace -` would write between the lines to the simulator")
-            .help("give `--trace` a file, or connect the simulator with `--listen`")),
+        Some(_) if output_is_taken => {
+            Err(CliError::user("`--trace -` would mix the trace with the lines that the simulator reads")
+                .help("give `--trace` a file, or connect the simulator with `--listen`"))
+        }
         None if output_is_taken => Ok(Listened::new(Box::new(std::io::sink()))),
         _ => Ok(Listened::standard()),
     }

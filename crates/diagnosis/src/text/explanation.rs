@@ -164,7 +164,7 @@ impl Reasons<'_> {
         format!("{head}{text}")
     }
 
-    /// Passed tests that clear one of these failure modes each: of each, the first.
+    /// Returns the passed tests that clear one of these failure modes each: of each, the first.
     fn tests_that_clear(&self, modes: &[usize]) -> Bits {
         let first = |mode: &usize| {
             let one = Reasons { diagnoser: self.diagnoser, mode: *mode };

@@ -49,7 +49,7 @@ impl RadioFigures {
         RadioFigures { power_dbm, ..self }
     }
 
-    /// Signal level of a margin: 0 at the sensitivity, 1 from [`FULL_LEVEL_DB`] above it on, linear in dB between.
+    /// Returns the signal level of a margin: 0 at the sensitivity, 1 from [`FULL_LEVEL_DB`] above it on, linear in dB between.
     pub fn signal_level(&self, margin_db: f64) -> f64 {
         ((margin_db + self.fade_margin_db) / FULL_LEVEL_DB).clamp(0.0, 1.0)
     }
@@ -59,12 +59,12 @@ impl RadioFigures {
         FULL_LEVEL_DB * level - self.fade_margin_db
     }
 
-    /// Received power for a loss between the antennas, dBm: power, plus gains, minus losses.
+    /// Returns the received power for a loss between the antennas, dBm: power, plus gains, minus losses.
     pub fn received_dbm(&self, loss_db: f64) -> f64 {
         self.power_dbm + self.gains_dbi - self.losses_db - loss_db
     }
 
-    /// Received power over sensitivity and fade margin, dB. Negative: the requirement of the link is violated.
+    /// Returns the received power over sensitivity and fade margin, dB. Negative: the requirement of the link is violated.
     pub fn margin_db(&self, received_dbm: f64) -> f64 {
         received_dbm - self.sensitivity_dbm - self.fade_margin_db
     }

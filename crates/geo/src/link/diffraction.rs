@@ -20,8 +20,8 @@ pub fn radio_horizon_m(height_m: f64, other_height_m: f64) -> f64 {
     1e3 * HORIZON_KM_PER_SQRT_M * (sqrt(height_m.max(0.0)) + sqrt(other_height_m.max(0.0)))
 }
 
-/// Diffraction parameter of an edge `height_m` above the straight line (negative: below), at `before_m` and `behind_m`
-/// from its ends: `h sqrt((2 / lambda) (1/d1 + 1/d2))`.
+/// Returns the diffraction parameter of an edge `height_m` above the straight line (negative: below), at `before_m` and `behind_m` from its
+/// ends: `h sqrt((2 / lambda) (1/d1 + 1/d2))`.
 pub fn knife_edge_nu(height_m: f64, before_m: f64, behind_m: f64, wavelength_m: f64) -> f64 {
     height_m * sqrt(2.0 / wavelength_m * (1.0 / before_m + 1.0 / behind_m))
 }
@@ -35,7 +35,7 @@ pub fn knife_edge_loss_db(nu: f64) -> f64 {
     (6.9 + 20.0 * log10(sqrt(above * above + 1.0) + above)).max(0.0)
 }
 
-/// Clearance at which an obstacle hardly weakens the link, m: 0.6 of the radius of the first Fresnel zone.
+/// Returns the clearance at which an obstacle hardly weakens the link, m: 0.6 of the radius of the first Fresnel zone.
 pub fn fresnel_clearance_m(before_m: f64, behind_m: f64, wavelength_m: f64) -> f64 {
     0.6 * sqrt(wavelength_m * before_m * behind_m / (before_m + behind_m))
 }

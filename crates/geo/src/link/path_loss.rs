@@ -8,12 +8,12 @@ const LIGHT_M_PER_S: f64 = 299_792_458.0;
 /// Free-space loss at 1 MHz and 1 km, dB: `20 log10(4 pi 1e9 / c)`, rounded as in ITU-R P.525.
 const FREE_SPACE_DB_AT_1_MHZ_1_KM: f64 = 32.45;
 
-/// Wavelength in vacuum, m.
+/// Returns the wavelength in vacuum, m.
 pub fn wavelength_m(frequency_hz: f64) -> f64 {
     LIGHT_M_PER_S / frequency_hz
 }
 
-/// Free-space loss between isotropic antennas, dB: `32.45 + 20 log10 f_MHz + 20 log10 d_km` (ITU-R P.525).
+/// Returns the free-space loss between isotropic antennas, dB: `32.45 + 20 log10 f_MHz + 20 log10 d_km` (ITU-R P.525).
 pub fn free_space_loss_db(frequency_hz: f64, distance_m: f64) -> f64 {
     FREE_SPACE_DB_AT_1_MHZ_1_KM + 20.0 * log10(frequency_hz / 1e6) + 20.0 * log10(distance_m / 1e3)
 }

@@ -61,7 +61,7 @@ impl Air {
         Air { altitude_m, true_airspeed_mps, changes_s, spans, speed_mps_max }
     }
 
-    /// Air that does not move.
+    /// Returns air without wind.
     pub fn still(true_airspeed_mps: f64) -> Air {
         Air::new(&WindField::default(), 0.0, true_airspeed_mps, 0.0, 0.0)
     }
@@ -71,7 +71,7 @@ impl Air {
         &self.changes_s
     }
 
-    /// No ground speed is higher than this.
+    /// Returns an upper bound on the ground speed.
     pub fn ground_speed_mps_max(&self) -> f64 {
         self.true_airspeed_mps + self.speed_mps_max
     }
@@ -109,7 +109,7 @@ impl Air {
         self.true_airspeed_mps
     }
 
-    /// East and north parts of the wind at a place in `span`.
+    /// Returns the east and north parts of the wind at a place in `span`.
     pub(crate) fn wind(&self, span: usize, position: Position) -> (f64, f64) {
         let wind = match self.spans.get(span) {
             Some(Blows::Everywhere(wind)) => *wind,

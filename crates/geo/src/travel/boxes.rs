@@ -93,7 +93,7 @@ impl Box2 {
         }
     }
 
-    /// Might the leg meet the box? Never a no where it does: axes of the box, then the leg's normal.
+    /// Returns false only if the leg certainly does not meet the box: tests the axes of the box, then the leg's normal.
     fn meets(&self, a: Point, b: Point) -> bool {
         if a.x.max(b.x) < self.low.x || a.x.min(b.x) > self.high.x {
             return false;

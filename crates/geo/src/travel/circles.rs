@@ -71,7 +71,7 @@ pub(super) struct Rounds {
 }
 
 impl Rounds {
-    /// None where the wind is too strong to fly against.
+    /// Returns the circles; `None` if the wind is too strong to fly against.
     pub(super) fn new(radius: f64, true_airspeed_mps: f64, wind_mps: Point) -> Option<Rounds> {
         if wind_mps.length() >= true_airspeed_mps || radius.is_nan() || radius <= 0.0 {
             return None;
@@ -191,7 +191,7 @@ impl Rounds {
         found.min_by(|a, b| a.time_s.total_cmp(&b.time_s))
     }
 
-    /// Along the line that touches two circles in their senses.
+    /// Returns the passage along the line that touches two circles in their senses.
     fn between(&self, first: On, (centre, sense): (Point, f64), until_rad: Option<f64>) -> Option<Passage> {
         let apart = centre.minus(first.centre);
         let distance = apart.length();

@@ -39,7 +39,7 @@ pub(crate) struct Block {
 const LATE_S: f64 = 1e-6;
 
 impl Course {
-    /// Along the great circle between two directions; none where one is not finite.
+    /// Returns the course along the great circle between two directions; `None` if one is not finite.
     pub(crate) fn on_earth(from: Direction, to: Direction) -> Option<Course> {
         let length = from.distance_m(to);
         if !length.is_finite() {
@@ -62,7 +62,7 @@ impl Course {
         Some(Course { length, steps: (0..count).map(step).collect() })
     }
 
-    /// Straight across the plane, where wind is the same everywhere.
+    /// Returns the straight course across the plane, where wind is the same everywhere.
     pub(crate) fn on_plane(from: Point, to: Point) -> Option<Course> {
         let along = to.minus(from);
         let length = along.length();
@@ -129,7 +129,7 @@ impl Course {
         now_s
     }
 
-    /// The steps up to `share` of the leg, each with the length of it that counts.
+    /// Visits the steps up to `share` of the leg, each with the length of it that counts.
     fn walk(&self, share: f64, mut visit: impl FnMut(usize, f64)) {
         let step_length = self.step_length();
         let mut left = share.clamp(0.0, 1.0) * self.length;
@@ -180,8 +180,8 @@ impl Course {
         })
     }
 
-    /// A departure after the first is not through when the block is shut, one before the second arrives before it opens
-    /// again.
+    /// Returns the departures that a block closes: one after the first is not through when the block begins, one before the second arrives
+    /// before it ends.
     fn closed_by(&self, air: &Air, backwards: bool, block: &Block) -> Span {
         let ((from, until), (shut_s, open_s)) = (block.part, block.time_s);
         let first_s = if shut_s.is_finite() { self.retreat(air, backwards, shut_s, until) } else { shut_s };

@@ -82,7 +82,7 @@ pub(super) fn angle(vector: Point) -> f64 {
     libm::atan2(vector.y, vector.x)
 }
 
-/// By how much one turns in the sense `turn` by an angle of `by_rad` to the left.
+/// Returns the angle of a turn in the sense `turn` that changes the direction by `by_rad` to the left.
 pub(super) fn turned(turn: f64, by_rad: f64) -> f64 {
     let around = turn * by_rad;
     let rest = around - TAU * libm::floor(around / TAU);
@@ -268,7 +268,8 @@ fn parted(
     vec![(early, left), (right, late)]
 }
 
-/// The last instant at which something holds, and the first at which it does not, of two between which that changes.
+/// Returns the last instant at which a condition holds, and the first at which it does not, between two instants between which that
+/// changes.
 fn narrowed(
     mut low: PathCandidate,
     mut high: PathCandidate,

@@ -106,7 +106,7 @@ impl Network {
         tree
     }
 
-    /// Until when one who is at a place may stay; none where it is not allowed to be there now.
+    /// Returns the instant until which a vehicle at a place may stay; `None` if it is not allowed there now.
     pub(super) fn may_hold_until_s(&self, place: EndpointId, now_s: f64) -> Option<f64> {
         let open_s = &self.places.get(place.0)?.open_s;
         open_s.iter().find(|(from_s, until_s)| *from_s <= now_s && now_s <= *until_s).map(|(_, until_s)| *until_s)

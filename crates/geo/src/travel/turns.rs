@@ -145,7 +145,7 @@ impl TurnLeg<'_> {
         Point { x: self.length, y: 0.0 }
     }
 
-    /// Returns a direction at the beginning or the end, from the x axis to the left; none is any.
+    /// Returns the direction at the beginning or the end, from the x axis to the left; `None` if any direction will do.
     fn track_rad(&self, at: At, behind: bool) -> Option<f64> {
         let bearing_rad = if behind { self.bearings_rad.1 } else { self.bearings_rad.0 };
         if let At::Track(track_rad) = at { Some(bearing_rad - track_rad) } else { None }
@@ -159,14 +159,14 @@ impl TurnLeg<'_> {
         }
     }
 
-    /// On the circle around the beginning.
+    /// Returns a position on the circle around the beginning.
     fn on(&self, from: Circling) -> On {
         let sense = if from.clockwise { -1.0 } else { 1.0 };
         let track_rad = self.bearings_rad.0 - from.bearing_rad + sense * FRAC_PI_2;
         On { centre: Point::default(), sense, track_rad }
     }
 
-    /// On the circle around the end.
+    /// Returns a position on the circle around the end.
     fn circling(&self, on: On) -> Circling {
         let bearing_rad = self.bearings_rad.1 - (on.track_rad - on.sense * FRAC_PI_2);
         Circling { bearing_rad, clockwise: on.sense < 0.0 }
@@ -183,7 +183,7 @@ fn tracks() -> impl Iterator<Item = f64> {
     (0..TRACKS).map(|index| TAU * index as f64 / TRACKS as f64)
 }
 
-/// A place inside a vehicle's turns is reached in one of some directions.
+/// Returns the directions in which a place inside a vehicle's turns can be reached.
 fn poses(point: Point) -> Vec<End> {
     tracks().map(|track_rad| End::Pose(point, track_rad)).collect()
 }
@@ -272,7 +272,7 @@ impl Network {
         })
     }
 
-    /// The pieces of a way, and how the places between them are flown over: in the direction halfway between two legs.
+    /// Returns the pieces of a path, and the directions over the places between them: halfway between two legs.
     fn pieces<'a>(&self, spots: &'a [PreparedPoint], ends: (At, At)) -> (Vec<TurnLeg<'a>>, Vec<At>) {
         let pairs = spots.iter().zip(spots.iter().skip(1));
         let pieces: Vec<TurnLeg<'a>> = pairs.map(|(from, to)| TurnLeg::of(from, to, self.on_plane)).collect();
@@ -304,7 +304,7 @@ impl Network {
         Rounds::new(self.turns.circle_radius, self.air.true_airspeed_mps(), wind_mps)
     }
 
-    /// May a circle at the beginning of a piece be left by the opposite turn? None where there is no room for circles at all.
+    /// Returns true if a circle at the beginning of a piece may be left by the opposite turn; `None` without room for circles.
     fn has_room_for_the_opposite_turn(&self, piece: &TurnLeg<'_>, to: At) -> Option<bool> {
         let (radius, room) = (self.turns.circle_radius, self.turns.room());
         let clear = |width: f64| self.ground.is_clear(piece.from, piece.to, (width, room));
@@ -382,7 +382,7 @@ impl Network {
         Some((drawn, there))
     }
 
-    /// Some time on the circle around a place, as points, and where one is afterwards.
+    /// Returns the points of some time on the circle around a place, and the position afterwards.
     pub fn circling_arc(
         &self,
         place: EndpointId,

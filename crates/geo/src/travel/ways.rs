@@ -135,7 +135,7 @@ impl Network {
         self.turns.radius <= 0.0 || self.turned(number).is_some()
     }
 
-    /// A way's ends and bends, and how its ends are left and reached.
+    /// Returns the ends and bends of a path, and how its ends are left and reached.
     pub(super) fn ends_and_bends(&self, number: PathId) -> Option<(Vec<PreparedPoint>, (At, At))> {
         let way = self.found.ways.get(number.0)?;
         let (from, to) = (self.places.get(way.from.0)?, self.places.get(way.to.0)?);
@@ -203,7 +203,7 @@ impl Network {
         }
     }
 
-    /// The straight way, and whether it is never shut.
+    /// Returns the straight path, and whether it is never shut.
     fn straight_way(&mut self, from: EndpointId, to: EndpointId) -> Result<(PathId, bool), TravelError> {
         if let Some(known) = self.found.straight.get(&(from.0, to.0)) {
             return known.clone();

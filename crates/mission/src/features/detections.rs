@@ -167,7 +167,7 @@ fn rounded(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
 }
 
-/// Convex hull counter-clockwise (monotone chain, Andrew 1979).
+/// Returns the convex hull counter-clockwise (monotone chain, Andrew 1979).
 fn hull(mut points: Vec<Point>) -> Vec<Point> {
     points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     let half = |points: &mut dyn Iterator<Item = Point>| {

@@ -62,7 +62,7 @@ impl TargetGrid {
         &self.plane
     }
 
-    /// Edge of a cell.
+    /// Returns the edge of a cell.
     pub fn cell_m(&self) -> f64 {
         self.cell_m
     }
@@ -102,7 +102,7 @@ impl TargetGrid {
         self.is_terrain_missing
     }
 
-    /// Steepest slope between neighbours in a row, as rise over distance; 0 on flat ground.
+    /// Returns the steepest slope between neighbours in a row, as rise over distance; 0 on flat ground.
     pub fn slope_max(&self) -> f64 {
         self.slope_max
     }
@@ -112,7 +112,7 @@ impl TargetGrid {
         self.normals.get(cell).copied().unwrap_or_default()
     }
 
-    /// Middle of each cell, in the order of the cells.
+    /// Returns the middle of each cell, in the order of the cells.
     pub fn centres(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         self.rows.iter().flat_map(|row| self.row_cells(row).iter().map(|x| (*x, row.y)))
     }

@@ -56,7 +56,7 @@ pub struct DrainTable {
 }
 
 impl DrainTable {
-    /// Drain per second at a true airspeed: linear between the points, constant beyond them; 0 for an empty table.
+    /// Returns the drain per second at a true airspeed: linear between the points, constant beyond them; 0 for an empty table.
     pub fn per_s(&self, true_airspeed_mps: f64) -> f64 {
         let after = self.points.partition_point(|(airspeed, _)| *airspeed <= true_airspeed_mps);
         match (after.checked_sub(1).and_then(|before| self.points.get(before)), self.points.get(after)) {
@@ -84,7 +84,7 @@ impl Craft {
     }
 }
 
-/// Bank of a circle over ground: `tan phi = gs^2 / (g r cos crab)`, in degrees.
+/// Returns the bank of a circle over ground: `tan phi = gs^2 / (g r cos crab)`, in degrees.
 pub fn circle_bank_deg(ground_speed_mps: f64, radius_m: f64, crab_rad: f64) -> f64 {
     let tangent = ground_speed_mps * ground_speed_mps / (GRAVITY_MPS2 * radius_m * libm::cos(crab_rad));
     libm::atan(tangent) / RAD_PER_DEG

@@ -33,7 +33,7 @@ impl ExpandingSquare {
         self.spacing_m * rounds * (rounds + 1.0)
     }
 
-    /// Side of the square that is searched, half a swath beyond the outer legs: `(k + 1) S`.
+    /// Returns the side of the square that is searched, half a swath beyond the outer legs: `(k + 1) S`.
     pub fn side_m(&self) -> f64 {
         self.spacing_m * (f64::from(self.rounds) + 1.0)
     }

@@ -96,7 +96,7 @@ impl FlightPath {
         }
     }
 
-    /// Tightest radius that is observed on a curve; none for paths of straight lines and for standing still.
+    /// Returns the tightest radius that is observed on a curve; `None` for paths of straight lines and for standing still.
     fn curve_radius_m(&self) -> Option<f64> {
         match self {
             FlightPath::Spiral(spiral) => Some(spiral.inner_radius_m),

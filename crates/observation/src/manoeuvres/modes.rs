@@ -78,7 +78,7 @@ pub enum DataHandling {
 }
 
 impl DataHandling {
-    /// Instant at which everything is on the ground, for an observation that ends at `end_s`; none if it is stored until
+    /// Returns the instant at which everything is on the ground, for an observation that ends at `end_s`; `None` if it is stored until
     /// landing.
     pub fn on_ground_s(&self, end_s: f64) -> Option<f64> {
         match self {
@@ -195,7 +195,7 @@ fn check_airspeed(manoeuvre: &str, track_deg: f64, speed_mps: f64, craft: &Craft
     limit.at_most(airspeed_mps - 1e-6, high, &format!("{} flies no faster", craft.name), near(high))
 }
 
-/// True airspeed of a ground speed along a track.
+/// Returns the true airspeed of a ground speed along a track.
 pub(crate) fn airspeed_of(track_deg: f64, speed_mps: f64, wind: Wind) -> f64 {
     let track_rad = track_deg * RAD_PER_DEG;
     libm::hypot(speed_mps * libm::sin(track_rad) - wind.east_mps, speed_mps * libm::cos(track_rad) - wind.north_mps)

@@ -34,7 +34,7 @@ impl Pirouette {
         libm::ceil(360.0 / (wide_deg * (1.0 - self.overlap)) - 1e-9).max(1.0) as usize
     }
 
-    /// Inner and outer radius of the ring that is seen: `h / tan(depression +- VFOV/2)`. The hole in the middle is not seen.
+    /// Returns the inner and outer radius of the ring that is seen: `h / tan(depression +- VFOV/2)`. The hole in the middle is not seen.
     /// The outer radius is infinite where the picture reaches the horizon.
     pub fn ring_m(&self, high_deg: f64) -> (f64, f64) {
         let radius = |angle_deg: f64| {

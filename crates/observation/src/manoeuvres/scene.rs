@@ -83,7 +83,7 @@ impl Instrument {
         }
     }
 
-    /// Width of the strip seen straight down, with pixels of at most `wanted_m` across the track for a scanner.
+    /// Returns the width of the strip seen straight down, with pixels of at most `wanted_m` across the track for a scanner.
     pub fn swath_m(&self, height_m: f64, wanted_m: f64) -> f64 {
         match self {
             Instrument::Scanner(scanner) => scanner.setting.mode.useful_swath_m(height_m, wanted_m),

@@ -1,7 +1,7 @@
 //! Probability of detection by search effort (Koopman; IAMSAR volume II): the coverage factor is the area swept, counting
 //! repetitions, over the area searched.
 
-/// Coverage factor `C = W L / A` of a sweep width, a length of path and an area.
+/// Returns the coverage factor `C = W L / A` of a sweep width, a length of path and an area.
 pub fn coverage_factor(sweep_width_m: f64, length_m: f64, area_m2: f64) -> f64 {
     sweep_width_m * length_m / area_m2
 }

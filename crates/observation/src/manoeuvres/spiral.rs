@@ -33,7 +33,7 @@ impl Spiral {
     /// Name in PDL.
     pub const NAME: &'static str = "spiral";
 
-    /// Exact length of the curve.
+    /// Returns the exact length of the curve.
     pub fn length_m(&self) -> f64 {
         let pitch = self.spacing_m / TAU;
         let part = |radius_m: f64| {

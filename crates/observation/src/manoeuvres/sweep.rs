@@ -47,7 +47,7 @@ impl Sweep {
         self.corners.iter().map(|(x, y)| Point { x: *x, y: *y }).collect()
     }
 
-    /// Sidelap with which the lines are spread evenly over the width: at least what is wanted.
+    /// Returns the sidelap with which the lines are spread evenly over the width: at least what is wanted.
     fn spread_sidelap(&self, track_deg: f64) -> f64 {
         let across = super::scene::along(track_deg + 90.0, 1.0);
         let sides = self.points().into_iter().map(|point| point.dot(across));

@@ -326,7 +326,7 @@ fn follow(flown: &mut FlownPath, chords: &[Chord], attitude: &AttitudeMode, craf
     }));
 }
 
-/// Cosine of the angle between nose and track of a coordinated flight.
+/// Returns the cosine of the angle between nose and track of a coordinated flight.
 fn cos_crab(track_deg: f64, ground_speed_mps: f64, scene: &Scene) -> f64 {
     let track_rad = track_deg * RAD_PER_DEG;
     let tail = scene.wind.east_mps * libm::sin(track_rad) + scene.wind.north_mps * libm::cos(track_rad);

@@ -120,7 +120,7 @@ pub(crate) fn arc_points(centre: Point, radius_m: f64, from_deg: f64, sweep_deg:
     (0..=count).map(at).collect()
 }
 
-/// Longest chord of a curve: a fixed wing flies a chain of chords as a turn where they are short against its turn radius.
+/// Returns the longest chord of a curve: a fixed wing flies a chain of chords as a turn where they are short against its turn radius.
 pub(crate) fn chord_m_max(craft: &Craft) -> f64 {
     if craft.can_hover { f64::INFINITY } else { 0.4 * craft.turn_radius_m(craft.true_airspeed_mps) }
 }

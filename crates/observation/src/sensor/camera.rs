@@ -55,7 +55,7 @@ impl CameraSetting {
         self.pixel_mrad * 1e-3
     }
 
-    /// Footprint of a picture straight down: across and along the track.
+    /// Returns the footprint of a picture straight down: across and along the track.
     pub fn footprint_m(&self, height_m: f64) -> (f64, f64) {
         let size = |angle_deg: f64| 2.0 * height_m * libm::tan(0.5 * angle_deg * RAD_PER_DEG);
         (size(self.wide_deg), size(self.high_deg))
@@ -71,7 +71,7 @@ impl CameraSetting {
         GimbalAngles { pan_deg: 0.0, tilt_deg: -90.0 }
     }
 
-    /// Smear in pixels: motion over ground and, where the mount is not stabilised, rotation of the body.
+    /// Returns the smear in pixels: motion over ground and, where the mount is not stabilised, rotation of the body.
     pub fn smear_pixels(&self, ground_speed_mps: f64, rotation_rad_s: f64, slant_m: f64) -> f64 {
         let rotation_rad_s = if self.is_stabilised { 0.0 } else { rotation_rad_s };
         self.exposure_s * (ground_speed_mps / slant_m + rotation_rad_s) / self.pixel_rad()
@@ -109,7 +109,7 @@ impl CameraSetting {
     }
 }
 
-/// Rotation of a sight line of the mount into north-east-down axes, for a mount at `angles` on a body with this attitude.
+/// Returns the rotation of a sight line of the mount into north-east-down axes, for a mount at `angles` on a body with this attitude.
 pub fn sight_of(attitude: &Attitude, angles: GimbalAngles, is_stabilised: bool) -> impl Fn(Vector) -> Vector + use<> {
     let body = match is_stabilised {
         true => Attitude { heading_deg: attitude.heading_deg, pitch_deg: 0.0, roll_deg: 0.0 },

@@ -54,19 +54,19 @@ impl FrameCamera {
         wanted_m / self.pixel_rad()
     }
 
-    /// Full field of view across and along, in radians.
+    /// Returns the full field of view across and along, in radians.
     pub fn fields_of_view_rad(&self) -> (f64, f64) {
         let angle = |pixels: u32| 2.0 * libm::atan(0.5 * f64::from(pixels) * self.pixel_rad());
         (angle(self.pixels_across), angle(self.pixels_along))
     }
 
-    /// Footprint across and along the track of a picture straight down.
+    /// Returns the footprint across and along the track of a picture straight down.
     pub fn footprint_m(&self, height_m: f64) -> (f64, f64) {
         let sample_m = self.ground_sample_m(height_m);
         (f64::from(self.pixels_across) * sample_m, f64::from(self.pixels_along) * sample_m)
     }
 
-    /// Spacing of pictures and lines for an overlap along the line and a sidelap between lines, each 0..1 exclusive.
+    /// Returns the spacing of pictures and lines for an overlap along the line and a sidelap between lines, each 0..1 exclusive.
     pub fn spacing(&self, height_m: f64, overlap: f64, sidelap: f64) -> PhotoSpacing {
         let (across_m, along_m) = self.footprint_m(height_m);
         let base_m = along_m * (1.0 - overlap);
@@ -74,7 +74,7 @@ impl FrameCamera {
         PhotoSpacing { base_m, lines_m: across_m * (1.0 - sidelap), ground_speed_mps_max }
     }
 
-    /// Smear of one exposure in pixels: motion over ground plus residual rotation of the camera.
+    /// Returns the smear of one exposure in pixels: motion over ground plus residual rotation of the camera.
     pub fn smear_pixels(&self, height_m: f64, ground_speed_mps: f64, rotation_rad_s: f64) -> f64 {
         self.exposure_s * (ground_speed_mps / self.ground_sample_m(height_m) + rotation_rad_s.abs() / self.pixel_rad())
     }

@@ -65,7 +65,7 @@ impl PointingTolerance {
     }
 }
 
-/// Pan and tilt of a line of sight given in body axes.
+/// Returns the pan and tilt of a line of sight given in body axes.
 pub fn angles_of(line: Vector) -> GimbalAngles {
     GimbalAngles {
         pan_deg: libm::atan2(line.y, line.x) / RAD_PER_DEG,
@@ -81,8 +81,8 @@ pub fn line_of(angles: GimbalAngles) -> Vector {
 }
 
 impl Gimbal {
-    /// Half the angle of the cone around the axis of pan in which pan is held. A target that moves through the body axes
-    /// at `sight_rate_deg_s` needs the pan rate `sight rate / sin(cone)`; the cone is wide enough for the axis to follow.
+    /// Returns the half the angle of the cone around the axis of pan in which pan is held. A target that moves through the body axes at
+    /// `sight_rate_deg_s` needs the pan rate `sight rate / sin(cone)`; the cone is wide enough for the axis to follow.
     pub fn nadir_cone_deg(&self, sight_rate_deg_s: f64) -> f64 {
         let ratio = (sight_rate_deg_s / self.rate_deg_s).clamp(0.0, 1.0);
         NADIR_CONE_DEG.max(libm::asin(ratio) / RAD_PER_DEG)
@@ -115,7 +115,7 @@ impl Gimbal {
         greatest_deg / self.rate_deg_s + self.settle_s
     }
 
-    /// Deadline of a slew: its time and a margin of 2 s.
+    /// Returns the deadline of a slew: its time and a margin of 2 s.
     pub fn deadline_s(&self, from: GimbalAngles, to: GimbalAngles) -> f64 {
         self.slew_s(from, to) + 2.0
     }
@@ -170,12 +170,12 @@ pub fn is_slew_allowed(from: Vector, to: Vector, sun: Vector, keep_out_deg: f64)
     elevation_deg < KEEP_OUT_ELEVATION_DEG_MIN || least_sun_angle_deg(from, to, sun) >= keep_out_deg
 }
 
-/// Roll angle at which a down-looking scanner first sees the sun: `90 + elevation - F/2 - margin`.
+/// Returns the roll angle at which a down-looking scanner first sees the sun: `90 + elevation - F/2 - margin`.
 pub fn scanner_sun_roll_deg(sun_elevation_deg: f64, field_of_view_deg: f64, margin_deg: f64) -> f64 {
     90.0 + sun_elevation_deg - 0.5 * field_of_view_deg - margin_deg
 }
 
-/// Tilt and pan rates (deg/s) that hold a ground point in view in level flight: `height_m` above it, `offset_m` away
+/// Returns the tilt and pan rates (deg/s) that hold a ground point in view in level flight: `height_m` above it, `offset_m` away
 /// horizontally, moving at `along_mps` towards it and `across_mps` at right angles. None straight above it.
 pub fn tracking_rates_deg_s(height_m: f64, offset_m: f64, along_mps: f64, across_mps: f64) -> (f64, Option<f64>) {
     let squared = height_m * height_m + offset_m * offset_m;

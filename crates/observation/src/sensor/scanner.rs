@@ -69,7 +69,7 @@ impl ScannerMode {
         self.pixel_mrad * 1e-3
     }
 
-    /// Half of the field of view in radians.
+    /// Returns the half of the field of view in radians.
     pub fn half_field_rad(&self) -> f64 {
         0.5 * self.field_of_view_deg * RAD_PER_DEG
     }
@@ -90,7 +90,7 @@ impl ScannerMode {
         self.pixel_rad() * height_m / (cosine * cosine)
     }
 
-    /// Width of the strip seen at a roll angle, on flat ground. Infinite when an edge reaches the horizon.
+    /// Returns the width of the strip seen at a roll angle, on flat ground. Infinite when an edge reaches the horizon.
     pub fn swath_m(&self, height_m: f64, roll_deg: f64) -> f64 {
         let (roll_rad, half_rad) = (roll_deg * RAD_PER_DEG, self.half_field_rad());
         if half_rad + roll_rad.abs() >= 0.5 * std::f64::consts::PI {
@@ -99,8 +99,8 @@ impl ScannerMode {
         height_m * (libm::tan(roll_rad + half_rad) + libm::tan(half_rad - roll_rad))
     }
 
-    /// Largest look angle with pixels of at most `wanted_m` across the track; at most half the field of view, 0 when not
-    /// even the nadir pixel is fine enough.
+    /// Returns the largest look angle with pixels of at most `wanted_m` across the track; at most half the field of view, 0 when not even
+    /// the nadir pixel is fine enough.
     pub fn useful_half_angle_rad(&self, height_m: f64, wanted_m: f64) -> f64 {
         let squared = self.pixel_rad() * height_m / wanted_m;
         if squared >= 1.0 {
@@ -109,7 +109,7 @@ impl ScannerMode {
         self.half_field_rad().min(libm::acos(libm::sqrt(squared.max(0.0))))
     }
 
-    /// Width of the strip with pixels of at most `wanted_m` across the track, wings level: line spacing is planned on it.
+    /// Returns the width of the strip with pixels of at most `wanted_m` across the track, wings level: line spacing is planned on it.
     pub fn useful_swath_m(&self, height_m: f64, wanted_m: f64) -> f64 {
         2.0 * height_m * libm::tan(self.useful_half_angle_rad(height_m, wanted_m))
     }
@@ -138,7 +138,7 @@ impl ScannerMode {
         }
     }
 
-    /// Fastest scan rate; none when the rates are not known.
+    /// Returns the fastest scan rate; `None` if the rates are not known.
     pub fn scan_rate_hz_max(&self) -> Option<f64> {
         self.scan_rates_hz
             .iter()
@@ -163,31 +163,31 @@ impl ScannerMode {
         if advance_m <= 0.0 { 1.0 } else { (self.nadir_pixel_m(height_m) / advance_m).clamp(0.0, 1.0) }
     }
 
-    /// Roll rate that shifts successive lines by one pixel at the nadir: `ifov f`.
+    /// Returns the roll rate that shifts successive lines by one pixel at the nadir: `ifov f`.
     pub fn roll_rate_rad_s_per_pixel(&self, scan_rate_hz: f64) -> f64 {
         self.pixel_rad() * scan_rate_hz
     }
 
-    /// Pitch rate above which a gap opens between lines: `ifov f - gs / h`, 0 without reserve.
+    /// Returns the pitch rate above which a gap opens between lines: `ifov f - gs / h`, 0 without reserve.
     pub fn pitch_rate_rad_s_max(&self, height_m: f64, ground_speed_mps: f64, scan_rate_hz: f64) -> f64 {
         (self.pixel_rad() * scan_rate_hz - ground_speed_mps / height_m).max(0.0)
     }
 
-    /// Yaw rate that fans the lines apart by one nadir pixel at the edge of the field of view.
+    /// Returns the yaw rate that fans the lines apart by one nadir pixel at the edge of the field of view.
     pub fn yaw_rate_rad_s_per_pixel(&self, scan_rate_hz: f64) -> f64 {
         self.pixel_rad() * scan_rate_hz / libm::tan(self.half_field_rad())
     }
 }
 
 impl RollLimits {
-    /// Worth of a line at a roll angle: 1 valid, 0 not, between the two linear if a ramp is set.
+    /// Returns the worth of a line at a roll angle: 1 valid, 0 not, between the two linear if a ramp is set.
     pub fn weight(&self, roll_deg: f64) -> f64 {
         ramp_down(roll_deg.abs(), self.valid_deg, self.zero_deg.unwrap_or(self.valid_deg))
     }
 }
 
 impl RateLimits {
-    /// Worth of a line that is shifted by this many pixels from the line before it.
+    /// Returns the worth of a line that is shifted by this many pixels from the line before it.
     pub fn weight(&self, pixels: f64) -> f64 {
         ramp_down(pixels.abs(), self.full_pixels, self.zero_pixels)
     }

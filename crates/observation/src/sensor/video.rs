@@ -32,7 +32,7 @@ pub enum ViewerTask {
 }
 
 impl ViewerTask {
-    /// Line pairs across the critical dimension for a probability of one half.
+    /// Returns the line pairs across the critical dimension for a probability of one half.
     pub fn line_pairs_at_half(self) -> f64 {
         match self {
             ViewerTask::Detect => 1.0,
@@ -57,7 +57,7 @@ impl ViewerTask {
 }
 
 impl VideoCamera {
-    /// Line pairs across a target: `d k / (2 ifov L)`.
+    /// Returns the line pairs across a target: `d k / (2 ifov L)`.
     ///
     /// `critical_m` is the smaller dimension, `foreshortening` the sine of the depression for a flat object, its cosine
     /// for an upright one, `slant_m` the distance.

@@ -86,7 +86,7 @@ impl SunDirection {
         ]
     }
 
-    /// Sine of the elevation at a place.
+    /// Returns the sine of the elevation at a place.
     pub fn sine_elevation(&self, position: Position) -> f64 {
         let hour_rad = (position.longitude_deg - self.subsolar_longitude_deg) * RAD_PER_DEG;
         let latitude_rad = position.latitude_deg * RAD_PER_DEG;
@@ -121,7 +121,7 @@ pub fn solar_position(position: Position, unix_s: f64) -> SolarPosition {
     }
 }
 
-/// Refraction of the standard atmosphere at an elevation, as in the NOAA solar calculator.
+/// Returns the refraction of the standard atmosphere at an elevation, as in the NOAA solar calculator.
 pub fn refraction_deg(elevation_deg: f64) -> f64 {
     let tangent = libm::tan(elevation_deg * RAD_PER_DEG);
     let seconds = if elevation_deg > 85.0 {
@@ -149,7 +149,7 @@ pub fn glint_angle_deg(sun_zenith_deg: f64, view_zenith_deg: f64, azimuth_differ
     libm::acos(cosine.clamp(-1.0, 1.0)) / RAD_PER_DEG
 }
 
-/// Worth of a look over water by its glint angle: 0 below 20 degrees, rising to 1 at 30 (assumption).
+/// Returns the worth of a look over water by its glint angle: 0 below 20 degrees, rising to 1 at 30 (assumption).
 pub fn glint_weight(glint_angle_deg: f64) -> f64 {
     ((glint_angle_deg - 20.0) / 10.0).clamp(0.0, 1.0)
 }

@@ -263,12 +263,9 @@ impl Lowering {
     pub(crate) fn atomic_episode(&mut self, datum: &Datum, items: &[Datum]) -> Option<Condition> {
         let (tag, items) = self.condition_tag(items);
         let Some((form, options)) = items.split_first().filter(|(form, _)| form.as_list().is_some()) else {
-            let diagnostic = Diagnostic::error(
-                codes::MALFORMED_CONDITION,
-                datum.span,
-                "an `:atomic-episode` has the form of an event",
-            )
-            .help("its shape is `(:atomic-episode [tag] FORM [:timing CONSTRAINT..])`");
+            let diagnostic =
+                Diagnostic::error(codes::MALFORMED_CONDITION, datum.span, "this `:atomic-episode` has no event form")
+                    .help("its shape is `(:atomic-episode [tag] FORM [:timing CONSTRAINT..])`");
             return self.refuse(diagnostic);
         };
         let (stray, options) = groups(options);

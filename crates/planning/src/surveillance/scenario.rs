@@ -95,7 +95,7 @@ impl<'a> Scenario<'a> {
         self.problem
     }
 
-    /// Travel times for comparing places with each other: the mean over departures. What is flown is judged by the true ones.
+    /// Returns the travel times for comparing places with each other: the mean over departures. What is flown is judged by the true ones.
     pub fn typical(&self) -> &TravelTimes {
         &self.typical
     }
@@ -290,7 +290,7 @@ impl<'a> Scenario<'a> {
         self.problem.targets.get(index).map(|target| target.name.clone())
     }
 
-    /// Unvisited targets, each with the reason: impossible, or what visiting it once would do to the cost.
+    /// Returns the unvisited targets, each with the reason: impossible, or what visiting it once would do to the cost.
     fn left_out(&self, stops: &[Stop], cost: f64) -> Vec<LeftOut> {
         let mut seen = vec![false; self.problem.targets.len()];
         for stop in stops {

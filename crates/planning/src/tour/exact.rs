@@ -6,7 +6,7 @@ use crate::surveillance::scenario::Scenario;
 /// Work of a step of the recursion, in quarters of a nanosecond.
 const STEP_QUARTER_NS: u64 = 6;
 
-/// Held and Karp's recursion over sets; the tour begins with the first target.
+/// Applies Held and Karp's recursion over sets; the tour begins with the first target.
 pub(super) fn shortest(
     scenario: &Scenario<'_>,
     targets: &[usize],

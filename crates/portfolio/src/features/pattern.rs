@@ -71,7 +71,7 @@ impl PointStatistics {
         }
     }
 
-    /// Logarithm of the density of the points, the place of the map integrated over the plane.
+    /// Returns the logarithm of the density of the points, the place of the map integrated over the plane.
     fn log_likelihood(&self, side_m: f64, space: Space) -> f64 {
         match space {
             Space::Uniform => {

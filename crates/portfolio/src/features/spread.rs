@@ -33,7 +33,7 @@ impl Classifier for Spread {
     }
 }
 
-/// Mean distance to the nearest neighbour over what a random spread in the same box would have; 1 without a box.
+/// Returns the mean distance to the nearest neighbour over what a random spread in the same box would have; 1 without a box.
 fn neighbour_index(points: &[Point]) -> f64 {
     let range = |axis: fn(&Point) -> f64| {
         let (low, high) = points

@@ -65,7 +65,7 @@ pub fn windows_suite() -> Vec<(String, String)> {
     suite
 }
 
-/// Instance `number` of `family`, as TOPTW text.
+/// Returns the instance `number` of `family`, as TOPTW text.
 pub fn windows(family: Family, number: u64) -> String {
     match family {
         Family::Solomon(places, day) => solomon(places, day, number),

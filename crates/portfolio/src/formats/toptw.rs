@@ -60,7 +60,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<Instance, FormatError> {
         vertices.push(vertex);
     }
     if let Some(more) = lines.next().and_then(|line| line.first().copied()) {
-        let announced = format!("{} vertices with the depot are announced", wanted + 1);
+        let announced = format!("the header states {} vertices including the depot", wanted + 1);
         return Err(more.trouble("there are more vertices than announced", announced, HELP));
     }
     let cut: u8 = if of_places > 0 { 2 } else { 1 };

@@ -52,7 +52,7 @@ pub fn signed_rank(differences: &[f64]) -> f64 {
     if sizes.len() <= EXACT_PAIRS_MAX { exact(&doubled, smaller) } else { normal(&doubled, smaller) }
 }
 
-/// Twice the rank of each size, in rising order: mean ranks of ties are halves.
+/// Returns the twice the rank of each size, in rising order: mean ranks of ties are halves.
 fn doubled_ranks(sizes: &[(f64, bool)]) -> Vec<usize> {
     let mut ranks = Vec::with_capacity(sizes.len());
     while let Some((size, _)) = sizes.get(ranks.len()) {
@@ -93,7 +93,7 @@ fn normal(ranks: &[usize], smaller: usize) -> f64 {
     libm::erfc(off / libm::sqrt(2.0 * variance)).min(1.0)
 }
 
-/// Holm's adjusted probabilities, in the order given.
+/// Returns Holm's adjusted probabilities, in the order given.
 pub fn holm(probabilities: &[f64]) -> Vec<f64> {
     let mut order: Vec<(usize, f64)> = probabilities.iter().copied().enumerate().collect();
     order.sort_by(|(_, a), (_, b)| a.total_cmp(b));

@@ -20,8 +20,8 @@ const PATIENCE: u32 = 8;
 /// Share by which the bound is lowered, so that rounding cannot lift it above the truth.
 const ROUNDING: f64 = 1e-9;
 
-/// No tour from the start through all targets and back to the base takes less, as far as the budget is enough to tell; `reached`
-/// is what some tour takes.
+/// Returns a lower bound on the time of a tour from the start through all targets and back to the base, as far as the budget suffices;
+/// `reached` is the time of a known tour.
 pub fn shortest(travel: &TravelTimes, reached: f64, meter: &mut Meter<'_>) -> f64 {
     let count = travel.from_start_s.len() + 1;
     let leg = |from: usize, to: usize| match (from.checked_sub(1), to.checked_sub(1)) {

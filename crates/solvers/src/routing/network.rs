@@ -281,7 +281,7 @@ fn changed(before: &[i32], now: &[i32]) -> Vec<usize> {
     both.filter(|(_, (before, now))| now < before).map(|(node, _)| node).collect()
 }
 
-/// May the manoeuvre's lines be flown? What counts is the same at all times.
+/// Returns true if the manoeuvre's lines may be flown. The constraints are the same at all times.
 fn lines_are_free(schedule: &mut Schedule<'_>, target: usize, manoeuvre: usize) -> bool {
     let problem = schedule.problem;
     let flown = problem.travel.is_none() && !(problem.zones.is_empty() && problem.landing_distance_m_max.is_none());
@@ -320,7 +320,7 @@ fn span_s(schedule: &Schedule<'_>) -> f64 {
     span_s.min(waits_s + flown_s + home_s + 1.0)
 }
 
-/// Are all given times whole ticks? Those of ways that are flown never are.
+/// Returns true if all given times are whole ticks. Those of computed paths never are.
 fn is_whole(problem: &SingleVisitProblem, limit_s: f64, tick_s: f64) -> bool {
     let Some(travel) = &problem.travel else { return false };
     let is_whole = |time_s: f64| {
@@ -357,14 +357,14 @@ fn tick_s(span_s: f64) -> Option<f64> {
     Some(tick_s)
 }
 
-/// Rounded up. A million legs are rounded before there is a plan: no library function is called for it.
+/// Rounds up to ticks. A million legs are rounded before the first plan, so no library function is called.
 #[inline(always)]
 pub(crate) fn ceil_ticks(time_s: f64, tick_s: f64) -> i32 {
     ceil(time_s / tick_s)
 }
 
-/// Only sums and comparisons, so that the compiler rounds several at once: adding and taking away a large number rounds to the
-/// nearest whole one, and the last bits of such a sum are that whole number.
+/// Rounds up by sums and comparisons only, so that the compiler rounds several at once: adding and subtracting a large number rounds to the
+/// nearest integer, which the last bits of such a sum hold.
 #[inline(always)]
 fn ceil(ticks: f64) -> i32 {
     const ROUND: f64 = 6_755_399_441_055_744.0;

@@ -20,7 +20,7 @@ struct ReachNode {
     duration_s: f64,
 }
 
-/// For each target whether no plan visits it. Considers only those in `suspects`.
+/// Returns for each target true if no plan can visit it. Examines only those in `suspects`.
 pub(crate) fn out_of_reach(schedule: &mut Schedule<'_>, suspects: &[usize]) -> Vec<bool> {
     let targets = schedule.problem.targets.len();
     let nodes = nodes(schedule);
@@ -116,7 +116,7 @@ fn at_slot(least: &[f64], open: &[usize], slot: usize) -> f64 {
     open.get(slot).and_then(|node| least.get(*node)).copied().unwrap_or(f64::INFINITY)
 }
 
-/// Are the lines of a manoeuvre allowed at any time of the flight? What is allowed changes only when wind or zones do.
+/// Returns true if the lines of a manoeuvre are allowed at some time of the flight. That changes only when wind or zones do.
 fn lines_are_ever_free(schedule: &mut Schedule<'_>, node: &ReachNode) -> bool {
     let problem = schedule.problem;
     if problem.travel.is_some() || (problem.zones.is_empty() && problem.landing_distance_m_max.is_none()) {

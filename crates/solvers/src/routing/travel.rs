@@ -150,7 +150,7 @@ impl<'a> Travel<'a> {
         changes_s
     }
 
-    /// Work units done since the last call, for the budget.
+    /// Returns the work units since the last call, for the budget.
     pub(crate) fn take_work(&mut self) -> u64 {
         let looks: u64 = self.layers.iter_mut().map(|layer| layer.network.take_work()).sum();
         UNITS_PER_LOOK * looks
@@ -186,7 +186,7 @@ impl<'a> Travel<'a> {
         self.layers.get_mut(layer).map_or(0.0, |layer| layer.network.turns_s(trip.way))
     }
 
-    /// No way from `from` to `to` takes less than this.
+    /// Returns a lower bound on the time of all paths from `from` to `to`.
     pub(crate) fn time_s_min(&self, from: PointKey, to: PointKey) -> f64 {
         if let Some(travel) = &self.problem.travel {
             return given_s_min(travel, from, to);

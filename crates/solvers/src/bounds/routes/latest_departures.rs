@@ -38,7 +38,7 @@ impl LatestDepartures {
     }
 }
 
-/// Shortest travel times between nodes through any others, without waiting (Floyd and Warshall).
+/// Returns the shortest travel times between nodes through any others, without waiting (Floyd and Warshall).
 fn quickest(network: &Network) -> Vec<i32> {
     let count = network.nodes.len();
     let mut quickest: Vec<i32> =

@@ -230,7 +230,7 @@ fn step(multipliers: &mut [f64], counts: &[u32], gap: f64) -> bool {
     true
 }
 
-/// Reduced profit of a visit of each node: its value less the multiplier of its target.
+/// Returns the reduced profit of a visit of each node: its value less the multiplier of its target.
 fn reduced_profits(network: &Network, multipliers: &[f64]) -> Vec<f64> {
     let price = |target: u32| multipliers.get(target as usize).copied().unwrap_or(0.0);
     network.nodes.iter().map(|node| node.value - price(node.target)).collect()

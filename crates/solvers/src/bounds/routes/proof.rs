@@ -115,7 +115,7 @@ pub(super) fn successors(network: &Network) -> Vec<Vec<u32>> {
 }
 
 impl<'n> ProofSearch<'n> {
-    /// Work of `new`: shortest paths through any other node, from either end.
+    /// Returns the work of `new`: shortest paths through any other node, from either end.
     pub(super) fn units_to_begin(network: &Network) -> u64 {
         let nodes = network.nodes.len() as u64;
         1 + nodes.saturating_mul(nodes).saturating_mul(nodes) / WAYS_PER_UNIT
@@ -323,7 +323,7 @@ impl<'n> ProofSearch<'n> {
         }
     }
 
-    /// Completion bounds for the other end from the labels of `end`.
+    /// Returns the completion bounds for the other end from the labels of `end`.
     fn rest(
         &self,
         end: usize,
@@ -355,7 +355,7 @@ fn in_order(end: usize, walk: &[u32]) -> Vec<u32> {
     walk
 }
 
-/// Profit of a walk; `None` if it visits a target twice.
+/// Returns the profit of a walk; `None` if it visits a target twice.
 pub(super) fn value_of(network: &Network, walk: &[u32]) -> Option<f64> {
     let (mut seen, mut value) = (0, 0.0);
     for node in walk.iter().map(|node| network.node(*node)) {

@@ -60,7 +60,8 @@ pub fn retimed(problem: &Problem, plan: &Plan, environment: &mut Environment<'_>
     }
 }
 
-/// Are the visits those of flying the plan's cycle until the flight has to end? Of a cycle without visits that is what is meant.
+/// Returns true if the visits are those of flying the plan's cycle until the flight has to end. For a cycle without visits they are derived
+/// from it.
 fn is_flown_in_laps(problem: &SurveillanceProblem, plan: &SurveillancePlan) -> Result<bool, String> {
     if plan.cycle.is_empty() {
         return Ok(false);

@@ -123,8 +123,7 @@ fn window_trouble(schedule: &Schedule<'_>, target: usize, trouble: String) -> St
     }
 }
 
-/// Can the one target be flown to, observed and flown home from, leaving at `start_s`? Names airspace before anything
-/// else.
+/// Checks that the one target can be flown to, observed, and flown home from, leaving at `start_s`. Names airspace before anything else.
 fn flown_alone(schedule: &mut Schedule<'_>, choice: Choice, start_s: f64) -> Result<(), Infeasibility> {
     let entry = PointKey::Entry(choice.target, choice.manoeuvre);
     let exit = PointKey::Exit(choice.target, choice.manoeuvre);

@@ -52,7 +52,8 @@ fn ways(problem: &SingleVisitProblem, (target, manoeuvre): (usize, Option<usize>
     (0..data.manoeuvres.len()).flat_map(way).collect()
 }
 
-/// `before` with the visit of the target that ends first; else why there is none. Only the last target needs a way to the base.
+/// Returns `before` with the visit of the target that ends first, or the reason why it is impossible. Only the last target needs a path to
+/// the base.
 fn added(
     schedule: &mut Schedule<'_>,
     before: Option<&Candidate>,

@@ -110,7 +110,7 @@ pub fn scored(problem: &SingleVisitProblem, mut plan: SingleVisitPlan) -> Single
     plan
 }
 
-/// One line for operators.
+/// Returns one line for operators.
 pub(super) fn summary(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> String {
     if plan.visits.is_empty() && !plan.left_out.is_empty() {
         return explain::nothing_visited(&plan.left_out, plan.benefits_bound.is_none_or(|bound| bound > 0.0));

@@ -95,7 +95,7 @@ pub(super) fn run(
     best
 }
 
-/// `order` judged; should the judge find something too late after all, without what is last.
+/// Returns `order` after judgement, without its last visits if the judge finds something too late.
 pub(super) fn longest_flown(schedule: &mut Schedule<'_>, mut order: Vec<Choice>) -> Candidate {
     let mut free = WorkBudget::new(u64::MAX);
     loop {
@@ -111,7 +111,7 @@ pub(super) fn longest_flown(schedule: &mut Schedule<'_>, mut order: Vec<Choice>)
     }
 }
 
-/// `best`, or no visit at all where that is worth more: what is visited may cost more than it brings.
+/// Returns `best`, or no visit at all if that has a higher score: visits may cost more than they are worth.
 ///
 /// # Errors
 /// Why there is no plan at all: `best` has no visits, and the vehicle cannot be back at the base in time even without one.
@@ -196,7 +196,7 @@ impl LocalSearch<'_, '_, '_> {
         target.value * quality
     }
 
-    /// However small the budget: a plan has at least one visit.
+    /// Adds at least one visit, however small the budget is.
     fn start_somewhere(&mut self, current: &mut Candidate) {
         let choices: Vec<Choice> = self.usable.iter().flat_map(|target| self.choices(*target)).collect();
         for choice in choices {
@@ -255,8 +255,8 @@ impl LocalSearch<'_, '_, '_> {
             .collect()
     }
 
-    /// `best` without a few visits: a run of neighbours, or some at random; now and then a visit anywhere instead, so that
-    /// every region has a plan grown from it. Half of the time what was taken out stays out of the next filling.
+    /// Returns `best` without a few visits: a run of neighbours, or some at random; now and then a visit anywhere instead, so that every
+    /// region has a plan grown from it. Half of the time what was taken out stays out of the next filling.
     fn ruined(&mut self, best: &Candidate) -> Candidate {
         let count = best.order.len();
         let take = 1 + self.random.below(count.div_ceil(3).max(1));

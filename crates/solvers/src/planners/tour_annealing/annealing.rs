@@ -29,14 +29,15 @@ pub(super) struct Round {
 }
 
 impl Round {
-    /// Temperature after so many moves, for tours that cost about `scale`.
+    /// Returns the temperature after a number of moves, for tours that cost about `scale`.
     pub(super) fn temperature(&self, scale: f64, step: u64) -> f64 {
         let share = step as f64 / self.moves.max(1) as f64;
         scale * self.hot * libm::pow(self.cold / self.hot, share)
     }
 }
 
-/// The threshold of Metropolis: an increase passes with probability exp(-increase / temperature). What changes nothing does not.
+/// Returns true if an increase passes the Metropolis criterion, with probability exp(-increase / temperature). Moves that change nothing do
+/// not pass.
 pub(super) fn passes(increase: f64, temperature: f64, chance: f64) -> bool {
     increase < 0.0
         || increase > 0.0 && increase <= 40.0 * temperature && increase <= -temperature * libm::log(chance.max(1e-300))
@@ -115,7 +116,7 @@ impl<'s, 'p> Annealing<'s, 'p> {
         longer
     }
 
-    /// Spare letters are neither used up nor heaped up.
+    /// Keeps the number of spare letters within limits.
     fn keep_spares(&mut self, flight: &mut TourEvaluation<'_, '_>, budget: &mut dyn Budget) {
         let spare = flight.tour().len().saturating_sub(flight.flown());
         if (SPARE_LETTERS / 3..=SPARE_LETTERS * 3).contains(&spare) {

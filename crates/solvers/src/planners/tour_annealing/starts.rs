@@ -73,7 +73,7 @@ pub(super) struct Starts {
 }
 
 impl Starts {
-    /// All of them; the first tour has taken `first_units`, with many targets more than it was allowed.
+    /// Returns all start heuristics; the first tour has taken `first_units`, with many targets more than it was allowed.
     pub(super) fn new(scenario: &Scenario<'_>, first_units: u64) -> Starts {
         let mut ways: VecDeque<StartHeuristic> = VecDeque::from([StartHeuristic::TwoOpt]);
         ways.extend(groups(scenario).into_iter().map(StartHeuristic::Group));

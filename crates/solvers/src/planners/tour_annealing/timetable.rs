@@ -268,7 +268,7 @@ impl<'s, 'p> Timetable<'s, 'p> {
         cost
     }
 
-    /// `since_s` holds for each target the time since its last end at the change, and is used up.
+    /// Returns the cost of a change; `since_s` holds for each target the time since its last end at the change, and is used up.
     fn price(&self, change: &Change, since_s: &mut [f64x4]) -> f64 {
         let limit_s = self.scenario.limit_s();
         let base_s = self.end_before(change.from);

@@ -87,7 +87,7 @@ pub fn cycle_of(scenario: &Scenario<'_>, targets: &[usize], budget: &mut dyn Bud
     subset::best_beginning(scenario, tour, budget).1
 }
 
-/// Equal targets with linear cost: then the best cycle in the long run is the shortest tour.
+/// Returns true if all targets are equal with linear cost: the best cycle in the long run is then the shortest tour.
 fn targets_are_equal(problem: &SurveillanceProblem) -> bool {
     let Some(first) = problem.targets.first() else { return true };
     matches!(first.cost, CostFunction::Linear { .. })

@@ -93,7 +93,7 @@ impl<'s, 'p> SubsetSearch<'s, 'p> {
         self.scenario.usable().iter().copied().filter(missing).collect()
     }
 
-    /// `cycle` with `target` where it lengthens the tour least.
+    /// Returns `cycle` with `target` inserted where it lengthens the tour least.
     fn inserted(&self, cycle: &[usize], target: usize) -> Vec<usize> {
         self.scenario.spend(cycle.len() as u64 * DETOUR_NS);
         let travel = self.scenario.typical();

@@ -110,7 +110,7 @@ struct SearchNode {
     cost: f64,
 }
 
-/// One pass from start to horizon; none where the budget ran out (a `certain` pass ignores the budget).
+/// Builds one tour from start to horizon; `None` if the budget ran out (a `certain` pass ignores the budget).
 fn build(
     scenario: &Scenario<'_>,
     pass: (f64, usize, usize),
@@ -204,7 +204,7 @@ fn children(scenario: &Scenario<'_>, state: &TourState, most: usize, budget: &mu
     ranked.into_iter().map(|(_, stop)| stop).collect()
 }
 
-/// `importance x obsolescence / transit` of a visit; none where it would end too late.
+/// Returns `importance x obsolescence / transit` of a visit; `None` if it would end too late.
 fn priority(scenario: &Scenario<'_>, state: &TourState, target: usize) -> Option<(f64, Stop)> {
     let stop = scenario.next_stop(state.place, state.time_s, target)?;
     let data = scenario.problem().targets.get(target)?;

@@ -101,7 +101,7 @@ impl LocalSearch<'_, '_, '_> {
         None
     }
 
-    /// Inserting `choice` adds no less than this to the legs at `at`.
+    /// Returns a lower bound on the time that inserting `choice` adds to the legs at `at`.
     fn added_s_min(&self, current: &Candidate, at: usize, choice: Choice, duration_s: f64) -> f64 {
         let entry = PointKey::Entry(choice.target, choice.manoeuvre);
         let exit = PointKey::Exit(choice.target, choice.manoeuvre);
@@ -111,7 +111,7 @@ impl LocalSearch<'_, '_, '_> {
         self.end_before(current, at) + least_s - arrival(current, at)
     }
 
-    /// Gain per added time of inserting `choice`, by its own legs; none where it cannot be worth it.
+    /// Returns the gain per added time of inserting `choice`, by its own legs; `None` if it cannot be worth it.
     fn merit(&mut self, current: &Candidate, at: usize, choice: Choice) -> Option<f64> {
         let exit = PointKey::Exit(choice.target, choice.manoeuvre);
         self.budget.charge(2 * UNITS_PER_LEG + self.schedule.travel.take_work());

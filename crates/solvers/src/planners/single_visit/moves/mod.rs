@@ -46,8 +46,8 @@ impl LocalSearch<'_, '_, '_> {
         better
     }
 
-    /// As `try_order` for the same visits in another order, that differs in `first..last` only, if the legs there
-    /// promise to take less time.
+    /// Like `try_order` for the same visits in another order that differs only in `first..last`, if the legs there promise to take less
+    /// time.
     fn try_promising(&mut self, current: &mut Candidate, first: usize, last: usize, order: Vec<Choice>) -> bool {
         if self.budget.exhausted() || !self.is_promising(current, first, last, &order) {
             return false;

@@ -3,7 +3,7 @@
 use super::super::search::{Candidate, LocalSearch};
 
 impl LocalSearch<'_, '_, '_> {
-    /// Another manoeuvre or another time for one visit. Says whether anything got better.
+    /// Replaces the manoeuvre or the time of one visit. Returns true if the plan improved.
     pub(super) fn rechoose(&mut self, current: &mut Candidate) -> bool {
         let mut better = false;
         for at in 0..current.order.len() {

@@ -6,7 +6,7 @@ use super::super::search::{Candidate, LocalSearch, inserted};
 const REPLACEMENTS_MAX: usize = 12;
 
 impl LocalSearch<'_, '_, '_> {
-    /// One visit out, another target or the same in another way in at any place.
+    /// Replaces one visit by another target, or by the same target with another manoeuvre, at any place.
     pub(super) fn replace(&mut self, current: &mut Candidate) -> bool {
         for out in 0..current.order.len() {
             let mut order = current.order.clone();

@@ -142,7 +142,7 @@ impl<'n> Annealing<'n> {
         self.missing.dedup();
     }
 
-    /// One round from `start`: the best route that it saw.
+    /// Runs one round from `start`; returns the best route that it visited.
     pub(super) fn round(&mut self, start: &Route, round: Round, budget: &mut dyn Budget) -> Route {
         let mut current = start.clone();
         let mut best = start.clone();

@@ -44,7 +44,7 @@ pub(super) struct InsertionPoint {
 }
 
 impl Route {
-    /// From start to end at once.
+    /// Returns a route from the start directly to the end.
     pub(super) fn new(network: &Network) -> Route {
         Route::of(network, &[])
     }
@@ -158,7 +158,7 @@ impl Route {
         Route::between(network, node, (open, close), (self.stops.get(after)?, self.stops.get(after + 1)?), after)
     }
 
-    /// As `place`, between two stops of which the first is number `after`.
+    /// Like `place`, between two stops of which the first has index `after`.
     #[inline(always)]
     pub(super) fn between(
         network: &Network,
@@ -233,7 +233,7 @@ impl Route {
         }
     }
 
-    /// Latest beginnings and ends for any beginning, from stop `at` back to the start.
+    /// Computes the latest beginnings and ends for any beginning, from stop `at` back to the start.
     fn backward(&mut self, network: &Network, at: usize) {
         let last = self.stops.len() - 1;
         let mut after = self.stops.get(at + 1).copied();

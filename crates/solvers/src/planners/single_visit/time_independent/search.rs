@@ -152,7 +152,7 @@ impl<'n> SearchDriver<'n> {
         }
     }
 
-    /// Annealing and proofs for `left` units; ends early if a proof settles the problem.
+    /// Runs annealing and proofs for `left` units; ends early if a proof settles the problem.
     fn stage(&mut self, left: u64, budget: &mut dyn Budget) {
         let (early, spare) = self.for_proofs(left);
         self.cool(left.saturating_sub(spare), early, budget);
