@@ -14,6 +14,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("crates/geo", &["apex-model"]),
     ("crates/executive", &["apex-model", "apex-forms"]),
     ("crates/vehicle", &[]),
+    ("crates/typescript", &[]),
     ("crates/diagnosis", &[]),
     ("crates/observation", &["apex-model", "apex-geo"]),
     ("crates/metrics", &["apex-model", "apex-geo"]),

@@ -12,34 +12,7 @@ use crate::record::view::{
     SignalLimit, SignalWindow, SignalWindows, Signals, Snippet, StateWord, Statistics, StepRow, Surroundings, Target,
     TargetChange, Targets, Task, Tasks, Timeline, Track, Trouble, TroubleKind, Troubles, Zone,
 };
-use std::path::Path;
-use ts_rs::{Config, TS};
-
-/// Returns the configuration in which whole numbers are numbers: nanoseconds of mission time stay below 2^53 for a hundred days.
-fn config() -> Config {
-    Config::default().with_large_int("number")
-}
-
-/// Returns `export type ..` with its documentation.
-fn declaration<T: TS>() -> String {
-    format!("{}export {}\n", T::docs().unwrap_or_default(), T::decl(&config()))
-}
-
-fn check(file: &str, imports: &str, declarations: &[String]) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../web/src/record/generated").join(file);
-    let header = "// Generated from crates/runtime by `UPDATE=1 cargo test -p apex-runtime typescript`. Do not edit.\n";
-    let text = format!("{header}{imports}\n{}", declarations.join("\n"));
-    if std::env::var_os("UPDATE").is_some() {
-        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        std::fs::write(&path, &text).unwrap();
-    }
-    let found = std::fs::read_to_string(&path).unwrap_or_default();
-    assert!(
-        found == text,
-        "{} differs from the types in Rust; run `UPDATE=1 cargo test -p apex-runtime typescript`",
-        path.display()
-    );
-}
+use apex_typescript::{check, declaration};
 
 #[test]
 fn typescript_types_of_the_record_view_are_current() {
@@ -95,7 +68,7 @@ fn typescript_types_of_the_record_view_are_current() {
         declaration::<ProgramContents>(),
         declaration::<ProgramText>(),
     ];
-    check("view.ts", "", &declarations);
+    check("runtime", "view.ts", "", &declarations).unwrap();
 }
 
 #[test]
@@ -120,5 +93,5 @@ fn typescript_types_of_explanations_are_current() {
         declaration::<TaskMonitor>(),
         declaration::<Monitors>(),
     ];
-    check("explain.ts", "\nimport type { Task } from './view';\n", &declarations);
+    check("runtime", "explain.ts", "\nimport type { Task } from './view';\n", &declarations).unwrap();
 }

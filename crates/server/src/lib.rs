@@ -25,6 +25,8 @@ mod serve;
 mod shelf;
 mod shelf_routes;
 mod state;
+#[cfg(test)]
+mod typescript;
 mod what_if;
 mod why;
 

@@ -7,8 +7,10 @@ use serde::Serialize;
 
 /// Facts of the mission that the page needs next to its record: all of them are in the mission's files.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) struct MissionFacts {
     /// `fixed-wing` or `rotorcraft`.
+    #[cfg_attr(test, ts(type = "'fixed-wing' | 'rotorcraft'"))]
     kind: &'static str,
     /// Greatest distance from a landing place that the mission allows, metres; none if it states none.
     landing_distance_m_max: Option<f64>,
@@ -18,7 +20,8 @@ pub(crate) struct MissionFacts {
 
 /// A window in which an image of a target has its full worth.
 #[derive(Clone, Debug, Serialize)]
-struct WantedWindow {
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub(crate) struct WantedWindow {
     target: String,
     look: String,
     from_ns: i64,

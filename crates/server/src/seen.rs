@@ -6,6 +6,7 @@ use crate::mission_facts::MissionFacts;
 use crate::params::{AtParams, WindowParams};
 use crate::state::{AppState, QueryParams, Shared, blocking, checked};
 use apex_mission::recorded::mission_of;
+use apex_model::time::Time;
 use axum::Json;
 use axum::Router;
 use axum::extract::State;
@@ -33,11 +34,7 @@ async fn footprints(State(state): Shared, params: QueryParams<WindowParams>) -> 
 /// The score at an instant, the last one by default; `null` for missions that are not measured by a score.
 async fn score(State(state): Shared, params: QueryParams<AtParams>) -> ApiResult<Response> {
     let at = checked(params)?.at.map_or(Time::END, Time);
-    let score = blocking(move || {
-        let reader = state.reader()?.of_agent(0)?;
-        state.score.at(&reader, at)
-    })
-    .await?;
+    let score = blocking(move || state.score.at(&state.reader_of(0)?, at)).await?;
     Ok(Json(score).into_response())
 }
 

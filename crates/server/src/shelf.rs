@@ -26,6 +26,7 @@ pub(crate) struct ShelfEntry {
 
 /// An entry as the API describes it.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) struct ShelfRow {
     /// Its number; 0 is the served record with the agent that is shown first.
     id: usize,
@@ -40,7 +41,8 @@ pub(crate) struct ShelfRow {
 }
 
 #[derive(Clone, Debug, Serialize)]
-struct ForkRow {
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub(crate) struct ForkRow {
     at_ns: i64,
     with: String,
 }

@@ -1,7 +1,8 @@
 /** The Operator: what an operator sees of a flight under way, and the commands to it. It decides nothing: the flight does. */
 
-import type { Operation, ServedFlight, Wish } from '../record/operation';
+import type { ServedFlight } from '../record/operation';
 import { RecordError } from '../record/source';
+import type { Operation, Wish } from '../record/types';
 
 /** The state is read this often; commands on their way are counted in tenths of seconds. */
 const LOOK_MS = 400;

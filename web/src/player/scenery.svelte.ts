@@ -4,9 +4,9 @@
  */
 
 import { LatestOnly } from '../record/latest';
-import { airSignals, type Footprints, type MissionFacts, type ScoreSoFar } from '../record/seen';
+import { airSignals } from '../record/seen';
 import type { HoldingsQuery, RecordSource } from '../record/source';
-import type { Holdings, Plans, SignalWindow } from '../record/types';
+import type { Footprints, Holdings, MissionFacts, Plans, ScoreSoFar, SignalWindow } from '../record/types';
 
 /** Entries along the track for links, and for wind. */
 const LINK_PIXELS = 800;

@@ -1,76 +1,7 @@
 /** The flight under way behind a record: its state for an operator, and commands to it. */
 
 import { RecordError } from './source';
-
-export interface OpenQuestion {
-  agent: string;
-  question: number;
-  text: string;
-  /** The choices; none if any answer is taken. */
-  options: string[];
-  /** Taken at the deadline; none fails the task. */
-  default: string | null;
-  asked_ns: number;
-  by_ns: number | null;
-}
-
-/** An operator or program that speaks to the flight. */
-export interface Actor {
-  name: string;
-  role: string;
-}
-
-/** Authority over the flight: its holder, the offer of it, and the rights of the caller. */
-export interface Authority {
-  /** Grows with every change of the holder. */
-  epoch: number;
-  holder: Actor | null;
-  /** The holder was not heard for long: another operator may take authority. */
-  silent: boolean;
-  offer: { to: string; left_s: number } | null;
-  you: Actor;
-  yours: boolean;
-  may_take: boolean;
-  /** Other callers with a recent request that may hold it. */
-  stations: Actor[];
-}
-
-/** A command and its end: exactly one of accepted, rejected and expired. */
-export interface CommandState {
-  number: number;
-  words: string;
-  /** The name of its author. */
-  by: string;
-  state: 'sent' | 'accepted' | 'rejected' | 'expired';
-  at_ns: number | null;
-  reason: string | null;
-  age_s: number;
-}
-
-export interface Operation {
-  now_ns: number;
-  /** Mission seconds per second of wall time; none is as fast as possible. */
-  pace: number | null;
-  paused: boolean;
-  questions: OpenQuestion[];
-  /** A planner at work; mission time stands still meanwhile. */
-  planning: { goal: string; since_s: number } | null;
-  targets: { id: string; known: boolean }[];
-  commands: CommandState[];
-  authority: Authority;
-}
-
-/** What an operator asks of the flight. */
-export type Wish =
-  | { do: 'pause' | 'resume' | 'step' | 'stop' }
-  | { do: 'pace'; pace: number | null }
-  | { do: 'answer'; agent: string; question: number; answer: string }
-  | { do: 'message'; form: string }
-  | { do: 'add-target' | 'remove-target'; target: string }
-  | { do: 'value-target'; target: string; value: number }
-  | { do: 'acknowledge'; alarm: string }
-  | { do: 'take-authority' | 'refuse-authority' | 'release-authority' }
-  | { do: 'offer-authority'; to: string };
+import type { CommandState, Operation, Wish } from './types';
 
 /** A server that may have a flight under way. */
 export class ServedFlight {

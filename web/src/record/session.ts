@@ -1,13 +1,7 @@
 /** Who speaks to the server from this browser: a session, which a token begins where tokens are needed. */
 
 import { RecordError } from './source';
-
-export interface Session {
-  name: string;
-  role: 'observer' | 'operator' | 'pilot-in-command';
-  /** True if this server needs tokens. */
-  tokens: boolean;
-}
+import type { SessionState } from './types';
 
 /** The token in the fragment of an address, which browsers do not send: `#token=..`. */
 export function tokenIn(fragment: string): string | null {
@@ -15,13 +9,16 @@ export function tokenIn(fragment: string): string | null {
 }
 
 /** The session of this browser; null if the server wants a token first. */
-export async function currentSession(base: string): Promise<Session | null> {
+export async function currentSession(base: string): Promise<SessionState | null> {
   const response = await fetch(`${base}/api/session`);
   return response.status === 401 ? null : answer(response);
 }
 
 /** Begins a session by a token, or by a name where no tokens are needed. */
-export async function beginSession(base: string, by: { token: string } | { name: string }): Promise<Session> {
+export async function beginSession(
+  base: string,
+  by: { token: string } | { name: string },
+): Promise<SessionState> {
   const response = await fetch(`${base}/api/session`, {
     method: 'POST',
     headers: { 'Content-Type': 'application/json' },
@@ -30,7 +27,7 @@ export async function beginSession(base: string, by: { token: string } | { name:
   return answer(response);
 }
 
-async function answer(response: Response): Promise<Session> {
+async function answer(response: Response): Promise<SessionState> {
   const body = await response.json();
   if (!response.ok) throw new RecordError(body.error ?? response.statusText, body.help ?? '');
   return body;

@@ -1,11 +1,12 @@
 /** The one way to a flight record: questions to the server, and updates of its growth. */
 
-import type { Footprints, MissionFacts, ScoreSoFar } from './seen';
 import type {
   Events,
+  Footprints,
   Growth,
   Holdings,
   Mission,
+  MissionFacts,
   Monitors,
   PlanInForce,
   Plans,
@@ -13,6 +14,7 @@ import type {
   ProgramText,
   RecordedCommands,
   Report,
+  ScoreSoFar,
   Signals,
   SignalWindows,
   Snippet,

@@ -1,4 +1,6 @@
-/** What the server answers; docs/reference/server-api.md. Generated from the record view and the explainer. */
+/** What the server answers; docs/reference/server-api.md. Generated from the types of the server and of what it asks. */
 
 export type * from './generated/explain';
+export type * from './generated/seen';
+export type * from './generated/server';
 export type * from './generated/view';

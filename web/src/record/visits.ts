@@ -1,8 +1,7 @@
 /** Targets over time: visits, planned times in every plan, windows, factors; pure. */
 
 import { missionTime } from '../time/format';
-import type { MissionFacts } from './seen';
-import type { PlanInForce, Report, Target, Trouble } from './types';
+import type { MissionFacts, PlanInForce, Report, Target, Trouble } from './types';
 
 export interface Visit {
   id: string;

@@ -16,6 +16,7 @@ const LINE_STEP_S: f64 = 4.0;
 
 /// A scan line on the ground.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct SeenLine {
     /// Mission time in nanoseconds.
     pub t_ns: i64,
@@ -29,6 +30,7 @@ pub struct SeenLine {
 
 /// The ground seen from one switching on of the scanner to the next gap.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Swath {
     /// Scan lines by time. The ground between neighbours is seen.
     pub lines: Vec<SeenLine>,
@@ -36,6 +38,7 @@ pub struct Swath {
 
 /// The outline of a picture on the ground.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct SeenPicture {
     /// Mission time in nanoseconds of the exposure.
     pub t_ns: i64,
@@ -45,6 +48,7 @@ pub struct SeenPicture {
 
 /// The ground seen in a stretch of a flight.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Footprints {
     /// Swaths of the scanner by time.
     pub swaths: Vec<Swath>,

@@ -6,6 +6,8 @@ mod footprints;
 mod samples;
 mod so_far;
 mod telling;
+#[cfg(test)]
+mod typescript;
 mod value;
 
 pub use crate::predicted::Predicted;

@@ -16,6 +16,7 @@ const COUNTING_INTERVAL: Duration = Duration(60_000_000_000);
 
 /// The score if the flight ended at an instant, in points.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct ScoreSoFar {
     /// Observations count that were made until this instant, nanoseconds of mission time: while the scanner is on, the last minute
     /// may be missing.

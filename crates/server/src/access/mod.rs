@@ -14,5 +14,7 @@ mod table;
 mod token;
 
 pub(crate) use check::{Caller, check};
+#[cfg(test)]
+pub(crate) use routes::SessionState;
 pub(crate) use sessions::Sessions;
 pub use token::{AccessToken, TokenError};

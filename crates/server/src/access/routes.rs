@@ -28,8 +28,10 @@ struct Opening {
 
 /// The caller, as the API describes it.
 #[derive(Serialize)]
-struct SessionState {
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub(crate) struct SessionState {
     name: String,
+    #[cfg_attr(test, ts(type = "'observer' | 'operator' | 'pilot-in-command'"))]
     role: &'static str,
     /// True if this server needs tokens.
     tokens: bool,

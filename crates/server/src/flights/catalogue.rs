@@ -29,6 +29,7 @@ pub(crate) struct MissionEntry {
 
 /// Failure with reason, place and remedy.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) struct Failure {
     /// Failure.
     pub(crate) message: String,

@@ -5,6 +5,7 @@ use serde::Serialize;
 
 /// Authority as the API describes it.
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) struct AuthorityState {
     /// The number of the epoch; commands may state it.
     epoch: u64,
@@ -25,14 +26,17 @@ pub(crate) struct AuthorityState {
 
 /// An operator or program, as the API describes it.
 #[derive(Debug, Serialize)]
-struct ActorState {
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub(crate) struct ActorState {
     name: String,
+    /// `observer`, `operator` or `pilot-in-command`.
     role: &'static str,
 }
 
 /// An offer of authority.
 #[derive(Debug, Serialize)]
-struct OfferState {
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub(crate) struct OfferState {
     /// The name of the actor that it is offered to.
     to: String,
     /// Wall time until it is over, in seconds.

@@ -62,11 +62,13 @@ struct SourceEntry {
 
 /// A command as the API describes it.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) struct CommandState {
     number: u64,
     words: String,
     /// The name of its author.
     by: String,
+    #[cfg_attr(test, ts(type = "'sent' | 'accepted' | 'rejected' | 'expired'"))]
     state: &'static str,
     at_ns: Option<i64>,
     reason: Option<String>,
@@ -75,6 +77,7 @@ pub(crate) struct CommandState {
 
 /// The run as the API describes it.
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) struct Operation {
     now_ns: i64,
     /// Mission seconds per second of wall time; none is as fast as possible.
@@ -89,6 +92,7 @@ pub(crate) struct Operation {
 
 /// Change of a target by an operator.
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) struct TargetNews {
     id: String,
     /// True while the mission counts it as to be observed.

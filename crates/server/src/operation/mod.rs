@@ -11,5 +11,13 @@ mod request;
 pub(crate) mod routes;
 mod watch;
 
+#[cfg(test)]
+pub(crate) use authority::{ActorState, AuthorityState, OfferState};
+#[cfg(test)]
+pub(crate) use door::{CommandState, Operation, TargetNews};
 pub use door::{FlightDoor, ReadDatum};
+#[cfg(test)]
+pub(crate) use request::Wish;
 pub use watch::FlightWatch;
+#[cfg(test)]
+pub(crate) use watch::{OpenQuestion, Planning};

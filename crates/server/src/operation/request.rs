@@ -20,6 +20,7 @@ const MESSAGE_MAX: usize = 2000;
 /// The body of `POST /api/commands`.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) enum Wish {
     /// Mission time stands still.
     Pause,
@@ -46,6 +47,7 @@ pub(crate) enum Wish {
     /// A message, as a form of PDL.
     Message {
         /// The agent that hears it; none is all.
+        #[cfg_attr(test, ts(optional))]
         agent: Option<String>,
         /// The form.
         form: String,

@@ -24,6 +24,7 @@ struct KeptLines {
 
 /// State of a run as the API describes it.
 #[derive(Clone, Debug, Default, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) struct SeenState {
     #[serde(skip)]
     pub(crate) now_ns: i64,
@@ -41,6 +42,7 @@ pub(crate) struct SeenState {
 
 /// A question that waits for an answer.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) struct OpenQuestion {
     pub(crate) agent: String,
     pub(crate) question: u64,
@@ -58,6 +60,7 @@ pub(crate) struct OpenQuestion {
 
 /// A planner at work.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) struct Planning {
     /// The goal that it plans for.
     goal: String,

@@ -16,9 +16,11 @@ use std::sync::PoisonError;
 
 /// A draft with the checker's word.
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) struct DraftAnswer {
     at_ns: i64,
     /// The plan, if all visits can be made.
+    #[cfg_attr(test, ts(type = "PlanInForce | null"))]
     plan: Option<PlanInForce>,
     /// Its expected score, or its expected cost of ignorance.
     worth: Option<Worth>,
@@ -27,14 +29,16 @@ pub(crate) struct DraftAnswer {
 }
 
 #[derive(Debug, Serialize)]
-struct Worth {
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub(crate) struct Worth {
     what: &'static str,
     value: f64,
 }
 
 /// A mistake in a draft, and its place.
 #[derive(Debug, Serialize)]
-struct DraftViolation {
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub(crate) struct DraftViolation {
     reason: String,
     /// The place among the visits, from 0; none if the draft as a whole is wrong.
     visit: Option<usize>,

@@ -36,12 +36,14 @@ pub(super) enum ForkEnd {
 
 /// A fork as the API describes it.
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) struct ForkState {
     id: usize,
     at_ns: i64,
     with: String,
     file: String,
     /// `flying`, `ended` or `failed`.
+    #[cfg_attr(test, ts(type = "'flying' | 'ended' | 'failed'"))]
     state: &'static str,
     now_ns: i64,
     /// Its number in `/api/records`, once it has ended.

@@ -8,4 +8,10 @@ mod request;
 pub(crate) mod routes;
 mod service;
 
+#[cfg(test)]
+pub(crate) use drafts::{DraftAnswer, DraftViolation, Worth};
+#[cfg(test)]
+pub(crate) use fork_list::ForkState;
+#[cfg(test)]
+pub(crate) use request::{ForkRequest, InputRequest};
 pub(crate) use service::WhatIf;

@@ -11,6 +11,7 @@ use serde::Deserialize;
 /// The body of `POST /api/forks`.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) struct ForkRequest {
     /// The instant from which the flight differs, nanoseconds of mission time.
     pub(crate) at_ns: i64,
@@ -29,7 +30,8 @@ pub(crate) struct ForkRequest {
 /// A message at an instant.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct InputRequest {
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub(crate) struct InputRequest {
     /// Seconds of mission time.
     t: f64,
     /// A form of PDL.

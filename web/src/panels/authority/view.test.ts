@@ -1,8 +1,8 @@
 import { describe, expect, it } from 'vitest';
-import type { Authority } from '../../record/operation';
+import type { AuthorityState } from '../../record/types';
 import { holderText, isOfferedToYou, offerText } from './view';
 
-const FREE: Authority = {
+const FREE: AuthorityState = {
   epoch: 0,
   holder: null,
   silent: false,
@@ -12,7 +12,12 @@ const FREE: Authority = {
   may_take: true,
   stations: [],
 };
-const HELD: Authority = { ...FREE, epoch: 1, holder: { name: 'tower', role: 'operator' }, may_take: false };
+const HELD: AuthorityState = {
+  ...FREE,
+  epoch: 1,
+  holder: { name: 'tower', role: 'operator' },
+  may_take: false,
+};
 
 describe('authority', () => {
   it('names the holder', () => {

@@ -1,6 +1,6 @@
 /** The words about authority; pure. */
 
-import type { Authority } from '../../record/operation';
+import type { AuthorityState } from '../../record/types';
 
 /** `pilot in command`. */
 export function roleText(role: string): string {
@@ -8,7 +8,7 @@ export function roleText(role: string): string {
 }
 
 /** `free`, `you`, `tower (operator)`, `tower (operator), silent`. */
-export function holderText(authority: Authority): string {
+export function holderText(authority: AuthorityState): string {
   if (authority.holder === null) return 'free';
   if (authority.yours) return 'you';
   const silent = authority.silent ? ', silent' : '';
@@ -16,12 +16,12 @@ export function holderText(authority: Authority): string {
 }
 
 /** The open offer: `offered to you for 42 s`; null without one. */
-export function offerText(authority: Authority): string | null {
+export function offerText(authority: AuthorityState): string | null {
   if (authority.offer === null) return null;
   const to = isOfferedToYou(authority) ? 'you' : authority.offer.to;
   return `offered to ${to} for ${Math.ceil(authority.offer.left_s)} s`;
 }
 
-export function isOfferedToYou(authority: Authority): boolean {
+export function isOfferedToYou(authority: AuthorityState): boolean {
   return authority.offer?.to === authority.you.name;
 }

@@ -1,7 +1,6 @@
 /** What the header says. */
 
-import type { ScoreSoFar } from '../../record/seen';
-import type { Mission } from '../../record/types';
+import type { Mission, ScoreSoFar } from '../../record/types';
 import { civilTime, missionTime, NANOSECONDS_PER_SECOND, span } from '../../time/format';
 
 export interface HeaderView {

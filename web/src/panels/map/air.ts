@@ -1,7 +1,6 @@
 /** Wind, link and the ground seen, as the map shows them; pure. */
 
-import type { Footprints } from '../../record/seen';
-import type { SignalWindow } from '../../record/types';
+import type { Footprints, SignalWindow } from '../../record/types';
 import { aircraftAt, type Path, type Position } from './view';
 
 /** A measured wind at a place of the flown track. */

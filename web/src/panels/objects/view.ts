@@ -1,8 +1,15 @@
 /** The object tree: agents, procedures, resources, monitors, variables; pure. */
 
 import type { TreeNode } from '../../parts/rows';
-import type { Holdings, Monitors, ProcedureRow, ProgramContents, Signals, Tasks } from '../../record/types';
-import type { ShelfRow } from '../../record/whatif';
+import type {
+  Holdings,
+  Monitors,
+  ProcedureRow,
+  ProgramContents,
+  ShelfRow,
+  Signals,
+  Tasks,
+} from '../../record/types';
 import { missionTime } from '../../time/format';
 import { type Names, phrase } from '../../words/phrase';
 

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import type { Operation } from '../../record/operation';
+import type { Operation } from '../../record/types';
 import { deadlineText, endText, paceText, runText } from './view';
 
 const RUN: Operation = {

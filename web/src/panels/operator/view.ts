@@ -1,6 +1,6 @@
 /** The words of the operator bar; pure. */
 
-import type { CommandState, OpenQuestion, Operation } from '../../record/operation';
+import type { CommandState, OpenQuestion, Operation } from '../../record/types';
 import { NANOSECONDS_PER_SECOND, span } from '../../time/format';
 
 /** The paces to choose from; null is as fast as possible. */

@@ -1,7 +1,6 @@
 /** The figures of the printable report; pure. */
 
-import type { Footprints } from '../../record/seen';
-import type { SignalWindow, Target, Track } from '../../record/types';
+import type { Footprints, SignalWindow, Target, Track } from '../../record/types';
 
 export type Point = [x: number, y: number];
 

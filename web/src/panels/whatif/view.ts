@@ -1,6 +1,6 @@
 /** What a fork is asked for, and how far it is; pure. */
 
-import type { ForkState } from '../../record/whatif';
+import type { ForkState } from '../../record/types';
 import { missionTime, NANOSECONDS_PER_SECOND } from '../../time/format';
 
 /** One message for each line, one second after the instant. */
