@@ -1,6 +1,6 @@
 //! Configuration of a simulated world: vehicle, start, weather, ground, radios, places and scripted events, as plain data.
 
-use crate::living::{BurnableSite, LivingWorld};
+use crate::living::{BurnableSite, BurningTarget, LivingWorld};
 use apex_geo::geodesy;
 use apex_geo::link::{LevelLaw, LevelModel};
 use apex_geo::terrain::Terrain;
@@ -37,6 +37,8 @@ pub struct WorldConfig {
     pub living: Option<LivingWorld>,
     /// Structures at which fires may break out.
     pub sites: Vec<BurnableSite>,
+    /// Fires with an outline, which may grow.
+    pub burning: Vec<BurningTarget>,
     /// Civil time of mission time zero, seconds since 1970-01-01T00:00Z; without it there is no sun.
     pub epoch_unix_s: Option<f64>,
 }
@@ -57,6 +59,7 @@ impl WorldConfig {
             events: Vec::new(),
             living: None,
             sites: Vec::new(),
+            burning: Vec::new(),
             epoch_unix_s: None,
         }
     }

@@ -15,6 +15,7 @@ mod follow;
 mod fork;
 mod geodesic;
 mod gliding;
+mod gusts;
 mod instants;
 mod joining;
 mod left_lines;
@@ -39,6 +40,6 @@ mod world;
 
 pub use commands::command_names;
 pub use config::{Ground, GroundPatch, Happening, Modem, NamedPlace, ScheduledEvent, Start, WorldConfig};
-pub use living::{BurnableSite, FaultKind, FaultSpec, LivingWorld, WORLD_FORMAT};
+pub use living::{BurnableSite, BurningTarget, FaultKind, FaultSpec, LivingWorld, WORLD_FORMAT};
 pub use packet::{Pace, PublishedVariable, VARIABLES};
 pub use world::SimulatedWorld;

@@ -3,6 +3,7 @@
 use crate::atmosphere::{Air, GRAVITY, ICE_K};
 use crate::camera::Camera;
 use crate::geodesic::bearing;
+use crate::gusts::Gusts;
 use crate::instants;
 use crate::motion::{State, endurance_s};
 use crate::phase::Phase;
@@ -76,8 +77,7 @@ pub(crate) struct Snapshot<'a> {
     pub(crate) footprint_m: f64,
     /// Clouds hide the ground below.
     pub(crate) hidden: bool,
-    /// Upward acceleration that the air adds, m/s2.
-    pub(crate) bump: f64,
+    pub(crate) gusts: &'a Gusts,
 }
 
 const fn number(name: &'static str, unit: &'static str, pace: Pace, read: fn(&Snapshot) -> f64) -> PublishedVariable {
@@ -119,11 +119,11 @@ pub const VARIABLES: &[PublishedVariable] = &[
     number("pitch-angle", "deg", Attitude, |s| s.state.pitch_rad),
     number("roll-rate", "deg/s", Fast, |s| s.state.roll_rate_rad_s),
     number("yaw-rate", "deg/s", Fast, |s| s.state.yaw_rate_rad_s),
-    number("acceleration-normal", "m/s2", Fast, |s| GRAVITY / cos(s.state.roll_rad) + s.bump),
+    number("acceleration-normal", "m/s2", Fast, |s| GRAVITY / cos(s.state.roll_rad) + s.gusts.bump_m_s2),
     number("distance-to-go", "m", Fast, |s| s.distance_to_go_m),
     number("footprint-width", "m", Fast, |s| s.footprint_m),
     word("scan-valid", |s| truth_word(s.scan_valid)),
-    number("indicated-airspeed", "m/s", Slow, |s| s.state.true_airspeed / s.air.true_per_indicated()),
+    number("indicated-airspeed", "m/s", Slow, indicated_airspeed),
     number("wind-speed", "m/s", Slow, |s| {
         sqrt(s.wind.east_mps * s.wind.east_mps + s.wind.north_mps * s.wind.north_mps)
     }),
@@ -132,6 +132,9 @@ pub const VARIABLES: &[PublishedVariable] = &[
     plain("truth-edr", Slow, |s| s.wind.edr),
     number("truth-wind-east", "m/s", Slow, |s| s.wind.east_mps),
     number("truth-wind-north", "m/s", Slow, |s| s.wind.north_mps),
+    number("truth-gust-along", "m/s", Slow, |s| s.gusts.along_m_s()),
+    number("truth-gust-across", "m/s", Slow, |s| s.gusts.across_m_s()),
+    number("truth-gust-up", "m/s", Slow, |s| s.gusts.up_m_s()),
     number("fuel", "kg", Slow, |s| s.state.stored),
     number("fuel-flow", "kg/h", Flow, |s| s.state.drain_per_s),
     plain("battery-charge", Slow, battery_charge),
@@ -175,9 +178,14 @@ const FULL_S: f64 = 10.0;
 
 /// Returns the list published as `location`.
 pub(crate) fn location(state: &State) -> Value {
-    let Position { latitude_deg, longitude_deg } = state.position;
+    location_at(state.position, state.altitude_m)
+}
+
+/// A place as `location` is published.
+pub(crate) fn location_at(position: Position, altitude_m: f64) -> Value {
+    let Position { latitude_deg, longitude_deg } = position;
     let degrees = |degrees: f64| rounded(degrees, POSITION_PER_DEG);
-    let numbers = [degrees(latitude_deg), degrees(wrap_180(longitude_deg)), rounded(state.altitude_m, 100.0)];
+    let numbers = [degrees(latitude_deg), degrees(wrap_180(longitude_deg)), rounded(altitude_m, 100.0)];
     Value::List(numbers.map(Value::Real).into())
 }
 
@@ -222,6 +230,11 @@ fn is_carried(variable: &PublishedVariable, energy: &EnergyModel) -> bool {
 fn endurance(snapshot: &Snapshot) -> Value {
     let seconds = endurance_s(snapshot.state, snapshot.model, snapshot.air.temperature_k - ICE_K);
     Value::Duration(Duration::from_seconds(libm::round(seconds)))
+}
+
+/// Gusts along the flight are felt by the pitot tube.
+fn indicated_airspeed(snapshot: &Snapshot) -> f64 {
+    (snapshot.state.true_airspeed + snapshot.gusts.along_m_s()).max(0.0) / snapshot.air.true_per_indicated()
 }
 
 fn wind_from_rad(snapshot: &Snapshot) -> f64 {

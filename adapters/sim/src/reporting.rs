@@ -22,6 +22,7 @@ impl SimulatedWorld {
         }
         if let Some(mut reporter) = self.reporter.take() {
             let first = inputs.len();
+            self.report_true_location(inputs);
             reporter.packet(self.now, extent, &self.snapshot(), &self.cameras, &self.radios, inputs);
             self.reporter = Some(reporter);
             if extent != Extent::Attitude {
@@ -35,7 +36,7 @@ impl SimulatedWorld {
     fn listen(&mut self, inputs: &mut Vec<Input>) {
         let elapsed_s = (self.now - self.heard_at).seconds();
         self.heard_at = self.now;
-        let (here, altitude_m, now_s) = (self.state.position, self.state.altitude_m, self.now.seconds());
+        let (here, altitude_m, now_s) = (self.position(), self.state.altitude_m, self.now.seconds());
         let living = self.living.as_deref();
         for radio in &mut self.radios {
             let name = &radio.modem.name;
@@ -103,7 +104,7 @@ impl SimulatedWorld {
             scan_valid: self.scanner_on && level && !self.state.on_ground && !hidden,
             footprint_m,
             hidden,
-            bump: self.turbulence.bump_m_s2,
+            gusts: &self.turbulence.gusts,
         }
     }
 

@@ -1,4 +1,4 @@
-//! Turbulence: the roll that the air adds to the commanded bank, and vertical bumps.
+//! Turbulence: the roll that the air adds to the commanded bank. Gusts are in `gusts`.
 //!
 //! The roll angle is the response of the attitude hold to white noise, `phi'' + 2 zeta omega phi' + omega^2 phi = noise`, scaled so
 //! that its stationary deviation is `roll_deg_per_edr * EDR` of the vehicle file. A step is exact for every length: the state
@@ -6,14 +6,15 @@
 //! statistics at the ends of steps do not depend on the steps. Deviation and spectrum: MIL-F-8785C (roll gust), see
 //! `apex_vehicle::AttitudeHold`.
 
-use crate::random::{Random, Wander};
+use crate::gusts::{GustScales, Gusts};
+use crate::random::Random;
 use apex_geo::geodesy::RAD_PER_DEG;
 use apex_vehicle::AttitudeHold;
 use libm::{cos, cosh, exp, sin, sinh, sqrt};
 
-/// Vertical bumps: deviation for each unit of EDR (m/s2), and correlation. Simulation assumption.
-const BUMP_M_S2_PER_EDR: f64 = 4.0;
-const BUMP_CORRELATION_S: f64 = 2.5;
+/// Streams of the seed.
+const ROLL_STREAM: u64 = 1;
+const GUST_STREAM: u64 = 2;
 /// In smooth air the roll counts as gone below this.
 const ROLL_RAD_MIN: f64 = 1e-6;
 
@@ -22,13 +23,12 @@ const ROLL_RAD_MIN: f64 = 1e-6;
 pub(crate) struct Turbulence {
     hold: AttitudeHold,
     random: Random,
-    wander: Wander,
+    /// Gusts by Dryden's spectra.
+    pub(crate) gusts: Gusts,
     /// Roll that the air has added.
     pub(crate) roll_rad: f64,
     /// Its rate.
     pub(crate) roll_rate_rad_s: f64,
-    /// Upward acceleration that the air adds, m/s2.
-    pub(crate) bump_m_s2: f64,
 }
 
 /// One exact step of the attitude hold: transition matrix and the triangular root of the covariance of the noise, for a process
@@ -73,24 +73,34 @@ impl AttitudeStep {
 impl Turbulence {
     /// Returns smooth air, for a vehicle that holds its attitude like `hold`.
     pub(crate) fn new(hold: AttitudeHold, seed: u64) -> Turbulence {
-        let random = Random::new(seed, 1);
-        let wander = Wander::new(Random::new(seed, 2), BUMP_CORRELATION_S);
-        Turbulence { hold, random, wander, roll_rad: 0.0, roll_rate_rad_s: 0.0, bump_m_s2: 0.0 }
+        let (random, gusts) = (Random::new(seed, ROLL_STREAM), Gusts::new(Random::new(seed, GUST_STREAM)));
+        Turbulence { hold, random, gusts, roll_rad: 0.0, roll_rate_rad_s: 0.0 }
     }
 
     /// Draws roll and bumps from another seed from now on; the present roll stays.
     pub(crate) fn reseed(&mut self, seed: u64) {
-        let Turbulence { random, wander, .. } = Turbulence::new(self.hold.clone(), seed);
-        (self.random, self.wander) = (random, wander);
+        self.random = Random::new(seed, ROLL_STREAM);
+        self.gusts.reseed(Random::new(seed, GUST_STREAM));
     }
 
     /// Stops all motion by turbulence, because the vehicle is on the ground.
     pub(crate) fn rest(&mut self) {
-        (self.roll_rad, self.roll_rate_rad_s, self.bump_m_s2) = (0.0, 0.0, 0.0);
+        (self.roll_rad, self.roll_rate_rad_s) = (0.0, 0.0);
+        self.gusts.rest();
     }
 
-    /// Moves roll, roll rate and bump `dt` seconds on in air of turbulence `edr` (m^(2/3)/s).
-    pub(crate) fn advance(&mut self, edr: f64, dt: f64) {
+    /// Flies `dt` seconds through air of turbulence `edr` (m^(2/3)/s), `height_m` above the ground at `true_airspeed`.
+    pub(crate) fn fly(&mut self, (edr, height_m): (f64, f64), true_airspeed: f64, dt: f64) {
+        self.advance(edr, dt);
+        if edr > 0.0 {
+            self.gusts.advance(&GustScales::at(height_m, edr), true_airspeed, dt);
+        } else {
+            self.gusts.rest();
+        }
+    }
+
+    /// Moves roll and roll rate `dt` seconds on in air of turbulence `edr` (m^(2/3)/s).
+    fn advance(&mut self, edr: f64, dt: f64) {
         let sigma_rad = self.hold.roll_deg_per_edr * edr * RAD_PER_DEG;
         let smooth = edr <= 0.0;
         if smooth && self.roll_rad.abs() < ROLL_RAD_MIN && self.roll_rate_rad_s.abs() < ROLL_RAD_MIN {
@@ -102,7 +112,6 @@ impl Turbulence {
         let (roll, rate) = (self.roll_rad, self.roll_rate_rad_s);
         self.roll_rad = a * roll + b * rate + sigma_rad * first * one;
         self.roll_rate_rad_s = c * roll + d * rate + sigma_rad * (second * one + third * other);
-        self.bump_m_s2 = if smooth { 0.0 } else { BUMP_M_S2_PER_EDR * edr * self.wander.after(dt) };
     }
 }
 
@@ -191,7 +200,7 @@ mod tests {
     fn smooth_air_is_level_and_the_roll_of_rough_air_dies_out_in_it() {
         let mut air = Turbulence::new(hold(10.0, 0.7), 2);
         air.advance(0.0, 1.0);
-        assert_eq!((air.roll_rad, air.roll_rate_rad_s, air.bump_m_s2), (0.0, 0.0, 0.0));
+        assert_eq!((air.roll_rad, air.roll_rate_rad_s, air.gusts.bump_m_s2), (0.0, 0.0, 0.0));
         (0..100).for_each(|_| air.advance(0.4, 0.2));
         let rough = air.roll_rad;
         air.advance(0.0, 0.01);

@@ -13,6 +13,7 @@ use crate::instants;
 use crate::left_lines::LeftLines;
 use crate::living::FaultKind;
 use crate::living::life::{self, Living};
+use crate::living::navigation::NavigationError;
 use crate::motion::{Demand, State, drain_per_s};
 use crate::packet::{Extent, Reporter};
 use crate::phase::Phase;
@@ -94,6 +95,8 @@ pub struct SimulatedWorld {
     pub(crate) home: Position,
     /// Failures, weather that moves, fires; `None` without a world file.
     pub(crate) living: Option<Box<Living>>,
+    /// Error of the position in the state.
+    pub(crate) navigation: NavigationError,
 }
 
 impl SimulatedWorld {
@@ -166,6 +169,7 @@ impl SimulatedWorld {
             crashed: false,
             home,
             living,
+            navigation: NavigationError::default(),
         })
     }
 
@@ -174,12 +178,7 @@ impl SimulatedWorld {
         &self.vehicle
     }
 
-    /// Returns the true position of the vehicle.
-    pub fn position(&self) -> Position {
-        self.state.position
-    }
-
-    /// Returns its true altitude above mean sea level.
+    /// Its true altitude above mean sea level.
     pub fn altitude_m(&self) -> f64 {
         self.state.altitude_m
     }
@@ -260,8 +259,9 @@ impl SimulatedWorld {
 
     /// Advances the world by one step of `dt` seconds, which ends now.
     fn fly(&mut self, dt: f64, inputs: &mut Vec<Input>) {
-        let position = self.state.position;
         self.wind = self.wind_that_blows();
+        self.navigate(dt);
+        let position = self.position();
         self.ground_m = self.ground.elevation_m_below(position);
         let ground_roll = self.flight.ground_roll().filter(|_| self.state.on_ground);
         if let Some(speed) = ground_roll {
@@ -311,7 +311,7 @@ impl SimulatedWorld {
             Airframe::FixedWing => fixed_wing::fly(&mut self.state, &demand, &self.model, self.wind, dt),
             Airframe::Rotorcraft => rotorcraft::fly(&mut self.state, &demand, &self.model, self.wind, dt),
         };
-        self.turbulence.advance(self.wind.edr, dt);
+        self.turbulence.fly((self.wind.edr, self.state.altitude_m - self.ground_m), self.state.true_airspeed, dt);
         self.state.roll_rad = self.state.bank_rad + self.turbulence.roll_rad;
         self.state.roll_rate_rad_s = (self.state.bank_rad - bank) / dt + self.turbulence.roll_rate_rad_s;
         self.state.flight_time_s += dt;

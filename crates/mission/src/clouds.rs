@@ -26,6 +26,16 @@ pub struct CloudDeck {
     pub cover: f64,
 }
 
+impl CloudDeck {
+    /// True if a place in the air may be inside of the deck.
+    pub(crate) fn contains(&self, position: Position, altitude_m: f64, time_s: f64) -> bool {
+        (self.base_m..=self.top_m).contains(&altitude_m)
+            && self.cover > 0.0
+            && self.active.contains(time_s)
+            && self.area.is_none_or(|area| area.contains(position))
+    }
+}
+
 /// Reads a forecast of clouds.
 ///
 /// # Errors

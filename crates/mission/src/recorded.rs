@@ -9,10 +9,11 @@ use crate::recording::read;
 use crate::report::{Report, report};
 use crate::score::{FlownScore, told};
 use crate::situation::Situation;
+use apex_model::event::Batch;
 use apex_model::source::SourceFile;
 use apex_model::time::Time;
 use apex_runtime::program::NoDeliberator;
-use apex_runtime::record::{RecordReader, RestoredProgram};
+use apex_runtime::record::{RecordReader, RecordedStep, RestoredProgram, fold_both};
 use apex_runtime::replay::{Difference, Differing, ReplayReport, replay_with};
 use std::sync::Arc;
 
@@ -105,16 +106,20 @@ type Folded = (Situation, Result<Option<FlownScore>, String>);
 /// steps alone.
 pub(crate) fn folded_until(reader: &RecordReader, mission: &Mission, until: Time) -> MissionResult<Folded> {
     let mut situation = Situation::default();
-    let mut flown = FlownScore::new(mission);
-    for step in reader.steps_of_all(until).map_err(read)? {
-        let step = step.map_err(read)?;
+    // Its grids are cut on the other thread, too.
+    let mut flown: Option<Result<Option<FlownScore>, String>> = None;
+    let see = |flown: &mut Option<_>, batch: &Batch| {
+        if let Ok(Some(flown)) = flown.get_or_insert_with(|| FlownScore::new(mission)) {
+            FlownScore::observe(flown, batch);
+        }
+    };
+    let fold = |step: &RecordedStep| {
         let effects = step.decoded_effects().map_err(|fault| damaged(reader, fault))?;
         situation.observe(mission, step.agent, &step.batch, &effects);
-        if let (0, Ok(Some(flown))) = (step.agent, &mut flown) {
-            flown.observe(&step.batch);
-        }
-    }
-    Ok((situation, flown))
+        Ok(())
+    };
+    fold_both(reader.steps_of_all(until).map_err(read)?, (&mut flown, see), fold, read)?;
+    Ok((situation, flown.unwrap_or_else(|| FlownScore::new(mission))))
 }
 
 fn damaged(reader: &RecordReader, fault: impl std::fmt::Display) -> MissionError {

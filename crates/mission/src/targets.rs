@@ -1,6 +1,7 @@
 //! Targets of a mission: fires, structures, places to observe and to start from (docs/reference/mission-data.md).
 
 mod looks;
+mod outline;
 
 pub(crate) use looks::Terms;
 

@@ -1,6 +1,7 @@
 //! Second check of a flight: finds positions at which its mission forbids it to be.
 //!
-//! The check reads positions as the vehicle reported them and shares no arithmetic with the travel service that chose the
+//! The check reads positions as the vehicle reported them, true ones where the record has them (a simulator's, while navigation
+//! fails), and shares no arithmetic with the travel service that chose the
 //! ways: a place is inside a zone when the bearings of its corners go once around it, on the sphere; distances are those of
 //! Lambert's formula for long lines on the ellipsoid, good to some ten metres at a thousand kilometres.
 //! Bound: O(corners + landing places) per position.
@@ -169,11 +170,14 @@ impl FlightCheck {
                 self.result.said_broken.push((batch.now.seconds(), format!("{}: {}", text(name), text(why))));
             }
         }
-        let mut here = None;
+        let (mut here, mut truth) = (None, None);
         for event in &batch.events {
             if let EventKind::Measurement(variable, value) = &event.kind {
                 match variable.attribute.folded() {
                     "location" => here = Location::from_value(value).map(|location| (event.at, location)).or(here),
+                    "truth-location" => {
+                        truth = Location::from_value(value).map(|location| (event.at, location)).or(truth);
+                    }
                     "flight-phase" => {
                         if let Some(word) = value.as_symbol() {
                             self.phase = word.folded().to_string();
@@ -188,7 +192,7 @@ impl FlightCheck {
                 }
             }
         }
-        if let Some((at, location)) = here.filter(|_| self.is_airborne) {
+        if let Some((at, location)) = truth.or(here).filter(|_| self.is_airborne) {
             self.look(at, location);
         }
     }

@@ -146,6 +146,23 @@ pub enum PlannedActivity {
     },
     /// Any other ground goal.
     Goal(Value),
+    /// Fly a manoeuvre of library "manoeuvres" at a target and take pictures by distance.
+    Perform {
+        /// The target's id, or the name of its look.
+        target: String,
+        /// Name of the place that the manoeuvre is flown around.
+        at: String,
+        /// The manoeuvre, for example `(orbit :radius 60m :height 40m)`.
+        form: Value,
+        /// The camera.
+        camera: String,
+        /// Airspeed of a fixed wing, ground speed of a rotorcraft.
+        speed_mps: f64,
+        /// Distance over ground between pictures.
+        every_m: f64,
+        /// Expected end, since the mission's start.
+        due: Duration,
+    },
 }
 
 impl PlannedActivity {
@@ -154,7 +171,8 @@ impl PlannedActivity {
         match self {
             PlannedActivity::Observe { target, .. }
             | PlannedActivity::Photograph { target, .. }
-            | PlannedActivity::Inspect { target, .. } => Some(target),
+            | PlannedActivity::Inspect { target, .. }
+            | PlannedActivity::Perform { target, .. } => Some(target),
             PlannedActivity::Visit { site, .. } => Some(site),
             PlannedActivity::FlyTo(_)
             | PlannedActivity::Loiter { .. }
@@ -203,6 +221,13 @@ impl PlannedActivity {
                 Value::list([word("loiter"), word("at"), at.value(), word("until"), Value::Duration(*until)])
             }
             PlannedActivity::Goal(goal) => goal.clone(),
+            PlannedActivity::Perform { target, at, form, camera, speed_mps, every_m, due } => {
+                let head = [word("perform"), form.clone(), word("at"), word(at), word("for"), word(target)];
+                let how = [word("with"), word(camera), word("at"), Value::measured(*speed_mps, Dimension::SPEED)];
+                let every = [word("every"), Value::measured(*every_m, Dimension::LENGTH)];
+                let due = [word("due"), Value::Duration(*due)];
+                Value::list(head.into_iter().chain(how).chain(every).chain(due))
+            }
         }
     }
 
@@ -248,6 +273,27 @@ fn photograph(goal: &Value) -> Option<PlannedActivity> {
     })
 }
 
+fn perform(goal: &Value) -> Option<PlannedActivity> {
+    let items = goal.as_list()?;
+    let [_, form, _, at, _, target, _, camera, _, speed, _, every, _, Value::Duration(due)] = items else {
+        return None;
+    };
+    let words = [(2, "at"), (4, "for"), (6, "with"), (8, "at"), (10, "every"), (12, "due")];
+    has_words(items, &words).then_some(())?;
+    let measured = |value: &Value, dimension: Dimension| {
+        value.as_number().filter(|(_, found)| *found == dimension).map(|(number, _)| number)
+    };
+    Some(PlannedActivity::Perform {
+        target: target.to_string(),
+        at: at.to_string(),
+        form: form.clone(),
+        camera: camera.to_string(),
+        speed_mps: measured(speed, Dimension::SPEED)?,
+        every_m: measured(every, Dimension::LENGTH)?,
+        due: *due,
+    })
+}
+
 fn inspect(goal: &Value) -> Option<PlannedActivity> {
     let items = goal.as_list()?;
     let [_, target, _, from, _, camera, _, _, at, _, Value::Integer(count), _, Value::Duration(due)] = items else {
@@ -283,6 +329,7 @@ fn known_goal(goal: &Value) -> Option<PlannedActivity> {
         }
         [head, ..] if is(head, "photograph") => photograph(goal),
         [head, ..] if is(head, "inspect") => inspect(goal),
+        [head, ..] if is(head, "perform") => perform(goal),
         [head, site, from, at, time, Value::Duration(dwell), rest @ ..] if is(head, "visit") && is(time, "for") => {
             let camera = match rest {
                 [] => None,
@@ -358,6 +405,15 @@ mod tests {
             PlannedActivity::Loiter { at: location(3.5), time: minute },
             PlannedActivity::LoiterUntil { at: location(3.5), until: minute },
             PlannedActivity::Goal(Value::list([Value::symbol("say"), Value::Integer(3)])),
+            PlannedActivity::Perform {
+                target: "dam/oblique".into(),
+                at: "dam".into(),
+                form: Value::list([Value::symbol("orbit"), Value::symbol(":radius"), Value::Real(60.0)]),
+                camera: camera(),
+                speed_mps: 5.0,
+                every_m: 12.5,
+                due: minute,
+            },
         ];
         for activity in all {
             assert_eq!(PlannedActivity::from_goal(&activity.goal()), activity);

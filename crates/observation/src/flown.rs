@@ -4,6 +4,8 @@
 //! while the sensor is on and the samples are close in time; a gap in the record is not seen. Only samples near a target
 //! are rasterised. Bound: O(targets) per sample, O(cells of the swath) where a target is near.
 
+mod ground;
+
 use crate::assess::{AssessContext, Product, assess};
 use crate::attitude::Attitude;
 use crate::clarity::ClarityWeights;
@@ -11,7 +13,6 @@ use crate::footprint::{Ground, OFF_NADIR_DEG_MAX};
 use crate::grid::{AreaError, GridSettings, TargetGrid};
 use crate::looks::{CellLook, StripFacts, TargetLooks};
 use crate::pictures::{PictureView, add_picture};
-use crate::plane::Point;
 use crate::result::{Remark, TargetResult};
 use crate::sensor::GimbalAngles;
 use crate::strip::{AngularRates, ScanLine, ScannerSetting, add_between, hiding, scan_line};
@@ -177,13 +178,7 @@ impl FlownObservation {
             if watched.iter().any(|other| other.target.name == target.name) {
                 return Err(ObservationError::DoubleName(target.name));
             }
-            let grid = TargetGrid::new(&target, settings.grid).map_err(ObservationError::Area)?.with_elevations(ground);
-            let (low, high) = grid.bounds();
-            let reach_m = [low, high, Point { x: low.x, y: high.y }, Point { x: high.x, y: low.y }]
-                .iter()
-                .fold(0.0, |most: f64, corner| most.max(corner.length()));
-            let last_seen_s = f64::NEG_INFINITY;
-            watched.push(TargetObservations { target, grid, looks: TargetLooks::default(), last_seen_s, reach_m });
+            watched.push(TargetObservations::new(target, settings.grid, ground)?);
         }
         Ok(FlownObservation { settings, watched, sensor: SensorState::Off, last: None, products: Vec::new() })
     }
@@ -343,9 +338,11 @@ impl TargetObservations {
         self.begin(to.time_s);
         let terrain = hiding(&self.grid, ground, setting.mode.half_field_rad());
         let (span_s, pieces) = (to.time_s - from.time_s, pieces(from, to));
-        let track_deg = geodesy::azimuth_deg(from.position, to.position);
-        let level = Attitude { heading_deg: track_deg, pitch_deg: 0.0, roll_deg: 0.0 };
-        let (first, last) = (from.attitude.unwrap_or(level), to.attitude.unwrap_or(level));
+        let level = || {
+            let track_deg = geodesy::azimuth_deg(from.position, to.position);
+            Attitude { heading_deg: track_deg, pitch_deg: 0.0, roll_deg: 0.0 }
+        };
+        let (first, last) = (from.attitude.unwrap_or_else(level), to.attitude.unwrap_or_else(level));
         let rates = AngularRates::between(&first, &last, span_s);
         let half_field_rad = setting.mode.half_field_rad();
         let fallback_m = self.target.elevation_m;

@@ -2,7 +2,10 @@
 
 use apex_mission::error::{MissionError, MissionResult};
 use apex_mission::{Mission, Target, TargetKind, WorldText};
-use apex_sim::{BurnableSite, Ground, GroundPatch, LivingWorld, Modem, NamedPlace, SimulatedWorld, Start, WorldConfig};
+use apex_sim::{
+    BurnableSite, BurningTarget, Ground, GroundPatch, LivingWorld, Modem, NamedPlace, SimulatedWorld, Start,
+    WorldConfig,
+};
 
 /// Added around every target for its patch of ground: aircraft see and turn next to it.
 const PATCH_MARGIN_M: f64 = 10_000.0;
@@ -31,6 +34,7 @@ pub fn world(mission: &Mission, seed: Option<u64>) -> MissionResult<SimulatedWor
     config.modems = mission.modems.iter().map(modem).collect();
     config.places = places(mission);
     config.sites = sites(mission);
+    config.burning = burning(mission);
     config.epoch_unix_s = mission.settings.epoch_unix_s;
     config.living = mission.world.as_ref().map(living).transpose()?;
     if let Some(world) = &mission.world {
@@ -69,6 +73,15 @@ fn sites(mission: &Mission) -> Vec<BurnableSite> {
         TargetKind::Fire(_) | TargetKind::Plain | TargetKind::Base => None,
     };
     mission.targets.iter().filter_map(site).collect()
+}
+
+/// The fires with the outline of their ground; a fire in several parts has that of its largest.
+fn burning(mission: &Mission) -> Vec<BurningTarget> {
+    let fire = |target: &Target| {
+        let outline = target.outline()?;
+        Some(BurningTarget { name: target.id.clone(), middle: target.position, outline })
+    };
+    mission.targets.iter().filter_map(fire).collect()
 }
 
 fn modem(modem: &apex_mission::Modem) -> Modem {

@@ -60,6 +60,11 @@ fn targets(hovers: bool, pixel_m: f64, scale: f64) -> Vec<String> {
 
 /// Returns a mission of one vehicle in a separate folder.
 fn mission(folder: &Path, model: &str, winds: &str, targets: &[String]) -> Mission {
+    mission_with("", folder, (model, winds), targets)
+}
+
+/// The same with one more library.
+fn mission_with(library: &str, folder: &Path, (model, winds): (&str, &str), targets: &[String]) -> Mission {
     let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
     write("targets.geojson", &format!(r#"{{"type": "FeatureCollection", "features": [{}]}}"#, targets.join(",\n")));
     write("winds.csv", winds);
@@ -68,7 +73,7 @@ fn mission(folder: &Path, model: &str, winds: &str, targets: &[String]) -> Missi
         &format!(
             r#"(defapplication "Camera"
   :type native-sim
-  :libraries ("vehicle" "aerial-observation")
+  :libraries ("vehicle" "aerial-observation" {library})
   :vehicle (sim :model {model} :at pad)
   :start "2026-06-01T17:00:00Z"
   :duration 1h
@@ -226,4 +231,64 @@ fn each_of_forty_targets_can_be_observed() {
     assert_eq!(problem.targets.len(), 40);
     let unobservable: Vec<_> = problem.targets.iter().filter(|target| target.manoeuvres.is_empty()).collect();
     assert!(unobservable.is_empty(), "{unobservable:?}");
+}
+
+/// An oblique view of a field: no line and no hover gives one, a manoeuvre of the library does, as the plan predicts.
+#[test]
+fn a_planned_manoeuvre_sees_obliquely_what_lines_and_hovers_cannot() {
+    let wanted =
+        r#""id": "field", "kind": "inspection", "value": 100, "resolution_m": 0.3, "look_angle_deg": [30, 60]"#;
+    let ring = format!(
+        "[[{0}, {1}, {2}, {3}, {0}]]",
+        place(300.0, 300.0),
+        place(324.0, 300.0),
+        place(324.0, 324.0),
+        place(300.0, 324.0)
+    );
+    let pad = feature(r#""id": "pad", "kind": "base""#, "Point", &place(0.0, 0.0));
+    let targets = [pad, feature(wanted, "Polygon", &ring)];
+    let folder = tempfile::tempdir().unwrap();
+    let without = mission(folder.path(), "rmax", STILL, &targets);
+    let posed = |mission: &Mission| {
+        let situation = apex_mission::situation::Situation::default();
+        apex_mission::problem::pose(mission, &situation, None, apex_model::time::Time::ZERO)
+    };
+    let why = posed(&without).unwrap_err().to_string();
+    assert!(why.contains("give points for oblique looks"), "{why}");
+    for (winds, share) in [(STILL, 0.05), (WIND, 0.10)] {
+        let folder = tempfile::tempdir().unwrap();
+        let with = mission_with("\"manoeuvres\"", folder.path(), ("rmax", winds), &targets);
+        let apex_model::problem::Problem::SingleVisit(problem) = posed(&with).unwrap() else {
+            panic!("of another kind")
+        };
+        let ways = &problem.targets[0].manoeuvres;
+        assert!(!ways.is_empty() && ways.iter().all(|way| way.pictures.as_ref().unwrap().form.is_some()), "{ways:?}");
+        let path = folder.path().join("flight.apex");
+        let flown = fly(with, &path);
+        println!("{}", flown.report.text());
+        assert_eq!(compare("oblique", &flown.report, share), 1, "{}", flown.report.text());
+        let (reader, _) = recording::open(&path).unwrap();
+        assert_eq!(replay(&reader).unwrap().difference, None);
+    }
+}
+
+/// The nearest miss is in the plan, next to the targets that are visited.
+#[test]
+fn a_plan_names_the_targets_that_nothing_sees() {
+    let point = |id: &str, pixel_m: f64, north_m: f64| {
+        let wanted = format!(r#""id": "{id}", "kind": "inspection", "value": 100, "resolution_m": {pixel_m}"#);
+        feature(&wanted, "Point", &place(300.0, north_m))
+    };
+    let pad = feature(r#""id": "pad", "kind": "base""#, "Point", &place(0.0, 0.0));
+    let targets = [pad, point("valve", 0.02, 0.0), point("screw", 0.001, 200.0)];
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("flight.apex");
+    let flown = fly(mission(folder.path(), "quadrotor", STILL, &targets), &path);
+    let (reader, _) = recording::open(&path).unwrap();
+    let recorded = mission_of(&reader).unwrap().unwrap();
+    let end = apex_model::time::Time::END;
+    let changes = apex_mission::recorded::situation_at(&reader, &recorded, end).unwrap().target_changes;
+    let skipped = changes.iter().find(|change| change.target == "screw").unwrap();
+    assert!(skipped.detail.contains("needs 15 m above it or lower for pixels of 0.001 m"), "{skipped:?}");
+    assert_eq!(flown.report.left_out.len(), 1, "{}", flown.report.text());
 }

@@ -263,3 +263,95 @@ fn an_operator_who_does_not_renew_the_lease_is_waited_for() {
     assert_eq!(flown.count("(landed uav-1)"), 1, "{}", flown.story());
     flown.assert_replays();
 }
+
+/// Navigation drifts to the east by 16 m/s: an aircraft that reports to fly north enters a zone that begins some kilometres west.
+#[test]
+fn a_drifting_aircraft_is_judged_where_it_is_and_not_where_it_reports_to_be() {
+    let zone = r#"{"type": "FeatureCollection", "features": [{"type": "Feature", "properties": {"id": "r-1", "name": "R-1", "kind": "restricted"},
+        "geometry": {"type": "Polygon", "coordinates": [[[-117.3, 37.1], [-117.034, 37.1], [-117.034, 37.6], [-117.3, 37.6], [-117.3, 37.1]]]}}]}"#;
+    let flight =
+        |world| Flight { work: FAR_NORTH, world, options: ":airspace \"zone.geojson\"", zone, ..Flight::default() };
+    let steady = flight("").fly().verified();
+    assert_eq!((steady.inside_zones, steady.positions > 500), (0, true), "{steady}");
+    let flown = flight(r#""faults": [{"fault": "navigation", "by": 16, "at_s": 500, "for_s": 600}]"#).fly();
+    let drifted = flown.verified();
+    assert!(drifted.inside_zones > 10, "{drifted}");
+    let first = &drifted.findings[0];
+    // 3 km at 16 m/s.
+    assert!(first.t_s > 690.0 && first.position.longitude_deg < -117.034, "{first:?}");
+    let reported = flown.places("(location uav-1)");
+    let meanwhile: Vec<_> = reported.iter().filter(|(at_s, _)| (900.0..1_050.0).contains(at_s)).collect();
+    assert!(meanwhile.len() > 10 && meanwhile.iter().all(|(_, place)| place[1] > -117.01), "{meanwhile:?}");
+    flown.assert_replays();
+}
+
+/// At 4,500 m it freezes by 14 degrees; the clouds of the forecast reach to 5,000 m.
+#[test]
+fn an_aircraft_leaves_the_level_of_ice_before_it_comes_to_the_clouds() {
+    let cloud = r#""clouds": [{"latitude_deg": 37.7, "longitude_deg": -117.0, "radius_m": 55000, "base_m": 3000, "top_m": 5000, "cover": 0.9}]"#;
+    let work =
+        "(step up (take off to 4500m)) (step out (fly to (37.9 -117.0 4500))) (step home (return to home at 5500m))";
+    let options = ":cloud-forecast \"clouds.csv\" :requirements ((icing :at-most 1min))";
+    let flight = |guards| Flight { guards, work, world: cloud, options, ..Flight::default() }.fly();
+    let most_s =
+        |flown: &flown::Flown| flown.numbers("(ice-exposure uav-1)").iter().map(|(_, s)| *s).fold(0.0, f64::max);
+    let careless = flight("");
+    assert!(most_s(&careless) > 200.0, "{}", most_s(&careless));
+    let flown = flight("(step guard (guard the flight))");
+    let alarm_s = flown.first_s("(requirement-at-risk icing");
+    let first_ice_s =
+        flown.numbers("(ice-exposure uav-1)").iter().find(|(_, s)| *s > 0.0).map_or(f64::INFINITY, |(at_s, _)| *at_s);
+    assert!(alarm_s < first_ice_s, "{alarm_s} {first_ice_s}");
+    assert!(most_s(&flown) <= 60.0, "{} s\n{}", most_s(&flown), flown.story());
+    assert_eq!(flown.count("(responding icing climb"), 1, "{}", flown.story());
+    flown.assert_replays();
+}
+
+/// A helicopter flies towards a shadow of its radio that its planner knows: it turns back to where the link was good.
+#[test]
+fn a_helicopter_turns_away_before_its_link_is_lost_for_too_long() {
+    let radio =
+        "radio :station home :full-level 2km :range 9km :shadows ((:around (37.03 -117.0) :radius 500m :factor 0.02))";
+    let options: &'static str = Box::leak(
+        format!(":modems (({radio})) :link-map (({radio})) :requirements ((link :lost-for 10s))").into_boxed_str(),
+    );
+    let work = "(step up (take off to 60m)) (step out (fly to (37.05 -117.0 60))) (step down (land here))";
+    let weakest_s = |flown: &flown::Flown| {
+        let (mut longest_s, mut since_s) = (0.0_f64, None);
+        for (at_s, level) in flown.numbers("(signal-level radio)") {
+            since_s = if level < 0.2 { since_s.or(Some(at_s)) } else { None };
+            longest_s = longest_s.max(since_s.map_or(0.0, |since_s| at_s - since_s));
+        }
+        longest_s
+    };
+    let flight = |guards| Flight { vehicle: "rmax", guards, work, options, ..Flight::default() }.fly();
+    let careless = flight("");
+    assert!(weakest_s(&careless) > 30.0, "{}", weakest_s(&careless));
+    let flown = flight("(step guard (guard the flight))");
+    assert!(flown.count("(requirement-at-risk link \"radio\"") >= 1, "{}", flown.story());
+    assert!(weakest_s(&flown) <= 10.0, "{} s\n{}", weakest_s(&flown), flown.story());
+    let level = flown.number_at("(signal-level radio)", flown.first_s("(responded link)"));
+    assert!(level >= 0.3, "it waits where the link is good: {level}\n{}", flown.story());
+    assert_eq!(flown.count("(responding link land-at"), 1, "the fourth alarm ends the flight\n{}", flown.story());
+    flown.assert_replays();
+}
+
+#[test]
+fn a_camera_is_off_before_its_detector_is_as_hot_as_the_mission_permits() {
+    let flown = Flight {
+        vehicle: "rmax",
+        guards: "(step guard (guard the flight))",
+        options: ":requirements ((heat :at-most 315K))",
+        work: "(step on (power-up camera-1)) (step up (take off to 60m)) (step stay (hover for 30min)) (step down (land here))",
+        world: r#""faults": [{"fault": "cooling", "of": "camera-1", "at_s": 300, "for_s": 600}]"#,
+        ..Flight::default()
+    }
+    .fly();
+    let alarm_s = flown.first_s("(requirement-at-risk heat \"camera-1\"");
+    assert!(alarm_s > 310.0, "{alarm_s}");
+    let most_k = flown.numbers("(detector-temperature camera-1)").iter().map(|(_, kelvin)| *kelvin).fold(0.0, f64::max);
+    assert!((312.0..315.0).contains(&most_k), "{most_k}");
+    let ready = flown.said.iter().filter(|(_, said)| said == "(ready camera-1)").count();
+    assert!(ready >= 2, "it is on again when it is cool\n{}", flown.story());
+    flown.assert_replays();
+}

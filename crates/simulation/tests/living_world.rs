@@ -205,3 +205,72 @@ fn a_living_sky_is_planned_for_and_scored() {
     let replayed = replay(&reader).unwrap();
     assert!(replayed.difference.is_none(), "{:?}", replayed.difference.map(|difference| difference.what.to_string()));
 }
+
+/// A fire of 20,000 acres that is mapped after more than an hour, in a wind of 8 m/s from the west.
+fn late_survey(folder: &Path, world: &str) -> Mission {
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
+    write(
+        "targets.geojson",
+        r#"{"type": "FeatureCollection", "features": [
+{"type": "Feature", "properties": {"id": "home", "kind": "base"}, "geometry": {"type": "Point", "coordinates": [-117.0, 37.0]}},
+{"type": "Feature", "properties": {"id": "brush", "kind": "fire", "acres": 20000, "value": 100, "resolution_m": 20},
+ "geometry": {"type": "Point", "coordinates": [-117.0, 37.4]}}]}"#,
+    );
+    write("winds.csv", "altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps,edr\n-100,20000,270,8,0\n");
+    write("world.json", world);
+    write(
+        "mission.pdl",
+        r#"(defapplication "Late survey" :type native-sim :libraries ("vehicle" "aerial-observation")
+  :vehicle (sim :model predator-b :at home) :duration 5h :targets "targets.geojson" :forecast "winds.csv" :world "world.json"
+  :agents ((agent uav-1 :initial-task (fly the mission))))
+(solver auto (index (map the fires)) :budget 200ms)
+(procedure :sequential (index (fly the mission))
+  (step up (take off to 5000m)) (step pause (wait 55min)) (step survey (map the fires)) (step home (return to home at 5000m)))"#,
+    );
+    Mission::load(folder).unwrap_or_else(|error| panic!("{error:?}"))
+}
+
+/// A fire that has grown is mapped and judged by its new outline, from the record alone, too.
+#[test]
+fn a_fire_that_grows_is_mapped_where_it_burns_now() {
+    let survey = |world: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        let mission = Arc::new(late_survey(folder.path(), world));
+        let path = folder.path().join("flight.apex");
+        let mut recorder = apex_simulation::create_record(&path, &mission, None).unwrap();
+        let terms = MissionFlight::terms(&mission, None);
+        let flown = apex_simulation::fly(Arc::clone(&mission), means(), None, terms, &mut recorder, &mut []).unwrap();
+        drop(recorder);
+        let (reader, _) = recording::open(&path).unwrap();
+        assert_eq!(replay(&reader).unwrap().difference, None);
+        assert_eq!(report_of(&reader, &mission).unwrap().text(), flown.report.text());
+        flown.report
+    };
+    let coverage = |report: &apex_mission::report::Report| {
+        let MissionValue::Score(score) = &report.value else { panic!("of another kind") };
+        let look = &score.looks[0];
+        (look.flown.factors.coverage, look.predicted.as_ref().unwrap().quality.coverage.factor)
+    };
+    let time_s = |report: &apex_mission::report::Report| {
+        let visit = &report.visits[0];
+        (visit.end.unwrap() - visit.begin).seconds()
+    };
+    let still = survey(r#"{"format": "apex-world-1"}"#);
+    let grown = survey(r#"{"format": "apex-world-1", "perimeters": {"every_h": 0.5, "until_h": 1}}"#);
+    for (flown, predicted) in [coverage(&still), coverage(&grown)] {
+        assert!(
+            flown > 0.9 && (flown - predicted).abs() < 0.02,
+            "{flown} flown, {predicted} predicted\n{}",
+            grown.text()
+        );
+    }
+    // A tenth of 8 m/s for an hour: 2.9 km more than the 10.2 km that it was long.
+    assert!(time_s(&grown) > 1.15 * time_s(&still), "{} s for {} s", time_s(&grown), time_s(&still));
+    let notes = grown.notes.iter().filter(|note| note.text.starts_with("brush burns on"));
+    assert_eq!(notes.count(), 2, "{}", grown.text());
+    // The next report comes after the plan and a minute before the first line; the one after it changes nothing.
+    let late = survey(r#"{"format": "apex-world-1", "perimeters": {"every_h": 0.5}}"#);
+    let (flown, predicted) = coverage(&late);
+    assert!(flown < predicted - 0.03, "{flown} flown, {predicted} predicted");
+    assert!(late.notes.iter().any(|note| note.text == "brush has grown since it was observed"), "{}", late.text());
+}

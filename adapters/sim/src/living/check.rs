@@ -1,6 +1,6 @@
 //! Checks a world file against the vehicle and the radios that it is about.
 
-use super::{CloudField, DownlinkSpec, FaultKind, FaultSpec, LivingWorld, StormCell, WORLD_FORMAT};
+use super::{CloudField, DownlinkSpec, FaultKind, FaultSpec, LivingWorld, PerimeterSpec, StormCell, WORLD_FORMAT};
 use crate::config::WorldConfig;
 use crate::names::unknown_name;
 use crate::packet::VARIABLES;
@@ -9,6 +9,8 @@ use crate::packet::VARIABLES;
 const FAULTS_MAX: usize = 1_000;
 /// More often than once a second means nothing.
 const RATE_PER_H_MAX: f64 = 3_600.0;
+/// Time between two outlines of a fire.
+const EVERY_H_MIN: f64 = 0.1;
 
 impl LivingWorld {
     /// Checks every member of the file.
@@ -34,6 +36,9 @@ impl LivingWorld {
                     .to_owned());
             }
         }
+        if let Some(perimeters) = &self.perimeters {
+            perimeters.check(config).map_err(|reason| format!("perimeters.{reason}"))?;
+        }
         for (index, cloud) in self.clouds.iter().enumerate() {
             cloud.check().map_err(|reason| format!("clouds[{index}].{reason}"))?;
         }
@@ -48,6 +53,25 @@ impl LivingWorld {
             positive("wind_error.correlation_km", error.correlation_km)?;
         }
         self.downlink.as_ref().map_or(Ok(()), |downlink| downlink.check(config))
+    }
+}
+
+impl PerimeterSpec {
+    fn check(&self, config: &WorldConfig) -> Result<(), String> {
+        // Reports closer than this are a flood, and grow by less than the places of their corners.
+        if !(self.every_h.is_finite() && self.every_h >= EVERY_H_MIN) {
+            return Err(format!("every_h is {}; it must be at least {EVERY_H_MIN}", self.every_h));
+        }
+        not_negative("from_h", self.from_h)?;
+        share("rate_share", self.rate_share)?;
+        if config.burning.is_empty() {
+            return Err("targets: this mission has no fire with an outline or a size".to_owned());
+        }
+        let known = || config.burning.iter().map(|fire| fire.name.as_str());
+        match self.targets.iter().find(|name| !known().any(|known| known.eq_ignore_ascii_case(name))) {
+            Some(name) => Err(unknown_name("targets", name, known())),
+            None => Ok(()),
+        }
     }
 }
 

@@ -2,17 +2,14 @@
 
 use super::FaultKind;
 use super::faults::FaultSpan;
-use crate::packet::rounded;
-use apex_geo::geodesy::RAD_PER_DEG;
 use apex_model::event::EventKind;
 use apex_model::quantity::Quantity;
-use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_runtime::ports::Input;
 use std::collections::BTreeMap;
 
-/// Length of a degree of latitude, metres.
-const DEGREE_M: f64 = 111_195.0;
+/// State variables of the position, which are not reported without navigation.
+const POSITIONS: [&str; 3] = ["latitude", "longitude", "location"];
 
 /// The last sample of each state variable, which a frozen sensor repeats.
 #[derive(Clone, Debug, Default)]
@@ -22,14 +19,7 @@ pub(crate) struct Disturbances {
 
 impl Disturbances {
     /// Applies the failures that hold `now` to what `vehicle` reports in `inputs` from `first` on.
-    pub(crate) fn apply(
-        &mut self,
-        spans: &[FaultSpan],
-        vehicle: &str,
-        now: Time,
-        inputs: &mut Vec<Input>,
-        first: usize,
-    ) {
+    pub(crate) fn apply(&mut self, spans: &[FaultSpan], vehicle: &str, inputs: &mut Vec<Input>, first: usize) {
         let reported = inputs.split_off(first.min(inputs.len()));
         inputs.extend(reported.into_iter().filter_map(|mut input| {
             let EventKind::Measurement(variable, value) = &mut input.kind else { return Some(input) };
@@ -38,11 +28,9 @@ impl Disturbances {
             }
             let name = variable.attribute.folded().to_owned();
             let of = |kind: FaultKind| spans.iter().find(|span| span.kind == kind && span.of == name);
-            if let Some(span) = spans.iter().find(|span| span.kind == FaultKind::Navigation) {
-                let drifted = drifted(&name, value, span, now)?;
-                *value = drifted;
-            }
-            if of(FaultKind::Silence).is_some() {
+            // Positions that drift are reported as estimated; see `navigation`.
+            let has_position = spans.iter().all(|span| span.kind != FaultKind::Navigation || span.by.is_some());
+            if of(FaultKind::Silence).is_some() || !has_position && POSITIONS.contains(&name.as_str()) {
                 return None;
             }
             if of(FaultKind::Freeze).is_some() {
@@ -66,27 +54,4 @@ fn biased(value: &Value, by: f64) -> Value {
         Value::Real(number) => Value::Real(number + by),
         other => other.clone(),
     }
-}
-
-/// Returns a sample while navigation fails: positions are absent, or drift to the east; other variables are unchanged.
-fn drifted(name: &str, value: &Value, span: &FaultSpan, now: Time) -> Option<Value> {
-    if !matches!(name, "latitude" | "longitude" | "location") {
-        return Some(value.clone());
-    }
-    let east_m = span.by? * (now - span.from).seconds();
-    Some(match (name, value) {
-        // A degree of longitude has its length at 45 degrees of latitude; the drift need not be more accurate.
-        ("longitude", value) => biased(value, east_m / (DEGREE_M * 0.7) * RAD_PER_DEG),
-        (_, Value::List(items)) => {
-            let numbers: Vec<f64> = items.iter().filter_map(|item| item.as_number().map(|(si, _)| si)).collect();
-            match numbers.as_slice() {
-                [latitude, longitude, altitude_m] => {
-                    let longitude = rounded(longitude + east_m / (DEGREE_M * 0.7), 1e7);
-                    Value::list([*latitude, longitude, *altitude_m].map(Value::Real))
-                }
-                _ => value.clone(),
-            }
-        }
-        (_, value) => value.clone(),
-    })
 }

@@ -4,6 +4,7 @@ use super::disturbances::Disturbances;
 use super::downlink::Downlink;
 use super::faults::Faults;
 use super::ignitions::Ignitions;
+use super::perimeters::Perimeters;
 use super::wind_error::WindError;
 use super::{FaultKind, LivingWorld};
 use apex_geo::wind::Wind;
@@ -34,6 +35,7 @@ pub(crate) struct Living {
     pub(crate) seed: u64,
     pub(crate) faults: Faults,
     pub(crate) ignitions: Option<Ignitions>,
+    pub(crate) perimeters: Option<Perimeters>,
     pub(crate) wind_error: Option<WindError>,
     pub(crate) downlink: Option<Downlink>,
     pub(crate) disturbances: Disturbances,
@@ -94,8 +96,10 @@ impl Living {
     /// Returns the next instant at which something begins or ends.
     pub(crate) fn next_due(&self, now: Time) -> Option<Time> {
         let fire = self.ignitions.as_ref().and_then(Ignitions::next_s);
-        let fire = fire.map(|at_s| crate::instants::not_before(Time::from_seconds(at_s).max(Time::ZERO)));
-        self.faults.next_change(now).into_iter().chain(fire).min()
+        let report = self.perimeters.as_ref().and_then(Perimeters::next_s);
+        let instant = |at_s: f64| crate::instants::not_before(Time::from_seconds(at_s).max(Time::ZERO));
+        let others = fire.into_iter().chain(report).map(instant);
+        self.faults.next_change(now).into_iter().chain(others).min()
     }
 }
 
@@ -114,6 +118,7 @@ mod tests {
             seed: 1,
             faults: Faults::new(&[], 1),
             ignitions: None,
+            perimeters: None,
             wind_error: None,
             downlink: None,
             disturbances: Disturbances::default(),

@@ -4,12 +4,15 @@
 //! Plain data as a world file states it, checked as a whole. `docs/reference/world.md` describes every field. Without a world file nothing
 //! here is active, and a flight is as it was without it.
 
+mod adrift;
 mod check;
 pub(crate) mod disturbances;
 pub(crate) mod downlink;
 pub(crate) mod faults;
 pub(crate) mod ignitions;
 pub(crate) mod life;
+pub(crate) mod navigation;
+pub(crate) mod perimeters;
 pub(crate) mod readings;
 pub(crate) mod sky;
 pub(crate) mod suffering;
@@ -36,6 +39,9 @@ pub struct LivingWorld {
     /// Fires that break out at the mission's structures.
     #[serde(default)]
     pub ignitions: Option<IgnitionSpec>,
+    /// Growth of the mission's fires.
+    #[serde(default)]
+    pub perimeters: Option<PerimeterSpec>,
     /// Cloud fields.
     #[serde(default)]
     pub clouds: Vec<CloudField>,
@@ -68,7 +74,7 @@ pub enum FaultKind {
     Cooling,
     /// Modem `of` is silent.
     Modem,
-    /// The reported position drifts by `by` m/s to the east; without `by` there is no position.
+    /// The estimated position drifts by `by` m/s to the east; without `by` there is no position, and the autopilot reckons.
     Navigation,
     /// State variable `of` of the vehicle keeps its last value.
     Freeze,
@@ -152,6 +158,27 @@ pub struct IgnitionSpec {
     /// Probability that a look reports a fire where none burns.
     #[serde(default)]
     pub false_alarm: f64,
+}
+
+/// Growth of the outlines of the mission's fires.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PerimeterSpec {
+    /// Hours between reports.
+    #[serde(default = "one")]
+    pub every_h: f64,
+    /// Hour of the mission from which they grow.
+    #[serde(default)]
+    pub from_h: f64,
+    /// Hour of the last report; without it to the end of the flight.
+    #[serde(default)]
+    pub until_h: Option<f64>,
+    /// Rate of spread as a share of the model's: 0.3 to 0.5 by night.
+    #[serde(default = "one")]
+    pub rate_share: f64,
+    /// The fires that grow; none named: all.
+    #[serde(default)]
+    pub targets: Vec<String>,
 }
 
 fn one() -> f64 {
@@ -291,4 +318,15 @@ pub struct BurnableSite {
     pub rate: EventRate,
     /// Fires that broke out up to this long before the mission count, too.
     pub initial_age_s: f64,
+}
+
+/// A fire with an outline.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BurningTarget {
+    /// The target.
+    pub name: String,
+    /// Its middle, inside the outline.
+    pub middle: Position,
+    /// Its outline at mission time zero.
+    pub outline: Vec<Position>,
 }

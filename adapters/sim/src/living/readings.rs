@@ -33,11 +33,10 @@ impl SimulatedWorld {
         let power = living.faults.find(FaultKind::PayloadPower, "", now).is_none();
         say("payload-voltage", &self.vehicle, Value::Real(if power { PAYLOAD_V } else { 0.0 }));
         let navigation = living.faults.find(FaultKind::Navigation, "", now);
-        let error_m = navigation.map(|span| span.by.map(|by| (by * (now - span.from).seconds()).abs()));
-        let state = match error_m {
+        let state = match navigation.map(|span| span.by) {
             None => "good",
             Some(None) => "lost",
-            Some(Some(error_m)) if error_m < DEGRADED_M => "good",
+            Some(Some(_)) if self.navigation.length_m() < DEGRADED_M => "good",
             Some(Some(_)) => "degraded",
         };
         say("navigation-state", &self.vehicle, Value::symbol(state));
@@ -55,15 +54,15 @@ impl SimulatedWorld {
             }
         }
         if !living.spec.clouds.is_empty() {
-            let (position, altitude_m) = (self.state.position, self.state.altitude_m);
+            let (position, altitude_m) = (self.position(), self.state.altitude_m);
             let air = crate::atmosphere::Air::at(altitude_m);
             say("in-cloud", &self.vehicle, truth(living.is_in_cloud(position, altitude_m, now_s)));
             say("icing", &self.vehicle, truth(living.is_icing(position, altitude_m, air.temperature_k, now_s)));
             say("ice-exposure", &self.vehicle, measured(living.ice_s, "s", 10.0));
         }
         let cells = living.spec.storms.iter().filter_map(|storm| {
-            let distance_m = storm.distance_m(self.state.position, now_s)?;
-            Some((distance_m, bearing(self.state.position, storm.middle(now_s)).0, storm.radius_m))
+            let distance_m = storm.distance_m(self.position(), now_s)?;
+            Some((distance_m, bearing(self.position(), storm.middle(now_s)).0, storm.radius_m))
         });
         let nearest = cells.filter(|cell| cell.0 < RADAR_M).min_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((distance_m, azimuth_rad, radius_m)) = nearest {

@@ -6,6 +6,7 @@ use super::downlink::Downlink;
 use super::faults::{FaultChange, FaultSpan};
 use super::ignitions::{Fire, Ignitions};
 use super::life::{DETECTOR_K_MAX, Living};
+use super::perimeters::Perimeters;
 use super::sky::{SightLine, is_clear};
 use super::wind_error::WindError;
 use crate::atmosphere::Air;
@@ -37,6 +38,7 @@ impl Living {
         Some(Living {
             faults: super::faults::Faults::new(&spec.faults, seed),
             ignitions,
+            perimeters: spec.perimeters.clone().map(|spec| Perimeters::new(spec, &config.burning)),
             wind_error: spec.wind_error.clone().map(|error| WindError::new(error, seed)),
             downlink: spec.downlink.clone().map(Downlink::new),
             disturbances: Disturbances::default(),
@@ -52,7 +54,7 @@ impl Living {
 impl SimulatedWorld {
     /// Returns the wind at the vehicle's position now.
     pub(crate) fn wind_that_blows(&self) -> Wind {
-        let (position, altitude_m, now_s) = (self.state.position, self.state.altitude_m, self.now.seconds());
+        let (position, altitude_m, now_s) = (self.position(), self.state.altitude_m, self.now.seconds());
         let wind = wind::at(&self.wind_field, position, altitude_m, now_s);
         self.living.as_ref().map_or(wind, |living| living.wind(wind, position, altitude_m, now_s))
     }
@@ -87,6 +89,7 @@ impl SimulatedWorld {
             let age = crate::instants::span((self.now.seconds() - broke_out_s).max(0.0));
             self.say_truth("truth-fire", &[Value::symbol(&name), Value::Duration(age)], inputs);
         }
+        self.report_perimeters(inputs);
         for change in changes {
             let word = Value::symbol(change.span.kind.word());
             let named = (!change.span.of.is_empty()).then(|| Value::symbol(&change.span.of));
@@ -96,6 +99,23 @@ impl SimulatedWorld {
             self.take_effect(&change, inputs);
             (self.changed, self.settled) = (true, false);
         }
+    }
+
+    /// Reports the outlines of the fires that grow, where they are due. They burn in the wind over their own ground.
+    fn report_perimeters(&mut self, inputs: &mut Vec<Input>) {
+        let (now, field) = (self.now, &self.wind_field);
+        let ground = &mut self.ground;
+        let Some(perimeters) = self.living.as_mut().and_then(|living| living.perimeters.as_mut()) else { return };
+        if perimeters.next_s().is_none_or(|at_s| at_s > now.seconds()) {
+            return;
+        }
+        let elevations = std::cell::RefCell::new(ground);
+        let reports = perimeters.reports(now, |place, time_s| {
+            let ground_m = elevations.borrow_mut().elevation_m_below(place);
+            let wind = wind::at(field, place, ground_m + OPEN_WIND_M, time_s);
+            (wind.east_mps, wind.north_mps)
+        });
+        inputs.extend(reports.into_iter().map(|form| Input::new(now, EventKind::Occurrence(form))));
     }
 
     fn say_truth(&self, name: &str, arguments: &[Value], inputs: &mut Vec<Input>) {
@@ -108,6 +128,7 @@ impl SimulatedWorld {
         match change.span.kind {
             FaultKind::Engine if change.begins => self.state.engine_running = false,
             FaultKind::Engine => self.state.engine_running = !self.crashed && self.available() > 0.0,
+            FaultKind::Navigation => self.navigate(0.0),
             FaultKind::PayloadPower if change.begins => {
                 self.scanner_on = false;
                 self.stop_cameras(|_| true, "the payload has no power", inputs);
@@ -154,7 +175,7 @@ impl SimulatedWorld {
     /// Advances detector temperatures, ice, downlink and looks by the `dt` seconds that end now.
     pub(crate) fn live_on(&mut self, dt: f64, inputs: &mut Vec<Input>) {
         let (now, now_s) = (self.now, self.now.seconds());
-        let (position, altitude_m) = (self.state.position, self.state.altitude_m);
+        let (position, altitude_m) = (self.position(), self.state.altitude_m);
         let Some(living) = &mut self.living else { return };
         let icing =
             !self.state.on_ground && living.is_icing(position, altitude_m, Air::at(altitude_m).temperature_k, now_s);
@@ -207,10 +228,12 @@ impl SimulatedWorld {
     pub(crate) fn is_picture_clear(&self, camera: &Camera) -> bool {
         let now_s = self.now.seconds();
         let (place, altitude_m) = match &camera.aim {
-            Some(Aim::At(spot, altitude_m)) => (spot.position, self.state.altitude_m - altitude_m),
-            Some(Aim::Down) | None => (self.state.position, self.state.altitude_m - self.ground_m),
+            Some(Aim::At(spot, altitude_m)) => {
+                (self.navigation.truth(spot.position), self.state.altitude_m - altitude_m)
+            }
+            Some(Aim::Down) | None => (self.position(), self.state.altitude_m - self.ground_m),
         };
-        let off_nadir_rad = atan2(crate::path::bearing(self.state.position, place).1, altitude_m.max(0.1));
+        let off_nadir_rad = atan2(crate::path::bearing(self.position(), place).1, altitude_m.max(0.1));
         let Some(living) = &self.living else { return true };
         let sight = SightLine { place, altitude_m: self.state.altitude_m, off_nadir_rad };
         !camera.broken && is_clear(&living.spec.clouds, living.seed, sight, now_s)
@@ -221,10 +244,11 @@ impl SimulatedWorld {
         let now_s = self.now.seconds();
         let index = self.cameras.iter().position(|known| known.model.name == camera.model.name).unwrap_or(0);
         let target = camera.aim.as_ref().map_or_else(Value::nil, Aim::given);
+        let navigation = self.navigation.clone();
         let Some(living) = &mut self.living else { return };
         let mut said: Vec<Value> = Vec::new();
         if let (Some(ignitions), Some(Aim::At(spot, _))) = (&mut living.ignitions, &camera.aim)
-            && let Some(site) = ignitions.site_at(spot.position)
+            && let Some(site) = ignitions.site_at(navigation.truth(spot.position))
             && ignitions.begin_look(index, site, now_s)
             && let Some(site) = ignitions.sites.get(site)
         {
@@ -241,7 +265,7 @@ impl SimulatedWorld {
     /// Returns true if clouds hide the ground below from the scanner.
     pub(crate) fn is_ground_hidden(&self) -> bool {
         self.living.as_ref().is_some_and(|living| {
-            let sight = SightLine { place: self.state.position, altitude_m: self.state.altitude_m, off_nadir_rad: 0.0 };
+            let sight = SightLine { place: self.position(), altitude_m: self.state.altitude_m, off_nadir_rad: 0.0 };
             !is_clear(&living.spec.clouds, living.seed, sight, self.now.seconds())
         })
     }
@@ -258,6 +282,6 @@ impl SimulatedWorld {
     pub(crate) fn disturb(&mut self, inputs: &mut Vec<Input>, first: usize) {
         let Some(living) = &mut self.living else { return };
         let spans: Vec<FaultSpan> = living.faults.active(self.now).cloned().collect();
-        living.disturbances.apply(&spans, &self.vehicle, self.now, inputs, first);
+        living.disturbances.apply(&spans, &self.vehicle, inputs, first);
     }
 }

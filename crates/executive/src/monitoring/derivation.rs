@@ -64,6 +64,10 @@ pub(crate) fn derive(
         for each in &changed {
             for input in derivation.inputs.iter().filter(|input| input.attribute == each.variable.attribute) {
                 for object in objects(derivation, input, &each.variable.object, histories) {
+                    // Without a sample of each input there is no value at any instant.
+                    if derivation.inputs.iter().any(|input| history_of(input, &object, histories).is_none()) {
+                        continue;
+                    }
                     let derived = StateVariable::new(attribute.clone(), object.clone());
                     let instants = affected(derivation, input, &object, each.at, histories);
                     due.extend(instants.into_iter().map(|at| (at, derived.clone())));

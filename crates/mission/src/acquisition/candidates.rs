@@ -32,16 +32,16 @@ const FOOTPRINT_SHARE: f64 = 0.8;
 
 /// A manoeuvre with the sensor that records it.
 #[derive(Clone, Debug)]
-pub(super) struct ManoeuvreCandidate {
-    pub(super) manoeuvre: Manoeuvre,
+pub(crate) struct ManoeuvreCandidate {
+    pub(crate) manoeuvre: Manoeuvre,
     /// Name of the sensor in PDL.
-    pub(super) sensor: String,
-    pub(super) instrument: Instrument,
-    pub(super) height_m: f64,
+    pub(crate) sensor: String,
+    pub(crate) instrument: Instrument,
+    pub(crate) height_m: f64,
     /// Speed as PDL states it: airspeed of a fixed wing, ground speed of a rotorcraft.
-    pub(super) speed_mps: f64,
+    pub(crate) speed_mps: f64,
     /// Distance between pictures.
-    pub(super) every_m: f64,
+    pub(crate) every_m: f64,
 }
 
 /// Returns the sensors that may record the product.
@@ -80,7 +80,7 @@ pub(super) fn sensors(mission: &Mission, goal: &AcquisitionGoal) -> Result<Vec<(
 }
 
 /// Heights above the target to try, rising: at least the lowest permitted.
-pub(super) fn heights_m(mission: &Mission, goal: &AcquisitionGoal, instrument: &Instrument) -> Vec<f64> {
+pub(crate) fn heights_m(mission: &Mission, goal: &AcquisitionGoal, instrument: &Instrument) -> Vec<f64> {
     let model = &mission.model;
     let lowest_m = lowest_m(mission, goal);
     let level_m = goal.target.elevation_m;
@@ -122,8 +122,8 @@ pub(super) fn lowest_m(mission: &Mission, goal: &AcquisitionGoal) -> f64 {
     required_m + 3.0 + (ground_m - goal.target.elevation_m).max(0.0)
 }
 
-/// Returns all candidates of one sensor at one height.
-pub(super) fn at_height(
+/// All candidates of one sensor at one height.
+pub(crate) fn at_height(
     (mission, goal): (&Mission, &AcquisitionGoal),
     (sensor, instrument): (&str, &Instrument),
     height_m: f64,

@@ -50,7 +50,7 @@ pub fn forecast(mission: &Mission, wanted: &PerformedManoeuvre<'_>) -> Result<Fo
         return Err(format!("nothing is wanted of `{}`: give it a value and a resolution", target.id));
     };
     let told = |refusal: Refusal| refusal.to_string();
-    forecast_of(mission, &manoeuvre, (&craft, &instrument, &scene), (&fire.wanted, &fire.grid)).map_err(told)
+    forecast_of(mission, &manoeuvre, (&craft, &instrument, &scene), (&fire.wanted, &fire.grid), false).map_err(told)
 }
 
 /// Returns the scene of a path over a place in the mission's forecast wind.
@@ -64,12 +64,13 @@ pub(super) fn scene(
     scene_of(place, &mission.forecast, height_m(path), approach, from_s)
 }
 
-/// Returns the forecast of a manoeuvre in the mission's air.
-pub(super) fn forecast_of(
+/// The forecast of a manoeuvre in the mission's air; with the causes of its losses where they are asked for.
+pub(crate) fn forecast_of(
     mission: &Mission,
     manoeuvre: &Manoeuvre,
     (craft, instrument, scene): (&Craft, &Instrument, &Scene),
     (target, grid): (&ObservedTarget, &apex_observation::grid::TargetGrid),
+    is_explained: bool,
 ) -> Result<Forecast, Refusal> {
     let first_valid_s = BTreeMap::new();
     let air = ForecastAir::new(mission);
@@ -81,7 +82,7 @@ pub(super) fn forecast_of(
         seen: None,
         products: &[],
         first_valid_s: &first_valid_s,
-        is_explained: false,
+        is_explained,
     };
     manoeuvre.forecast(craft, instrument, scene, &ForecastContext { target, grid, prediction })
 }

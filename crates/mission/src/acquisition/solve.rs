@@ -8,13 +8,15 @@ use super::goal::AcquisitionGoal;
 use super::predicted::forecast_of;
 use super::vehicle::{craft_of, scene_of};
 use crate::Mission;
+use crate::requirements::sun_margin_deg;
 use apex_geo::geodesy::{self, Position};
 use apex_geo::plane::{self, Plane, Point};
 use apex_model::problem::{AirspaceZone, ZoneKind};
-use apex_observation::manoeuvres::{FlightPath, Forecast, Instrument, Scene};
+use apex_observation::manoeuvres::{FlightPath, Forecast, Instrument, PathPose, Scene};
 use apex_observation::sensor::CameraSetting;
 use apex_observation::timing::LightNeed;
 use apex_observation::timing::sun::solar_position;
+use apex_requirements::margin::sensor::ViewDirection;
 
 /// Candidates that are handed on at most.
 const ANSWERS_MAX: usize = 8;
@@ -190,16 +192,13 @@ fn judged(
     let direct_s = geodesy::distance_m(start.here, goal.position) / craft.true_airspeed_mps;
     let scene = scene_of(place, &mission.forecast, candidate.height_m, start.here, start.at_s + direct_s);
     let setting = (&craft, &candidate.instrument, &scene);
-    let forecast =
-        forecast_of(mission, &candidate.manoeuvre, setting, (&goal.target, &goal.grid)).map_err(|refusal| {
-            let by = (refusal.value - refusal.limit).abs() / refusal.limit.abs().max(refusal.value.abs()).max(1e-9);
-            Miss { by: 1.0 + by, why: refusal.to_string() }
-        })?;
+    let forecast = forecast_of(mission, &candidate.manoeuvre, setting, (&goal.target, &goal.grid), false)
+        .map_err(|refusal| Miss { by: 1.0 + refusal.excess(), why: refusal.to_string() })?;
     let first = forecast.flown.poses.first().map_or(goal.position, |pose| scene.position(pose.point));
     let travel_s = geodesy::distance_m(start.here, first) / craft.true_airspeed_mps;
     // All that it lacks: it is as far from the goal as the worst of them.
     let mut misses = Vec::new();
-    if let Some(zone) = closed_by(mission, &forecast, &scene, start.at_s + travel_s) {
+    if let Some(zone) = closed_by(mission, &forecast, &scene, Some(start.at_s + travel_s)) {
         let (low_m, high_m) = (zone.altitude_m_min, zone.altitude_m_max);
         let by = (high_m - altitude_m).min(altitude_m - low_m).max(0.0) / altitude_m.max(1.0);
         misses.push(Miss {
@@ -209,6 +208,11 @@ fn judged(
                 zone.name
             ),
         });
+    }
+    if let Instrument::Camera(_) = &candidate.instrument
+        && let Some((by, why)) = sun_miss(mission, &candidate.sensor, &forecast, &scene)
+    {
+        misses.push(Miss { by, why: format!("{at} {why}") });
     }
     if let Some((figure, wanted, found)) = short_of(goal, &forecast) {
         let why = format!("{at} is predicted a {figure} of {found:.2}, {wanted:.2} is wanted");
@@ -254,12 +258,36 @@ fn short_of(goal: &AcquisitionGoal, forecast: &Forecast) -> Option<(&'static str
     short.max_by(|a, b| ((a.1 - a.2) / a.1).total_cmp(&((b.1 - b.2) / b.1)))
 }
 
-/// Returns the restricted zone that the manoeuvre enters, or the permitted one that it leaves.
-fn closed_by<'a>(mission: &'a Mission, forecast: &Forecast, scene: &Scene, from_s: f64) -> Option<&'a AirspaceZone> {
+/// The excess of a camera that is kept on the target and comes too near to the sun, as a share, with the reason.
+pub(crate) fn sun_miss(mission: &Mission, camera: &str, forecast: &Forecast, scene: &Scene) -> Option<(f64, String)> {
+    let margin_deg = |pose: &PathPose| {
+        let position = scene.position(pose.point);
+        let sight = ViewDirection {
+            azimuth_deg: geodesy::azimuth_deg(position, scene.target),
+            elevation_deg: -libm::atan2(pose.height_m, pose.point.length()).to_degrees(),
+        };
+        sun_margin_deg(mission, camera, position, sight, pose.time_s)
+    };
+    let observed = forecast.flown.poses.iter().filter(|pose| pose.is_observed);
+    let least_deg = observed.filter_map(margin_deg).reduce(f64::min).filter(|deg| *deg < 0.0)?;
+    let why = format!("has `{camera}` look {:.0} degrees too near to the sun", -least_deg);
+    Some((-least_deg / 180.0, why))
+}
+
+/// The restricted zone that the manoeuvre enters when it is flown at `from_s`; without an instant one that is always active.
+pub(crate) fn closed_by<'a>(
+    mission: &'a Mission,
+    forecast: &Forecast,
+    scene: &Scene,
+    from_s: Option<f64>,
+) -> Option<&'a AirspaceZone> {
     let plane = Plane::new(scene.target);
     mission.zones.iter().filter(|zone| zone.kind == ZoneKind::Restricted).find(|zone| {
         let corners: Vec<Point> = zone.corners.iter().filter_map(|corner| plane.project(*corner)).collect();
-        let active = zone.active.from_s < from_s + forecast.time_s && zone.active.until_s > from_s;
+        let active = match from_s {
+            Some(from_s) => zone.active.from_s < from_s + forecast.time_s && zone.active.until_s > from_s,
+            None => zone.active.from_s <= scene.from_s && zone.active.until_s >= mission.settings.duration.seconds(),
+        };
         active
             && forecast.flown.poses.iter().any(|pose| {
                 let altitude_m = scene.elevation_m + pose.height_m;

@@ -134,9 +134,16 @@ fn visited(problem: &SingleVisitProblem, steps: &[PlannedActivity]) -> Option<Si
         };
         let (lines, due) = match step {
             PlannedActivity::Observe { lines, due, .. } => (lines.as_slice(), *due),
+            PlannedActivity::Perform { due, .. } => (&[][..], Some(*due)),
             _ => (&[][..], None),
         };
-        let number = of.manoeuvres.iter().position(|manoeuvre| observed_lines(manoeuvre) == lines).unwrap_or(0);
+        let is_flown = |manoeuvre: &Manoeuvre| match step {
+            PlannedActivity::Perform { form, .. } => {
+                manoeuvre.pictures.as_ref().is_some_and(|work| work.form.as_ref() == Some(form))
+            }
+            _ => observed_lines(manoeuvre) == lines,
+        };
+        let number = of.manoeuvres.iter().position(is_flown).unwrap_or(0);
         let Some(manoeuvre) = of.manoeuvres.get(number) else { continue };
         let end_s = due.map_or(ready_s + manoeuvre.duration_s, Duration::seconds);
         let begin_s = end_s - manoeuvre.duration_s;

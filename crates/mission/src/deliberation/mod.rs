@@ -28,6 +28,7 @@ use apex_runtime::ports::{CancelToken, Deliberator, Input, Posed, SolverAnswer};
 use apex_runtime::target_state::TargetChange;
 use segment::LostSegments;
 use serde::Serialize;
+use solve::name_obstacles_of;
 use std::sync::{Arc, Mutex, PoisonError};
 use steps::nothing_more;
 
@@ -139,6 +140,8 @@ struct Question {
     from: (Position, Time),
     /// At least one observation has ended: if nothing more can be visited, the mission is done.
     has_observed: bool,
+    /// Looks whose observation has ended.
+    observed: Vec<String>,
     /// A plan is imposed: if it cannot be flown, that is a failure and not the end of the mission.
     is_imposed: bool,
     /// Numbers the plans of a flight.
@@ -203,6 +206,7 @@ impl Question {
             seed: mission.settings.seed,
             from: (here_now, at),
             has_observed: situation.observed().next().is_some(),
+            observed: situation.observed().map(|visit| visit.target.clone()).collect(),
             number: situation.posed,
             believed,
         }
@@ -227,7 +231,7 @@ impl Question {
     }
 
     fn answer(self, means: &PlanningResources, invocations: &mut Invocations, cancel: &CancelToken) -> SolverAnswer {
-        let Question { believed, goal, budget, from, has_observed, is_imposed, number, .. } = self;
+        let Question { believed, goal, budget, from, has_observed, is_imposed, number, observed, .. } = self;
         let solver = self.solver.as_deref();
         let (previous, begun_from) = self.previous.unzip();
         let solved = self.problem.and_then(|problem| {
@@ -247,7 +251,8 @@ impl Question {
             Err(none) => SolverAnswer { result: Err(none.to_string()), charged: Duration::ZERO },
             Ok(mut solved) => {
                 solved.from = Some(from);
-                name_obstacles(&believed, &mut solved);
+                let is_open = |name: &str| !observed.iter().any(|seen| seen == name);
+                name_obstacles_of(&believed, &mut solved, &is_open);
                 let charged = time_of(solved.work).min(budget);
                 let mut result = translate(&solved, &goal, number, &believed);
                 if let Some(begun_from) = begun_from {

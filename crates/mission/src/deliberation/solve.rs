@@ -1,6 +1,6 @@
 //! Solving a posed problem: chooses a planner, runs it contained and within its budget, and checks its plan.
 
-use crate::problem::{NoPlan, survey};
+use crate::problem::{NoPlan, survey, trouble};
 use crate::{Mission, Target, TargetKind};
 use apex_model::problem::{LeftOut, Plan, Position, Problem};
 use apex_model::time::{Duration, Time};
@@ -161,10 +161,16 @@ pub fn validate(problem: &Problem) -> Result<(), String> {
     }
 }
 
-/// Says of targets left out why: the link is weak there, or they lie in a restricted area.
+/// Says of targets left out why: the link is weak there, they lie in a restricted area, or no manoeuvre sees them.
 pub fn name_obstacles(mission: &Mission, solved: &mut Deliberation) {
+    name_obstacles_of(mission, solved, &|_| true);
+}
+
+/// As [`name_obstacles`], of the looks that are still open.
+pub(super) fn name_obstacles_of(mission: &Mission, solved: &mut Deliberation, is_open: &dyn Fn(&str) -> bool) {
     name_zones(mission, solved);
     name_battery(mission, solved);
+    name_unseen(mission, solved, is_open);
     let left_out = match &mut solved.plan {
         Plan::Surveillance(plan) => &mut plan.left_out,
         Plan::SingleVisit(plan) => &mut plan.left_out,
@@ -175,6 +181,22 @@ pub fn name_obstacles(mission: &Mission, solved: &mut Deliberation) {
             match left_out.iter_mut().find(|left_out| left_out.target == name) {
                 Some(left_out) => left_out.reason = reason.to_string(),
                 None => left_out.push(LeftOut { target: name, reason: reason.to_string() }),
+            }
+        }
+    }
+}
+
+/// Names the looks that the problem does not have because no manoeuvre sees them, with what comes nearest.
+fn name_unseen(mission: &Mission, solved: &mut Deliberation, is_open: &dyn Fn(&str) -> bool) {
+    let (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) = (&solved.problem, &mut solved.plan) else { return };
+    let is_posed = |name: &str| problem.targets.iter().any(|target| target.name == name);
+    for target in mission.targets.iter().filter(|target| mission.weak_reason(&target.id).is_none()) {
+        for (name, ..) in target.plan_names() {
+            if !is_posed(&name)
+                && is_open(&name)
+                && let Some(why) = trouble(mission, target, &name)
+            {
+                plan.left_out.push(LeftOut { target: name, reason: format!("no way to observe it: {why}") });
             }
         }
     }

@@ -102,6 +102,16 @@ fn observation(visit: &PlannedVisit, manoeuvre: &Manoeuvre) -> NamedActivity {
     let due = Duration::from_seconds(visit.end_s.round());
     let lines = observed_lines(manoeuvre);
     let (verb, activity) = match (&manoeuvre.pictures, lines.first()) {
+        (
+            Some(PictureWork {
+                form: Some(form), camera, at: Some(at), every_m: Some(every_m), true_airspeed_mps, ..
+            }),
+            _,
+        ) => {
+            let (form, camera, at) = (form.clone(), camera.clone(), at.clone());
+            let (speed_mps, every_m) = (*true_airspeed_mps, *every_m);
+            ("perform", PlannedActivity::Perform { target, at, form, camera, speed_mps, every_m, due })
+        }
         (Some(PictureWork { camera, at: Some(at), count, .. }), Some((from, _))) => {
             let (from, camera, at) = (*from, camera.clone(), at.clone());
             ("inspect", PlannedActivity::Inspect { target, from, camera, at, count: *count, due })

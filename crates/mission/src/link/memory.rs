@@ -102,7 +102,7 @@ impl LinkMemory {
         link.learned.measure(&mission.lost_link, &cells, (at.seconds(), here), level);
         let moved_m = (MOVED_S * mission.model.true_airspeed_m_s_cruise).max(MOVED_M_MIN);
         let Some(good) = link.learned.good_place else { return };
-        let has_moved = |before: Location| geodesy::distance_m(before.position, good.position) >= moved_m;
+        let has_moved = |before: Location| is_as_far(before.position, good.position, moved_m);
         if link.published.is_none_or(has_moved) {
             link.published = Some(good);
             inputs.push(sample(at, "good-link-place", &link.name, good.value()));
@@ -164,7 +164,22 @@ impl LinkMemory {
     }
 }
 
-/// Returns the place of `:contingency`; else the nearest landing place whose link is not known to be weak, else the nearest; else where the
+/// True if two places are at least `least_m` apart. The chart decides where it can, since geodesics are expensive.
+fn is_as_far(from: Position, to: Position, least_m: f64) -> bool {
+    const DEGREE_M: f64 = 111_195.0;
+    let north_m = (to.latitude_deg - from.latitude_deg) * DEGREE_M;
+    let east_deg = geodesy::wrap_180(to.longitude_deg - from.longitude_deg);
+    let chart_m = libm::hypot(north_m, east_deg * DEGREE_M * libm::cos(from.latitude_deg.to_radians()));
+    // Below these latitudes the chart is wrong by less than 3 % over some kilometres.
+    let is_chart_right = from.latitude_deg.abs() < 80.0 && least_m < 5_000.0;
+    match chart_m / least_m {
+        share if is_chart_right && share < 0.95 => false,
+        share if is_chart_right && (1.05..20.0).contains(&share) => true,
+        _ => geodesy::distance_m(from, to) >= least_m,
+    }
+}
+
+/// The place of `:contingency`; else the nearest landing place whose link is not known to be weak, else the nearest; else where the
 /// mission started.
 fn contingency_place(mission: &Mission, name: &str, learned: &Learned, here: Location) -> Value {
     if let Some(place) = &mission.lost_link.contingency {

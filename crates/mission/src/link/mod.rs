@@ -1,7 +1,7 @@
 //! Radio links: what is learned of them in flight, and what plans avoid.
 
 mod avoid;
-mod belief;
+pub(crate) mod belief;
 mod learned;
 mod memory;
 

@@ -27,8 +27,8 @@ pub(super) fn ways(wish: &Wish<'_>) -> Result<Vec<Manoeuvre>, String> {
     }
 }
 
-/// Returns the camera that the target names, or the first that the vehicle carries.
-fn camera(wish: &Wish<'_>) -> Result<CameraSetting, String> {
+/// The camera that the target names, or the first that the vehicle carries.
+pub(super) fn camera(wish: &Wish<'_>) -> Result<CameraSetting, String> {
     let model = &wish.mission.model;
     let names = camera_names(model);
     let wanted = wish.fire.pictures.camera.as_deref();

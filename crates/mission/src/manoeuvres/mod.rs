@@ -7,6 +7,7 @@ mod flying;
 mod picture_heights;
 mod picture_runs;
 mod scanner;
+mod synthesised;
 mod vantage;
 mod wish;
 
@@ -29,7 +30,22 @@ pub(crate) fn of(wish: &Wish<'_>) -> Result<Vec<Manoeuvre>, String> {
             let sweeps = best(scanner::sweeps(wish)?, |sweep| &sweep.manoeuvre);
             Ok(sweeps.into_iter().map(|sweep| sweep.explained(wish)).collect())
         }
-        _ => Ok(best(camera::ways(wish)?, |manoeuvre| manoeuvre)),
+        _ => Ok(best(with_camera(wish)?, |manoeuvre| manoeuvre)),
+    }
+}
+
+/// Places to look from and lines, and with library "manoeuvres" its paths around and aside of the target.
+fn with_camera(wish: &Wish<'_>) -> Result<Vec<Manoeuvre>, String> {
+    let simple = camera::ways(wish);
+    if !synthesised::are_flown(wish.mission) {
+        return simple;
+    }
+    let paths = camera::camera(wish).and_then(|camera| synthesised::alternatives(wish, &camera));
+    match (simple, paths) {
+        (Ok(simple), Ok(paths)) => Ok(simple.into_iter().chain(paths).collect()),
+        (Ok(ways), Err(_)) | (Err(_), Ok(ways)) => Ok(ways),
+        (Err(simple), Err(paths)) if simple == paths => Err(simple),
+        (Err(simple), Err(paths)) => Err(format!("{simple}; by a manoeuvre: {paths}")),
     }
 }
 

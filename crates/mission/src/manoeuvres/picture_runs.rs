@@ -166,6 +166,7 @@ fn draft(
             count: u32::try_from(pictures.len()).unwrap_or(u32::MAX),
             every_m: Some(every_m),
             true_airspeed_mps: airspeed_mps,
+            form: None,
         },
         passes: vec![pictures],
     })

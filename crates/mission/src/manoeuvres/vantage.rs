@@ -6,6 +6,7 @@ use super::flying::arrival_s;
 use super::wish::Wish;
 use super::{picture_heights as heights, picture_runs as runs};
 use crate::observing::{ForecastAir, hold_of};
+use crate::requirements::sun_margin_deg;
 use crate::vehicle::Airframe;
 use apex_geo::geodesy::{self, RAD_PER_DEG};
 use apex_model::problem::{Manoeuvre, PictureWork, Position};
@@ -15,6 +16,7 @@ use apex_observation::pictures::{PictureView, PlannedPicture};
 use apex_observation::predict::Conditions;
 use apex_observation::sensor::{CameraSetting, ExposureMotion, GimbalAngles};
 use apex_observation::target::LookAngles;
+use apex_requirements::margin::sensor::ViewDirection;
 
 /// Look angles to try where overflight is closed or not wanted, degrees off the vertical.
 const ASIDE_DEG: [f64; 4] = [20.0, 35.0, 50.0, 65.0];
@@ -54,7 +56,7 @@ pub(super) fn ways(wish: &Wish<'_>, camera: &CameraSetting, place: Position) -> 
             }
         };
         for altitude_m in altitudes_m {
-            match vantage_point(wish, place, altitude_m, angle_deg) {
+            match vantage_point(wish, camera, place, (altitude_m, angle_deg)) {
                 Ok(from) => made.extend(predicted(wish, draft(wish, camera, place, (from, altitude_m, angle_deg)))),
                 Err(why) => {
                     trouble.get_or_insert(why);
@@ -96,22 +98,41 @@ fn look_angles_deg(wish: &Wish<'_>, camera: &CameraSetting) -> Result<Vec<f64>, 
 }
 
 /// Returns the hover point at this altitude for a picture at this angle off the vertical: on the side from which the vehicle comes, or the
-/// next one that no zone closes.
-fn vantage_point(wish: &Wish<'_>, place: Position, altitude_m: f64, angle_deg: f64) -> Result<Position, String> {
+/// next one that no zone closes and from which the camera does not look into the sun when it comes.
+fn vantage_point(
+    wish: &Wish<'_>,
+    camera: &CameraSetting,
+    place: Position,
+    (altitude_m, angle_deg): (f64, f64),
+) -> Result<Position, String> {
     let height_m = altitude_m - wish.fire.wanted.elevation_m;
     let aside_m = height_m * libm::tan(angle_deg * RAD_PER_DEG);
     let towards_deg = geodesy::azimuth_deg(place, wish.approach);
     let count = if aside_m < 1.0 { 1 } else { AZIMUTHS };
-    let mut closed = None;
+    let (mut closed, mut dazzled) = (None, None);
     for step in 0..count {
         // Alternately to the right and to the left.
         let turn = f64::from(step.div_ceil(2)) * 360.0 / f64::from(AZIMUTHS);
         let azimuth_deg = towards_deg + if step % 2 == 0 { turn } else { -turn };
         let from = if aside_m < 1.0 { place } else { geodesy::destination(place, azimuth_deg, aside_m) };
         match closed_by(wish, &cross(from, ZONE_MARGIN * wish.mission.requirements.zone_margin_m), altitude_m) {
-            None => return Ok(from),
-            Some(zone) => closed = Some(zone),
+            None => {}
+            Some(zone) => {
+                closed = Some(zone);
+                continue;
+            }
         }
+        let sight = ViewDirection { azimuth_deg: geodesy::azimuth_deg(from, place), elevation_deg: angle_deg - 90.0 };
+        match sun_margin_deg(wish.mission, &camera.name, from, sight, wish.from_s).filter(|deg| *deg < 0.0) {
+            None => return Ok(from),
+            Some(deg) => dazzled = Some(deg),
+        }
+    }
+    if let Some(deg) = dazzled {
+        return Err(format!(
+            "`{}` would look {:.0} degrees too near to the sun at {angle_deg:.0} degrees off the vertical",
+            camera.name, -deg
+        ));
     }
     let (name, low_m, high_m) =
         closed.map_or(("", 0.0, 0.0), |zone| (zone.name.as_str(), zone.altitude_m_min, zone.altitude_m_max));
@@ -170,6 +191,7 @@ fn draft(
             count,
             every_m: None,
             true_airspeed_mps: model.true_airspeed_m_s_cruise,
+            form: None,
         },
     }
 }

@@ -1,8 +1,9 @@
 //! The route that is commanded: the flight command that is open, and the last state that the vehicle reported.
 
+use crate::Mission;
 use apex_geo::geodesy::{azimuth_deg, distance_m, wrap_180};
 use apex_model::effect::{CommandId, Effect};
-use apex_model::event::EventKind;
+use apex_model::event::{EventKind, StateVariable};
 use apex_model::planned::Location;
 use apex_model::problem::Position;
 use apex_model::quantity::Dimension;
@@ -174,6 +175,8 @@ impl FlightOrder {
     }
 }
 
+/// Temperatures are compared over this time at least.
+const WARMING_SPAN_S: f64 = 5.0;
 /// Points this near behind a vehicle were passed while the command was on its way.
 const BEHIND_M: f64 = 2_000.0;
 const DEGREE_M: f64 = 111_195.0;
@@ -225,6 +228,12 @@ pub(super) struct Flown {
     pub(super) heading_deg: Option<f64>,
     /// Cameras by their names.
     pub(super) cameras: BTreeMap<String, ReportedCamera>,
+    pub(super) outside_k: Option<f64>,
+    /// Seconds of ice that the airframe carries.
+    pub(super) ice_s: Option<f64>,
+    pub(super) is_icing: bool,
+    /// Instants since when links, by their names in small letters, have been below their nominal level.
+    pub(super) weak_since_s: BTreeMap<String, f64>,
     track_deg: Option<f64>,
     /// The position before this one, for vehicles that report no track.
     previous: Option<Position>,
@@ -252,6 +261,9 @@ impl Flown {
             "track" => self.track_deg = of(Dimension::ANGLE).map(f64::to_degrees),
             "endurance-remaining" => self.endurance_s = of(Dimension::TIME),
             "on-ground" => self.is_on_ground = value.is_true(),
+            "outside-temperature" => self.outside_k = of(Dimension::TEMPERATURE),
+            "ice-exposure" => self.ice_s = of(Dimension::TIME),
+            "icing" => self.is_icing = value.is_true(),
             "flight-phase" => {
                 let word = value.as_symbol().map_or("", |symbol| symbol.folded());
                 self.is_near_ground = matches!(
@@ -264,7 +276,25 @@ impl Flown {
         false
     }
 
-    /// Returns the direction of flight over ground, clockwise from north; without a reported track that of the last two positions.
+    /// Takes a sample of a camera or a modem.
+    pub(super) fn measure_part(&mut self, mission: &Mission, at_s: f64, variable: &StateVariable, value: &Value) {
+        let attribute = variable.attribute.folded();
+        let name = || variable.object.to_string().to_lowercase();
+        if attribute.starts_with("camera-") || attribute == "detector-temperature" {
+            self.cameras.entry(name()).or_default().measure(attribute, value, at_s);
+        } else if attribute == "signal-level"
+            && mission.requirements.link_lost_s.is_some()
+            && let Some(level) = number(value, Dimension::NONE)
+        {
+            if level >= mission.lost_link.nominal {
+                self.weak_since_s.remove(&name());
+            } else {
+                self.weak_since_s.entry(name()).or_insert(at_s);
+            }
+        }
+    }
+
+    /// Direction of flight over ground, clockwise from north; without a reported track that of the last two positions.
     pub(super) fn track_deg(&self) -> f64 {
         let moved = self.previous.zip(self.position).filter(|(from, to)| distance_m(*from, *to) > 1.0);
         self.track_deg.or_else(|| moved.map(|(from, to)| azimuth_deg(from, to))).unwrap_or(0.0)
@@ -282,15 +312,29 @@ pub(super) struct ReportedCamera {
     pub(super) is_pointing: bool,
     /// It did so before.
     pub(super) has_pointed: bool,
+    /// Temperature of its detector, and its instant.
+    pub(super) detector_k: Option<f64>,
+    detector_s: f64,
+    /// Rate between the last two temperatures that were reported.
+    pub(super) warming_k_s: Option<f64>,
 }
 
 impl ReportedCamera {
     /// Takes a sample of the camera.
-    pub(super) fn measure(&mut self, attribute: &str, value: &Value) {
+    pub(super) fn measure(&mut self, attribute: &str, value: &Value, at_s: f64) {
         let angle_deg = || number(value, Dimension::ANGLE).map(f64::to_degrees);
         match attribute {
             "camera-tilt" => self.tilt_deg = angle_deg().unwrap_or(self.tilt_deg),
             "camera-pan" => self.pan_deg = angle_deg().unwrap_or(self.pan_deg),
+            "detector-temperature" => {
+                let Some(detector_k) = number(value, Dimension::TEMPERATURE) else { return };
+                let span_s = at_s - self.detector_s;
+                if self.detector_k.is_some() && span_s < WARMING_SPAN_S {
+                    return;
+                }
+                self.warming_k_s = self.detector_k.map(|before_k| (detector_k - before_k) / span_s);
+                (self.detector_k, self.detector_s) = (Some(detector_k), at_s);
+            }
             "camera-state" => {
                 let word = value.as_symbol().map_or("", |symbol| symbol.folded());
                 self.is_pointing = matches!(word, "slewing" | "pointing" | "exposing");

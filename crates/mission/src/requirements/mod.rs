@@ -6,6 +6,7 @@
 mod clearance;
 mod commanded;
 mod commanded_route;
+mod exposure;
 mod readings;
 mod recovery;
 mod response;
@@ -16,8 +17,9 @@ mod watch;
 
 pub use readings::Reading;
 pub use response::Response;
-pub use statement::{LandingReach, Requirements, SunKeepOut};
+pub use statement::{HeatLimit, LandingReach, Requirements, SunKeepOut};
 pub use watch::{Findings, Watch};
 
+pub(crate) use sensors::sun_margin_deg;
 pub(crate) use start::{StartConditions, check_start};
 pub(crate) use statement::{Stated, state};

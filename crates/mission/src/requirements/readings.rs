@@ -4,6 +4,7 @@ use super::commanded::{Commanded, Flown};
 use super::commanded_route::{along, chart_distance_m};
 use super::response::Response;
 use super::statement::{LandingReach, Requirements};
+use crate::link::LinkMemory;
 use crate::vehicle::{Airframe, turn_radius_m};
 use crate::{Mission, TargetKind};
 use apex_geo::geodesy::{self, Position};
@@ -63,11 +64,15 @@ pub(super) struct LandingSite<'a> {
     pub(super) elevation_m: f64,
 }
 
+/// The mission, the wind that is assumed, and what is known of links.
+pub(super) type Known<'a> = (&'a Mission, &'a WindField, &'a LinkMemory);
+
 /// Everything that readings are computed from.
 pub(super) struct Scene<'a> {
     pub(super) mission: &'a Mission,
     pub(super) forecast: &'a WindField,
     pub(super) flown: &'a Flown,
+    pub(super) links: &'a LinkMemory,
     pub(super) here: Position,
     pub(super) now_s: f64,
     pub(super) plane: Plane,
@@ -78,7 +83,7 @@ pub(super) struct Scene<'a> {
 impl<'a> Scene<'a> {
     /// Returns the scene at `now_s`; `None` before the first position.
     pub(super) fn new(
-        (mission, forecast): (&'a Mission, &'a WindField),
+        (mission, forecast, links): Known<'a>,
         flown: &'a Flown,
         commanded: &Commanded,
         now_s: f64,
@@ -101,7 +106,7 @@ impl<'a> Scene<'a> {
         let begin = Route::begin(Point::default(), track, altitude_m, motion);
         let circle_m = model.turns.circle_width * motion.turn_radius_m;
         let route = along(begin, commanded.order_at(now_s), &plane, circle_m, mission.requirements.look_ahead_s);
-        Some(Scene { mission, forecast, flown, here, now_s, plane, motion, route })
+        Some(Scene { mission, forecast, flown, links, here, now_s, plane, motion, route })
     }
 
     pub(super) fn requirements(&self) -> &'a Requirements {
@@ -178,7 +183,7 @@ impl<'a> Scene<'a> {
         libm::hypot(self.motion.wind.east_mps, self.motion.wind.north_mps)
     }
 
-    fn turn_away_s(&self) -> f64 {
+    pub(super) fn turn_away_s(&self) -> f64 {
         let roll_in_s = if self.motion.turn_radius_m > 0.0 { ROLL_IN_S } else { 0.0 };
         let turn_s = turn_away_s(self.motion.true_airspeed_mps, self.motion.turn_radius_m, self.wind_mps(), roll_in_s);
         let model = &self.mission.model;
@@ -206,7 +211,7 @@ impl<'a> Scene<'a> {
     /// Returns the readings of all requirements that the mission states and the vehicle's reports allow, most important first.
     pub(super) fn readings(&self) -> Vec<Reading> {
         let flight = [self.terrain(), self.energy(), self.landing(), self.airspace(), self.turbulence(), self.wind()];
-        let all = flight.into_iter().chain([self.sun()]);
+        let all = flight.into_iter().chain([self.icing(), self.link(), self.heat(), self.sun()]);
         all.flatten().collect()
     }
 

@@ -55,8 +55,10 @@ impl Scene<'_> {
             (Concern::LandingDistance, _) => (Response::TurnAway, self.towards(site.position)),
             (Concern::Weather, _) => self.calmer_layer(reading).unwrap_or((Response::LandAt, to_site)),
             (Concern::Airspace, _) => self.leave_airspace(reading),
-            (Concern::Sensor, _) => (Response::Stow, here),
-            (Concern::Link, _) => (Response::TurnAway, self.turn_away().0),
+            (Concern::Sensor, response) => (response, here),
+            (Concern::Link, _) => {
+                (Response::TurnAway, self.good_link_place(reading).unwrap_or_else(|| self.turn_away().0))
+            }
         }
     }
 
@@ -203,6 +205,7 @@ impl Scene<'_> {
         let limit = |altitude_m: f64| {
             let there = wind::at(self.forecast, self.here, altitude_m, self.now_s);
             match reading.name {
+                "icing" => !self.may_ice_at_level(altitude_m),
                 "wind" => {
                     requirements.wind_mps_max.is_some_and(|most| libm::hypot(there.east_mps, there.north_mps) < most)
                 }

@@ -15,6 +15,8 @@ pub enum Response {
     LandHere,
     /// Point a camera away from the ground.
     Stow,
+    /// Switch a camera off until its detector is cool.
+    Cool,
 }
 
 impl Response {
@@ -27,6 +29,7 @@ impl Response {
             Response::LandAt => "land-at",
             Response::LandHere => "land-here",
             Response::Stow => "stow",
+            Response::Cool => "cool",
         }
     }
 }

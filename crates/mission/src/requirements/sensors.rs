@@ -5,6 +5,7 @@
 
 use super::readings::{Reading, Scene};
 use super::response::Response;
+use crate::Mission;
 use crate::observing::camera_of;
 use apex_geo::geodesy::{self, Position};
 use apex_geo::plane::Point;
@@ -12,6 +13,25 @@ use apex_model::quantity::Dimension;
 use apex_observation::timing::sun::solar_position;
 use apex_requirements::Concern;
 use apex_requirements::margin::sensor::{ViewDirection, sun_deg};
+
+/// Margin of the requirement `sun` for a camera at `position` that looks along `sight` at `time_s`; infinite by night, none where it is
+/// not watched or nothing is known of the sun.
+pub(crate) fn sun_margin_deg(
+    mission: &Mission,
+    camera: &str,
+    position: Position,
+    sight: ViewDirection,
+    time_s: f64,
+) -> Option<f64> {
+    let keep_out = mission.requirements.sun?;
+    let zero_unix_s = mission.settings.epoch_unix_s?;
+    let carried = mission.model.sensors.iter().find(|sensor| sensor.name.eq_ignore_ascii_case(camera))?;
+    let setting = camera_of(&mission.model, camera)?;
+    let sun = solar_position(position, zero_unix_s + time_s);
+    let sun = ViewDirection { azimuth_deg: sun.azimuth_deg, elevation_deg: sun.elevation_deg };
+    let margin_deg = keep_out.margin_deg.unwrap_or(carried.model.sun_keep_out_deg);
+    Some(sun_deg(sight, sun, setting.wide_deg, margin_deg))
+}
 
 /// Time in which a camera is turned away.
 const STOW_S: f64 = 5.0;

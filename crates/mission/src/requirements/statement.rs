@@ -54,6 +54,12 @@ pub struct Requirements {
     pub edr_max: Option<f64>,
     /// Greatest wind.
     pub wind_mps_max: Option<f64>,
+    /// Longest icing, in seconds of ice that the airframe carries.
+    pub icing_s: Option<f64>,
+    /// Longest time below the nominal level of a link.
+    pub link_lost_s: Option<f64>,
+    /// Greatest temperature of the detectors of cameras.
+    pub heat: HeatLimit,
     /// Cameras stay off the sun; `None`: not watched.
     pub sun: Option<SunKeepOut>,
     /// Time over which violations are predicted.
@@ -65,6 +71,28 @@ pub struct Requirements {
 pub struct SunKeepOut {
     /// Angle between field of view and sun; `None`: that of each sensor file.
     pub margin_deg: Option<f64>,
+}
+
+/// Greatest temperature of detectors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum HeatLimit {
+    /// That of each sensor file.
+    OfSensors,
+    /// Not watched.
+    Off,
+    /// This one, K.
+    Kelvin(f64),
+}
+
+impl HeatLimit {
+    /// The limit in kelvin for a sensor whose file states `high_c`.
+    pub fn limit_k(self, high_c: Option<f64>) -> Option<f64> {
+        match self {
+            HeatLimit::OfSensors => high_c.map(|high_c| high_c + 273.15),
+            HeatLimit::Off => None,
+            HeatLimit::Kelvin(limit_k) => Some(limit_k),
+        }
+    }
 }
 
 impl Requirements {
@@ -91,10 +119,11 @@ const PATTERN_M: f64 = 300.0;
 const LENGTH_M_MAX: f64 = 1e7;
 const TIME_S_MAX: f64 = 30.0 * 86_400.0;
 const SPEED_MPS_MAX: f64 = 1_000.0;
+const DETECTOR_K_MAX: f64 = 1_000.0;
 
 const USAGE: &str = "`:requirements ((airspace :horizontal 500m :vertical 150m :time 2min) (terrain :clearance 300m) (landing-distance :within 200km) \
     (energy :reserve 45min) (turbulence :at-most 0.4) (wind :at-most 15m/s) \
-    (sun :margin 10deg) (look-ahead 5min))`; (NAME :off) takes a requirement out";
+    (icing :at-most 2min) (link :lost-for 30s) (heat :at-most 318K) (sun :margin 10deg) (look-ahead 5min))`; (NAME :off) takes a requirement out";
 
 /// Returns the requirements of a mission with these settings and this vehicle, whose plans keep `planned_margin_m` from zones. Those that
 /// it does not state have thresholds from the vehicle's figures.
@@ -138,6 +167,9 @@ fn of_vehicle(settings: &Stated<'_>, model: &VehicleModel, planned_margin_m: f64
         energy_reserve_s: Some(reserve_s(model)),
         edr_max: None,
         wind_mps_max: None,
+        icing_s: None,
+        link_lost_s: None,
+        heat: HeatLimit::OfSensors,
         sun: Some(SunKeepOut { margin_deg: None }),
         look_ahead_s: LOOK_AHEAD_S,
     }
@@ -189,6 +221,12 @@ impl Statement<'_> {
             "energy" => requirements.energy_reserve_s = self.one(is_off, ":reserve", Dimension::TIME, TIME_S_MAX)?,
             "turbulence" => requirements.edr_max = self.one(is_off, ":at-most", Dimension::NONE, 10.0)?,
             "wind" => requirements.wind_mps_max = self.one(is_off, ":at-most", Dimension::SPEED, SPEED_MPS_MAX)?,
+            "icing" => requirements.icing_s = self.one(is_off, ":at-most", Dimension::TIME, TIME_S_MAX)?,
+            "link" => requirements.link_lost_s = self.one(is_off, ":lost-for", Dimension::TIME, TIME_S_MAX)?,
+            "heat" => {
+                let limit_k = self.one(is_off, ":at-most", Dimension::TEMPERATURE, DETECTOR_K_MAX)?;
+                requirements.heat = limit_k.map_or(HeatLimit::Off, HeatLimit::Kelvin);
+            }
             "sun" => {
                 let margin_rad = self.one(is_off, ":margin", Dimension::ANGLE, std::f64::consts::FRAC_PI_2)?;
                 requirements.sun =
@@ -199,7 +237,8 @@ impl Statement<'_> {
                 requirements.look_ahead_s = self.figure(value, Dimension::TIME, 86_400.0)?;
             }
             other => {
-                let known = "airspace, terrain, landing-distance, energy, turbulence, wind, sun, look-ahead";
+                let known =
+                    "airspace, terrain, landing-distance, energy, turbulence, wind, icing, link, heat, sun, look-ahead";
                 return Err(self.wrong(format!("unknown requirement `{other}`; known are {known}")));
             }
         }
@@ -276,6 +315,7 @@ fn word(unit: Dimension) -> &'static str {
         Dimension::TIME => "duration",
         Dimension::SPEED => "speed",
         Dimension::ANGLE => "angle",
+        Dimension::TEMPERATURE => "temperature",
         _ => "number",
     }
 }

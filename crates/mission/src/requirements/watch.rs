@@ -6,9 +6,10 @@
 //! `(requirement-kept ..)`.
 
 use super::commanded::{Commanded, Flown};
-use super::readings::{Reading, Scene};
+use super::readings::{Known, Reading, Scene};
 use super::response::Response;
 use crate::Mission;
+use crate::link::LinkMemory;
 use apex_model::effect::Effect;
 use apex_model::event::{Batch, EventKind, StateVariable};
 use apex_model::problem::WindField;
@@ -70,10 +71,10 @@ impl Watch {
         self.flown.edr
     }
 
-    /// Observes a step of the agent that flies. `forecast` is the wind that is assumed.
+    /// Observes a step of the agent that flies.
     pub(crate) fn observe(
         &mut self,
-        (mission, forecast): (&Mission, &WindField),
+        (mission, forecast, links): (&Mission, &WindField, &LinkMemory),
         batch: &Batch,
         effects: &[Effect],
     ) -> Findings {
@@ -84,9 +85,8 @@ impl Watch {
                 EventKind::Measurement(variable, value) if variable.object.as_symbol() == Some(vehicle) => {
                     moved |= self.flown.measure(variable.attribute.folded(), value);
                 }
-                EventKind::Measurement(variable, value) if variable.attribute.folded().starts_with("camera-") => {
-                    let camera = self.flown.cameras.entry(variable.object.to_string().to_lowercase()).or_default();
-                    camera.measure(variable.attribute.folded(), value);
+                EventKind::Measurement(variable, value) => {
+                    self.flown.measure_part(mission, event.at.seconds(), variable, value);
                 }
                 kind => self.commanded.hear(kind),
             }
@@ -104,10 +104,10 @@ impl Watch {
         if self.flown.is_on_ground || !(moved && due || changed) {
             return Findings::default();
         }
-        self.read((mission, forecast), batch.now)
+        self.read((mission, forecast, links), batch.now)
     }
 
-    fn read(&mut self, known: (&Mission, &WindField), now: Time) -> Findings {
+    fn read(&mut self, known: Known<'_>, now: Time) -> Findings {
         let now_s = now.seconds();
         let Some(scene) = Scene::new(known, &self.flown, &self.commanded, now_s) else { return Findings::default() };
         // The vehicle's slowest report bounds how soon the next reading comes.
@@ -165,7 +165,7 @@ fn raise(scene: &Scene<'_>, reading: &Reading, is_escalated: bool, now: Time, fi
             margin,
             Value::symbol(response.word()),
             match response {
-                Response::Stow => Value::symbol(&reading.what),
+                Response::Stow | Response::Cool => Value::symbol(&reading.what),
                 _ => way_out.value(),
             },
         ],

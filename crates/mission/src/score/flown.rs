@@ -4,6 +4,7 @@ use super::footprints::{FootprintLog, Footprints};
 use super::samples::Latest;
 use crate::ground::MissionGround;
 use crate::observing::{camera_names, camera_of, looks_with, scanner_of};
+use crate::situation::MissionUpdate;
 use crate::{Mission, Site, Target, TargetKind};
 use apex_model::event::{Batch, EventKind};
 use apex_model::problem::Position;
@@ -31,6 +32,8 @@ const STEEPNESS_MIN: f64 = 0.2;
 pub struct FlownScore {
     observation: FlownObservation,
     ground: MissionGround,
+    /// The fires, for outlines that are reported later.
+    fires: std::sync::Arc<[Target]>,
     /// Setting of the scanner while it is on; `None`: the vehicle carries none.
     scanner: Option<ScannerSetting>,
     /// The cameras that the vehicle carries.
@@ -91,9 +94,11 @@ impl FlownScore {
         let cameras =
             camera_names(&mission.model).into_iter().filter_map(|name| camera_of(&mission.model, name)).collect();
         let epoch_unix_s = mission.settings.epoch_unix_s;
+        let fires = mission.targets.iter().filter(|target| target.outline().is_some()).cloned().collect();
         Ok(Some(FlownScore {
             observation,
             ground,
+            fires,
             scanner,
             cameras,
             epoch_unix_s,
@@ -152,6 +157,9 @@ impl FlownScore {
     /// clouds hide (`image-obscured`), and one of a failed detector (`image-blank`), is a look that is not clear.
     fn occurrence(&mut self, form: &Value, at: Time) {
         let Some([Value::Symbol(head), camera, ..]) = form.as_list() else { return };
+        if head.is("new-perimeter") {
+            return self.grow(form);
+        }
         let (is_obscured, is_blank) = (head.is("image-obscured"), head.is("image-blank"));
         if !(head.is("image-taken") || is_obscured || is_blank) {
             return;
@@ -173,7 +181,22 @@ impl FlownScore {
         }
     }
 
-    /// Returns a picture as recorded; `None` if the position or the angles of the mount are not known.
+    /// `(new-perimeter TARGET OUTLINE)`: a fire of which no ground has been seen yet is judged by its outline from now on.
+    fn grow(&mut self, form: &Value) {
+        let Some(MissionUpdate::NewPerimeter(name, outline)) =
+            form.as_list().and_then(|items| MissionUpdate::read("new-perimeter", items.get(1..)?))
+        else {
+            return;
+        };
+        let Some(area) = self.fires.iter().find(|fire| fire.id == name).and_then(|fire| fire.area_within(&outline))
+        else {
+            return;
+        };
+        // An outline that cannot be cut into cells changes nothing; planners leave it out, too.
+        self.observation.reshape(&name, area, &self.ground).ok();
+    }
+
+    /// A picture as recorded; none where the position or the angles of the mount are not known.
     fn picture(&mut self, camera: &CameraSetting, at: Time) -> Option<Picture> {
         self.latest.turn(at);
         let (position, altitude_m) = self.latest.place?;

@@ -17,8 +17,10 @@ const AGE_S_MAX: f64 = 2.5;
 /// The latest measurements.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Latest {
-    /// Position and altitude above mean sea level.
+    /// Position and altitude above mean sea level: the true one where the record has it, else the reported one.
     pub(super) place: Option<(Position, f64)>,
+    /// Instant of the last true position.
+    truth_at: Option<Time>,
     /// The scanner is on.
     pub(super) is_on: bool,
     /// Share of the line of sight that is free of cloud, where the record knows it.
@@ -56,8 +58,13 @@ impl Latest {
                 let angles = if attribute == "camera-tilt" { &mut self.tilts_deg } else { &mut self.pans_deg };
                 angles.insert(object.to_string().to_lowercase(), angle.value);
             }
-            "location" => {
+            "location" | "truth-location" => {
                 let Some(location) = Location::from_value(value) else { return false };
+                if attribute == "truth-location" {
+                    self.truth_at = Some(at);
+                } else if self.truth_at == Some(at) {
+                    return true;
+                }
                 self.place = Some((location.position, location.altitude_m));
                 return true;
             }

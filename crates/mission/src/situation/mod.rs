@@ -148,7 +148,7 @@ impl Situation {
     /// Reads the requirements as the mission believes them.
     fn watch(&mut self, mission: &Mission, batch: &Batch, effects: &[Effect]) {
         let forecast = self.updates.forecast(mission);
-        let findings = self.watch.observe((mission, forecast), batch, effects);
+        let findings = self.watch.observe((mission, forecast, &self.links), batch, effects);
         for note in findings.notes {
             self.note(batch.now, note);
         }
@@ -266,16 +266,26 @@ impl Situation {
                 self.note(at, format!("a requirement has to be broken: {name}, because {why}"));
             }
             MissionEvent::LowFuel => self.note(at, "fuel is low".to_string()),
-            MissionEvent::Update(update) => {
-                if let MissionUpdate::TargetGone { target, printed } = &update {
-                    let (note, printed) = (format!("no longer a target: {target}"), printed.clone());
-                    self.updates.apply(update);
-                    self.note(at, note);
-                    self.change(printed, at, TargetState::Skipped, "no longer a target".to_string());
-                } else {
-                    let note = self.updates.apply(update);
-                    self.note(at, note);
-                }
+            MissionEvent::Update(update) => self.take_update(at, update),
+        }
+    }
+
+    fn take_update(&mut self, at: Time, update: MissionUpdate) {
+        let is_of = |visit: &Visit, target: &str| visit.target.split('/').next() == Some(target);
+        match &update {
+            // A fire is judged by the outline that was known when it was first observed.
+            MissionUpdate::NewPerimeter(target, _) if self.visits.iter().any(|visit| is_of(visit, target)) => {
+                self.note(at, format!("{target} has grown since it was observed"));
+            }
+            MissionUpdate::TargetGone { printed, .. } => {
+                let printed = printed.clone();
+                let note = self.updates.apply(update);
+                self.note(at, note);
+                self.change(printed, at, TargetState::Skipped, "no longer a target".to_string());
+            }
+            _ => {
+                let note = self.updates.apply(update);
+                self.note(at, note);
             }
         }
     }

@@ -2,7 +2,8 @@
 //! (docs/reference/mission-data.md, "News in flight").
 
 use crate::{Fire, Mission, TargetKind};
-use apex_model::problem::{CostFunction, EventRate, WindField};
+use apex_model::planned::Location;
+use apex_model::problem::{CostFunction, EventRate, Position, WindField};
 use apex_model::quantity::Dimension;
 use apex_model::value::Value;
 use serde::{Deserialize, Serialize};
@@ -12,6 +13,8 @@ const SECONDS_PER_HOUR: f64 = 3600.0;
 /// Maximum value of a target and rate of its events: as in the mission's own files.
 const VALUE_MAX: f64 = 1e9;
 const RATE_PER_H_MAX: f64 = 1e6;
+/// Corners of an outline.
+const CORNERS_MAX: usize = 2_000;
 
 /// New data of a mission, from one message.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +32,8 @@ pub enum MissionUpdate {
     NewValue(String, f64),
     /// `(new-likelihood ID NUMBER)`: events per hour at a structure.
     NewLikelihood(String, f64),
+    /// `(new-perimeter ID ((LATITUDE LONGITUDE) ..))`: the outline of a fire.
+    NewPerimeter(String, Vec<Position>),
     /// `(new-forecast FILE)`.
     NewForecast(String),
     /// `(planned-by-people ([repeat] TARGET ..))`; without visits it withdraws an earlier plan of the operator.
@@ -67,6 +72,12 @@ impl MissionUpdate {
             "new-value" => amount(VALUE_MAX, MissionUpdate::NewValue),
             "new-likelihood" => amount(RATE_PER_H_MAX, MissionUpdate::NewLikelihood),
             "new-forecast" => MissionUpdate::NewForecast(subject),
+            "new-perimeter" => match items.get(1).and_then(outline) {
+                Some(outline) => MissionUpdate::NewPerimeter(subject, outline),
+                None => MissionUpdate::Invalid(format!(
+                    "({head} {subject} ..) is without an outline of 3 to {CORNERS_MAX} places, and changes nothing"
+                )),
+            },
             "planned-by-people" => {
                 let said = first.as_list().unwrap_or_default();
                 let mut visits: Vec<String> = said.iter().map(name).collect();
@@ -94,6 +105,8 @@ pub struct MissionUpdates {
     values: BTreeMap<String, f64>,
     /// Events per hour.
     rates_per_h: BTreeMap<String, f64>,
+    /// Outlines of fires.
+    perimeters: BTreeMap<String, Vec<Position>>,
     /// Files of forecasts in the order of their last announcement; the last one that the mission has counts.
     forecasts: Vec<String>,
     /// The operator's plan.
@@ -134,6 +147,12 @@ impl MissionUpdates {
             MissionUpdate::NewLikelihood(target, rate_per_h) => {
                 let note = format!("{target}: {rate_per_h} events an hour from now on");
                 self.rates_per_h.insert(target, rate_per_h);
+                note
+            }
+            MissionUpdate::NewPerimeter(target, outline) => {
+                let hectares = crate::features::area_m2(&outline) / 1e4;
+                let note = format!("{target} burns on {hectares:.0} ha");
+                self.perimeters.insert(target, outline);
                 note
             }
             MissionUpdate::NewForecast(file) => {
@@ -183,6 +202,7 @@ impl MissionUpdates {
     pub fn unknown(&self, mission: &Mission) -> Vec<String> {
         let find = |id: &String| mission.targets.iter().find(|target| target.goes_by(id));
         let named = self.announced.iter().chain(&self.gone).chain(self.values.keys()).chain(self.rates_per_h.keys());
+        let named = named.chain(self.perimeters.keys());
         let strange: BTreeSet<&String> = named.filter(|id| find(id).is_none()).collect();
         let targets = strange.into_iter().map(|id| format!("{id} is not a target of this mission"));
         let calm = |id: &&String| find(id).is_some_and(|target| !matches!(target.kind, TargetKind::Site(_)));
@@ -215,6 +235,9 @@ impl MissionUpdates {
     pub fn valued(&self, mission: &Mission) -> Mission {
         let mut believed = mission.clone();
         for target in &mut believed.targets {
+            if let Some(outline) = self.perimeters.get(&target.id) {
+                target.grow(outline, mission.terrain.as_ref());
+            }
             let (value, rate_per_h) = (self.values.get(&target.id), self.rates_per_h.get(&target.id));
             match &mut target.kind {
                 TargetKind::Fire(fire) => revalue(&target.id, fire, &self.values),
@@ -257,7 +280,14 @@ fn revalue(id: &str, fire: &mut Fire, said: &BTreeMap<String, f64>) {
     }
 }
 
-/// Returns a name as events have it: a symbol or a text.
+/// The outline of a fire in a message.
+pub(crate) fn outline(value: &Value) -> Option<Vec<Position>> {
+    let corners = value.as_list().filter(|corners| (3..=CORNERS_MAX).contains(&corners.len()))?;
+    let is_on_map = |at: &Position| at.latitude_deg.abs() <= 89.9 && at.longitude_deg.abs() <= 360.0;
+    corners.iter().map(|corner| Some(Location::from_value(corner)?.position).filter(is_on_map)).collect()
+}
+
+/// A name as events have it: a symbol or a text.
 fn name(value: &Value) -> String {
     match value {
         Value::Text(text) => text.to_string(),

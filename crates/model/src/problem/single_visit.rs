@@ -1,6 +1,7 @@
 //! The single-visit problem: see a subset of targets once each, in the best order and way (paper, section II.B).
 
 use super::{AirspaceZone, LandingPlace, LeftOut, Position, TimeWindow, TravelTimes, WindField};
+use crate::value::Value;
 use serde::{Deserialize, Serialize};
 
 /// Choose targets, order and manoeuvres so that the mission score is highest.
@@ -132,8 +133,12 @@ pub struct PictureWork {
     pub count: u32,
     /// Distance over ground between pictures; none: they are taken from a standstill.
     pub every_m: Option<f64>,
-    /// True airspeed along the lines, m/s.
+    /// True airspeed along the lines, m/s; with a `form` that of the manoeuvre, of a rotorcraft its ground speed.
     pub true_airspeed_mps: f64,
+    /// The manoeuvre whose path is flown, as PDL writes it, for example `(orbit :radius 60m :height 40m)`; none: the lines. The lines
+    /// follow its path for the checks of airspace.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub form: Option<Value>,
 }
 
 /// Factors 0..1 that discount a target's value, each with its cause.

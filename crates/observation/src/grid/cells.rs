@@ -4,6 +4,45 @@ use crate::footprint::Ground;
 use crate::plane::{EqualAreaPlane, Point};
 use apex_geo::geodesy::Position;
 
+/// Coarse crossings of the rows with a narrow strip: most rows have no middle of a cell in it, and need no exact crossings.
+struct Glance {
+    /// Lower end of each edge, upper y, and change of x for each metre of y; none for anything but four edges at most.
+    edges: [Option<(Point, f64, f64)>; 4],
+    cells_per_m: f64,
+    /// Bound of the error of a coarse crossing, in cells.
+    slack: f64,
+}
+
+impl Glance {
+    fn new(edges: &[(Point, Point)], cell_m: f64) -> Glance {
+        let mut found = [None; 4];
+        let most_m = edges.iter().flat_map(|(a, b)| [a.x.abs(), b.x.abs(), a.y.abs(), b.y.abs()]).fold(0.0, f64::max);
+        if edges.len() <= found.len() {
+            for (slot, (a, b)) in found.iter_mut().zip(edges) {
+                let (low, high) = if a.y < b.y { (a, b) } else { (b, a) };
+                *slot = Some((*low, high.y, (high.x - low.x) / (high.y - low.y)));
+            }
+        }
+        Glance { edges: found, cells_per_m: 1.0 / cell_m, slack: 1e-6 + 1e-9 * most_m / cell_m }
+    }
+
+    /// True if no middle of a cell of the row at `y`, whose middles are whole cells east of `west`, can lie inside. Only certain for
+    /// exactly two crossings.
+    fn misses(&self, y: f64, west: f64) -> bool {
+        let (mut count, mut low, mut high) = (0, f64::INFINITY, f64::NEG_INFINITY);
+        for (from, to_y, slope) in self.edges.iter().flatten() {
+            if from.y <= y && y < *to_y {
+                let x = from.x + slope * (y - from.y);
+                (count, low, high) = (count + 1, low.min(x), high.max(x));
+            }
+        }
+        let low_cells = (low - west) * self.cells_per_m - self.slack;
+        let high_cells = (high - west) * self.cells_per_m + self.slack;
+        let is_between = low_cells > 0.0 && high_cells < 1e9 && low_cells as i64 == high_cells as i64;
+        count == 2 && (is_between || high_cells < 0.0)
+    }
+}
+
 /// One row of cells with the same y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct CellRow {
@@ -149,7 +188,11 @@ impl TargetGrid {
         let first = self.rows.partition_point(|row| row.y < low_y);
         let edges: Vec<(Point, Point)> = apex_geo::plane::edges(polygon).filter(|(a, b)| a.y != b.y).collect();
         let mut crossings: Vec<f64> = Vec::with_capacity(edges.len());
+        let glance = Glance::new(&edges, self.cell_m);
         for row in self.rows.iter().skip(first).take_while(|row| row.y <= high_y) {
+            if self.row_cells(row).first().is_some_and(|west| glance.misses(row.y, *west)) {
+                continue;
+            }
             crossings.clear();
             for (a, b) in &edges {
                 if (a.y > row.y) != (b.y > row.y) {
@@ -195,5 +238,66 @@ impl TargetGrid {
         let rise = |pair: &[f32]| pair.iter().copied().reduce(|a, b| (b - a).abs()).map_or(0.0, f64::from);
         let in_row = self.rows.iter().filter_map(|row| elevations_m.get(row.first..row.first + row.count));
         in_row.flat_map(|row| row.windows(2)).fold(0.0, |most: f64, pair| most.max(rise(pair) / self.cell_m))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::GridSettings;
+    use crate::target::{ObservedTarget, Polygon, TargetArea, WantedLook};
+
+    /// The definition: cells whose middle has an odd number of crossings to its west.
+    fn by_definition(grid: &TargetGrid, polygon: &[Point]) -> Vec<usize> {
+        let middles = grid.centres().enumerate();
+        let inside = middles.filter(|(_, (x, y))| {
+            let edges = apex_geo::plane::edges(polygon).filter(|(a, b)| (a.y > *y) != (b.y > *y));
+            let mut crossings: Vec<f64> = edges.map(|(a, b)| a.x + (b.x - a.x) * (y - a.y) / (b.y - a.y)).collect();
+            crossings.sort_by(f64::total_cmp);
+            crossings.chunks_exact(2).any(|pair| pair[0] <= *x && *x < pair[1])
+        });
+        inside.map(|(cell, _)| cell).collect()
+    }
+
+    /// Strips of a scanner in all directions, some as thin as a picture line, some with a twist, some with an edge on a row of middles.
+    #[test]
+    fn strips_hit_the_cells_of_the_definition() {
+        let corners = [(40.0, -120.0), (40.1, -120.02), (40.12, -119.9), (40.05, -119.95), (40.01, -119.88)];
+        let outer = corners.map(|(latitude, longitude)| Position::new(latitude, longitude)).to_vec();
+        let target = ObservedTarget {
+            name: "fire".into(),
+            area: TargetArea::Polygons(vec![Polygon { outer, holes: Vec::new() }]),
+            elevation_m: 0.0,
+            is_water: false,
+            looks: vec![WantedLook::new("any", 1.0, 10.0)],
+            after: Vec::new(),
+        };
+        let grid = TargetGrid::new(&target, GridSettings { cells: 3_000, ..GridSettings::default() }).unwrap();
+        let mut state = 1_u64;
+        let mut draw = |most: f64| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            most * ((state >> 11) as f64 / 9_007_199_254_740_992.0 * 2.0 - 1.0)
+        };
+        let mut hits = 0;
+        for round in 0..3_000 {
+            let middle = Point { x: draw(7_000.0), y: draw(7_000.0) };
+            let along = Point { x: draw(60.0), y: draw(60.0) };
+            let across = match round % 5 {
+                0 => Point { x: 0.0, y: draw(6_000.0) },
+                1 => Point { x: draw(6_000.0), y: 0.0 },
+                _ => Point { x: draw(6_000.0), y: draw(6_000.0) },
+            };
+            let row_y = grid.rows[round % grid.rows.len()].y;
+            let from = if round % 7 == 0 { Point { y: row_y, ..middle } } else { middle };
+            let twist = if round % 11 == 0 { -1.0 } else { 1.0 };
+            let polygon =
+                [from, from.plus(1.0, across), from.plus(1.0, across).plus(twist, along), from.plus(1.0, along)];
+            let mut found = Vec::new();
+            grid.rasterise(&polygon, |cell, _| found.push(cell));
+            found.sort_unstable();
+            hits += found.len();
+            assert_eq!(found, by_definition(&grid, &polygon), "{polygon:?}");
+        }
+        assert!(hits > 10_000, "{hits} hits say little");
     }
 }

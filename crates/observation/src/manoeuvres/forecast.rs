@@ -12,7 +12,7 @@ use crate::attitude::{Attitude, Vector};
 use crate::grid::TargetGrid;
 use crate::pictures::{PictureView, PlannedPicture, predict_pictures};
 use crate::predict::{PlannedLine, PredictionContext, predict};
-use crate::result::{Factors, TargetResult};
+use crate::result::{Factors, LookResult, TargetResult};
 use crate::sensor::gimbal::line_of;
 use crate::sensor::{CameraSetting, ExposureMotion, GimbalAngles};
 use crate::target::ObservedTarget;
@@ -60,6 +60,8 @@ pub struct Forecast {
     pub on_ground_s: Option<f64>,
     /// The poses.
     pub flown: FlownPath,
+    /// The result of the first wanted look; none for a target that wants none.
+    pub look: Option<LookResult>,
 }
 
 impl Manoeuvre {
@@ -93,7 +95,20 @@ impl Manoeuvre {
         let factors = factors_of(&result);
         let FlownPath { time_s, length_m, energy, turns, .. } = flown;
         let points = result.points();
-        Ok(Forecast { factors, points, time_s, length_m, energy, turns, pictures, tracked_share, on_ground_s, flown })
+        let look = result.looks.into_iter().next();
+        Ok(Forecast {
+            factors,
+            points,
+            time_s,
+            length_m,
+            energy,
+            turns,
+            pictures,
+            tracked_share,
+            on_ground_s,
+            flown,
+            look,
+        })
     }
 }
 

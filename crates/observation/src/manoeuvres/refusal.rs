@@ -22,6 +22,13 @@ pub struct Refusal {
     pub nearest: String,
 }
 
+impl Refusal {
+    /// The excess of the figure over its limit, as a share of the larger of the two.
+    pub fn excess(&self) -> f64 {
+        (self.value - self.limit).abs() / self.limit.abs().max(self.value.abs()).max(1e-9)
+    }
+}
+
 impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Refusal { manoeuvre, figure, value, limit, unit, because, nearest } = self;

@@ -22,6 +22,9 @@ const BASES: &str = r#"{"type": "FeatureCollection", "features": [
 
 const WIND: &str = "altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps,edr\n0,20000,250,5,0.02\n";
 
+/// Clouds that a mission may expect: north of 37.2 degrees from 3,000 to 5,000 m.
+const CLOUDS: &str = "south_deg,north_deg,west_deg,east_deg,base_m,top_m,cover\n37.2,39,-118,-116,3000,5000,0.9\n";
+
 /// A mission in the making.
 pub(crate) struct Flight {
     pub(crate) vehicle: &'static str,
@@ -37,6 +40,8 @@ pub(crate) struct Flight {
     pub(crate) scenario: &'static str,
     /// Civil time of the start.
     pub(crate) start: &'static str,
+    /// Airspace, for missions that name `zone.geojson`.
+    pub(crate) zone: &'static str,
 }
 
 impl Default for Flight {
@@ -49,6 +54,7 @@ impl Default for Flight {
             options: "",
             scenario: "",
             start: "2026-06-01T18:00:00Z",
+            zone: "",
         }
     }
 }
@@ -79,6 +85,8 @@ impl Flight {
         write("mission.pdl", &text);
         write("bases.geojson", BASES);
         write("winds.csv", WIND);
+        write("clouds.csv", CLOUDS);
+        write("zone.geojson", self.zone);
         write("scenario.jsonl", self.scenario);
         write(
             "world.json",
@@ -166,7 +174,15 @@ impl Flown {
         found.unwrap_or_else(|| panic!("no {variable} until {at_s} s")).1.clone()
     }
 
-    /// Returns the last place that the aircraft reported: degrees north and east, metres.
+    /// The places of a variable with their instants: degrees north and east, metres.
+    pub(crate) fn places(&self, variable: &str) -> Vec<(f64, [f64; 3])> {
+        let of = self.measured.iter().filter(|(_, name, _)| name == variable);
+        let number = |items: &[Value], index: usize| items[index].as_number().unwrap().0;
+        let place = |items: &[Value]| [number(items, 0), number(items, 1), number(items, 2)];
+        of.filter_map(|(at_s, _, value)| Some((*at_s, place(value.as_list()?)))).collect()
+    }
+
+    /// The last place that the aircraft reported: degrees north and east, metres.
     pub(crate) fn last_place(&self) -> (f64, f64, f64) {
         let of = self.measured.iter().rev().find(|(_, name, _)| name == "(location uav-1)").unwrap();
         let items = of.2.as_list().unwrap();
@@ -188,6 +204,13 @@ impl Flown {
             writeln!(text, "{at_s:9.1} {said}").unwrap();
         }
         text
+    }
+
+    /// The second check of the recorded flight.
+    pub(crate) fn verified(&self) -> apex_mission::verification::CheckResult {
+        let reader = RecordReader::open(&self.record).unwrap();
+        let mission = recorded::mission_of(&reader).unwrap().unwrap();
+        apex_mission::verification::verify(&reader, &mission).unwrap()
     }
 
     /// Replay repeats the decisions from the record alone.
