@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Claim {
     /// In a queue.
-    Queued(QueuedClaim),
+    Queued(Box<QueuedClaim>),
     /// Not in a queue.
     Apart,
 }

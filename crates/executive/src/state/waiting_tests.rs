@@ -8,7 +8,7 @@ fn place(task: u64, priority: f64, begun: bool) -> QueueKey {
 }
 
 fn claim(place: QueuePlace, varies: bool) -> Claim {
-    Claim::Queued(QueuedClaim { place: Some(place), varies, amount: 1.0, ..QueuedClaim::default() })
+    Claim::Queued(Box::new(QueuedClaim { place: Some(place), varies, amount: 1.0, ..QueuedClaim::default() }))
 }
 
 fn steady(key: QueueKey) -> QueuePlace {

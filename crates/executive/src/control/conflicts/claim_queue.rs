@@ -41,7 +41,7 @@ pub(crate) fn claim_of(cycle: &Cycle<'_>, id: TaskId, needs: &[Need]) -> Claim {
     let others = needs.iter().filter(|_| several).map(|need| (need.resource, need.amount.to_bits())).collect();
     let amount = needs.first().map_or(0.0, |need| need.amount);
     let ClaimPlaces { place, level, varies } = places;
-    Claim::Queued(QueuedClaim { place, level, varies, expected, amount, others, by_rank })
+    Claim::Queued(Box::new(QueuedClaim { place, level, varies, expected, amount, others, by_rank }))
 }
 
 /// The places of the task among those below each ranked task above it, where ranks count before priorities.

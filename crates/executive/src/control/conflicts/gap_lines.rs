@@ -261,7 +261,7 @@ impl Room {
 
     /// True if there is this amount for a task that is done at this instant.
     fn admits(&self, amount: f64, until: Option<Time>) -> bool {
-        let counts = |earliest: &Option<Time>| !earliest.zip(until).is_some_and(|(earliest, until)| until <= earliest);
+        let counts = |earliest: &Option<Time>| earliest.zip(until).is_none_or(|(earliest, until)| until > earliest);
         let claimed: f64 = self.claims.iter().filter(|claim| counts(&claim.0)).map(|claim| claim.1).sum();
         amount <= TOLERANCE || amount + claimed <= self.free + TOLERANCE
     }

@@ -75,7 +75,7 @@ fn decide_in(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, fresh: &BTreeSet<T
             Placement::Granted(_) => return None,
         }
     }
-    refused.sort_by(|a, b| a.0.cmp(&b.0));
+    refused.sort_by_key(|each| each.0);
     result.refused = refused.into_iter().map(|(_, refusal)| refusal).collect();
     result.watched = lines.watched(&result);
     concerned.is_decided(cycle, &result).then_some(result)
