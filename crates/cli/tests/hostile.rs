@@ -70,3 +70,50 @@ fn signals_end_a_flight_with_its_report_and_record() {
         trace.told(&["The record is confirmed"]);
     }
 }
+
+/// Answers 4,000 ticks, which take more than 200 kB in a record.
+#[cfg(unix)]
+fn desk_with_ticks() -> Desk {
+    let desk = Desk::new();
+    desk.write(
+        "ticks.pdl",
+        "(procedure (index (do-domain)) (step see (print \"seen\" ?n) (waitfor (tick ?n)) (repeating)))\n",
+    );
+    let ticks: String = (1..=4_000).map(|tick| format!("{{\"t\": {tick}, \"event\": \"(tick {tick})\"}}\n")).collect();
+    desk.write("ticks.jsonl", &ticks);
+    desk
+}
+
+#[cfg(unix)]
+#[test]
+fn a_limit_on_the_size_of_files_leaves_segments_that_are_one_record() {
+    let desk = desk_with_ticks();
+    let run = "ulimit -f 400 && exec \"$0\" run ticks.pdl --inputs ticks.jsonl --record f.apex --trace /dev/null";
+    let said =
+        Command::new("bash").args(["-c", run, env!("CARGO_BIN_EXE_apex")]).current_dir(desk.path("")).output().unwrap();
+    let err = String::from_utf8_lossy(&said.stderr);
+    assert!(said.status.success(), "{:?}: {err}", said.status);
+    assert!(err.contains("the flight is not being recorded"), "{err}");
+    let last =
+        (2..).map(|number| format!("f-segment-{number}.apex")).take_while(|name| desk.path(name).exists()).last();
+    let last = last.expect("a segment");
+    let verified = desk.apex(&["verify", &last]).complained(0, &[]).told(&["it continues", "f.apex"]);
+    let steps = verified.out.split_once(" steps up to").and_then(|(before, _)| before.rsplit(' ').next()).unwrap();
+    assert!(steps.parse::<u32>().unwrap() >= 4_000, "{steps}");
+    let (confirmed, saved) = (format!("The record is confirmed: {steps} steps"), format!("{steps} steps"));
+    desk.apex(&["replay", &last]).complained(0, &[]).told(&[&confirmed]);
+    desk.apex(&["recover", &last, "--out", "whole.apex"]).complained(0, &[]).told(&[&saved]);
+    std::fs::remove_file(desk.path("f.apex")).unwrap();
+    desk.apex(&["trace", &last]).complained(0, &["continues", "which is not there", "has a gap"]);
+    desk.apex(&["replay", "whole.apex"]).complained(0, &[]).told(&[&confirmed]);
+}
+
+#[test]
+fn a_spare_folder_that_cannot_be_used_is_refused_before_the_flight() {
+    let desk = Desk::with_greetings();
+    for folder in ["nowhere", "greetings.pdl"] {
+        let said = desk.apex(&["run", "greetings.pdl", "--record", "f.apex", "--spare-folder", folder]);
+        said.complained(2, &["the flight record cannot continue in", folder, "--spare-folder"]);
+        assert!(!desk.path("f.apex").exists());
+    }
+}

@@ -6,6 +6,7 @@ use crate::error::RecordError;
 use crate::record::{EffectKind, Effects, Told};
 use apex_model::time::Time;
 use serde::Serialize;
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 /// Maximum number of rows of an answer, unless the query states one.
@@ -141,7 +142,10 @@ impl RecordView {
     /// Returns the newest effects that a query selects, at most `count`: those that the index does not have yet, then the blocks that
     /// may hold what is wanted.
     fn found(&self, query: &EventsQuery, count: usize) -> Result<Vec<EventRow>, RecordError> {
-        self.index_effects(EVENTS_BUDGET)?;
+        // Where another thread reads the log, questions leave that to it.
+        if !self.indexes.is_indexed_apart.load(Ordering::Relaxed) {
+            self.index_now(EVENTS_BUDGET)?;
+        }
         let wanted = EffectSearch {
             from_ns: query.from_ns.unwrap_or(i64::MIN),
             to_ns: query.to_ns.unwrap_or(i64::MAX),
@@ -159,11 +163,21 @@ impl RecordView {
         self.selected(query, &effects, newest.chain(blocks), count)
     }
 
-    /// Reads effects into the index of the log, for about `budget`; what is not in it is searched row by row. True if all are in.
+    /// Reads effects into the index of the log, for about `budget`; what is not in it is searched row by row. True if all are in: until
+    /// then no question reads any into it.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
     pub fn index_effects(&self, budget: Duration) -> Result<bool, RecordError> {
+        self.indexes.is_indexed_apart.store(true, Ordering::Relaxed);
+        let indexed = self.index_now(budget);
+        if !matches!(indexed, Ok(false)) {
+            self.indexes.is_indexed_apart.store(false, Ordering::Relaxed);
+        }
+        indexed
+    }
+
+    fn index_now(&self, budget: Duration) -> Result<bool, RecordError> {
         self.reader.check_growth()?;
         let began = Instant::now();
         let last = self.reader.effects()?.table.last_id();

@@ -61,6 +61,7 @@ use index::TaskIndex;
 use rusqlite::Connection;
 use signals::SampleIndex;
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 use trouble_index::TroubleIndex; // english: allow
 
@@ -81,6 +82,8 @@ struct Indexes {
     announcements: RwLock<Announcements>,
     /// Places of times, kinds and texts in the log.
     effects: RwLock<EffectIndex>,
+    /// A thread reads the log into its index.
+    is_indexed_apart: AtomicBool,
     /// Failures, interruptions and faults.
     faults: RwLock<TroubleIndex>, // english: allow
     /// The samples.
