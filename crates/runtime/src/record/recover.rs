@@ -39,10 +39,9 @@ pub fn recover(from: &Path, to: &Path) -> Result<Recovered, RecordError> {
     if same {
         return Err(RecordError::Question(format!("{} cannot be recovered into itself", from.display())));
     }
-    match SegmentChain::open(from) {
-        Ok(Some(chain)) => return recover_segments(&chain, from, to),
-        // A segment whose earlier files are gone is saved alone; what else is wrong with it shows below.
-        Ok(None) | Err(_) => {}
+    // A segment whose earlier files are gone is saved alone; what else is wrong with it shows below.
+    if let Ok(Some(chain)) = SegmentChain::open(from) {
+        return recover_segments(&chain, from, to);
     }
     let (source, _, _copy) = connect(from)?;
     let damaged = |what| RecordError::Damaged { path: from.to_path_buf(), what };

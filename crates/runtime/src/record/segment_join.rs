@@ -183,7 +183,8 @@ impl<'c> Joiner<'c> {
             Table::Meta => {
                 let (fact, value): (String, String) = (row.get(1)?, row.get(2)?);
                 let of_segment = [CONTINUES, SEGMENT_SNAPSHOT].contains(&&*fact);
-                Ok(!of_segment && !(fact == GAP && self.filled.as_ref() == Some(&value)))
+                let is_filled = fact == GAP && self.filled.as_ref() == Some(&value);
+                Ok(!(of_segment || is_filled))
             }
             Table::Snapshot | Table::Situation => Ok(!self.extra.contains(&key)),
             _ => Ok(true),
