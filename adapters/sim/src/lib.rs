@@ -37,7 +37,7 @@ mod turbulence;
 mod way;
 mod world;
 
-pub use commands::command_names;
+pub use commands::command_forms;
 pub use config::{Ground, GroundPatch, Happening, Modem, NamedPlace, ScheduledEvent, Start, WorldConfig};
 pub use living::{BurnableSite, FaultKind, FaultSpec, LivingWorld, WORLD_FORMAT};
 pub use packet::{Pace, PublishedVariable, VARIABLES};

@@ -174,6 +174,11 @@ fn list_fields(mut source: Source, json: bool) -> CliResult {
 fn conditions(options: &MonitorOptions, source: &mut Source) -> CliResult<CheckedConditions> {
     let mut texts: Vec<SourceText> = Vec::new();
     for (index, text) in options.conditions.iter().enumerate() {
+        if Path::new(text).is_file() {
+            return Err(CliError::user(format!("`{text}` is a file, not a condition")).help(format!(
+                "write `--inputs {text}` to watch it, or `--condition-file {text}` if there are conditions in it"
+            )));
+        }
         texts.push(SourceText { name: format!("<condition {}>", index + 1), text: text.clone() });
     }
     for path in &options.condition_file {
@@ -290,9 +295,15 @@ impl Watching<'_> {
         self.session.finish();
         self.tell()?;
         let mut verdicts = Vec::new();
+        let missing = self.session.without_samples();
         for number in 0..self.conditions.len() as u64 {
             let Some(judgement) = self.session.verdict(MonitorId(number)) else { continue };
-            verdicts.push(verdict_word(&judgement.verdict).to_string());
+            let mut verdict = verdict_word(&judgement.verdict).to_string();
+            // A whole log without a sample says nothing: `--expect not-satisfied` must not be met by it.
+            if !missing.is_empty() && !self.style.live && verdict == "not-satisfied" {
+                verdict = format!("{verdict} without a sample of {}", missing.join(" "));
+            }
+            verdicts.push(verdict);
             let text = self.style.verdict(number + 1, &judgement, now);
             self.write(&text)?;
         }

@@ -6,7 +6,7 @@
 
 use crate::state::claim::{Claim, QueuedClaim};
 use crate::state::orders::{Group, Orders, Signature, class_of};
-use crate::state::queue_place::{QueueKey, RankAmong, TurnOrder};
+use crate::state::queue_place::{QueueKey, QueuePlace, RankAmong, TurnOrder};
 use crate::state::resource_id::ResourceId;
 use crate::state::turns::InTurn;
 use apex_model::task::TaskId;
@@ -300,6 +300,15 @@ impl Waiting {
     pub fn key_of(&self, task: TaskId, order: TurnOrder, risen_to: impl Fn(f64, Time) -> f64) -> Option<QueueKey> {
         let Claim::Queued(claim) = self.claims.get(&task)? else { return None };
         claim.key_in(order, risen_to)
+    }
+
+    /// The places of the task by its priorities, in an order where these count.
+    pub fn place_of(&self, task: TaskId, order: TurnOrder) -> Option<&QueuePlace> {
+        let Claim::Queued(claim) = self.claims.get(&task)? else { return None };
+        match order {
+            TurnOrder::Plain => claim.place.as_ref(),
+            TurnOrder::Level(_) | TurnOrder::Below(_) => claim.level.as_ref(),
+        }
     }
 
     /// Those in queues, the first first; `risen_to` computes a priority from importance and due instant.
