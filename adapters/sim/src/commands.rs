@@ -85,9 +85,9 @@ const COMMANDS: &[CommandForm] = &[
     command("wait", "(wait DURATION)", (1, 1), &[]),
 ];
 
-/// Returns names of all commands, for documentation and checks.
-pub fn command_names() -> impl Iterator<Item = &'static str> {
-    COMMANDS.iter().map(|command| command.name)
+/// Name, fewest and most positional arguments, and keywords of each command: what `library/interface.pdl` declares.
+pub fn command_forms() -> impl Iterator<Item = (&'static str, (usize, usize), &'static [&'static str])> {
+    COMMANDS.iter().map(|command| (command.name, command.arguments, command.keywords))
 }
 
 /// Minimum height above ground of a commanded altitude: fixed wing, rotorcraft.

@@ -38,7 +38,7 @@ mod turbulence;
 mod way;
 mod world;
 
-pub use commands::command_names;
+pub use commands::command_forms;
 pub use config::{Ground, GroundPatch, Happening, Modem, NamedPlace, ScheduledEvent, Start, WorldConfig};
 pub use living::{BurnableSite, BurningTarget, FaultKind, FaultSpec, LivingWorld, WORLD_FORMAT};
 pub use packet::{Pace, PublishedVariable, VARIABLES};

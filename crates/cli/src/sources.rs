@@ -2,6 +2,7 @@
 
 use crate::error::{CliError, CliResult};
 use crate::output;
+pub use apex_mission::names::check_names;
 pub use apex_mission::program::{
     agent_of, check_conditions, check_program, check_program_with, check_text_with, check_texts, crew_of,
     host_functions, load_recorded, program_path,
@@ -12,7 +13,8 @@ use apex_mission::{Mission, scenario};
 use apex_model::library::Library;
 use apex_model::time::Time;
 use apex_model::value::Value;
-use apex_pdl::Checked;
+use apex_pdl::{Checked, Diagnostic, Severity};
+use apex_planning::Registry;
 use apex_runtime::ports::Input;
 use std::io::{IsTerminal, Read};
 use std::path::Path;
@@ -28,13 +30,28 @@ pub fn load_program(path: &Path) -> CliResult<Arc<Library>> {
     if checked.has_errors() { Err(CliError::already_reported()) } else { Ok(Arc::new(checked.library)) }
 }
 
-/// Loads the mission in a folder, or of a `mission.pdl`; diagnostics of its program are printed.
+/// Loads the mission in a folder, or of a `mission.pdl`; diagnostics of its program are printed, those of the names that it
+/// mentions too.
 ///
 /// # Errors
-/// Like [`load_program`]; everything that can be wrong with the mission's settings and data.
-pub fn load_mission(path: &Path) -> CliResult<Mission> {
+/// Like [`load_program`]; everything that can be wrong with the mission's settings and data; names that the mission does not have.
+pub fn load_mission(path: &Path, planners: &Registry) -> CliResult<Mission> {
     let library = load_program(path)?;
-    Ok(Mission::of_program(path, library)?)
+    let mission = Mission::of_program(path, library)?;
+    check_names_of(&mission, planners)?;
+    Ok(mission)
+}
+
+/// Prints what is wrong with the names that a mission's program mentions.
+///
+/// # Errors
+/// The mission lacks one of these names; the message is printed.
+pub fn check_names_of(mission: &Mission, planners: &Registry) -> CliResult {
+    let findings = check_names(mission, planners);
+    let is_serious = |each: &&Diagnostic| each.severity != Severity::Note;
+    print_diagnostics(&findings.iter().filter(is_serious).cloned().collect::<Vec<_>>(), &mission.library);
+    let is_wrong = findings.iter().any(|each| each.severity == Severity::Error);
+    if is_wrong { Err(CliError::already_reported()) } else { Ok(()) }
 }
 
 /// Returns all scripted inputs of a file, or of standard input for `-`, in memory.
@@ -65,10 +82,13 @@ pub fn inputs_of(path: &Path) -> CliResult<ScriptedInputs> {
 
 /// Prints the diagnostics for a user who runs the program: not the notes.
 pub fn print_warnings_and_errors(checked: &Checked) {
-    let serious: Vec<_> =
-        checked.diagnostics.iter().filter(|each| each.severity != apex_pdl::Severity::Note).cloned().collect();
-    if !serious.is_empty() {
-        let rendered = apex_pdl::render(&serious, &checked.library.sources, std::io::stderr().is_terminal());
+    let serious: Vec<_> = checked.diagnostics.iter().filter(|each| each.severity != Severity::Note).cloned().collect();
+    print_diagnostics(&serious, &checked.library);
+}
+
+fn print_diagnostics(diagnostics: &[Diagnostic], library: &Library) {
+    if !diagnostics.is_empty() {
+        let rendered = apex_pdl::render(diagnostics, &library.sources, std::io::stderr().is_terminal());
         output::print_error_rendered(rendered.trim_end_matches('\n'));
     }
 }

@@ -110,6 +110,12 @@ fn mistakes_say_what_to_do() {
         1,
         &["there is no sample of (rol uav)", "it has (roll-angle uav)", "not every verdict is `satisfied`"],
     );
+    // What was never measured was not shown to be absent.
+    desk.write("f.csv", "time,roll\n0,1\n1,2\n");
+    let of_log = ["monitor", "(rol aircraft-1 > 3)", "--expect", "not-satisfied", "--inputs", "f.csv"];
+    desk.apex(&of_log).complained(1, &["not every verdict is `not-satisfied`", "without a sample of (rol aircraft-1)"]);
+    desk.apex(&["monitor", "f.csv", "(roll aircraft-1 > 3)"])
+        .complained(2, &["`f.csv` is a file, not a condition", "--inputs f.csv"]);
 }
 
 #[test]

@@ -167,10 +167,16 @@ impl<'a> LogMonitor<'a> {
         self.session.advance(now);
         self.session.finish();
         self.tell()?;
+        let missing = self.session.without_samples();
         let mut verdicts = Vec::new();
         for number in 0..self.terms.conditions.len() as u64 {
             let Some(judgement) = self.session.verdict(MonitorId(number)) else { continue };
-            verdicts.push(verdict_word(&judgement.verdict).to_string());
+            let mut verdict = verdict_word(&judgement.verdict).to_string();
+            // A whole log without a sample says nothing: `--expect not-satisfied` must not be met by it.
+            if !missing.is_empty() && !self.terms.style.live && verdict == "not-satisfied" {
+                verdict = format!("{verdict} without a sample of {}", missing.join(" "));
+            }
+            verdicts.push(verdict);
             let text = self.terms.style.verdict(number + 1, &judgement, now);
             self.write(&text)?;
         }

@@ -38,7 +38,13 @@ impl<'l> Locator<'l> {
         Some(datum)
     }
 
-    /// Returns the stretch of the datum at `place`; an empty one there if the text is not available.
+    /// The text of a stretch.
+    pub(crate) fn text(&self, span: Span) -> Option<&'l str> {
+        let source = self.sources.get(usize::try_from(span.file).ok()?)?;
+        source.text.get(usize::try_from(span.start).ok()?..usize::try_from(span.end).ok()?)
+    }
+
+    /// The stretch of the datum at `place`; an empty one there if the text is not available.
     pub(crate) fn span(&mut self, place: Place) -> Span {
         let nowhere = Span { file: place.file, start: 0, end: 0, line: place.line, column: place.column };
         self.datum(place).map_or(nowhere, |datum| datum.span)

@@ -29,7 +29,7 @@ const PACE_MAX: f64 = 1e9;
 pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult {
     let pace = options.pace.map(checked_pace).transpose()?;
     let until = options.until.as_deref().map(|text| sources::parse_time(text, "--until")).transpose()?;
-    let mission = Arc::new(sources::load_mission(&options.mission)?);
+    let mission = Arc::new(sources::load_mission(&options.mission, planners)?);
     if let Some(runs) = options.runs {
         return commands::fly_runs::run(options, runs, until, &mission, &means(options, planners)?);
     }

@@ -147,6 +147,11 @@ fn list_fields(mut source: Source, json: bool) -> CliResult {
 fn conditions(options: &MonitorOptions, source: &mut Source) -> CliResult<CheckedConditions> {
     let mut texts: Vec<SourceText> = Vec::new();
     for (index, text) in options.conditions.iter().enumerate() {
+        if Path::new(text).is_file() {
+            return Err(CliError::user(format!("`{text}` is a file, not a condition")).help(format!(
+                "write `--inputs {text}` to watch it, or `--condition-file {text}` if there are conditions in it"
+            )));
+        }
         texts.push(SourceText { name: format!("<condition {}>", index + 1), text: text.clone() });
     }
     for path in &options.condition_file {

@@ -36,7 +36,7 @@ pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> CliResult {
         return Err(CliError::user("`--height` is for plan files of QGroundControl")
             .help("add `--format qgc`, or leave `--height` out"));
     }
-    let question = read(options)?;
+    let question = read(options, planners)?;
     if let Some(out) = out {
         refuse_to_overwrite(out, &options.mission)?;
         options.plan.iter().try_for_each(|plan| refuse_to_overwrite(out, plan))?;
@@ -80,10 +80,10 @@ pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> CliResult {
 ///
 /// # Errors
 /// When nothing of that name exists, or it is not a problem.
-fn read(options: &PlanOptions) -> CliResult<PlanInput> {
+fn read(options: &PlanOptions, planners: &Registry) -> CliResult<PlanInput> {
     let mut question = match PlanInput::find(&options.mission)? {
         Some(question) => question,
-        None => PlanInput::of_mission(sources::load_mission(&options.mission)?)?,
+        None => PlanInput::of_mission(sources::load_mission(&options.mission, planners)?)?,
     };
     question.refuse_fleets(options.vehicles)?;
     if let Some(budget) = &options.budget {

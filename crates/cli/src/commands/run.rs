@@ -38,7 +38,7 @@ pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> CliResult {
     let (inputs, stream) = inputs_of(options, &clock)?;
     let answers = options.answers.as_deref().map(answers_of).transpose()?.unwrap_or_default();
     let until = options.until.as_deref().map(|text| sources::parse_time(text, "--until")).transpose()?;
-    let mission = live_mission(&library, options)?;
+    let mission = live_mission(&library, options, planners)?;
     let terms = || {
         let mut terms = match &mission {
             Some(mission) => MissionFlight::terms(mission, until),
@@ -115,7 +115,7 @@ fn inputs_of(options: &RunOptions, clock: &ClockSource) -> CliResult<(Vec<Input>
 }
 
 /// Returns the mission of an application that names a vehicle and does not live in simulated time.
-fn live_mission(library: &Arc<Library>, options: &RunOptions) -> CliResult<Option<Arc<Mission>>> {
+fn live_mission(library: &Arc<Library>, options: &RunOptions, planners: &Registry) -> CliResult<Option<Arc<Mission>>> {
     let is_live = |application: &Application| {
         (application.kind.is("realtime") || application.kind.is("foreign-sim"))
             && application.option("vehicle").is_some()
@@ -130,7 +130,9 @@ fn live_mission(library: &Arc<Library>, options: &RunOptions) -> CliResult<Optio
         }
         return Ok(None);
     }
-    Ok(Some(Arc::new(Mission::of_program(&options.program, Arc::clone(library))?)))
+    let mission = Mission::of_program(&options.program, Arc::clone(library))?;
+    sources::check_names_of(&mission, planners)?;
+    Ok(Some(Arc::new(mission)))
 }
 
 /// Prints the report of a flight, and closes the record.

@@ -16,6 +16,7 @@ use crate::planted::Bug;
 use crate::state::agent::Agent;
 use crate::state::resource::Need;
 use crate::state::resource_id::ResourceId;
+use crate::state::task::Task;
 use crate::state::wake::Wake;
 use apex_model::because::{Because, Cause, Share};
 use apex_model::effect::DecisionKind;
@@ -137,9 +138,9 @@ pub(crate) fn commit(cycle: &mut Cycle<'_>, arbitration: Arbitration) {
         }
     }
     for (id, resource, needed, left) in arbitration.impossible {
-        // What is used up may come back.
+        // What is used up may come back, and most tasks wait for that.
         let full = cycle.agent.resources.get(resource).and_then(|resource| resource.renewable);
-        if full.is_some_and(|full| needed <= full) {
+        if full.is_some_and(|full| needed <= full) && !refuses_to_wait(cycle, id) {
             continue;
         }
         let name = resource_name(cycle, resource);
@@ -182,14 +183,18 @@ fn give_up(cycle: &mut Cycle<'_>, refused: &[Refusal]) {
     let mut losses: Vec<&Defeat> = refused.iter().map(|refusal| &refusal.loss).collect();
     losses.sort_by_key(|loss| loss.loser);
     for loss in losses {
-        let Some(task) = cycle.task(loss.loser) else { continue };
-        let refuses = task.selection.as_ref().is_some_and(|selection| selection.refuses);
-        if refuses && task.state == TaskState::Enabled {
+        if refuses_to_wait(cycle, loss.loser) {
             let cause = Cause::ResourceBusy { resource: resource_name(cycle, loss.resource), holder: loss.winner };
             let place = cycle.place_of(loss.loser);
             termination::fail(cycle, loss.loser, Because::new(cause, place));
         }
     }
+}
+
+/// True if the task has not begun and fails rather than wait.
+fn refuses_to_wait(cycle: &Cycle<'_>, id: TaskId) -> bool {
+    let refuses = |task: &Task| task.selection.as_ref().is_some_and(|selection| selection.refuses);
+    cycle.task(id).is_some_and(|task| task.state == TaskState::Enabled && refuses(task))
 }
 
 /// Returns the tasks that begin by this grant while others are refused; only tasks that may precede others by rank.

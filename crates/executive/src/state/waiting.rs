@@ -6,7 +6,7 @@
 
 use crate::state::claim::{Claim, QueuedClaim};
 use crate::state::orders::{Group, Orders, Signature, class_of};
-use crate::state::queue_place::{QueueKey, RankAmong, TurnOrder};
+use crate::state::queue_place::{QueueKey, QueuePlace, RankAmong, TurnOrder};
 use crate::state::resource_id::ResourceId;
 use crate::state::turns::InTurn;
 use apex_model::task::TaskId;
@@ -302,7 +302,16 @@ impl Waiting {
         claim.key_in(order, risen_to)
     }
 
-    /// Returns the claimants in queues, the first one first; `risen_to` computes a priority from importance and due instant.
+    /// The places of the task by its priorities, in an order where these count.
+    pub fn place_of(&self, task: TaskId, order: TurnOrder) -> Option<&QueuePlace> {
+        let Claim::Queued(claim) = self.claims.get(&task)? else { return None };
+        match order {
+            TurnOrder::Plain => claim.place.as_ref(),
+            TurnOrder::Level(_) | TurnOrder::Below(_) => claim.level.as_ref(),
+        }
+    }
+
+    /// Those in queues, the first first; `risen_to` computes a priority from importance and due instant.
     pub fn in_turn<F: Fn(f64, Time) -> f64>(&self, now: Time, risen_to: F) -> InTurn<'_, F> {
         self.all.in_turn(self.order().unwrap_or(TurnOrder::Plain), now, risen_to)
     }

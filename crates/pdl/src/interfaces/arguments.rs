@@ -27,6 +27,7 @@ pub(super) fn check(library: &Library, calls: &Calls<'_>, types: &Types<'_>, fin
                 continue;
             }
             count(call, declaration, findings);
+            options(call, declaration, findings);
         }
         for number in 1..call.items.len() {
             let Some(wanted) = types.wanted(call, number) else { continue };
@@ -118,11 +119,18 @@ fn usual_unit(wanted: &ArgumentType) -> Option<&'static str> {
 fn argument(call: &Call<'_>, number: usize, wanted: &ArgumentType, found: Mismatch, findings: &mut Findings<'_>) {
     let span = call.argument_span(&mut findings.locator, number);
     let head = call.head().map_or("", Symbol::printed);
+    // The words of its author, `110s`, are better known than the same value in the words of Apex, `P1M50S`.
+    let value = call.items.get(number).and_then(|item| item.value()).map(|value| format!("`{value}`"));
+    let written = findings.locator.text(span).filter(|text| !text.contains('\n')).map(|text| format!("`{text}`"));
+    let as_written = |what: String| match (&value, &written) {
+        (Some(value), Some(written)) => what.replace(value, written),
+        _ => what,
+    };
     let diagnostic = match found {
         Mismatch::Other(what) => Diagnostic::error(
             codes::ARGUMENT_TYPE,
             span,
-            format!("`({head} ..)` takes {} here, but this is {what}", wanted.described()),
+            format!("`({head} ..)` takes {} here, but this is {}", wanted.described(), as_written(what)),
         ),
         Mismatch::Word(word) => {
             let ArgumentType::OneOf(words) = wanted else { return };
@@ -150,7 +158,30 @@ fn argument(call: &Call<'_>, number: usize, wanted: &ArgumentType, found: Mismat
     findings.add(diagnostic);
 }
 
-/// Reports too few or too many arguments.
+/// Options that are not declared, of a command or message that declares some.
+fn options(call: &Call<'_>, declaration: &InterfaceDeclaration, findings: &mut Findings<'_>) {
+    if declaration.options.is_empty() {
+        return;
+    }
+    for (number, item) in call.items.iter().enumerate().skip(1) {
+        let word = item.value().and_then(Value::as_symbol).filter(|name| name.folded().starts_with(':'));
+        let Some(word) = word.filter(|word| declaration.options.iter().all(|option| option.name != **word)) else {
+            continue;
+        };
+        let span = call.argument_span(&mut findings.locator, number);
+        let head = call.head().map_or("", Symbol::printed);
+        let names = declaration.options.iter().map(|option| option.name.printed());
+        let all: Vec<&str> = names.clone().collect();
+        let message = format!("`({head} ..)` has no option `{}`", word.printed());
+        let fixes = renames(span, word.printed(), names);
+        findings.add(
+            Diagnostic::new(Severity::Warning, codes::ARGUMENT_TYPE, span, message)
+                .fixes_or_help(fixes, || format!("its options are {}", all.join(", "))),
+        );
+    }
+}
+
+/// Too few or too many arguments.
 fn count(call: &Call<'_>, declaration: &InterfaceDeclaration, findings: &mut Findings<'_>) {
     let is_keyword =
         |item: &&View<'_>| item.value().and_then(Value::as_symbol).is_some_and(|name| name.folded().starts_with(':'));

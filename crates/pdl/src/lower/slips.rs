@@ -43,6 +43,12 @@ const RELATION_WORDS: &[(&str, &str)] = &[
     ("equals", "="),
     ("ne", "/="),
     ("neq", "/="),
+    ("exceeds", ">"),
+    ("greater-than", ">"),
+    ("more-than", ">"),
+    ("less-than", "<"),
+    ("at-least", ">="),
+    ("at-most", "<="),
 ];
 /// Signs of relations, the longer ones first, and what they are here.
 const RELATION_SIGNS: &[(&str, &str)] = &[

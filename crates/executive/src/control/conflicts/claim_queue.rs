@@ -101,14 +101,7 @@ impl ClaimPlaces {
 pub(crate) fn watches(cycle: &Cycle<'_>, contests: BTreeMap<TaskId, BTreeMap<TaskId, bool>>) -> Vec<PriorityWatch> {
     let concerned = contests.iter().flat_map(|(task, rivals)| rivals.keys().chain([task]));
     let concerned: BTreeSet<TaskId> = concerned.copied().collect();
-    let costs_the_same = |id: TaskId| {
-        let cost = priority::cost_clause(cycle.agent, id);
-        cost.is_none_or(|(expr, _)| matches!(expr.kind, ExprKind::Constant(_)))
-    };
-    let worth = |id: TaskId| {
-        let brings = Brings::of(cycle.agent, id).filter(|_| costs_the_same(id));
-        (id, brings.and_then(|brings| brings.place(cycle, id)))
-    };
+    let worth = |id: TaskId| (id, worth_of(cycle, id));
     let places: BTreeMap<TaskId, Option<QueuePlace>> = concerned.into_iter().map(worth).collect();
     let may_overtake = |task: &TaskId, other: &TaskId| match (places.get(task), places.get(other)) {
         (Some(Some(own)), Some(Some(other))) => own.may_overtake(other),
@@ -120,6 +113,14 @@ pub(crate) fn watches(cycle: &Cycle<'_>, contests: BTreeMap<TaskId, BTreeMap<Tas
         PriorityWatch { task, stands_for: Rc::new([task]), rivals: all.map(rival).collect() }
     };
     contests.into_iter().map(watch).collect()
+}
+
+/// The place of a task by its priorities alone; none where one of them, or the cost to interrupt it, moves in another way than by
+/// its urgency.
+pub(crate) fn worth_of(cycle: &Cycle<'_>, id: TaskId) -> Option<QueuePlace> {
+    let cost = priority::cost_clause(cycle.agent, id);
+    let costs_the_same = cost.is_none_or(|(expr, _)| matches!(expr.kind, ExprKind::Constant(_)));
+    Brings::of(cycle.agent, id).filter(|_| costs_the_same)?.place(cycle, id)
 }
 
 /// Does an ancestor need one of the same resources? Families share, which is not a matter of turns.

@@ -7,8 +7,8 @@
 //! A task behind a refused one of the same group is refused, too: it needs the same, takes as long or longer, and does not beat more. Its
 //! claims count against those behind it, until such claims alone exceed the whole of each resource.
 
-use crate::control::conflicts::arbitration::{Arbitration, PriorityWatch};
-use crate::control::conflicts::claim_queue::watches;
+use crate::control::conflicts::arbitration::{Arbitration, PriorityWatch, Rival};
+use crate::control::conflicts::claim_queue;
 use crate::control::conflicts::competition::is_eligible;
 use crate::control::conflicts::conflict::Field;
 use crate::control::conflicts::priority;
@@ -16,13 +16,15 @@ use crate::control::conflicts::queues::{group_in_turn, rank_below};
 use crate::control::conflicts::sharing::{TOLERANCE, UseKind};
 use crate::control::cycle::Cycle;
 use crate::state::orders::Group;
-use crate::state::queue_place::{QueueKey, TurnOrder};
+use crate::state::queue_place::{QueueKey, QueuePlace, TurnOrder};
 use crate::state::resource::Resource;
 use crate::state::resource_id::ResourceId;
 use crate::state::turns::TurnSource;
 use apex_model::task::TaskId;
 use apex_model::time::{Duration, Time};
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
+use std::rc::Rc;
 
 /// One group of claimants, as far as it was gone through.
 struct Line<'a> {
@@ -166,24 +168,62 @@ impl<'a, 'c> GapLines<'a, 'c> {
         if matches!(self.order, TurnOrder::Below(_)) || !any && !holders.iter().any(|task| moves(*task)) {
             return Vec::new();
         }
-        let granted: BTreeSet<TaskId> = result.granted.iter().copied().collect();
         let fronts: Vec<Vec<TaskId>> = self.lines.iter().map(Line::front).collect();
-        let mut contests: BTreeMap<TaskId, BTreeMap<TaskId, bool>> = BTreeMap::new();
+        let mut tasks: Vec<TaskId> = fronts.iter().flatten().copied().chain(holders).collect();
+        tasks.sort_unstable();
+        tasks.dedup();
+        let worth: Vec<Option<Cow<'_, QueuePlace>>> = tasks.iter().map(|task| self.worth(*task)).collect();
+        let number = |task: &TaskId| tasks.binary_search(task).ok();
+        let mut rivals: BTreeMap<Vec<ResourceId>, Vec<(usize, bool)>> = BTreeMap::new();
+        let mut watched = Vec::new();
         for (line, front) in self.lines.iter().zip(&fronts) {
-            let mut rivals: BTreeMap<TaskId, bool> = BTreeMap::new();
-            for (id, _) in &line.needs {
-                let shares = |other: &Line<'_>| other.needs.iter().any(|need| need.0 == *id);
-                let others = self.lines.iter().zip(&fronts).filter(|(other, _)| shares(other));
-                rivals.extend(others.flat_map(|(_, tasks)| tasks).map(|task| (*task, false)));
-                let uses = self.field.uses_of(*id).iter();
-                rivals.extend(uses.map(|each| (each.task, !matches!(each.kind, UseKind::Awaited(_)))));
-            }
-            for task in front.iter().filter(|task| !granted.contains(task)) {
-                let rivals = rivals.iter().filter(|(other, _)| *other != task);
-                contests.entry(*task).or_default().extend(rivals);
+            let needs: Vec<ResourceId> = line.needs.iter().map(|need| need.0).collect();
+            let rivals = rivals.entry(needs).or_insert_with_key(|needs| self.rivals(needs, &fronts, number));
+            for task in front.iter().filter(|task| !result.granted.contains(task)) {
+                let own = number(task).and_then(|number| worth.get(number)?.as_deref());
+                let may_overtake = |(other, _): &&(usize, bool)| {
+                    let other = worth.get(*other).and_then(|worth| worth.as_deref());
+                    own.zip(other).is_none_or(|(own, other)| own.may_overtake(other))
+                };
+                let others = rivals.iter().filter(may_overtake).filter_map(|(other, holds)| {
+                    let other = *tasks.get(*other).filter(|other| *other != task)?;
+                    Some(Rival { task: other, holds: *holds, stands_for: Rc::new([other]) })
+                });
+                let rivals: Vec<Rival> = others.collect();
+                let looks = agent.task(*task).and_then(|task| task.extras.as_ref()?.crossing).is_some();
+                if looks || !rivals.is_empty() {
+                    watched.push(PriorityWatch { task: *task, stands_for: Rc::new([*task]), rivals });
+                }
             }
         }
-        watches(self.cycle, contests)
+        watched
+    }
+
+    /// The place of a task by its priorities; none where they move in another way than by urgency.
+    fn worth(&self, task: TaskId) -> Option<Cow<'a, QueuePlace>> {
+        let waits = self.resources.values().find_map(|resource| resource.waiting.place_of(task, self.order));
+        waits.map(Cow::Borrowed).or_else(|| claim_queue::worth_of(self.cycle, task).map(Cow::Owned))
+    }
+
+    /// The first of all lines that share one of these resources, and all that use one of them: by number, with true for one
+    /// that has it.
+    fn rivals(
+        &self,
+        needs: &[ResourceId],
+        fronts: &[Vec<TaskId>],
+        number: impl Fn(&TaskId) -> Option<usize>,
+    ) -> Vec<(usize, bool)> {
+        let mut rivals: BTreeMap<usize, bool> = BTreeMap::new();
+        let shares = |line: &Line<'_>| line.needs.iter().any(|need| needs.contains(&need.0));
+        let waiting = self.lines.iter().zip(fronts).filter(|(line, _)| shares(line)).flat_map(|(_, front)| front);
+        rivals.extend(waiting.filter_map(&number).map(|number| (number, false)));
+        for each in needs.iter().flat_map(|id| self.field.uses_of(*id)) {
+            let holds = !matches!(each.kind, UseKind::Awaited(_));
+            if let Some(number) = number(&each.task) {
+                *rivals.entry(number).or_default() |= holds;
+            }
+        }
+        rivals.into_iter().collect()
     }
 }
 
