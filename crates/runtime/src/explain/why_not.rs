@@ -253,8 +253,8 @@ fn target_sentence(id: &str, at: Time, last: Option<&TargetMoment>) -> String {
     match state.as_str() {
         "observed" => format!("{id} was observed at {since}."),
         "observing" => format!("{id} is being observed at {at}, since {since}."),
-        "skipped" => format!("{id} has not been observed by {at}: it was left out at {since}{detail}."),
-        _ => format!("{id} has not been observed by {at}: it is {state}{detail}."),
+        "skipped" => format!("{id} has not been visited by {at}: it was left out at {since}{detail}."),
+        _ => format!("{id} has not been visited by {at}: it is {state}{detail}."),
     }
 }
 
