@@ -117,6 +117,11 @@ fn bad_world_files_are_refused_with_the_field_and_what_would_be_right() {
         (r#"{"format": "apex-world-1", "faults": [{"fault": "modem", "of": "radio", "at_s": 1}]}"#, "unknown modem"),
         (r#"{"format": "apex-world-1", "ignitions": {"detection": 1.5}}"#, "ignitions.detection is 1.5"),
         (
+            r#"{"format": "apex-world-1", "perimeters": {"every_h": 0}}"#,
+            "perimeters.every_h is 0; it must be at least 0.1",
+        ),
+        (r#"{"format": "apex-world-1", "perimeters": {}}"#, "this mission has no fire with an outline"),
+        (
             r#"{"format": "apex-world-1", "clouds": [{"latitude_deg": 95, "longitude_deg": 0, "radius_m": 1, "base_m": 0, "top_m": 1, "cover": 0}]}"#,
             "clouds[0].latitude_deg",
         ),
