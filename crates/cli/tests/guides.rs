@@ -47,7 +47,7 @@ fn excerpt(shown: &[&str], real: &str) -> String {
         if ahead > 0 {
             excerpt.push(LEFT_OUT);
         }
-        excerpt.push(rest[ahead]);
+        excerpt.extend(rest.get(ahead));
         next += ahead + 1;
     }
     if next < real.len() {
