@@ -2,24 +2,337 @@
 
 import type { PlanInForce } from './view';
 
-export type MissionFacts = { kind: 'fixed-wing' | 'rotorcraft', landing_distance_m_max: number | null, windows: Array<WantedWindow>, };
+/**
+ * Facts of the mission that the page needs next to its record: all of them are in the mission's files.
+ */
+export type MissionFacts = { 
+/**
+ * `fixed-wing` or `rotorcraft`.
+ */
+kind: 'fixed-wing' | 'rotorcraft', 
+/**
+ * Greatest distance from a landing place that the mission allows, metres; none if it states none.
+ */
+landing_distance_m_max: number | null, 
+/**
+ * Windows of the wanted looks of targets. The page shows those of targets that are known.
+ */
+windows: Array<WantedWindow>, };
+
+/**
+ * A window in which an image of a target has its full worth.
+ */
 export type WantedWindow = { target: string, look: string, from_ns: number, to_ns: number, };
-export type Operation = { now_ns: number, pace: number | null, paused: boolean, targets: Array<TargetNews>, commands: Array<CommandState>, authority: AuthorityState, questions: Array<OpenQuestion>, planning: Planning | null, };
-export type OpenQuestion = { agent: string, question: number, text: string, options: Array<string>, default: string | null, asked_ns: number, by_ns: number | null, };
-export type Planning = { goal: string, since_s: number, };
-export type TargetNews = { id: string, known: boolean, };
-export type CommandState = { number: number, words: string, by: string, state: 'sent' | 'accepted' | 'rejected' | 'expired', at_ns: number | null, reason: string | null, age_s: number, };
-export type AuthorityState = { epoch: number, holder: ActorState | null, silent: boolean, offer: OfferState | null, you: ActorState, yours: boolean, may_take: boolean, stations: Array<ActorState>, };
-export type ActorState = { name: string, role: string, };
-export type OfferState = { to: string, left_s: number, };
-export type Wish = { "do": "pause" } | { "do": "resume" } | { "do": "pace", pace: number | null, } | { "do": "step" } | { "do": "stop" } | { "do": "answer", agent: string, question: number, answer: string, } | { "do": "message", agent?: string, form: string, } | { "do": "add-target", target: string, } | { "do": "remove-target", target: string, } | { "do": "value-target", target: string, value: number, } | { "do": "acknowledge", alarm: string, } | { "do": "take-authority" } | { "do": "offer-authority", to: string, } | { "do": "refuse-authority" } | { "do": "release-authority" };
-export type SessionState = { name: string, role: 'observer' | 'operator' | 'pilot-in-command', tokens: boolean, };
-export type ShelfRow = { id: number, record: string, agent: string, mission: string | null, fork: ForkRow | null, };
+
+/**
+ * The run as the API describes it.
+ */
+export type Operation = { now_ns: number, 
+/**
+ * Mission seconds per second of wall time; none is as fast as possible.
+ */
+pace: number | null, paused: boolean, targets: Array<TargetNews>, commands: Array<CommandState>, authority: AuthorityState, 
+/**
+ * Open questions, oldest first.
+ */
+questions: Array<OpenQuestion>, 
+/**
+ * The request that planners work on; mission time stands still meanwhile.
+ */
+planning: Planning | null, };
+
+/**
+ * A question that waits for an answer.
+ */
+export type OpenQuestion = { agent: string, question: number, text: string, 
+/**
+ * The choices as printed; none if any answer is taken.
+ */
+options: Array<string>, 
+/**
+ * Answer taken at the deadline; `None` fails the task.
+ */
+default: string | null, asked_ns: number, 
+/**
+ * The deadline.
+ */
+by_ns: number | null, };
+
+/**
+ * A planner at work.
+ */
+export type Planning = { 
+/**
+ * The goal that it plans for.
+ */
+goal: string, 
+/**
+ * Wall time since the request, in seconds.
+ */
+since_s: number, };
+
+/**
+ * Change of a target by an operator.
+ */
+export type TargetNews = { id: string, 
+/**
+ * True while the mission counts it as to be observed.
+ */
+known: boolean, };
+
+/**
+ * A command as the API describes it.
+ */
+export type CommandState = { number: number, words: string, 
+/**
+ * The name of its author.
+ */
+by: string, state: 'sent' | 'accepted' | 'rejected' | 'expired', at_ns: number | null, reason: string | null, age_s: number, };
+
+/**
+ * Authority as the API describes it.
+ */
+export type AuthorityState = { 
+/**
+ * The number of the epoch; commands may state it.
+ */
+epoch: number, 
+/**
+ * The holder; none while authority is free.
+ */
+holder: ActorState | null, 
+/**
+ * The holder was silent until another operator may take authority.
+ */
+silent: boolean, offer: OfferState | null, 
+/**
+ * The caller.
+ */
+you: ActorState, 
+/**
+ * The caller holds it.
+ */
+yours: boolean, 
+/**
+ * The caller may take it now.
+ */
+may_take: boolean, 
+/**
+ * Other callers with a recent request that may hold it.
+ */
+stations: Array<ActorState>, };
+
+/**
+ * An operator or program, as the API describes it.
+ */
+export type ActorState = { name: string, 
+/**
+ * `observer`, `operator` or `pilot-in-command`.
+ */
+role: string, };
+
+/**
+ * An offer of authority.
+ */
+export type OfferState = { 
+/**
+ * The name of the actor that it is offered to.
+ */
+to: string, 
+/**
+ * Wall time until it is over, in seconds.
+ */
+left_s: number, };
+
+/**
+ * The body of `POST /api/commands`.
+ */
+export type Wish = { "do": "pause" } | { "do": "resume" } | { "do": "pace", 
+/**
+ * The pace.
+ */
+pace: number | null, } | { "do": "step" } | { "do": "stop" } | { "do": "answer", 
+/**
+ * The agent that asks.
+ */
+agent: string, 
+/**
+ * The question's number.
+ */
+question: number, 
+/**
+ * One of its options as printed, or any answer if it has none.
+ */
+answer: string, } | { "do": "message", 
+/**
+ * The agent that hears it; none is all.
+ */
+agent?: string, 
+/**
+ * The form.
+ */
+form: string, } | { "do": "add-target", 
+/**
+ * Its id.
+ */
+target: string, } | { "do": "remove-target", 
+/**
+ * Its id.
+ */
+target: string, } | { "do": "value-target", 
+/**
+ * Its id.
+ */
+target: string, 
+/**
+ * The value.
+ */
+value: number, } | { "do": "acknowledge", 
+/**
+ * The alarm, as text.
+ */
+alarm: string, } | { "do": "take-authority" } | { "do": "offer-authority", 
+/**
+ * Its name.
+ */
+to: string, } | { "do": "refuse-authority" } | { "do": "release-authority" };
+
+/**
+ * The caller, as the API describes it.
+ */
+export type SessionState = { name: string, role: 'observer' | 'operator' | 'pilot-in-command', 
+/**
+ * True if this server needs tokens.
+ */
+tokens: boolean, };
+
+/**
+ * An entry as the API describes it.
+ */
+export type ShelfRow = { 
+/**
+ * Its number; 0 is the served record with the agent that is shown first.
+ */
+id: number, 
+/**
+ * The record's file name.
+ */
+record: string, 
+/**
+ * The agent's name.
+ */
+agent: string, 
+/**
+ * The mission's name.
+ */
+mission: string | null, 
+/**
+ * Changes of a fork and the instant of the first; null for other records.
+ */
+fork: ForkRow | null, };
+
 export type ForkRow = { at_ns: number, with: string, };
-export type ForkState = { id: number, at_ns: number, with: string, file: string, state: 'flying' | 'ended' | 'failed', now_ns: number, record: number | null, comparison: string | null, failure: Failure | null, };
-export type ForkRequest = { at_ns: number, wind_factor: number | null, seed: number | null, plan: Array<string>, inputs: Array<InputRequest>, };
-export type InputRequest = { t: number, event: string, };
-export type Failure = { message: string, reason: string | null, help: string | null, place: string | null, };
-export type DraftAnswer = { at_ns: number, plan: PlanInForce | null, worth: Worth | null, violation: DraftViolation | null, };
+
+/**
+ * A fork as the API describes it.
+ */
+export type ForkState = { id: number, at_ns: number, with: string, file: string, 
+/**
+ * `flying`, `ended` or `failed`.
+ */
+state: 'flying' | 'ended' | 'failed', now_ns: number, 
+/**
+ * Its number in `/api/records`, once it has ended.
+ */
+record: number | null, 
+/**
+ * Both reports side by side, as `apex fork` prints them.
+ */
+comparison: string | null, failure: Failure | null, };
+
+/**
+ * The body of `POST /api/forks`.
+ */
+export type ForkRequest = { 
+/**
+ * The instant from which the flight differs, nanoseconds of mission time.
+ */
+at_ns: number, 
+/**
+ * Factor of the wind that blows after the instant.
+ */
+wind_factor: number | null, 
+/**
+ * Seed of turbulence and radio links after the instant.
+ */
+seed: number | null, 
+/**
+ * Visits in this order instead of planning.
+ */
+plan: Array<string>, 
+/**
+ * Messages after the instant.
+ */
+inputs: Array<InputRequest>, };
+
+/**
+ * A message at an instant.
+ */
+export type InputRequest = { 
+/**
+ * Seconds of mission time.
+ */
+t: number, 
+/**
+ * A form of PDL.
+ */
+event: string, };
+
+/**
+ * Failure with reason, place and remedy.
+ */
+export type Failure = { 
+/**
+ * Failure.
+ */
+message: string, 
+/**
+ * Reason, if known.
+ */
+reason: string | null, 
+/**
+ * Remedy, if known.
+ */
+help: string | null, 
+/**
+ * File, line or option at fault, if there is one.
+ */
+place: string | null, };
+
+/**
+ * A draft with the checker's word.
+ */
+export type DraftAnswer = { at_ns: number, 
+/**
+ * The plan, if all visits can be made.
+ */
+plan: PlanInForce | null, 
+/**
+ * Its expected score, or its expected cost of ignorance.
+ */
+worth: Worth | null, 
+/**
+ * Reason if there is no plan.
+ */
+violation: DraftViolation | null, };
+
 export type Worth = { what: string, value: number, };
-export type DraftViolation = { reason: string, visit: number | null, };
+
+/**
+ * A mistake in a draft, and its place.
+ */
+export type DraftViolation = { reason: string, 
+/**
+ * The place among the visits, from 0; none if the draft as a whole is wrong.
+ */
+visit: number | null, };
