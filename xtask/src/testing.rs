@@ -27,6 +27,8 @@ struct ArtifactProfile {
 const LONGEST: &[&str] = &[
     "fault_simulator",
     "guarded_flights",
+    "structure_watch",
+    "living_world",
     "random",
     "apex_solvers",
     "brute_force",
@@ -52,6 +54,7 @@ struct TestProgram {
 /// A build that fails; the programs whose tests fail.
 pub(crate) fn run(root: &Path, arguments: &[&str]) -> Result<String, String> {
     let mut programs = build(root, arguments)?;
+    let environment = environment(root)?;
     // The sort is stable: all others keep the order of cargo.
     programs.sort_by_key(|program| rank(&program.executable));
     let count = programs.len();
@@ -61,7 +64,7 @@ pub(crate) fn run(root: &Path, arguments: &[&str]) -> Result<String, String> {
         for _ in 0..at_once {
             scope.spawn(|| {
                 while let Some(program) = next(&open) {
-                    if !passes(&program)
+                    if !passes(&program, &environment)
                         && let Ok(mut failed) = failed.lock()
                     {
                         failed.push(program.executable);
@@ -89,13 +92,25 @@ fn next(open: &Mutex<VecDeque<TestProgram>>) -> Option<TestProgram> {
     open.lock().ok()?.pop_front()
 }
 
+/// Returns the variables that `.cargo/config.toml` sets for programs that cargo runs, such as the seed of property tests: this
+/// program itself may have been started without cargo. Those that are set already keep their values.
+fn environment(root: &Path) -> Result<Vec<(String, String)>, String> {
+    let path = root.join(".cargo/config.toml");
+    let text = std::fs::read_to_string(&path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
+    let config: toml::Table = text.parse().map_err(|error| format!("{}: {error}", path.display()))?;
+    let set = config.get("env").and_then(toml::Value::as_table).into_iter().flatten();
+    let set = set.filter_map(|(name, value)| Some((name.clone(), value.as_str()?.to_string())));
+    Ok(set.filter(|(name, _)| std::env::var_os(name).is_none()).collect())
+}
+
 /// Runs one program; true if all of its tests pass.
-fn passes(program: &TestProgram) -> bool {
+fn passes(program: &TestProgram, environment: &[(String, String)]) -> bool {
     let begin = Instant::now();
     let output = Command::new(&program.executable)
         .arg("--quiet")
         .current_dir(&program.folder)
         .env("CARGO_MANIFEST_DIR", &program.folder)
+        .envs(environment.iter().map(|(name, value)| (name, value)))
         .stdin(Stdio::null())
         .output();
     match output {
@@ -141,6 +156,14 @@ fn build(root: &Path, arguments: &[&str]) -> Result<Vec<TestProgram>, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_seed_of_property_tests_is_set_without_cargo() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let set = environment(&root).expect("the configuration of cargo is read");
+        let is_set = |name: &str| std::env::var_os(name).is_some() || set.iter().any(|(known, _)| known == name);
+        assert!(is_set("PROPTEST_RNG_SEED") && is_set("PROPTEST_DISABLE_FAILURE_PERSISTENCE"), "{set:?}");
+    }
 
     #[test]
     fn artifacts_of_cargo_are_read() {
