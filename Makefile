@@ -74,8 +74,9 @@ test: ## Everything that CI runs: check, tests, spec pages, the Python package, 
 	$(MAKE) web
 	$(MAKE) --jobs=2 --output-sync=target rust-lints web-checks web-tests
 	$(MAKE) rust-tests
-	$(MAKE) --jobs=2 --output-sync=target python-checks python-tests flights
-	$(MAKE) page-tests
+	$(MAKE) flights
+	# The page's tests mostly wait for the browser; the checks of Python need one processor.
+	$(MAKE) --jobs=2 --output-sync=target python-package page-tests
 
 spec: ## Run the specification pages; UPDATE=1 rewrites their expected traces (review the diff).
 	UPDATE=$(UPDATE) cargo test --locked $(CI_PROFILE) --package apex-spec
@@ -271,6 +272,12 @@ python-checks: .venv/.apex
 
 python-tests: .venv/.apex
 	cd python && ../.venv/bin/pytest
+
+# One after the other, beside something else.
+.PHONY: python-package
+python-package:
+	$(MAKE) python-checks
+	$(MAKE) python-tests
 
 web/node_modules/.installed: web/package.json web/package-lock.json
 	cd web && npm ci --no-audit --no-fund --loglevel=error
