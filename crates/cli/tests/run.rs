@@ -128,5 +128,5 @@ fn success_is_that_of_the_initial_task_whatever_the_words_of_the_end() {
     let ended = desk.apex(&["run", "ended.pdl", "--expect", "success"]).well();
     assert!(ended.out.contains("\"reason\":\"no camera failed\""), "{}", ended.out);
     let failed = desk.apex(&["run", "failed.pdl", "--expect", "success"]);
-    failed.complained(1, &["the run was to succeed, and ended because the initial task failed"]);
+    failed.complained(1, &["expected the run to succeed, but it ended because the initial task failed"]);
 }
