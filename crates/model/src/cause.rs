@@ -113,7 +113,7 @@ pub enum Cause {
         /// Strength of the loser.
         loser: Strength,
     },
-    /// The resource can never give what is needed: it has less, or less of it is left.
+    /// The resource cannot give what is needed: it has less, or less of it is left.
     ResourceExhausted {
         /// The resource.
         resource: Value,

@@ -40,7 +40,7 @@ impl Cause {
                 outranked_text(*by, resource, *rule, *winner, *loser)
             }
             Cause::ResourceExhausted { resource, needed, left } => {
-                format!("{resource} can never give the {needed} that it needs: there is {left}")
+                format!("{resource} cannot give the {needed} that it needs: there is {left}")
             }
             Cause::AncestorSuspended { ancestor } => format!("{ancestor} above it was suspended"),
             Cause::AncestorResumed { ancestor } => format!("{ancestor} above it was resumed"),

@@ -122,12 +122,14 @@ pub enum RecordError {
         doing: String,
     },
     /// A write failed during the flight, and none succeeded until its end.
-    #[error("the recording was lost at {since} because {reason}: the flight record {} holds everything before, and {steps} later steps that were kept in memory are not in it; free some space or record to another disk, then fly again", path.display())]
+    #[error("the recording was lost at {since} because {reason}: the flight record {} holds {}, and {steps} later steps that were kept in memory are not in it; free some space or record to another disk, then fly again", path.display(), held_text(*held))]
     Lost {
         /// The file.
         path: PathBuf,
-        /// The instant of the first step that is not stored.
+        /// The instant at which a write failed. Steps before it may be lost, too: those of the group that was open.
         since: Time,
+        /// The instant of the last step that is stored; none if no step is.
+        held: Option<Time>,
         /// The system's reason.
         reason: String,
         /// Steps that were kept in memory.
@@ -152,4 +154,8 @@ pub enum RecordError {
     /// Nothing was recorded up to the asked instant, or the name is unknown.
     #[error("{0}")]
     Question(String),
+}
+
+fn held_text(held: Option<Time>) -> String {
+    held.map_or_else(|| "no step".to_string(), |at| format!("the steps up to {at}"))
 }

@@ -110,6 +110,8 @@ pub(super) struct Store {
     pub(super) link: ChainPosition,
     /// Number of the last committed step.
     pub(super) committed_batch: i64,
+    /// Instant of that step; none before the first.
+    committed_at: Option<Time>,
     pub(super) counts: [u64; TABLES],
     inserts: [String; TABLES],
     /// A write failed; nothing is written after it.
@@ -154,6 +156,7 @@ impl Store {
             sealer: Sealer::default(),
             link: ChainPosition::default(),
             committed_batch: 0,
+            committed_at: None,
             counts: [0; TABLES],
             inserts: super::tables::ALL.map(Table::insert),
             broken: false,
@@ -206,6 +209,9 @@ impl Store {
         }
         connection.prepare_cached("COMMIT")?.execute([])?;
         // A group whose commit fails is not part of the chain.
+        if batch > self.committed_batch {
+            self.committed_at = Some(self.now);
+        }
         (self.link, self.committed_batch) = (link, batch);
         Ok(())
     }
@@ -315,7 +321,7 @@ impl RowStore for Store {
         }
         if let Some(RecordingLoss { since, reason, .. }) = &self.loss {
             let (path, since, reason) = (self.path.clone(), *since, reason.clone());
-            return Err(RecordError::Lost { path, since, reason, steps: self.kept.steps() });
+            return Err(RecordError::Lost { path, since, held: self.committed_at, reason, steps: self.kept.steps() });
         }
         self.checkpoints = None;
         let Some(connection) = self.connection.take() else { return Ok(()) };

@@ -159,7 +159,11 @@ fn a_record_that_never_resumes_says_so_at_the_end_and_holds_what_came_before() {
     assert!(informed.contains("the recording was lost at ") && informed.contains("the disk is full"), "{informed:#}");
     let reader = RecordReader::open(&flown.path).unwrap();
     assert!(!reader.is_complete().unwrap());
+    // What is said to be in the record is what a reader finds in it.
+    let held = reader.steps().unwrap().map(|step| step.unwrap().batch.now).last().unwrap();
+    assert!(informed.contains(&format!("holds the steps up to {held}, and")), "{held}: {informed}");
     let steps = reader.steps().unwrap().count();
+    assert!(informed.contains(&format!("and {} later steps", flown.end.steps - steps as u64)), "{steps}: {informed}");
     assert!(steps >= 199 && (steps as u64) < flown.end.steps, "{steps}");
     assert_eq!(replay(&reader, &load).unwrap().difference, None);
 }
