@@ -1,7 +1,7 @@
 //! The route that is commanded: the flight command that is open, and the last state that the vehicle reported.
 
 use crate::Mission;
-use apex_geo::geodesy::{azimuth_deg, distance_m, wrap_180};
+use apex_geo::geodesy::{inverse, wrap_180};
 use apex_model::effect::{CommandId, Effect};
 use apex_model::event::{EventKind, StateVariable};
 use apex_model::planned::Location;
@@ -74,16 +74,18 @@ impl Commanded {
     }
 
     /// Leaves out the points of the way that are passed: those behind the end of their leg, and those closely behind the vehicle
-    /// when the command begins.
-    pub(super) fn pass(&mut self, here: Position, track_deg: f64) {
+    /// when the command begins, for which `track_deg` is asked.
+    pub(super) fn pass(&mut self, here: Position, track_deg: impl Fn() -> f64) {
         let Some(points) = self.order.as_mut().and_then(FlightOrder::points_mut) else { return };
-        let track_rad = track_deg.to_radians();
-        let track = (libm::sin(track_rad), libm::cos(track_rad));
+        let track = || {
+            let track_rad = track_deg().to_radians();
+            (libm::sin(track_rad), libm::cos(track_rad))
+        };
         while let (1.., Some(first)) = (self.via.0, points.first().copied()) {
             let beyond = offset_m(first, here);
             let is_passed = match self.leg_from {
                 Some(from) => dot(beyond, offset_m(from, first)) >= 0.0,
-                None => dot(beyond, track) > 0.0 && libm::hypot(beyond.0, beyond.1) < BEHIND_M,
+                None => libm::hypot(beyond.0, beyond.1) < BEHIND_M && dot(beyond, track()) > 0.0,
             };
             if !is_passed {
                 self.leg_from.get_or_insert(here);
@@ -296,8 +298,13 @@ impl Flown {
 
     /// Direction of flight over ground, clockwise from north; without a reported track that of the last two positions.
     pub(super) fn track_deg(&self) -> f64 {
-        let moved = self.previous.zip(self.position).filter(|(from, to)| distance_m(*from, *to) > 1.0);
-        self.track_deg.or_else(|| moved.map(|(from, to)| azimuth_deg(from, to))).unwrap_or(0.0)
+        // Geodesics are expensive: none for a vehicle that reports its track, one for the others.
+        let between = || {
+            let (from, to) = self.previous.zip(self.position)?;
+            let (distance_m, azimuth_deg) = inverse(from, to);
+            (distance_m > 1.0).then_some(azimuth_deg)
+        };
+        self.track_deg.or_else(between).unwrap_or(0.0)
     }
 }
 
@@ -362,19 +369,19 @@ mod tests {
             Some(FlightOrder::FlyBy(left)) => left.len(),
             other => panic!("{other:?}"),
         };
-        commanded.pass(at(33.0, -119.0), 90.0);
-        commanded.pass(at(33.01, -118.1), 90.0);
+        commanded.pass(at(33.0, -119.0), || 90.0);
+        commanded.pass(at(33.01, -118.1), || 90.0);
         assert_eq!((ahead(&commanded), commanded.altitude_m()), (3, Some(5000.0)), "both points are ahead");
-        commanded.pass(at(33.02, -117.9), 90.0);
+        commanded.pass(at(33.02, -117.9), || 90.0);
         assert_eq!(ahead(&commanded), 2, "10 km beyond the first");
-        commanded.pass(at(33.1, -116.99), 10.0);
+        commanded.pass(at(33.1, -116.99), || 10.0);
         assert_eq!((ahead(&commanded), commanded.altitude_m()), (1, Some(7000.0)), "the goal stays");
-        commanded.pass(at(34.5, -117.0), 0.0);
+        commanded.pass(at(34.5, -117.0), || 0.0);
         assert_eq!(ahead(&commanded), 1);
         // A point closely behind when the command begins is passed already.
         commanded.order = Some(FlightOrder::FlyBy(points));
         (commanded.via, commanded.leg_from) = ((2, None), None);
-        commanded.pass(at(33.0, -117.99), 90.0);
+        commanded.pass(at(33.0, -117.99), || 90.0);
         assert_eq!(ahead(&commanded), 2);
     }
 

@@ -18,6 +18,7 @@ use apex_requirements::margin::{energy, weather};
 use apex_requirements::prediction::{RouteSpan, active_span};
 use apex_requirements::response::turn_away_s;
 use apex_requirements::{Concern, Motion, Route, first_violation};
+use std::cell::OnceCell;
 
 /// A requirement compared with the flight.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,7 +79,12 @@ pub(super) struct Scene<'a> {
     pub(super) plane: Plane,
     pub(super) motion: Motion,
     pub(super) route: Route,
+    /// The way from here to the nearest landing site, once a reading has asked for it.
+    way_from_here: OnceCell<WayToSite<'a>>,
 }
+
+/// A landing site with the length (m) and the azimuth (degrees) of the geodesic to it.
+type WayToSite<'a> = (LandingSite<'a>, (f64, f64));
 
 impl<'a> Scene<'a> {
     /// Returns the scene at `now_s`; `None` before the first position.
@@ -106,7 +112,8 @@ impl<'a> Scene<'a> {
         let begin = Route::begin(Point::default(), track, altitude_m, motion);
         let circle_m = model.turns.circle_width * motion.turn_radius_m;
         let route = along(begin, commanded.order_at(now_s), &plane, circle_m, mission.requirements.look_ahead_s);
-        Some(Scene { mission, forecast, flown, links, here, now_s, plane, motion, route })
+        let way_from_here = OnceCell::new();
+        Some(Scene { mission, forecast, flown, links, here, now_s, plane, motion, route, way_from_here })
     }
 
     pub(super) fn requirements(&self) -> &'a Requirements {
@@ -140,7 +147,14 @@ impl<'a> Scene<'a> {
     }
 
     /// Returns the nearest landing site to a position, with the length and the azimuth of the geodesic to it.
-    fn way_to_site(&self, position: Position) -> (LandingSite<'a>, (f64, f64)) {
+    fn way_to_site(&self, position: Position) -> WayToSite<'a> {
+        if position == self.here {
+            return *self.way_from_here.get_or_init(|| self.find_site(position));
+        }
+        self.find_site(position)
+    }
+
+    fn find_site(&self, position: Position) -> WayToSite<'a> {
         // Near on a plane chart first, since geodesics are expensive; the nearest three of those exactly.
         let east = libm::cos(position.latitude_deg.to_radians());
         let chart = |site: &LandingSite<'_>| {

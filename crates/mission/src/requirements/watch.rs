@@ -95,7 +95,8 @@ impl Watch {
             self.commanded.take(batch.now.seconds(), effect, |value| mission.place(value));
         }
         if let Some(here) = self.flown.position.filter(|_| moved) {
-            self.commanded.pass(here, self.flown.track_deg());
+            let flown = &self.flown;
+            self.commanded.pass(here, || flown.track_deg());
         }
         let now_s = batch.now.seconds();
         let changed = self.commanded.changes != self.read_changes;
