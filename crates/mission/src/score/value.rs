@@ -1,4 +1,4 @@
-//! The mission score of a flight: points of every wanted look as flown and as the plan predicted, and costs.
+//! The mission score of a flight: points of every wanted look as flown and as predicted by the plan, and costs.
 
 use super::flown::FlownScore;
 use crate::predicted::Predicted;
@@ -10,7 +10,7 @@ use apex_observation::result::{LookResult, TargetResult};
 /// `M = sum_j v_j c_j r_j s_j o_j(t) - (sum_k H_k W_k + P (R C_v + M C_m))` of a flight, in points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlightScore {
-    /// Wanted looks that were observed, or at least seen in part.
+    /// Wanted looks that were observed, or seen at least in part.
     pub looks: Vec<ScoredLook>,
     /// Points of all wanted looks.
     pub benefits: f64,
